@@ -1,0 +1,20 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace planescope {
+
+/// What the outside world got wrong: a file, weights, GL, an option. The message is one line that
+/// names the file or option, what was found and what was expected. `main` catches it once, prints
+/// it and exits with 2. Programmer mistakes are asserts, normal absences std::optional.
+struct Error : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Long work was stopped on request (exit code 130).
+struct Cancelled : std::runtime_error {
+  Cancelled() : std::runtime_error("cancelled") {}
+};
+
+}  // namespace planescope

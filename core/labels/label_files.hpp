@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/classify/classifier.hpp"
+#include "core/image/image.hpp"
+#include "core/recording/frame.hpp"
+
+namespace planescope {
+
+inline constexpr std::uint16_t kPlaneIgnore = 65535;  // plane image: do not score this pixel
+inline constexpr std::uint8_t kHvIgnore = 255;        // h/v image: likewise
+
+/// One labelled plane, in the sensor's frame: normal . x = offset.
+struct LabelPlane {
+  int id = 0;  // 1..65534
+  Label label = Label::unknown;
+  Vec3d normal = Vec3d::UnitZ();
+  double offset_m = 0;
+  double rms_m = 0;
+  double tolerance_m = 0;
+  int fragments = 0;  // connected parts in the image
+};
+
+/// Ground truth of one depth frame, on its native pixels.
+struct FrameLabels {
+  std::string depth_sha256;  // Recording::frame_hash of the frame that was labelled
+  Intrinsics intrinsics;
+  Gravity gravity;
+  Image16 plane;  // plane id; 0 unlabelled, kPlaneIgnore
+  Image8 hv;      // 0 unknown, 1 h, 2 v, kHvIgnore
+  std::vector<LabelPlane> planes;
+  std::string annotator;
+  std::string review_state;  // "unreviewed", "reviewed"
+};
+
+/// <recording>.labels beside the recording (a trailing slash is ignored).
+std::filesystem::path default_label_dir(const std::filesystem::path& recording);
+
+/// DIR/000123.{plane.png,hv.png,json}, numbered by 0-based depth frame.
+void write_frame_labels(const std::filesystem::path& dir,
+                        int frame_index,
+                        const FrameLabels& labels);
+/// nullopt if the frame has no labels there. Throws Error if files are damaged, or if
+/// `expected_sha256` is not empty and differs, or sizes differ: labels are refused, never resized.
+std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
+                                             int frame_index,
+                                             const std::string& expected_sha256);
+
+}  // namespace planescope

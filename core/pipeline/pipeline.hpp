@@ -1,0 +1,61 @@
+#pragma once
+
+// Recording -> Frame -> Cloud -> voxel grid -> labels -> Octree -> traverse -> merge -> assign,
+// every intermediate kept, so that the desktop and the report can show any stage.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/classify/classifier.hpp"
+#include "core/cloud/cloud.hpp"
+#include "core/cloud/gravity.hpp"
+#include "core/recording/frame.hpp"
+#include "core/segment/segment.hpp"
+
+namespace planescope {
+
+/// Everything a user can set about the processing of one frame.
+struct PipelineOptions {
+  CloudOptions cloud;
+  GravityOptions gravity;
+  PcaClassifierOptions pca;
+  SegmentOptions segment = profile_options(Profile::refined);
+  std::string classifier = "pca";  // pca | truth
+  int threads = 1;
+};
+
+/// Milliseconds, named as in the paper's table IV.
+struct FrameTimings {
+  double load_ms = 0;
+  double cloud_ms = 0;  // back-projection, crop, alignment
+  double t_d_ms = 0;    // voxel grid
+  double t_c_ms = 0;    // classification
+  double t_b_ms = 0;    // octree
+  double t_s_ms = 0;    // traversal, merge, assignment, refinement
+};
+
+/// Truth of a frame on its cloud's points, from label files or from a cloud's own fields.
+struct FrameTruth {
+  std::vector<std::uint8_t> label;     // per cloud point: 0 unknown, 1 h, 2 v
+  std::vector<std::int32_t> instance;  // per cloud point: plane id, 0 none, -1 not scored
+};
+
+struct FrameResult {
+  Gravity gravity;
+  Cloud cloud;
+  VoxelCloud voxels;                   // N_d = voxels.points.size()
+  Classification classification;       // per voxel
+  Segmentation segmentation;           // per voxel
+  std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
+  FrameTimings timings;
+};
+
+/// Runs one frame. Throws Error where gravity cannot be found, or truth labels are asked for and
+/// `truth` is null. `trace` may be null.
+FrameResult run_frame(const Frame& frame,
+                      const PipelineOptions& options,
+                      const FrameTruth* truth = nullptr,
+                      Trace* trace = nullptr);
+
+}  // namespace planescope

@@ -1,0 +1,59 @@
+#pragma once
+
+// The paper's Section IV in one function.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/plane.hpp"
+#include "core/segment/octree.hpp"
+#include "core/segment/options.hpp"
+#include "core/segment/trace.hpp"
+
+namespace planescope {
+
+struct PlaneRegion {
+  int id = 0;  // 1-based
+  Label label = Label::unknown;
+  PlaneFit fit;  // local coordinates; normal points up (h) or towards the sensor side (v)
+  std::uint32_t points = 0;  // points of segment()'s input
+};
+
+/// How much the traversal did; the same for any thread count.
+struct SegmentCounts {
+  std::uint32_t nodes_visited = 0;
+  std::uint32_t nodes_per_case[5] = {};            // indexed by Case
+  std::uint32_t nodes_per_case_depth[5][22] = {};  // [Case][depth]
+  std::uint32_t candidates = 0;
+  std::uint32_t merges = 0;
+  std::uint32_t leftovers = 0;   // points left over by the traversal
+  std::uint32_t assigned = 0;    // of those, given to a plane afterwards
+  std::uint32_t unassigned = 0;  // points in no plane at the end
+};
+
+struct SegmentTimings {
+  double build_ms = 0;     // t_b
+  double traverse_ms = 0;  // t_s: traversal, merge, assignment and refinements
+};
+
+struct Segmentation {
+  std::vector<std::int32_t> plane_of;  // per input point: plane id, 0 none
+  std::vector<PlaneRegion> planes;     // planes[id - 1]
+  Octree octree;                       // with each visited node's case
+  SegmentCounts counts;
+  SegmentTimings timings;
+  double sigma_m = 0;                 // noise estimate used (0 where none was)
+  double theta_rms_m = 0, tau_m = 0;  // thresholds that followed from it
+};
+
+/// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each.
+/// `sensor`: the sensor's position in the same coordinates (range for sigma, side for normals).
+Segmentation segment(std::span<const Vec3f> points,
+                     std::span<const Label> labels,
+                     const Cube& cube,
+                     const Vec3d& sensor,
+                     const SegmentOptions& options,
+                     Trace* trace = nullptr);
+
+}  // namespace planescope

@@ -1,0 +1,35 @@
+#pragma once
+
+// The paper's evaluation set (Sec. V): stairs of random size, a tread and a riser per step.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/recording/frame.hpp"
+
+namespace planescope {
+
+struct StairsOptions {
+  std::uint64_t seed = 1;
+  int points = 8192;       // farthest point sampling from a dense sampling; 0 = dense
+  double noise_m = 0;      // standard deviation of Gaussian noise on every coordinate
+  bool random_yaw = true;  // false: axis-aligned
+  int min_steps = 2, max_steps = 6;
+  double min_length_m = 0.2, max_length_m = 0.4;
+  double min_width_m = 0.3, max_width_m = 1.5;
+  double min_height_m = 0.1, max_height_m = 0.3;
+};
+
+/// A staircase with its exact truth: `cloud.label` h on treads, v on risers; `cloud.instance`
+/// from 1.
+struct Stairs {
+  PointSet cloud;
+  std::vector<Vec3d> normals;  // by instance - 1, unit, outward
+  int steps = 0;
+  double length_m = 0, width_m = 0, height_m = 0, yaw_rad = 0;
+};
+
+/// Staircase `index` of the set: the same for any other index asked for before.
+Stairs make_stairs(int index, const StairsOptions& options);
+
+}  // namespace planescope

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace planescope {
+
+/// A current GL 3.3 core context. EGL needs no display server (device platform, then surfaceless,
+/// then default); GLFW needs one and also owns a window. Throws Error with what each attempt said.
+class GlContext {
+ public:
+  virtual ~GlContext() = default;
+  virtual void make_current() = 0;
+  virtual std::string description()
+      const = 0;  // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"
+};
+std::unique_ptr<GlContext> make_egl_context();
+std::unique_ptr<GlContext> make_glfw_context(int width,
+                                             int height,
+                                             const std::string& title,
+                                             bool visible);
+
+}  // namespace planescope

@@ -1,0 +1,103 @@
+#pragma once
+
+// The bridge from core to pixels: plain points, lines, boxes and polygons, made by pure functions
+// without GL, so that a test can assert on what would be drawn.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/types.hpp"
+
+namespace planescope {
+
+struct Rgba {
+  std::uint8_t r = 0, g = 0, b = 0, a = 255;
+  bool operator==(const Rgba&) const = default;
+};
+
+struct DrawPoints {
+  std::vector<Vec3f> positions;      // world [m]
+  std::vector<Rgba> colors;          // one per point
+  std::vector<std::uint32_t> ids;    // for picking; empty: not pickable
+  float size_m = 0.02f;              // diameter of the splat in the world ...
+  float min_px = 1.5f, max_px = 14;  // ... held between these on screen
+};
+
+struct DrawLines {
+  std::vector<Vec3f> positions;  // two per segment, world [m]
+  std::vector<Rgba> colors;      // one per segment
+  float width_px = 1.5f;
+};
+
+enum class BoxStyle : std::uint8_t { outline, tinted, hatched };  // tinted: faint faces + outline
+
+struct DrawBox {
+  Vec3f min;
+  Vec3f max;
+  Rgba color;
+  BoxStyle style = BoxStyle::outline;
+  std::uint32_t id = 0;  // 0: not pickable
+};
+
+struct DrawPolygon {           // convex, planar, filled and outlined
+  std::vector<Vec3f> corners;  // world [m]
+  Rgba fill;
+  Rgba outline;
+  float outline_px = 2;
+  std::uint32_t id = 0;
+};
+
+struct DrawArrow {
+  Vec3f from;
+  Vec3f to;
+  Rgba color;
+  float width_px = 3;
+};
+
+struct DrawLabel {  // text at a place in the world, always on top
+  Vec3f anchor;
+  std::string text;  // UTF-8
+  Rgba color;
+  float size_px = 14;
+  bool centered = true;
+};
+
+struct LegendEntry {
+  enum class Mark : std::uint8_t { dot, box, hatched_box, line, arrow };
+  Mark mark = Mark::dot;
+  Rgba color;
+  std::string text;
+};
+
+/// Everything in one picture. Drawn in this order: boxes' faces, points, lines, polygons, outlines,
+/// arrows, labels, then the overlay.
+struct DrawList {
+  std::vector<DrawPoints> points;
+  std::vector<DrawLines> lines;
+  std::vector<DrawBox> boxes;
+  std::vector<DrawPolygon> polygons;
+  std::vector<DrawArrow> arrows;
+  std::vector<DrawLabel> labels;
+
+  std::string title;                // overlay, top left
+  std::string subtitle;             // below the title, smaller
+  std::vector<LegendEntry> legend;  // overlay, bottom left
+  bool show_axes = true;            // axes triad with x y z, bottom right
+  bool show_scale_bar = true;       // a round length at the camera's target distance
+};
+
+/// An orbiting camera: looks from `eye` at `target`, `up` is up on screen.
+struct Camera {
+  Vec3d eye = Vec3d(-1, -1, 1);
+  Vec3d target = Vec3d::Zero();
+  Vec3d up = Vec3d::UnitZ();
+  double fov_y_deg = 45;
+  bool orthographic = false;
+  double ortho_height_m = 2;
+  double near_m = 0.02, far_m = 200;
+};
+
+enum class Theme : std::uint8_t { light, dark };
+
+}  // namespace planescope

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/classify/classifier.hpp"
+#include "core/segment/octree.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope {
+
+/// Colours that stay apart under the common colour-vision deficiencies (Okabe & Ito 2008), the same
+/// in every picture, report and window.
+Rgba case_color(Case c);
+Rgba label_color(Label label);  // h, v, unknown
+Rgba leftover_color();
+/// A colour per plane, by its id: neighbours in id are far apart in hue and lightness.
+Rgba plane_color(int plane_id);
+
+/// Ids for a frame's planes that follow the planes of the frame before: a plane that continues one
+/// (same label, normals within 10 degrees, offsets within 5 cm, nearest first) keeps its colour id,
+/// a new one gets the smallest free id. World frame, [normal, offset_m, centroid].
+struct ColoredPlane {
+  Label label = Label::unknown;
+  Vec3d normal;
+  double offset_m = 0;
+  Vec3d centroid;
+  int color_id = 0;
+};
+void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane>& now);
+
+Rgba depth_color(double depth_m, double max_m);  // perceptually even ramp; depth 0 is neutral grey
+
+}  // namespace planescope

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/image/image.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope {
+
+/// Draws a DrawList with GL 3.3 core into a framebuffer of its own. Needs a current context, and
+/// the same one until it is destroyed.
+class Renderer {
+ public:
+  Renderer();
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// RGB picture, row 0 at the top, antialiased (4 samples). Same input, same renderer: same
+  /// pixels.
+  Image8 render(const DrawList& list, const Camera& camera, int width, int height, Theme theme);
+
+  /// Id under each pixel (0 none), for picking: no antialiasing, visible surface only.
+  Image<std::uint32_t> render_ids(const DrawList& list,
+                                  const Camera& camera,
+                                  int width,
+                                  int height);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Text drawn into an RGB image on the CPU with the same font: for overlays on camera images.
+/// (x, y): left end of the baseline [px]. Returns the advance [px].
+double draw_text(
+    Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
+double text_width(const std::string& utf8, double size_px);
+
+}  // namespace planescope
