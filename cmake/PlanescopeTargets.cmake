@@ -13,16 +13,21 @@ function(planescope_target_defaults target)
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     # The same bits on every machine: no fused multiply-add unless the code asks for it.
     -ffp-contract=off)
+  # libOpen3D drags in a hundred shared libraries; programs that call none of it start without.
+  target_link_options(${target} PRIVATE -Wl,--as-needed)
   if(PLANESCOPE_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
   if(PLANESCOPE_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=${PLANESCOPE_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${PLANESCOPE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
     target_link_options(${target} PRIVATE -fsanitize=${PLANESCOPE_SANITIZE})
   endif()
 endfunction()
 
-# planescope_test(NAME sources... [LIBS libs...]): one GoogleTest executable, its tests known to CTest.
+# planescope_test(NAME sources... [LIBS libs...] [LABELS labels...]): one GoogleTest executable,
+# its tests known to CTest one by one.
 function(planescope_test name)
   cmake_parse_arguments(ARG "" "" "LIBS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_UNPARSED_ARGUMENTS})
@@ -30,5 +35,20 @@ function(planescope_test name)
   target_link_libraries(${name} PRIVATE planescope::core ${ARG_LIBS} GTest::gtest GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${ARG_LABELS}")
+  # Listing the tests is a start of the program: it waits for the test run, off the build's path.
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${ARG_LABELS}")
+endfunction()
+
+# planescope_bench(NAME sources... [LIBS libs...]): one Google Benchmark executable; scripts/bench
+# runs all of them.
+function(planescope_bench name)
+  cmake_parse_arguments(ARG "" "" "LIBS" ${ARGN})
+  add_executable(${name} ${ARG_UNPARSED_ARGUMENTS})
+  planescope_target_defaults(${name})
+  target_link_libraries(${name} PRIVATE planescope::core ${ARG_LIBS}
+    benchmark::benchmark benchmark::benchmark_main)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/bench)
 endfunction()

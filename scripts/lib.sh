@@ -1,0 +1,83 @@
+# shellcheck shell=bash
+# Shared by the scripts beside it: `. "$(dirname "$0")/lib.sh"`. Moves to the repository's root.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root" || exit
+
+# What is said goes to stderr and stands out from a compiler's lines.
+say() { printf '== %s\n' "$*" >&2; }
+die() {
+  printf '%s: %s\n' "$(basename "$0")" "$*" >&2
+  exit 1
+}
+
+wanted_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' scripts/packages.txt; }
+
+missing_packages() {
+  local package
+  for package in $(wanted_packages); do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
+      printf '%s\n' "$package"
+  done
+}
+
+# Installs what scripts/packages.txt names and the machine lacks. Asks nothing: where it may not
+# install, it says what to run. Only apt runs as root.
+setup_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    say "no apt here: the build needs what scripts/packages.txt names, from your own packages"
+    return 0
+  fi
+  local missing as_root=()
+  mapfile -t missing < <(missing_packages)
+  if [ ${#missing[@]} -eq 0 ]; then
+    say "all packages of scripts/packages.txt are installed"
+    return 0
+  fi
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null || ! sudo -n true 2>/dev/null; then
+      die "packages are missing and sudo is not available without a password. Run as root:" \
+        "apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
+    fi
+    as_root=(sudo -n)
+  fi
+  say "installing ${#missing[@]} Debian packages: ${missing[*]}"
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive NEEDRESTART_MODE=a
+    apt-get -q -y -o DPkg::Lock::Timeout=600 -o Dpkg::Use-Pty=0 -o Acquire::Retries=3)
+  local log
+  log=$(mktemp)
+  if ! { "${apt[@]}" update && "${apt[@]}" install --no-install-recommends "${missing[@]}"; } \
+    >"$log" 2>&1 </dev/null; then
+    tail -n 30 "$log" >&2
+    rm -f "$log"
+    die "apt could not install the packages (its last lines stand above)"
+  fi
+  rm -f "$log"
+}
+
+# `sudo scripts/demo` installs as root, then goes on as the user who called it: a build that
+# belongs to root cannot be repeated by that user.
+go_on_as_caller() {
+  if [ "$(id -u)" -eq 0 ] && [ -n "${SUDO_USER:-}" ] && [ "$SUDO_USER" != root ]; then
+    say "going on as $SUDO_USER"
+    exec setpriv --reuid "$SUDO_USER" --regid "$(id -g "$SUDO_USER")" --init-groups \
+      env -u SUDO_USER HOME="$(getent passwd "$SUDO_USER" | cut -d: -f6)" \
+      "$root/scripts/$(basename "$0")" "$@"
+  fi
+}
+
+# build PRESET [TARGET...]: configures and builds with all cores. Warnings are errors where
+# PLANESCOPE_WERROR=ON is in the environment.
+build() {
+  local preset=$1
+  shift
+  # The same object files for the same source, wherever the checkout lies.
+  export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1
+  export CCACHE_SLOPPINESS=include_file_mtime,include_file_ctime
+  local werror=${PLANESCOPE_WERROR:-OFF}
+  # GCC's sanitizer instrumentation raises false "may be used uninitialized" warnings.
+  case $preset in asan | tsan) werror=OFF ;; esac
+  say "building build/$preset with $(nproc) jobs"
+  cmake --preset "$preset" -DPLANESCOPE_WERROR="$werror" --log-level=WARNING >&2
+  cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"} >&2
+}
