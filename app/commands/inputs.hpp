@@ -1,0 +1,68 @@
+#pragma once
+
+// What every command that reads recordings shares: which recordings, which frames, which options.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/pipeline.hpp"
+#include "core/pipeline/truth.hpp"
+#include "core/recording/recording.hpp"
+
+namespace planescope {
+
+/// A:B:STEP as Python slices a list: negative numbers count from the end, an empty part is the
+/// end of the list. A single number N is that one frame.
+struct FrameSlice {
+  std::optional<int> first, last, step;
+};
+FrameSlice parse_frame_slice(const std::string& text);  // throws Error
+std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
+
+struct InputArgs {
+  std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
+  FrameSlice frames;                               // default: all
+  RecordingOptions recording;                      // --intrinsics, --depth-unit
+  PipelineOptions pipeline;                        // --profile, --set, --gravity, ..., --threads
+  std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
+};
+
+/// A recording that was opened, and what of it is asked for.
+struct OpenInput {
+  std::filesystem::path path;
+  std::unique_ptr<Recording> recording;
+  std::vector<int> frames;          // at least one; frame numbers of the recording
+  std::filesystem::path label_dir;  // may not exist
+};
+
+/// Opens every input, or the sample where none is given, before any work is done. Throws Error if
+/// one cannot be opened, or if --frames leaves none of its frames.
+std::vector<OpenInput> open_inputs(const InputArgs& args);
+
+/// Truth of frame `index` in source order (core/pipeline/truth.hpp), nullopt where there is none.
+std::optional<SourceTruth> input_truth(const OpenInput& input, const Frame& frame);
+
+/// Loads frame `index` and runs it; with `classifier truth`, on its truth. Throws Error as
+/// run_frame does, with the recording's and the frame's name before the message.
+struct LoadedFrame {
+  Frame frame;
+  FrameResult result;
+  std::optional<SourceTruth> truth;
+};
+LoadedFrame run_input_frame(const OpenInput& input,
+                            int index,
+                            const PipelineOptions& options,
+                            Trace* trace = nullptr);
+
+/// The sample recording: $PLANESCOPE_ASSETS/sample, ../share/planescope/sample beside the
+/// executable, or the source tree's. Throws Error naming those places if it is in none of them.
+std::filesystem::path sample_recording();
+
+/// Makes `dir` with its parents and shows that files can be written there. Throws Error otherwise.
+/// Called before the work starts.
+void prepare_output_dir(const std::filesystem::path& dir);
+
+}  // namespace planescope
