@@ -4,6 +4,7 @@
 // them. Nodes are made when their parent is divided, appended in breadth-first order, so that the
 // node array is the paper's queue Q_N itself.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -36,17 +37,20 @@ struct OctreeNode {
 
 struct Octree {
   Cube cube;
-  std::vector<std::uint64_t> keys;   // Morton codes at max depth, ascending
-  std::vector<std::uint32_t> order;  // order[i]: index of the i-th point in Morton order
-  std::vector<std::uint32_t>
-      h_before;                   // h_before[i]: points labelled h among the first i; size n+1
-  std::vector<OctreeNode> nodes;  // breadth-first; nodes[0] is the root
+  std::vector<std::uint64_t> keys;      // Morton codes at max depth, ascending
+  std::vector<std::uint32_t> order;     // order[i]: index in the input of the i-th point
+  std::vector<Vec3f> points;            // the points and ...
+  std::vector<Label> labels;            // ... their labels in Morton order
+  std::vector<std::uint32_t> h_before;  // points labelled h among the first i; size n + 1
+  std::vector<OctreeNode> nodes;        // breadth-first; nodes[0] is the root
 
-  Vec3d node_min(const OctreeNode& node) const;  // lower corner, local coordinates [m]
-  double node_edge_m(const OctreeNode& node) const {
-    return cube.edge_m / static_cast<double>(1u << node.depth);
-  }
+  Vec3d node_min(const OctreeNode& node) const;      // lower corner, local coordinates [m]
+  double node_edge_m(const OctreeNode& node) const;  // [m]
 };
+
+/// Interleaves three cell numbers of at most 21 bits each, x in the lowest bit; and back.
+std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
+std::array<std::uint32_t, 3> morton_cell(std::uint64_t code);
 
 /// Sorts the points into the cube's cells and makes the root. All points must lie in the cube.
 Octree build_octree(std::span<const Vec3f> points, std::span<const Label> labels, const Cube& cube);

@@ -35,11 +35,14 @@ struct SegmentOptions {
   bool use_labels = true;  // false: all points carry one label ("without PC")
   CubeAnchor cube_anchor = CubeAnchor::center;
 
-  // Refinements, each on its own.
-  bool estimate_sigma = false;  // thresholds from the measured noise instead of fixed ones
-  bool sigma_by_range = false;  // noise estimated per range bin, tau grows with range
+  // Thresholds from the measured noise, for Criterion 3 by RMS and for the refinements.
+  bool rms_criterion3 = false;  // Criterion 3: RMS <= theta_rms instead of e_n <= theta_e_n_m2
+  bool estimate_sigma = false;  // theta_rms and tau follow the noise; otherwise the fixed ones
+  bool sigma_by_range = false;  // noise estimated per range bin: both grow with range
   double fixed_rms_m = 0.006;   // theta_rms where the noise is not estimated
   double fixed_tau_m = 0.010;   // tau where the noise is not estimated
+
+  // Refinements, each on its own.
   bool r1_merge_by_distance = false;
   bool r2_explain_away = false;
   bool r3_weak_candidates = false;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/plane.hpp"
+#include "core/segment/noise.hpp"
 #include "core/segment/octree.hpp"
 #include "core/segment/options.hpp"
 #include "core/segment/trace.hpp"
@@ -18,6 +19,7 @@ struct PlaneRegion {
   Label label = Label::unknown;
   PlaneFit fit;  // local coordinates; normal points up (h) or towards the sensor side (v)
   std::uint32_t points = 0;  // points of segment()'s input
+  std::int32_t founded = 0;  // number of the plane in the trace: order of founding
 };
 
 /// How much the traversal did; the same for any thread count.
@@ -43,8 +45,7 @@ struct Segmentation {
   Octree octree;                       // with each visited node's case
   SegmentCounts counts;
   SegmentTimings timings;
-  double sigma_m = 0;                 // noise estimate used (0 where none was)
-  double theta_rms_m = 0, tau_m = 0;  // thresholds that followed from it
+  NoiseModel noise;                    // measured, and the thresholds that follow
 };
 
 /// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each.

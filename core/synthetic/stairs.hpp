@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/classify/classifier.hpp"
 #include "core/recording/frame.hpp"
 
 namespace planescope {

@@ -1,0 +1,237 @@
+#include "core/evaluate/metrics.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "core/evaluate/assignment.hpp"
+#include "core/geometry/plane.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kEdge = 0.02;    // [m]: "near an edge"
+constexpr double kOverlap = 0.8;  // SegComp (Hoover et al. 1996): a match is 80 % of the points
+
+/// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
+struct Overlap {
+  int truth = 0, found = 0;  // largest ids
+  std::vector<std::uint64_t> shared;
+  std::vector<std::uint64_t> truth_size, found_size;
+  std::uint64_t at(int t, int f) const {
+    return shared[static_cast<std::size_t>(t) * (found + 1) + f];
+  }
+};
+
+Overlap count_overlap(const MetricsInput& input) {
+  Overlap o;
+  for (const std::int32_t t : input.truth) o.truth = std::max(o.truth, t);
+  for (const std::int32_t f : input.found) o.found = std::max(o.found, f);
+  o.shared.assign(static_cast<std::size_t>(o.truth + 1) * (o.found + 1), 0);
+  o.truth_size.assign(o.truth + 1, 0);
+  o.found_size.assign(o.found + 1, 0);
+  for (std::size_t i = 0; i < input.truth.size(); ++i) {
+    if (input.truth[i] < 0) continue;
+    const int t = input.truth[i], f = std::max(0, input.found[i]);
+    ++o.shared[static_cast<std::size_t>(t) * (o.found + 1) + f];
+    ++o.truth_size[t];
+    ++o.found_size[f];
+  }
+  return o;
+}
+
+std::vector<Vec3d> truth_normals(const MetricsInput& input, int planes) {
+  std::vector<Vec3d> normals(planes + 1, Vec3d::Zero());
+  std::vector<Moments> moments(planes + 1);
+  for (std::size_t i = 0; i < input.truth.size(); ++i)
+    if (input.truth[i] > 0) moments[input.truth[i]].add(input.points[i].cast<double>());
+  for (int t = 1; t <= planes; ++t) {
+    const auto given = static_cast<std::size_t>(t - 1);
+    if (given < input.truth_normals.size() && input.truth_normals[given].norm() > 0)
+      normals[t] = input.truth_normals[given].normalized();
+    else
+      normals[t] = fit_plane(moments[t]).normal;
+  }
+  return normals;
+}
+
+double angle_deg(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
+}
+
+/// Sec. V: mean angle between each found plane's normal and that of the true plane which most of
+/// its points belong to.
+double mean_normal_error(const MetricsInput& input, const Overlap& o) {
+  const std::vector<Vec3d> normals = truth_normals(input, o.truth);
+  double sum = 0;
+  int count = 0;
+  for (int f = 1; f <= o.found; ++f) {
+    int majority = 0;
+    for (int t = 1; t <= o.truth; ++t)
+      if (o.at(t, f) > 0 && (majority == 0 || o.at(t, f) > o.at(majority, f))) majority = t;
+    if (majority == 0) continue;
+    sum += angle_deg(input.found_normals[f - 1], normals[majority]);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void match_planes(const Overlap& o, Metrics& m) {
+  std::vector<double> iou(static_cast<std::size_t>(o.truth) * o.found, 0);
+  for (int t = 1; t <= o.truth; ++t)
+    for (int f = 1; f <= o.found; ++f) {
+      const auto shared = static_cast<double>(o.at(t, f));
+      const double all = static_cast<double>(o.truth_size[t] + o.found_size[f]) - shared;
+      if (all > 0) iou[static_cast<std::size_t>(t - 1) * o.found + (f - 1)] = shared / all;
+    }
+  const std::vector<int> match = best_assignment(iou, o.truth, o.found);
+  std::uint64_t correct = 0, in_planes = 0;
+  double sum = 0;
+  for (int t = 1; t <= o.truth; ++t) {
+    in_planes += o.truth_size[t];
+    if (match[t - 1] < 0) continue;
+    correct += o.at(t, match[t - 1] + 1);
+    const double value = iou[static_cast<std::size_t>(t - 1) * o.found + match[t - 1]];
+    sum += value;
+    if (value >= kOverlap) ++m.detected_iou80;
+  }
+  if (in_planes > 0)
+    m.point_accuracy = 100 * static_cast<double>(correct) / static_cast<double>(in_planes);
+  if (m.planes_truth > 0) m.mean_iou = 100 * sum / m.planes_truth;
+}
+
+/// SegComp: correct, over- and under-segmented, missed and noise regions at 80 % overlap.
+void classify_regions(const Overlap& o, Metrics& m) {
+  const auto mostly = [](std::uint64_t part, std::uint64_t whole) {
+    return whole > 0 && static_cast<double>(part) >= kOverlap * static_cast<double>(whole);
+  };
+  std::vector<bool> truth_done(o.truth + 1, false), found_done(o.found + 1, false);
+  for (int t = 1; t <= o.truth; ++t)
+    for (int f = 1; f <= o.found; ++f)
+      if (mostly(o.at(t, f), o.truth_size[t]) && mostly(o.at(t, f), o.found_size[f]))
+        truth_done[t] = found_done[f] = true;
+  for (int t = 1; t <= o.truth; ++t) {
+    if (truth_done[t]) continue;
+    std::vector<int> parts;
+    std::uint64_t covered = 0;
+    for (int f = 1; f <= o.found; ++f)
+      if (!found_done[f] && mostly(o.at(t, f), o.found_size[f])) {
+        parts.push_back(f);
+        covered += o.at(t, f);
+      }
+    if (parts.size() < 2 || !mostly(covered, o.truth_size[t])) continue;
+    ++m.over_segmented;
+    truth_done[t] = true;
+    for (const int f : parts) found_done[f] = true;
+  }
+  for (int f = 1; f <= o.found; ++f) {
+    if (found_done[f]) continue;
+    std::vector<int> parts;
+    std::uint64_t covered = 0;
+    for (int t = 1; t <= o.truth; ++t)
+      if (!truth_done[t] && mostly(o.at(t, f), o.truth_size[t])) {
+        parts.push_back(t);
+        covered += o.at(t, f);
+      }
+    if (parts.size() < 2 || !mostly(covered, o.found_size[f])) continue;
+    ++m.under_segmented;
+    found_done[f] = true;
+    for (const int t : parts) truth_done[t] = true;
+  }
+  for (int t = 1; t <= o.truth; ++t) m.missed += o.truth_size[t] > 0 && !truth_done[t];
+  for (int f = 1; f <= o.found; ++f) m.noise += o.found_size[f] > 0 && !found_done[f];
+}
+
+/// Which points have a point of another label within 2 cm.
+std::vector<bool> near_edges(std::span<const Vec3f> points, std::span<const Label> labels) {
+  const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return (x & 0x1fffff) | (y & 0x1fffff) << 21 | (z & 0x1fffff) << 42;
+  };
+  const auto cell = [](float v) { return static_cast<std::int64_t>(std::floor(v / kEdge)); };
+  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> grid;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    grid[key(cell(points[i].x()), cell(points[i].y()), cell(points[i].z()))].push_back(i);
+  std::vector<bool> near(points.size(), false);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto x = cell(points[i].x()), y = cell(points[i].y()), z = cell(points[i].z());
+    for (int d = 0; d < 27 && !near[i]; ++d) {
+      const auto found = grid.find(key(x + d % 3 - 1, y + d / 3 % 3 - 1, z + d / 9 - 1));
+      if (found == grid.end()) continue;
+      for (const std::uint32_t j : found->second)
+        if (labels[j] != labels[i] && labels[j] != Label::unknown &&
+            (points[j] - points[i]).squaredNorm() < static_cast<float>(kEdge * kEdge))
+          near[i] = true;
+    }
+  }
+  return near;
+}
+
+void score_labels(const MetricsInput& input, Metrics& m) {
+  if (input.truth_labels.empty() || input.found_labels.empty()) return;
+  const std::vector<bool> near = near_edges(input.points, input.truth_labels);
+  std::uint64_t right[2] = {}, all[2] = {};
+  for (std::size_t i = 0; i < input.points.size(); ++i) {
+    if (input.truth_labels[i] == Label::unknown) continue;
+    ++all[near[i]];
+    right[near[i]] += input.truth_labels[i] == input.found_labels[i];
+  }
+  const auto percent = [](std::uint64_t part, std::uint64_t whole) {
+    return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 100.0;
+  };
+  m.label_accuracy_inner = percent(right[0], all[0]);
+  m.label_accuracy_edge = percent(right[1], all[1]);
+}
+
+}  // namespace
+
+Metrics evaluate(const MetricsInput& input) {
+  assert(input.points.size() == input.truth.size() && input.points.size() == input.found.size());
+  Metrics m;
+  const Overlap o = count_overlap(input);
+  std::uint64_t missing = 0, in_planes = 0;
+  for (int t = 1; t <= o.truth; ++t) {
+    m.planes_truth += o.truth_size[t] > 0;
+    in_planes += o.truth_size[t];
+    missing += o.at(t, 0);
+  }
+  for (int f = 1; f <= o.found; ++f) m.planes_found += o.found_size[f] > 0;
+  for (int t = 0; t <= o.truth; ++t) m.points += o.truth_size[t];
+  m.alpha_deg = mean_normal_error(input, o);
+  if (m.planes_truth > 0) m.r_p = 100.0 * m.planes_found / m.planes_truth;
+  if (in_planes > 0) m.r_m = 100 * static_cast<double>(missing) / static_cast<double>(in_planes);
+  match_planes(o, m);
+  classify_regions(o, m);
+  score_labels(input, m);
+  return m;
+}
+
+Metrics mean_of(std::span<const Metrics> metrics) {
+  Metrics mean;
+  if (metrics.empty()) return mean;
+  for (const Metrics& m : metrics) {
+    mean.planes_truth += m.planes_truth;
+    mean.planes_found += m.planes_found;
+    mean.alpha_deg += m.alpha_deg;
+    mean.r_m += m.r_m;
+    mean.point_accuracy += m.point_accuracy;
+    mean.mean_iou += m.mean_iou;
+    mean.detected_iou80 += m.detected_iou80;
+    mean.over_segmented += m.over_segmented;
+    mean.under_segmented += m.under_segmented;
+    mean.missed += m.missed;
+    mean.noise += m.noise;
+    mean.label_accuracy_edge += m.label_accuracy_edge;
+    mean.label_accuracy_inner += m.label_accuracy_inner;
+    mean.points += m.points;
+  }
+  const auto n = static_cast<double>(metrics.size());
+  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou,
+                    &mean.label_accuracy_edge, &mean.label_accuracy_inner})
+    *v /= n;
+  if (mean.planes_truth > 0) mean.r_p = 100.0 * mean.planes_found / mean.planes_truth;
+  return mean;
+}
+
+}  // namespace planescope

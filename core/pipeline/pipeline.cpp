@@ -1,0 +1,74 @@
+#include "core/pipeline/pipeline.hpp"
+
+#include <chrono>
+
+#include "core/base/error.hpp"
+
+namespace planescope {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap_ms() {
+    const auto now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
+
+Classification classify(const FrameResult& result,
+                        const PipelineOptions& options,
+                        const FrameTruth* truth) {
+  if (options.classifier == "pca")
+    return make_pca_classifier(options.pca)->classify(result.voxels.points, options.threads);
+  if (options.classifier != "truth")
+    throw Error("classifier '" + options.classifier + "' is unknown, expected pca or truth");
+  if (!truth || truth->label.empty())
+    throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
+  Classification known;
+  for (const std::uint8_t label : vote_labels(result.voxels, truth->label))
+    // A voxel without truth still needs a class: h, like the ground that most of a frame is.
+    known.labels.push_back(label == 2 ? Label::v : Label::h);
+  known.margins.assign(known.labels.size(), 1.0f);
+  return known;
+}
+
+}  // namespace
+
+FrameResult run_frame(const Frame& frame,
+                      const PipelineOptions& options,
+                      const FrameTruth* truth,
+                      Trace* trace) {
+  FrameResult result;
+  result.gravity = resolve_gravity(frame, options.gravity);
+
+  Stopwatch watch;
+  result.cloud = make_cloud(frame, result.gravity, options.cloud);
+  result.timings.cloud_ms = watch.lap_ms();
+  result.voxels = voxelize(result.cloud, options.cloud.voxel_size_m);
+  result.timings.t_d_ms = watch.lap_ms();
+  result.classification = classify(result, options, truth);
+  result.timings.t_c_ms = watch.lap_ms();
+
+  // A cloud does not tell where its sensor stood: noise cannot be read against range.
+  SegmentOptions segment_options = options.segment;
+  if (frame.is_cloud()) segment_options.sigma_by_range = false;
+  const Vec3d sensor = result.cloud.T_world_sensor.translation() - result.cloud.origin;
+  result.segmentation = segment(result.voxels.points, result.classification.labels,
+                                result.cloud.cube, sensor, segment_options, trace);
+  result.timings.t_b_ms = result.segmentation.timings.build_ms;
+  result.timings.t_s_ms = result.segmentation.timings.traverse_ms;
+
+  result.plane_of.assign(result.cloud.points.size(), 0);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    if (const std::uint32_t voxel = result.voxels.voxel_of[i]; voxel != kNoVoxel)
+      result.plane_of[i] = result.segmentation.plane_of[voxel];
+  return result;
+}
+
+}  // namespace planescope

@@ -1,0 +1,83 @@
+// Sun et al. 2023, Sec. IV-C, last paragraph: points left over by the traversal go to planes.
+
+#include <cmath>
+
+#include "core/segment/cells.hpp"
+#include "core/segment/state.hpp"
+
+namespace planescope {
+namespace {
+
+void record(SegmentState& state, std::uint32_t i, std::int32_t plane, double distance) {
+  if (plane >= 0) ++state.counts.assigned;
+  state.plane_of[i] = plane;
+  state.log({.type = plane >= 0 ? EventType::assign : EventType::drop,
+             .plane = plane,
+             .point = state.input_index(i),
+             .value = static_cast<float>(distance)});
+}
+
+/// As written: the first plane of the list within the distance; the fit is not touched.
+void assign_to_first(SegmentState& state) {
+  for (const std::uint32_t i : state.leftovers) {
+    const Vec3d p = state.octree.points[i].cast<double>();
+    std::int32_t chosen = -1;
+    double least = -1;  // of the planes looked at: what the trace shows for a point not assigned
+    for (std::size_t k = 0; k < state.planes.size() && chosen < 0; ++k) {
+      if (!state.planes[k].alive) continue;
+      const double distance = std::abs(state.planes[k].fit.distance_m(p));
+      if (least < 0 || distance < least) least = distance;
+      if (distance <= state.options.leftover_distance_m) {
+        chosen = static_cast<std::int32_t>(k);
+        least = distance;
+      }
+    }
+    record(state, i, chosen, least);
+  }
+}
+
+/// R1: the nearest plane within tau among those with points in the neighbouring 10 cm cells; one of
+/// the other label must be nearer by 1.5 sigma.
+void assign_to_nearest(SegmentState& state) {
+  const CellGrid grid = make_cell_grid(state.octree);
+  const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
+  for (const std::uint32_t i : state.leftovers) {
+    const NearestPlane nearest = nearest_plane(state, near.near(grid.cell_of[i]), i);
+    record(state, i, nearest.plane, nearest.distance_m);
+  }
+}
+
+}  // namespace
+
+NearestPlane nearest_plane(const SegmentState& state,
+                           std::span<const std::int32_t> planes,
+                           std::uint32_t i) {
+  const Vec3d p = state.octree.points[i].cast<double>();
+  const double range = state.range(p);
+  const double tau = state.noise.tau(range);
+  const double penalty = 1.5 * state.noise.sigma(range);
+  NearestPlane best;
+  double least = -1;
+  for (const std::int32_t k : planes) {
+    const GrowingPlane& plane = state.planes[k];
+    if (!plane.alive) continue;
+    const double distance = std::abs(plane.fit.distance_m(p));
+    if (distance > tau) continue;
+    const double cost = distance + (has_label(state, i, plane.label) ? 0 : penalty);
+    if (least < 0 || cost < least) {
+      least = cost;
+      best = {k, distance};
+    }
+  }
+  return best;
+}
+
+void assign_leftovers(SegmentState& state) {
+  state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());
+  if (state.options.leftover_rule == LeftoverRule::nearest)
+    assign_to_nearest(state);
+  else
+    assign_to_first(state);
+}
+
+}  // namespace planescope

@@ -1,0 +1,43 @@
+#pragma once
+
+// Cells of eight octree leaves' edge (10 cm): what "neighbouring" means in the refinements. Points
+// are in Morton order, so a cell is a range of them.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/segment/octree.hpp"
+
+namespace planescope {
+
+inline constexpr int kCellLevels = 3;  // levels above the leaves: 8 x 1.25 cm
+
+/// First point of each non-empty cell `levels` above the leaves, and the number of points at the
+/// end.
+std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels);
+
+/// The non-empty cells and which of them touch (3 x 3 x 3, itself included).
+struct CellGrid {
+  std::vector<std::uint32_t> starts;           // per cell and one more: ranges of points
+  std::vector<std::uint32_t> cell_of;          // per point
+  std::vector<std::uint32_t> neighbour_first;  // CSR
+  std::vector<std::uint32_t> neighbours;
+  std::size_t size() const { return starts.size() - 1; }
+};
+CellGrid make_cell_grid(const Octree& octree, int levels = kCellLevels);
+
+/// For each cell, the planes with points in its 3 x 3 x 3 neighbourhood, ascending.
+struct CellPlanes {
+  std::vector<std::uint32_t> first;  // CSR
+  std::vector<std::int32_t> planes;
+  std::span<const std::int32_t> near(std::uint32_t cell) const {
+    return {planes.data() + first[cell], planes.data() + first[cell + 1]};
+  }
+};
+/// `plane_of`: per point in Morton order, -1 none. Planes are numbered 0 .. plane_count - 1.
+CellPlanes planes_near_cells(const CellGrid& grid,
+                             std::span<const std::int32_t> plane_of,
+                             std::size_t plane_count);
+
+}  // namespace planescope

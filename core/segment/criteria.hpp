@@ -1,0 +1,68 @@
+#pragma once
+
+// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions, and the merge test that
+// `refined` puts in Criterion 4's place. The traversal and whoever explains it call the same ones.
+
+#include <cstdint>
+
+#include "core/classify/classifier.hpp"
+#include "core/geometry/plane.hpp"
+#include "core/segment/octree.hpp"
+#include "core/segment/options.hpp"
+
+namespace planescope {
+
+/// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
+struct Purity {
+  Label inlier = Label::h;
+  std::uint32_t n_in = 0;
+  std::uint32_t n_out = 0;
+  double r_out() const {
+    return n_in + n_out > 0 ? static_cast<double>(n_out) / (n_in + n_out) : 0;
+  }
+};
+Purity purity_of(const OctreeNode& node, bool use_labels);
+
+/// Criterion 1 (purity), Eq. (2).
+bool is_pure(const Purity& purity, const SegmentOptions& options);
+/// Criterion 2 (minimum inlier points), Eq. (3).
+bool has_enough_inliers(std::uint32_t n_in, const SegmentOptions& options);
+
+/// e_n of Criterion 3 in the normalisation asked for.
+double normal_error(const PlaneFit& fit, MseNormalization normalization);
+/// Criterion 3 (plane candidate), Eq. (5) with <=, which the prose needs: e_n <= theta_e_n.
+bool is_planar(const PlaneFit& fit, double theta_e_n, MseNormalization normalization);
+
+/// Criterion 4 (coplanarity), Eq. (6): its three terms, and the offset that `paper-closest` adds.
+struct Coplanarity {
+  double normals = 0;  // |n1 . n2|
+  double n1_dmu = 0;   // |n1 . (mu1 - mu2)| / |mu1 - mu2|, 0 for coincident centroids
+  double n2_dmu = 0;
+  double offset_m = 0;  // |n1 . (mu1 - mu2)|
+};
+Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate);
+bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
+
+/// Standard deviation of a fit's normal direction [rad], from its residuals and its middle extent;
+/// never better than noise sigma_m / 2 would allow.
+double normal_uncertainty(const PlaneFit& fit, double sigma_m);
+
+/// R1: coplanarity by distance. The surer of the two planes measures the other.
+struct DistanceTerms {
+  double angle_deg = 0, max_angle_deg = 0;
+  double offset2_m2 = 0;  // squared distance of the other's centroid
+  double spread2_m2 = 0;  // n^T S n / N of the other
+  double bound2_m2 = 0;   // both must stay below
+  bool passes() const {
+    return angle_deg <= max_angle_deg && offset2_m2 <= bound2_m2 && spread2_m2 <= bound2_m2;
+  }
+  double cost() const { return (offset2_m2 + spread2_m2) / bound2_m2; }
+};
+struct MeasuredPlane {
+  const PlaneFit& fit;
+  const Moments& moments;
+  double sigma_ang = 0;  // normal_uncertainty [rad]
+};
+DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b, double tau_m);
+
+}  // namespace planescope

@@ -1,0 +1,57 @@
+#include "core/segment/options.hpp"
+
+#include "core/base/error.hpp"
+
+namespace planescope {
+
+const char* to_string(Profile profile) {
+  switch (profile) {
+    case Profile::paper:
+      return "paper";
+    case Profile::paper_closest:
+      return "paper-closest";
+    case Profile::refined:
+      return "refined";
+  }
+  return "?";
+}
+
+Profile parse_profile(const std::string& text) {
+  for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined})
+    if (text == to_string(p)) return p;
+  throw Error("profile '" + text + "' is unknown, expected paper, paper-closest or refined");
+}
+
+SegmentOptions profile_options(Profile profile) {
+  SegmentOptions o;
+  o.profile = profile;
+  switch (profile) {
+    case Profile::paper:
+      break;  // the struct's own defaults are the text as written
+    case Profile::paper_closest:
+      // The reading that comes closest to the paper's printed noise table.
+      o.cube_anchor = CubeAnchor::min_corner;
+      o.criterion4_n2 = false;
+      o.merge_offset_m = 0.02;
+      o.theta_n_in = 10;
+      o.leftover_distance_m = 0.01;
+      break;
+    case Profile::refined:
+      o.merge_partner = MergePartner::best;
+      o.leftover_rule = LeftoverRule::nearest;
+      o.rms_criterion3 = true;
+      o.estimate_sigma = true;
+      o.sigma_by_range = true;
+      o.r1_merge_by_distance = true;
+      o.r2_explain_away = true;
+      o.r3_weak_candidates = true;
+      o.r4_fit_impure_nodes = true;
+      o.r5_reassign_shared_cells = true;
+      o.r6_refit = true;
+      o.r7_second_merge = true;
+      break;
+  }
+  return o;
+}
+
+}  // namespace planescope

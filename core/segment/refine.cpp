@@ -1,0 +1,126 @@
+// Refinements after the traversal: R2, R5, R6 and the split of disconnected planes. Not in the
+// paper; docs/method.md says what each of them mends and what it measures.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/segment/cells.hpp"
+#include "core/segment/state.hpp"
+
+namespace planescope {
+namespace {
+
+/// Points of each plane, ascending Morton positions, as CSR.
+struct PlanePoints {
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> points;
+  std::span<const std::uint32_t> of(std::int32_t plane) const {
+    return {points.data() + first[plane], points.data() + first[plane + 1]};
+  }
+};
+
+PlanePoints points_by_plane(const SegmentState& state) {
+  PlanePoints result;
+  result.first.assign(state.planes.size() + 1, 0);
+  for (const std::int32_t plane : state.plane_of)
+    if (plane >= 0) ++result.first[plane + 1];
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
+  result.points.resize(result.first.back());
+  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
+  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
+    if (state.plane_of[i] >= 0) result.points[next[state.plane_of[i]]++] = i;
+  return result;
+}
+
+bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
+  const double na = state.planes[a].moments.count, nb = state.planes[b].moments.count;
+  return na > nb || (na == nb && a < b);
+}
+
+}  // namespace
+
+void prune_explained_planes(SegmentState& state) {
+  // R2: smallest first, a plane whose points nearly all lie on larger neighbours is an artefact of
+  // cells that straddle an edge. Its points are left over again.
+  const CellGrid grid = make_cell_grid(state.octree);
+  const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
+  const PlanePoints members = points_by_plane(state);
+  std::vector<std::int32_t> order(state.planes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return larger(state, b, a); });
+  for (const std::int32_t plane : order) {
+    if (!state.planes[plane].alive) continue;
+    const auto points = members.of(plane);
+    std::size_t unexplained = 0;
+    for (const std::uint32_t i : points) {
+      const Vec3d p = state.octree.points[i].cast<double>();
+      const double tau = state.tau(p);
+      const auto explains = [&](std::int32_t other) {
+        return state.planes[other].alive && larger(state, other, plane) &&
+               std::abs(state.planes[other].fit.distance_m(p)) <= tau;
+      };
+      const auto candidates = near.near(grid.cell_of[i]);
+      if (std::none_of(candidates.begin(), candidates.end(), explains)) ++unexplained;
+    }
+    if (static_cast<double>(unexplained) >=
+        std::max(8.0, 0.25 * static_cast<double>(points.size())))
+      continue;
+    state.planes[plane].alive = false;
+    for (const std::uint32_t i : points) {
+      state.plane_of[i] = -1;
+      state.leftovers.push_back(i);
+    }
+    state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
+  }
+}
+
+void refit_planes(SegmentState& state) {
+  // R6: points within tau of a second plane pull a fit towards the edge; leave them out.
+  constexpr double kMinPoints = 10;
+  const CellGrid grid = make_cell_grid(state.octree);
+  const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
+  std::vector<Moments> sure(state.planes.size());
+  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i) {
+    const std::int32_t own = state.plane_of[i];
+    if (own < 0) continue;
+    const Vec3d p = state.octree.points[i].cast<double>();
+    const double tau = state.tau(p);
+    const auto candidates = near.near(grid.cell_of[i]);
+    const bool shared = std::any_of(candidates.begin(), candidates.end(), [&](std::int32_t k) {
+      return k != own && state.planes[k].alive &&
+             std::abs(state.planes[k].fit.distance_m(p)) <= tau;
+    });
+    if (!shared) sure[own].add(p);
+  }
+  for (std::size_t k = 0; k < state.planes.size(); ++k) {
+    GrowingPlane& plane = state.planes[k];
+    if (!plane.alive || sure[k].count < std::max(kMinPoints, 0.3 * plane.moments.count)) continue;
+    plane.moments = sure[k];
+    plane.fit = fit_plane(plane.moments);
+    plane.sigma_ang =
+        normal_uncertainty(plane.fit, state.noise.sigma(state.range(plane.fit.centroid)));
+    state.log({.type = EventType::refine, .refinement = 6, .plane = static_cast<std::int32_t>(k)});
+  }
+}
+
+void reassign_shared_points(SegmentState& state) {
+  // R5: where planes meet, each point goes to the nearest of them.
+  const CellGrid grid = make_cell_grid(state.octree);
+  const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
+  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i) {
+    const auto candidates = near.near(grid.cell_of[i]);
+    if (state.plane_of[i] < 0 || candidates.size() < 2) continue;
+    const NearestPlane nearest = nearest_plane(state, candidates, i);
+    if (nearest.plane < 0 || nearest.plane == state.plane_of[i]) continue;
+    state.log({.type = EventType::refine,
+               .refinement = 5,
+               .plane = state.plane_of[i],
+               .other = nearest.plane,
+               .point = state.input_index(i),
+               .value = static_cast<float>(nearest.distance_m)});
+    state.plane_of[i] = nearest.plane;
+  }
+}
+
+}  // namespace planescope

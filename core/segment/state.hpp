@@ -1,0 +1,85 @@
+#pragma once
+
+// What the stages of segment() hand to each other. Internal to core/segment.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/segment/criteria.hpp"
+#include "core/segment/noise.hpp"
+#include "core/segment/segment.hpp"
+
+namespace planescope {
+
+/// A plane while it is being put together: moments, so that joining two never touches points.
+struct GrowingPlane {
+  Label label = Label::h;
+  Moments moments;
+  PlaneFit fit;
+  double sigma_ang = 0;  // [rad]
+  bool alive = true;     // false: merged into another or pruned
+};
+
+/// A node's inliers (or, by R4, one label's points of an impure node).
+struct Candidate {
+  std::int32_t node = -1;
+  Label label = Label::h;
+  Moments moments;
+  PlaneFit fit;
+  double sigma_ang = 0;
+};
+
+struct SegmentState {
+  const SegmentOptions& options;
+  const Vec3d& sensor;
+  Trace* trace;
+  Octree octree = {};
+  NoiseModel noise = {};
+  std::vector<std::int32_t> plane_of = {};    // per Morton-ordered point: index into planes, -1 none
+  std::vector<GrowingPlane> planes = {};      // in order of founding
+  std::vector<std::uint32_t> leftovers = {};  // Morton-order positions, in the order they were left
+  std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
+  SegmentCounts counts = {};
+
+  double range(const Vec3d& p) const { return (p - sensor).norm(); }
+  double tau(const Vec3d& p) const { return noise.tau(range(p)); }
+  void log(TraceEvent event) const {
+    if (trace) trace->events.push_back(event);
+  }
+  std::int32_t input_index(std::uint32_t morton) const {
+    return static_cast<std::int32_t>(octree.order[morton]);
+  }
+};
+
+/// Is the point at Morton position i an inlier of a candidate with this label?
+inline bool has_label(const SegmentState& state, std::uint32_t i, Label label) {
+  return !state.options.use_labels || state.octree.labels[i] == label;
+}
+
+/// Breadth-first traversal (Sec. IV-C): settles every node, founds and merges planes, fills the
+/// leftovers and the weak candidates.
+void traverse(SegmentState& state);
+
+/// Merges the candidate into a coplanar plane or lets it found one; its points follow.
+void conquer(SegmentState& state, const Candidate& candidate);
+
+/// Among `planes`, the one nearest to the point at Morton position i, within tau and with the
+/// penalty for the other label; plane -1 if there is none.
+struct NearestPlane {
+  std::int32_t plane = -1;
+  double distance_m = -1;
+};
+NearestPlane nearest_plane(const SegmentState& state,
+                           std::span<const std::int32_t> planes,
+                           std::uint32_t i);
+
+/// R3, R7, R2, R6, R5 after the traversal, around the assignment of leftovers.
+void join_weak_candidates(SegmentState& state);
+void merge_planes_again(SegmentState& state);
+void prune_explained_planes(SegmentState& state);
+void assign_leftovers(SegmentState& state);
+void refit_planes(SegmentState& state);
+void reassign_shared_points(SegmentState& state);
+void split_disconnected_planes(SegmentState& state);
+
+}  // namespace planescope

@@ -1,0 +1,128 @@
+// Sun et al. 2023, Sec. IV-B (cases I-IV) and IV-C (traversal).
+
+#include <optional>
+
+#include "core/segment/state.hpp"
+
+namespace planescope {
+namespace {
+
+/// PCA of the points of one label in a node. Sums run over the node's own range of points.
+Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) {
+  const OctreeNode& node = state.octree.nodes[index];
+  Candidate candidate;
+  candidate.node = index;
+  candidate.label = label;
+  for (std::uint32_t i = node.begin; i < node.end; ++i)
+    if (has_label(state, i, label)) candidate.moments.add(state.octree.points[i].cast<double>());
+  candidate.fit = fit_plane(candidate.moments);
+  return candidate;
+}
+
+/// Criterion 3 with the thresholds in force; fills in how sure the normal is.
+bool planar(const SegmentState& state, Candidate& candidate) {
+  const double range = state.range(candidate.fit.centroid);
+  candidate.sigma_ang = normal_uncertainty(candidate.fit, state.noise.sigma(range));
+  if (state.options.rms_criterion3) {
+    const double theta = state.noise.theta_rms(range);
+    return is_planar(candidate.fit, theta * theta, MseNormalization::mean);
+  }
+  return is_planar(candidate.fit, state.options.theta_e_n_m2, state.options.mse_normalization);
+}
+
+void leave_over(SegmentState& state, const OctreeNode& node, std::optional<Label> except = {}) {
+  for (std::uint32_t i = node.begin; i < node.end; ++i)
+    if (!except || !has_label(state, i, *except)) state.leftovers.push_back(i);
+}
+
+void settle(SegmentState& state, std::int32_t index, Case decided, double e_n) {
+  OctreeNode& node = state.octree.nodes[index];
+  node.decided = decided;
+  ++state.counts.nodes_per_case[static_cast<int>(decided)];
+  ++state.counts.nodes_per_case_depth[static_cast<int>(decided)][node.depth];
+  state.log({.type = EventType::decide,
+             .node_case = static_cast<std::uint8_t>(decided),
+             .node = index,
+             .value = static_cast<float>(e_n)});
+}
+
+void divide_or_leave(SegmentState& state, std::int32_t index) {
+  OctreeNode& node = state.octree.nodes[index];
+  if (node.depth < state.octree.cube.max_depth) {
+    divide(state.octree, index);
+  } else {
+    node.at_max_depth = true;
+    leave_over(state, node);
+  }
+}
+
+/// R3: a candidate whose normal is not sure yet waits for the strong ones.
+constexpr double kWeakSigmaAng = 4 * 0.017453292519943295;
+
+void accept(SegmentState& state, const Candidate& candidate) {
+  ++state.counts.candidates;
+  if (state.options.r3_weak_candidates && candidate.sigma_ang > kWeakSigmaAng)
+    state.weak.push_back(candidate);
+  else
+    conquer(state, candidate);
+}
+
+/// R4: an impure node whose labels are each planar (or too few to matter) is conquered label by
+/// label instead of being divided down to where the labels part.
+bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
+  const OctreeNode node = state.octree.nodes[index];
+  if (!has_enough_inliers(purity.n_in, state.options)) return false;
+  Candidate inliers = fit_label(state, index, purity.inlier);
+  if (!planar(state, inliers)) return false;
+  const Label outlier = purity.inlier == Label::h ? Label::v : Label::h;
+  const bool both = has_enough_inliers(purity.n_out, state.options);
+  Candidate outliers;
+  if (both) {
+    outliers = fit_label(state, index, outlier);
+    if (!planar(state, outliers)) return false;
+  }
+  state.octree.nodes[index].impure_fit = true;
+  accept(state, inliers);
+  if (both)
+    accept(state, outliers);
+  else
+    leave_over(state, node, purity.inlier);
+  return true;
+}
+
+void visit(SegmentState& state, std::int32_t index) {
+  state.log({.type = EventType::visit, .node = index});
+  ++state.counts.nodes_visited;
+  const Purity purity = purity_of(state.octree.nodes[index], state.options.use_labels);
+
+  if (!is_pure(purity, state.options)) {  // Case I
+    settle(state, index, Case::I, 0);
+    if (state.options.r4_fit_impure_nodes && conquer_by_label(state, index, purity)) return;
+    divide_or_leave(state, index);
+    return;
+  }
+  if (!has_enough_inliers(purity.n_in, state.options)) {  // Case II
+    settle(state, index, Case::II, 0);
+    leave_over(state, state.octree.nodes[index]);
+    return;
+  }
+  Candidate candidate = fit_label(state, index, purity.inlier);
+  const bool is_plane = planar(state, candidate);
+  settle(state, index, is_plane ? Case::IV : Case::III, candidate.fit.eigenvalues[0]);
+  if (!is_plane) {  // Case III
+    divide_or_leave(state, index);
+    return;
+  }
+  leave_over(state, state.octree.nodes[index], purity.inlier);  // Case IV
+  accept(state, candidate);
+}
+
+}  // namespace
+
+void traverse(SegmentState& state) {
+  // The node array grows as nodes are divided: it is the queue Q_N.
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(state.octree.nodes.size()); ++i)
+    visit(state, i);
+}
+
+}  // namespace planescope
