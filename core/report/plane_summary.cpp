@@ -3,75 +3,64 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/geometry/hull.hpp"
 
 namespace planescope {
 namespace {
 
-constexpr double kAreaCell = 0.02;  // [m]
-
-double covered_area(std::span<const Vec2d> points) {
-  std::vector<std::int64_t> cells;
+// Number of distinct cells of edge `cell_m` that hold a point.
+std::size_t occupied_cells(const std::vector<Vec2d>& points, double cell_m) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
   cells.reserve(points.size());
-  for (const Vec2d& p : points) {
-    const auto column = static_cast<std::int64_t>(std::floor(p.x() / kAreaCell));
-    const auto row = static_cast<std::int64_t>(std::floor(p.y() / kAreaCell));
-    cells.push_back(column * (std::int64_t{1} << 32) + row);
-  }
+  for (const Vec2d& p : points)
+    cells.emplace_back(std::llround(std::floor(p.x() / cell_m)),
+                       std::llround(std::floor(p.y() / cell_m)));
   std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return static_cast<double>(cells.size()) * kAreaCell * kAreaCell;
-}
-
-PlaneSummary summarize(const PlaneRegion& plane,
-                       std::span<const Vec3f> points,
-                       std::span<const std::uint32_t> members,
-                       const Vec3d& origin) {
-  PlaneSummary summary;
-  summary.id = plane.id;
-  summary.label = plane.label;
-  summary.normal = plane.fit.normal;
-  summary.centroid = plane.fit.centroid + origin;
-  summary.offset_m = summary.normal.dot(summary.centroid);
-  const double up = std::min(1.0, std::abs(summary.normal.z()));
-  summary.tilt_deg = std::acos(up) * 180 / std::numbers::pi;
-  summary.rms_m = plane.fit.rms_m();
-  summary.points = static_cast<std::uint32_t>(members.size());
-  summary.voxels = plane.points;
-
-  const PlaneBasis basis = plane_basis(plane.fit.normal);
-  std::vector<Vec2d> flat;
-  flat.reserve(members.size());
-  for (const std::uint32_t i : members) {
-    const Vec3d d = points[i].cast<double>() - plane.fit.centroid;
-    flat.emplace_back(d.dot(basis.u), d.dot(basis.v));
-  }
-  summary.area_m2 = covered_area(flat);
-  for (const Vec2d& p : convex_hull(std::move(flat)))
-    summary.hull.push_back(summary.centroid + p.x() * basis.u + p.y() * basis.v);
-  return summary;
+  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
 }
 
 }  // namespace
 
-std::vector<PlaneSummary> summarize_planes(std::span<const PlaneRegion> planes,
-                                           std::span<const Vec3f> points,
-                                           std::span<const std::int32_t> plane_of,
-                                           const Vec3d& origin) {
-  std::vector<std::vector<std::uint32_t>> members(planes.size());
-  for (std::size_t i = 0; i < plane_of.size(); ++i)
-    if (plane_of[i] > 0) members[plane_of[i] - 1].push_back(static_cast<std::uint32_t>(i));
-  std::vector<PlaneSummary> summaries;
-  summaries.reserve(planes.size());
-  for (std::size_t p = 0; p < planes.size(); ++p)
-    summaries.push_back(summarize(planes[p], points, members[p], origin));
-  return summaries;
-}
+std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double voxel_size_m) {
+  const std::size_t n = result.segmentation.planes.size();
+  std::vector<std::vector<std::uint32_t>> members(n);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    if (result.plane_of[i] > 0)
+      members[static_cast<std::size_t>(result.plane_of[i]) - 1].push_back(
+          static_cast<std::uint32_t>(i));
 
-std::vector<PlaneSummary> summarize_planes(const FrameResult& result) {
-  return summarize_planes(result.segmentation.planes, result.cloud.points, result.plane_of,
-                          result.cloud.origin);
+  const double cell_m = voxel_size_m > 0 ? voxel_size_m : 0.02;
+  std::vector<PlaneSummary> summaries(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const PlaneRegion& plane = result.segmentation.planes[k];
+    PlaneSummary& s = summaries[k];
+    s.id = plane.id;
+    s.label = plane.label;
+    s.normal = plane.fit.normal;
+    s.centroid = result.cloud.origin + plane.fit.centroid;
+    s.offset_m = s.normal.dot(s.centroid);
+    s.tilt_deg = std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi;
+    s.points = members[k].size();
+    s.voxels = plane.points;
+
+    const PlaneBasis basis = plane_basis(s.normal);
+    std::vector<Vec2d> flat;
+    flat.reserve(members[k].size());
+    double squares = 0;
+    for (const std::uint32_t i : members[k]) {
+      const Vec3d d = result.cloud.points[i].cast<double>() - plane.fit.centroid;
+      flat.emplace_back(basis.u.dot(d), basis.v.dot(d));
+      const double distance = s.normal.dot(d);
+      squares += distance * distance;
+    }
+    if (!flat.empty()) s.rms_m = std::sqrt(squares / static_cast<double>(flat.size()));
+    s.area_m2 = static_cast<double>(occupied_cells(flat, cell_m)) * cell_m * cell_m;
+    for (const Vec2d& corner : convex_hull(std::move(flat)))
+      s.hull.push_back(s.centroid + corner.x() * basis.u + corner.y() * basis.v);
+  }
+  return summaries;
 }
 
 }  // namespace planescope

@@ -2,43 +2,34 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "core/geometry/hull.hpp"
-
 namespace planescope {
 namespace {
 
-// A level square of 1 m and an upright one, sampled every centimetre.
-struct TwoSquares {
-  std::vector<Vec3f> points;
-  std::vector<std::int32_t> plane_of;
-  std::vector<PlaneRegion> planes;
-
-  TwoSquares() {
-    Moments floor, wall;
-    for (int i = 0; i < 100; ++i) {
-      for (int j = 0; j < 100; ++j) {
-        const double a = 0.005 + 0.01 * i, b = 0.005 + 0.01 * j;
-        add(Vec3d(a, b, 0), 1, floor);
-        add(Vec3d(a, 2, b), 2, wall);
-      }
+// A level square of 1 m and an upright one, sampled every centimetre, and a point in no plane.
+FrameResult two_squares(const Vec3d& origin) {
+  FrameResult result;
+  result.cloud.origin = origin;
+  Moments moments[2];
+  const auto add = [&](const Vec3d& p, int id) {
+    result.cloud.points.push_back(p.cast<float>());
+    result.plane_of.push_back(id);
+    if (id > 0) moments[id - 1].add(p);
+  };
+  for (int i = 0; i < 100; ++i) {
+    for (int j = 0; j < 100; ++j) {
+      const double a = 0.005 + 0.01 * i, b = 0.005 + 0.01 * j;
+      add(Vec3d(a, b, 0), 1);
+      add(Vec3d(a, 2, b), 2);
     }
-    points.emplace_back(0.5F, 1.5F, 0.7F);  // in no plane
-    plane_of.push_back(0);
-    planes = {{1, Label::h, fit_plane(floor), 1000}, {2, Label::v, fit_plane(wall), 900}};
   }
-  void add(const Vec3d& p, int id, Moments& moments) {
-    points.push_back(p.cast<float>());
-    plane_of.push_back(id);
-    moments.add(p);
-  }
-};
+  add(Vec3d(0.5, 1.5, 0.7), 0);
+  result.segmentation.planes = {{1, Label::h, fit_plane(moments[0]), 1000},
+                                {2, Label::v, fit_plane(moments[1]), 900}};
+  return result;
+}
 
 TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
-  const TwoSquares scene;
-  const Vec3d origin(100, 200, 5);
-  const auto summaries = summarize_planes(scene.planes, scene.points, scene.plane_of, origin);
+  const auto summaries = summarize_planes(two_squares(Vec3d(100, 200, 5)), 0.02);
   ASSERT_EQ(summaries.size(), 2u);
   EXPECT_EQ(summaries[0].points, 10000u);
   EXPECT_EQ(summaries[0].voxels, 1000u);
@@ -49,11 +40,17 @@ TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
   EXPECT_NEAR(summaries[1].offset_m, 202, 1e-5);
 }
 
+TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {
+  FrameResult result = two_squares(Vec3d::Zero());
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)  // an L: one quarter is missing
+    if (result.cloud.points[i].x() > 0.5F && result.cloud.points[i].y() > 0.5F &&
+        result.plane_of[i] == 1)
+      result.plane_of[i] = 0;
+  EXPECT_NEAR(summarize_planes(result, 0.02)[0].area_m2, 0.75, 0.05);
+}
+
 TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
-  const TwoSquares scene;
-  const auto summaries =
-      summarize_planes(scene.planes, scene.points, scene.plane_of, Vec3d::Zero());
-  for (const PlaneSummary& plane : summaries) {
+  for (const PlaneSummary& plane : summarize_planes(two_squares(Vec3d::Zero()), 0.02)) {
     ASSERT_EQ(plane.hull.size(), 4u);
     Vec3d twice_area = Vec3d::Zero();
     for (std::size_t i = 0; i < 4; ++i) {
@@ -65,11 +62,10 @@ TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
 }
 
 TEST(PlaneSummary, APlaneThatLostAllItsPointsHasNoArea) {
-  TwoSquares scene;
-  for (auto& id : scene.plane_of)
+  FrameResult result = two_squares(Vec3d::Zero());
+  for (auto& id : result.plane_of)
     if (id == 2) id = 0;
-  const auto summaries =
-      summarize_planes(scene.planes, scene.points, scene.plane_of, Vec3d::Zero());
+  const auto summaries = summarize_planes(result, 0.02);
   EXPECT_EQ(summaries[1].points, 0u);
   EXPECT_EQ(summaries[1].area_m2, 0);
   EXPECT_TRUE(summaries[1].hull.empty());
