@@ -121,8 +121,13 @@ void join_weak_candidates(SegmentState& state) {
       if (by_distance_only) terms.max_angle_deg = 180;
       if (terms.passes() && (best.plane < 0 || terms.cost() < best.cost)) best = {k, terms.cost()};
     };
-    const std::uint32_t cell = grid.cell_of[state.octree.nodes[candidate.node].begin];
-    for (const std::int32_t k : near.near(cell)) consider(k, true);
+    const OctreeNode& node = state.octree.nodes[candidate.node];
+    std::uint32_t last_cell = kNoVoxel;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      if (!has_label(state, i, candidate.label) || grid.cell_of[i] == last_cell) continue;
+      last_cell = grid.cell_of[i];
+      for (const std::int32_t k : near.near(last_cell)) consider(k, true);
+    }
     for (std::size_t k = strong; k < state.planes.size(); ++k)
       consider(static_cast<std::int32_t>(k), false);
     if (best.plane >= 0) {
@@ -130,7 +135,6 @@ void join_weak_candidates(SegmentState& state) {
     } else if (candidate.fit.count >= kMinPoints && candidate.sigma_ang <= kMaxSigmaAng) {
       found(state, candidate, 3);
     } else {
-      const OctreeNode& node = state.octree.nodes[candidate.node];
       for (std::uint32_t i = node.begin; i < node.end; ++i)
         if (has_label(state, i, candidate.label)) state.leftovers.push_back(i);
     }

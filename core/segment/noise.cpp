@@ -14,16 +14,13 @@ constexpr double kPercentile = 0.8;
 constexpr double kBin = 0.25;          // [m] of range
 constexpr std::size_t kMinCells = 12;  // in a bin, for its percentile to mean anything
 
-struct Sample {
-  double range_m;
-  double sigma_m;
-};
-
-double percentile(std::vector<Sample>::iterator begin, std::vector<Sample>::iterator end) {
+double percentile(std::vector<NoiseSample>::iterator begin,
+                  std::vector<NoiseSample>::iterator end) {
   const auto nth =
       begin + static_cast<std::ptrdiff_t>(kPercentile * static_cast<double>(end - begin - 1));
-  std::nth_element(begin, nth, end,
-                   [](const Sample& a, const Sample& b) { return a.sigma_m < b.sigma_m; });
+  std::nth_element(begin, nth, end, [](const NoiseSample& a, const NoiseSample& b) {
+    return a.sigma_m < b.sigma_m;
+  });
   return nth->sigma_m;
 }
 
@@ -54,33 +51,15 @@ double NoiseModel::tau(double range) const {
   return std::clamp(3 * sigma(range), 0.008, most);
 }
 
-NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const SegmentOptions& options) {
-  NoiseModel model;
-  model.fixed_rms_m = options.fixed_rms_m;
-  model.fixed_tau_m = options.fixed_tau_m;
-  if (!options.estimate_sigma) return model;
-
-  std::vector<Sample> samples;
-  const std::vector<std::uint32_t> starts = cell_starts(octree, kCellLevels);
-  for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
-    Moments by_label[2];
-    for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i)
-      by_label[octree.labels[i] == Label::h].add(octree.points[i].cast<double>());
-    for (const Moments& moments : by_label) {
-      if (moments.count < kMinPoints) continue;
-      const PlaneFit fit = fit_plane(moments);
-      samples.push_back(
-          {(fit.centroid - sensor).norm(), std::sqrt(fit.eigenvalues[0] / (fit.count - 3))});
-    }
-  }
-  if (samples.empty()) return model;
-  if (!options.sigma_by_range) {
+void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range) {
+  if (samples.empty()) return;
+  if (!by_range) {
     model.range_m = {0};
     model.sigma_m = {percentile(samples.begin(), samples.end())};
-    return model;
+    return;
   }
 
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+  std::sort(samples.begin(), samples.end(), [](const NoiseSample& a, const NoiseSample& b) {
     return a.range_m < b.range_m || (a.range_m == b.range_m && a.sigma_m < b.sigma_m);
   });
   for (auto begin = samples.begin(); begin != samples.end();) {
@@ -96,6 +75,28 @@ NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const Segmen
     model.sigma_m.push_back(percentile(begin, end));
     begin = end;
   }
+}
+
+NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const SegmentOptions& options) {
+  NoiseModel model;
+  model.fixed_rms_m = options.fixed_rms_m;
+  model.fixed_tau_m = options.fixed_tau_m;
+  if (!options.estimate_sigma) return model;
+
+  std::vector<NoiseSample> samples;
+  const std::vector<std::uint32_t> starts = cell_starts(octree, kCellLevels);
+  for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
+    Moments by_label[2];
+    for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i)
+      by_label[octree.labels[i] == Label::h].add(octree.points[i].cast<double>());
+    for (const Moments& moments : by_label) {
+      if (moments.count < kMinPoints) continue;
+      const PlaneFit fit = fit_plane(moments);
+      samples.push_back(
+          {(fit.centroid - sensor).norm(), std::sqrt(fit.eigenvalues[0] / (fit.count - 3))});
+    }
+  }
+  fit_noise(model, std::move(samples), options.sigma_by_range);
   return model;
 }
 

@@ -24,8 +24,15 @@ struct NoiseModel {
   double tau(double range) const;        // [m]
 };
 
-/// The 80th percentile of sqrt(lambda0 / (n - 3)) over 10 cm cells with at least 8 points of one
-/// label, overall or (options.sigma_by_range) in bins of range.
+/// One cell's residual noise and where it is.
+struct NoiseSample {
+  double range_m = 0;
+  double sigma_m = 0;
+};
+/// Knots from samples: the 80th percentile overall, or in bins of 25 cm of range.
+void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range);
+
+/// Samples are sqrt(lambda0 / (n - 3)) of the points of one label in each 10 cm cell, 8 at least.
 NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const SegmentOptions& options);
 
 }  // namespace planescope

@@ -45,7 +45,7 @@ struct Segmentation {
   Octree octree;                       // with each visited node's case
   SegmentCounts counts;
   SegmentTimings timings;
-  NoiseModel noise;                    // measured, and the thresholds that follow
+  NoiseModel noise;  // measured, and the thresholds that follow
 };
 
 /// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each.

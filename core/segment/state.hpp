@@ -35,8 +35,8 @@ struct SegmentState {
   Trace* trace;
   Octree octree = {};
   NoiseModel noise = {};
-  std::vector<std::int32_t> plane_of = {};    // per Morton-ordered point: index into planes, -1 none
-  std::vector<GrowingPlane> planes = {};      // in order of founding
+  std::vector<std::int32_t> plane_of = {};  // per Morton-ordered point: index into planes, -1 none
+  std::vector<GrowingPlane> planes = {};    // in order of founding
   std::vector<std::uint32_t> leftovers = {};  // Morton-order positions, in the order they were left
   std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
   SegmentCounts counts = {};

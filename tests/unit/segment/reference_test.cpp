@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "support/reference_segment.hpp"
+#include "support/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+/// The same points in the same planes, whatever the planes' numbers, and the same parameters.
+void expect_same(const Segmentation& ours,
+                 const reference::Result& plain,
+                 const std::string& what) {
+  ASSERT_EQ(ours.planes.size(), plain.planes.size()) << what;
+  std::vector<int> number(plain.planes.size(), 0);
+  for (std::size_t i = 0; i < ours.plane_of.size(); ++i) {
+    ASSERT_EQ(ours.plane_of[i] == 0, plain.plane_of[i] < 0) << what << ", point " << i;
+    if (plain.plane_of[i] < 0) continue;
+    int& known = number[plain.plane_of[i]];
+    if (known == 0) known = ours.plane_of[i];
+    ASSERT_EQ(known, ours.plane_of[i]) << what << ", point " << i;
+  }
+  for (std::size_t k = 0; k < plain.planes.size(); ++k) {
+    const PlaneRegion& a = ours.planes[number[k] - 1];
+    const reference::Plane& b = plain.planes[k];
+    EXPECT_EQ(a.label, b.label) << what;
+    EXPECT_LT((a.fit.centroid - b.fit.centroid).norm(), 1e-9) << what;
+    const double sign = a.fit.normal.dot(b.fit.normal) < 0 ? -1 : 1;
+    EXPECT_LT((a.fit.normal - sign * b.fit.normal).norm(), 1e-9) << what;
+    EXPECT_NEAR(a.fit.eigenvalues[0], b.fit.eigenvalues[0], 1e-9) << what;
+  }
+}
+
+class AgainstReference : public testing::TestWithParam<Profile> {};
+
+TEST_P(AgainstReference, RandomCloudsGiveIdenticalPlanes) {
+  std::size_t planes = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const test::LabelledCloud cloud = test::random_cloud(seed);
+    SegmentOptions options = profile_options(GetParam());
+    options.use_labels = seed % 5 != 0;
+    options.mse_normalization = seed % 7 == 0 ? MseNormalization::mean : MseNormalization::scatter;
+    if (options.mse_normalization == MseNormalization::mean) options.theta_e_n_m2 = 4e-5;
+    options.sigma_by_range = seed % 2 == 0 && options.estimate_sigma;
+    const Vec3d sensor(-1.5, 0, 0.8);
+    const Segmentation ours = segment(cloud.points, cloud.labels, cloud.cube, sensor, options);
+    const reference::Result plain =
+        reference::segment(cloud.points, cloud.labels, cloud.cube, sensor, options);
+    expect_same(ours, plain, "seed " + std::to_string(seed));
+    if (HasFatalFailure()) return;
+    planes += plain.planes.size();
+  }
+  EXPECT_GT(planes, 600u);  // the clouds have structure to agree on
+}
+
+INSTANTIATE_TEST_SUITE_P(Profiles,
+                         AgainstReference,
+                         testing::Values(Profile::paper, Profile::paper_closest, Profile::refined),
+                         [](const auto& p) {
+                           std::string name = to_string(p.param);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace planescope
