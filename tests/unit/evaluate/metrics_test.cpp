@@ -1,0 +1,153 @@
+#include "core/evaluate/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/evaluate/assignment.hpp"
+#include "core/synthetic/random.hpp"
+
+namespace planescope {
+namespace {
+
+/// Two true planes of 100 points each (z = 0 and z = 1) on a 10 x 10 grid of 10 cm.
+struct Scene {
+  std::vector<Vec3f> points;
+  std::vector<std::int32_t> truth;
+  std::vector<std::int32_t> found;
+  std::vector<Vec3d> normals;
+};
+
+Scene scene() {
+  Scene s;
+  for (int plane = 0; plane < 2; ++plane)
+    for (int i = 0; i < 100; ++i) {
+      s.points.push_back(Vec3f(0.1f * static_cast<float>(i % 10), 0.1f * static_cast<float>(i / 10),
+                               static_cast<float>(plane)));
+      s.truth.push_back(plane + 1);
+    }
+  s.found = s.truth;
+  s.normals.assign(4, Vec3d::UnitZ());
+  return s;
+}
+
+Metrics score(const Scene& s) {
+  return evaluate({s.points, s.truth, s.found, s.normals, {}, {}, {}});
+}
+
+TEST(Metrics, APerfectResultScoresPerfectly) {
+  const Metrics m = score(scene());
+  EXPECT_EQ(m.planes_truth, 2);
+  EXPECT_EQ(m.planes_found, 2);
+  EXPECT_EQ(m.r_p, 100);
+  EXPECT_EQ(m.r_m, 0);
+  EXPECT_EQ(m.point_accuracy, 100);
+  EXPECT_EQ(m.mean_iou, 100);
+  EXPECT_EQ(m.detected_iou80, 2);
+  EXPECT_EQ(m.over_segmented + m.under_segmented + m.missed + m.noise, 0);
+  EXPECT_NEAR(m.alpha_deg, 0, 1e-6);
+}
+
+TEST(Metrics, IdsMayBeNumberedOtherwise) {
+  Scene s = scene();
+  for (auto& f : s.found) f = f == 1 ? 4 : 3;
+  EXPECT_EQ(score(s).point_accuracy, 100);
+  EXPECT_EQ(score(s).planes_found, 2);
+}
+
+TEST(Metrics, MissingPointsAreCountedOfThoseThatHaveAPlane) {
+  Scene s = scene();
+  std::fill(s.found.begin(), s.found.begin() + 10, 0);
+  EXPECT_DOUBLE_EQ(score(s).r_m, 5);
+  EXPECT_DOUBLE_EQ(score(s).point_accuracy, 95);
+  s.truth[0] = -1;  // not scored at all
+  EXPECT_EQ(score(s).points, 199u);
+}
+
+TEST(Metrics, ASplitPlaneIsOverSegmented) {
+  Scene s = scene();
+  for (int i = 0; i < 50; ++i) s.found[i] = 3;
+  const Metrics m = score(s);
+  EXPECT_EQ(m.r_p, 150);
+  EXPECT_EQ(m.over_segmented, 1);
+  EXPECT_EQ(m.missed + m.noise + m.under_segmented, 0);
+  EXPECT_DOUBLE_EQ(m.point_accuracy, 75);
+  EXPECT_DOUBLE_EQ(m.mean_iou, 75);
+}
+
+TEST(Metrics, MergedPlanesAreUnderSegmented) {
+  Scene s = scene();
+  std::fill(s.found.begin(), s.found.end(), 1);
+  const Metrics m = score(s);
+  EXPECT_EQ(m.r_p, 50);
+  EXPECT_EQ(m.under_segmented, 1);
+  EXPECT_EQ(m.missed + m.noise, 0);
+  EXPECT_DOUBLE_EQ(m.point_accuracy, 50);
+}
+
+TEST(Metrics, APlaneNotFoundIsMissedAndOneThatIsNotThereIsNoise) {
+  Scene s = scene();
+  std::fill(s.found.begin(), s.found.begin() + 100, 0);
+  EXPECT_EQ(score(s).missed, 1);
+  s = scene();
+  for (int i = 0; i < 10; ++i) s.found[i] = 3;  // a tenth of a plane
+  EXPECT_EQ(score(s).noise, 1);
+  EXPECT_EQ(score(s).missed, 0);
+}
+
+TEST(Metrics, AlphaIsTheMeanAngleToTheMajorityPlane) {
+  Scene s = scene();
+  s.normals[1] = Vec3d(std::sin(0.1), 0, -std::cos(0.1));  // signs do not matter
+  EXPECT_NEAR(score(s).alpha_deg, 0.05 * 180 / M_PI, 1e-6);
+}
+
+TEST(Metrics, LabelAccuracyTellsEdgesFromTheRest) {
+  std::vector<Vec3f> points;
+  std::vector<Label> truth, found;
+  for (int i = 0; i < 10; ++i) {  // a row, 1 cm apart, the label changes in the middle
+    points.push_back({0.01f * static_cast<float>(i), 0, 0});
+    truth.push_back(i < 5 ? Label::h : Label::v);
+    found.push_back(i < 4 ? Label::h : Label::v);  // point 4, at the edge, is wrong
+  }
+  const std::vector<std::int32_t> ids(10, 1);
+  const std::vector<Vec3d> normals{Vec3d::UnitZ()};
+  const Metrics m = evaluate({points, ids, ids, normals, normals, truth, found});
+  EXPECT_DOUBLE_EQ(m.label_accuracy_inner, 100);
+  EXPECT_LT(m.label_accuracy_edge, 100);
+}
+
+TEST(Metrics, TheMeanTakesRatiosOfSumsForPlanes) {
+  Metrics a, b;
+  a.planes_truth = 2, a.planes_found = 4, a.r_p = 200, a.alpha_deg = 1;
+  b.planes_truth = 8, b.planes_found = 8, b.r_p = 100, b.alpha_deg = 3;
+  const std::vector<Metrics> both{a, b};
+  EXPECT_DOUBLE_EQ(mean_of(both).r_p, 120);
+  EXPECT_DOUBLE_EQ(mean_of(both).alpha_deg, 2);
+}
+
+TEST(Assignment, FindsTheBestOfAllPermutations) {
+  Random random(4);
+  for (int round = 0; round < 200; ++round) {
+    const int rows = random.integer(1, 5), columns = random.integer(1, 5);
+    std::vector<double> value(static_cast<std::size_t>(rows) * columns);
+    for (double& v : value) v = random.uniform() < 0.3 ? 0 : random.uniform();
+    const std::vector<int> match = best_assignment(value, rows, columns);
+    double total = 0;
+    for (int r = 0; r < rows; ++r)
+      if (match[r] >= 0) total += value[static_cast<std::size_t>(r) * columns + match[r]];
+    std::vector<int> order(std::max(rows, columns));
+    std::iota(order.begin(), order.end(), 0);
+    double best = 0;
+    do {
+      double sum = 0;
+      for (int r = 0; r < rows; ++r)
+        if (order[r] < columns) sum += value[static_cast<std::size_t>(r) * columns + order[r]];
+      best = std::max(best, sum);
+    } while (std::next_permutation(order.begin(), order.end()));
+    EXPECT_NEAR(total, best, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace planescope
