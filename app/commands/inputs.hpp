@@ -42,27 +42,24 @@ struct OpenInput {
 /// one cannot be opened, or if --frames leaves none of its frames.
 std::vector<OpenInput> open_inputs(const InputArgs& args);
 
-/// Truth of frame `index` in source order (core/pipeline/truth.hpp), nullopt where there is none.
-std::optional<SourceTruth> input_truth(const OpenInput& input, const Frame& frame);
-
-/// Loads frame `index` and runs it; with `classifier truth`, on its truth. Throws Error as
-/// run_frame does, with the recording's and the frame's name before the message.
+/// A frame that was read and run, with its truth where there is some (and it was asked for, or
+/// `classifier truth` needs it).
 struct LoadedFrame {
   Frame frame;
   FrameResult result;
   std::optional<SourceTruth> truth;
 };
+
+/// Reads frame `index` and runs it. Throws Error as run_frame does, with the recording and the
+/// frame before the message.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const PipelineOptions& options,
+                            bool want_truth,
                             Trace* trace = nullptr);
 
 /// The sample recording: $PLANESCOPE_ASSETS/sample, ../share/planescope/sample beside the
 /// executable, or the source tree's. Throws Error naming those places if it is in none of them.
 std::filesystem::path sample_recording();
-
-/// Makes `dir` with its parents and shows that files can be written there. Throws Error otherwise.
-/// Called before the work starts.
-void prepare_output_dir(const std::filesystem::path& dir);
 
 }  // namespace planescope

@@ -1,0 +1,125 @@
+#include "app/commands/eval.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/pipeline/score.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Row {
+  std::string input;
+  int frame = 0;
+  std::string name;
+  Metrics metrics;
+};
+
+Json to_json(const Metrics& m) {
+  return {{"planes_truth", m.planes_truth},
+          {"planes_found", m.planes_found},
+          {"alpha_deg", m.alpha_deg},
+          {"r_p", m.r_p},
+          {"r_m", m.r_m},
+          {"point_accuracy", m.point_accuracy},
+          {"mean_iou", m.mean_iou},
+          {"detected_iou80", m.detected_iou80},
+          {"over_segmented", m.over_segmented},
+          {"under_segmented", m.under_segmented},
+          {"missed", m.missed},
+          {"noise", m.noise},
+          {"label_accuracy_edge", m.label_accuracy_edge},
+          {"label_accuracy_inner", m.label_accuracy_inner},
+          {"points", m.points}};
+}
+
+void print_row(const std::string& name, int width, const Metrics& m) {
+  fmt::print(
+      "{:<{}} {:>5} {:>5} {:>7.3f} {:>6.1f} {:>6.2f} {:>6.2f} {:>6.2f} {:>5} {:>5} {:>5} "
+      "{:>6} {:>5} {:>6.2f} {:>6.2f}\n",
+      name, width, m.planes_truth, m.planes_found, m.alpha_deg, m.r_p, m.r_m, m.point_accuracy,
+      m.mean_iou, m.detected_iou80, m.over_segmented, m.under_segmented, m.missed, m.noise,
+      m.label_accuracy_edge, m.label_accuracy_inner);
+}
+
+void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_truth) {
+  int width = 4;
+  for (const Row& row : rows) width = std::max(width, static_cast<int>(row.name.size()));
+  fmt::print(
+      "{:<{}} {:>5} {:>5} {:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>5} {:>6} {:>5} {:>6} "
+      "{:>6}\n",
+      "frame", width, "true", "found", "alpha", "r_p", "r_m", "acc", "IoU", "IoU80", "over",
+      "under", "missed", "noise", "edge", "inner");
+  std::string input;
+  for (const Row& row : rows) {
+    if (row.input != input) fmt::print("{}\n", row.input);
+    input = row.input;
+    print_row(row.name, width, row.metrics);
+  }
+  print_row("mean", width, mean);
+  fmt::print(
+      "\nalpha: degrees; r_p: 100 x found / true; r_m: % of points in no plane; acc, IoU: % by\n"
+      "best matching; IoU80: planes found with IoU of at least 0.8; edge, inner: % of labels that\n"
+      "are right within 2 cm of another label, and elsewhere. Counts in the last line are sums.\n");
+  if (without_truth > 0) fmt::print("{} frames have no ground truth.\n", without_truth);
+}
+
+}  // namespace
+
+int run_eval(const EvalArgs& args, std::stop_token stop) {
+  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  std::vector<Row> rows;
+  int without_truth = 0;
+  {
+    std::size_t total = 0;
+    for (const OpenInput& input : inputs) total += input.frames.size();
+    Progress progress("eval", static_cast<int>(total));
+    int done = 0;
+    for (const OpenInput& input : inputs) {
+      for (const int index : input.frames) {
+        if (stop.stop_requested()) throw Cancelled();
+        progress.show(done++, fmt::format("{} frame {}", input.path.filename().string(), index));
+        const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, true);
+        if (!loaded.truth) {
+          ++without_truth;
+          continue;
+        }
+        const std::string name =
+            loaded.frame.name.empty() ? std::to_string(index) : loaded.frame.name;
+        rows.push_back(
+            {input.path.string(), index, name, score_frame(loaded.result, *loaded.truth)});
+      }
+    }
+  }
+  if (rows.empty())
+    throw Error(
+        fmt::format("{}: no frame has ground truth, neither labels in {} nor a cloud's "
+                    "label and instance fields",
+                    inputs.front().path.string(), inputs.front().label_dir.string()));
+  std::vector<Metrics> all;
+  for (const Row& row : rows) all.push_back(row.metrics);
+  const Metrics mean = mean_of(all);
+  if (!args.json) {
+    print_table(rows, mean, without_truth);
+    return 0;
+  }
+  Json json;
+  json["schema"] = "planescope/eval/1";
+  json["frames"] = Json::array();
+  for (const Row& row : rows) {
+    Json frame = {{"input", row.input}, {"frame", row.frame}, {"name", row.name}};
+    frame.update(to_json(row.metrics));
+    json["frames"].push_back(frame);
+  }
+  json["frames_without_truth"] = without_truth;
+  json["mean"] = to_json(mean);
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  return 0;
+}
+
+}  // namespace planescope

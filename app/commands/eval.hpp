@@ -1,0 +1,18 @@
+#pragma once
+
+#include <stop_token>
+
+#include "app/commands/inputs.hpp"
+
+namespace planescope {
+
+struct EvalArgs {
+  InputArgs input;
+  bool json = false;
+};
+
+/// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
+/// has. Returns the exit code.
+int run_eval(const EvalArgs& args, std::stop_token stop);
+
+}  // namespace planescope

@@ -1,0 +1,257 @@
+#include "app/commands/info.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.hpp"
+#include "core/cloud/gravity.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Facts {
+  RecordingInfo info;
+  int frame_count = 0;
+  int first = 0;  // the frame that stands for the recording
+  int labelled = 0;
+  std::string label_dir;
+
+  // Time, where the frames carry it.
+  double span_s = 0, median_step_s = 0;
+  int gaps = 0;  // steps longer than 1.5 times the median
+  double longest_gap_s = 0;
+  int longest_gap_frame = 0;  // it ends with this frame
+
+  // Of the first frame.
+  double measured_percent = 0, within_percent = 0;
+  double min_m = 0, median_m = 0, max_m = 0;
+  std::uint64_t saturated = 0;  // counts of 65535
+  std::size_t cloud_points = 0;
+  bool cloud_has_label = false, cloud_has_instance = false, cloud_has_color = false;
+  int color_width = 0, color_height = 0;
+  std::optional<Gravity> gravity;
+  std::string gravity_error;
+};
+
+void measure_times(const OpenInput& input, Facts& facts) {
+  std::vector<double> times;
+  for (int i = 0; i < facts.frame_count; ++i) times.push_back(input.recording->timestamp_s(i));
+  if (times.size() < 2 || times.back() <= times.front()) return;
+  facts.span_s = times.back() - times.front();
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  std::vector<double> sorted = steps;
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  facts.median_step_s = sorted[sorted.size() / 2];
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] <= 1.5 * facts.median_step_s) continue;
+    ++facts.gaps;
+    if (steps[i] <= facts.longest_gap_s) continue;
+    facts.longest_gap_s = steps[i];
+    facts.longest_gap_frame = static_cast<int>(i) + 1;
+  }
+}
+
+void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
+  std::vector<std::uint16_t> counts;
+  counts.reserve(frame.depth.pixels());
+  std::size_t within = 0;
+  for (const std::uint16_t count : frame.depth.data) {
+    if (count == 0) continue;
+    if (count == 65535) {
+      ++facts.saturated;
+      continue;
+    }
+    counts.push_back(count);
+    within += count * frame.depth_unit_m <= max_range_m;
+  }
+  if (counts.empty()) return;
+  const auto percent = [&](std::size_t n) {
+    return 100.0 * static_cast<double>(n) / static_cast<double>(frame.depth.pixels());
+  };
+  facts.measured_percent = percent(counts.size());
+  facts.within_percent = percent(within);
+  std::sort(counts.begin(), counts.end());
+  facts.min_m = counts.front() * frame.depth_unit_m;
+  facts.median_m = counts[counts.size() / 2] * frame.depth_unit_m;
+  facts.max_m = counts.back() * frame.depth_unit_m;
+}
+
+Facts gather(const OpenInput& input, const PipelineOptions& options) {
+  Facts facts;
+  facts.info = input.recording->info();
+  facts.frame_count = input.recording->frame_count();
+  facts.first = input.frames.front();
+  const Frame frame = input.recording->frame(facts.first);
+  measure_times(input, facts);
+  if (frame.is_cloud()) {
+    facts.cloud_points = frame.cloud->points.size();
+    facts.cloud_has_label = !frame.cloud->label.empty();
+    facts.cloud_has_instance = !frame.cloud->instance.empty();
+    facts.cloud_has_color = !frame.cloud->rgb.empty();
+  } else {
+    measure_depth(frame, options.cloud.max_range_m, facts);
+  }
+  facts.color_width = frame.color.width;
+  facts.color_height = frame.color.height;
+  try {
+    facts.gravity = resolve_gravity(frame, options.gravity);
+  } catch (const Error& error) {
+    facts.gravity_error = error.what();
+  }
+  facts.label_dir = input.label_dir.string();
+  for (int i = 0; i < facts.frame_count; ++i)
+    facts.labelled += std::filesystem::exists(input.label_dir / fmt::format("{:06}.plane.png", i));
+  return facts;
+}
+
+Json intrinsics_json(const Intrinsics& k) {
+  Json json = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
+               {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
+  json["distortion"] = k.distortion == Distortion::none            ? "none"
+                       : k.distortion == Distortion::brown_conrady ? "brown_conrady"
+                                                                   : "inverse_brown_conrady";
+  if (k.distortion != Distortion::none) json["coefficients"] = k.coefficients;
+  return json;
+}
+
+Json to_json(const Facts& f) {
+  Json json;
+  json["path"] = f.info.path.string();
+  json["format"] = f.info.format;
+  json["device"] = f.info.device;
+  json["frames"] = f.frame_count;
+  if (f.info.width > 0) {
+    json["depth"] = {{"width", f.info.width},
+                     {"height", f.info.height},
+                     {"unit_m", f.info.depth_unit_m},
+                     {"unit_source", f.info.depth_unit_source}};
+    json["intrinsics"] = intrinsics_json(f.info.intrinsics);
+    json["intrinsics"]["source"] = f.info.intrinsics_source;
+    json["color"] = nullptr;
+    if (f.info.has_color)
+      json["color"] = {
+          {"width", f.color_width}, {"height", f.color_height}, {"note", f.info.color_note}};
+  } else {
+    json["cloud"] = {{"points", f.cloud_points},
+                     {"color", f.cloud_has_color},
+                     {"label", f.cloud_has_label},
+                     {"instance", f.cloud_has_instance}};
+  }
+  json["time"] = nullptr;
+  if (f.span_s > 0)
+    json["time"] = {{"span_s", f.span_s},
+                    {"median_step_s", f.median_step_s},
+                    {"gaps", f.gaps},
+                    {"longest_gap_s", f.longest_gap_s}};
+  json["gravity"] = nullptr;
+  if (f.gravity) {
+    const Vec3d& d = f.gravity->direction;
+    json["gravity"] = {{"direction", {d.x(), d.y(), d.z()}},
+                       {"source", to_string(f.gravity->source)},
+                       {"confidence", f.gravity->confidence},
+                       {"note", f.gravity->note}};
+  } else {
+    json["gravity_error"] = f.gravity_error;
+  }
+  json["first_frame"] = {{"index", f.first}};
+  if (f.info.width > 0) {
+    json["first_frame"]["measured_percent"] = f.measured_percent;
+    json["first_frame"]["within_max_range_percent"] = f.within_percent;
+    json["first_frame"]["depth_m"] = {{"min", f.min_m}, {"median", f.median_m}, {"max", f.max_m}};
+    json["first_frame"]["counts_65535"] = f.saturated;
+  }
+  json["labels"] = {{"folder", f.label_dir}, {"frames", f.labelled}};
+  json["warnings"] = f.info.warnings;
+  return json;
+}
+
+void line(const std::string& name, const std::string& text) {
+  fmt::print("  {:<12}{}\n", name, text);
+}
+
+void print_depth(const Facts& f, double max_range_m) {
+  const Intrinsics& k = f.info.intrinsics;
+  line("depth", fmt::format("{}x{}, 1 unit = {:.6g} mm ({})", f.info.width, f.info.height,
+                            f.info.depth_unit_m * 1000, f.info.depth_unit_source));
+  std::string distortion = "no distortion";
+  if (k.distortion != Distortion::none)
+    distortion = fmt::format(
+        "{} {:.5g}",
+        k.distortion == Distortion::brown_conrady ? "Brown-Conrady" : "inverse Brown-Conrady",
+        fmt::join(k.coefficients, " "));
+  line("intrinsics", fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {} ({})", k.fx, k.fy,
+                                 k.cx, k.cy, distortion, f.info.intrinsics_source));
+  line("colour", f.info.has_color
+                     ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
+                     : "none");
+  line(fmt::format("frame {}", f.first),
+       fmt::format("{:.1f} % of pixels measured, {:.2f} to {:.2f} m, median {:.2f} m; {:.1f} % "
+                   "within {:.6g} m{}",
+                   f.measured_percent, f.min_m, f.max_m, f.median_m, f.within_percent, max_range_m,
+                   f.saturated > 0 ? fmt::format("; {} counts of 65535", f.saturated) : ""));
+}
+
+void print_cloud(const Facts& f) {
+  std::string fields = "x y z";
+  if (f.cloud_has_color) fields += ", colour";
+  if (f.cloud_has_label) fields += ", label";
+  if (f.cloud_has_instance) fields += ", instance";
+  line(fmt::format("frame {}", f.first), fmt::format("{} points: {}", f.cloud_points, fields));
+}
+
+void print_text(const Facts& f, double max_range_m) {
+  fmt::print("{}\n", f.info.path.string());
+  line("format", f.info.format);
+  if (!f.info.device.empty()) line("device", f.info.device);
+  line("frames", std::to_string(f.frame_count));
+  if (f.info.width > 0)
+    print_depth(f, max_range_m);
+  else
+    print_cloud(f);
+  if (f.span_s > 0) {
+    const std::string gaps = f.gaps == 0
+                                 ? "no gaps"
+                                 : fmt::format("{} gaps, the longest {:.3f} s before frame {}",
+                                               f.gaps, f.longest_gap_s, f.longest_gap_frame);
+    line("time", fmt::format("{:.3f} s, {:.2f} frames per second, {}", f.span_s,
+                             1 / f.median_step_s, gaps));
+  } else if (f.frame_count > 1) {
+    line("time", "the frames carry no time");
+  }
+  if (f.gravity) {
+    const Gravity& g = *f.gravity;
+    line("gravity",
+         fmt::format("{:.4f},{:.4f},{:.4f} ({}{}){}{}", g.direction.x(), g.direction.y(),
+                     g.direction.z(), to_string(g.source),
+                     g.confidence < 1 ? fmt::format(", confidence {:.2f}", g.confidence) : "",
+                     g.note.empty() ? "" : ": ", g.note));
+  } else {
+    line("gravity", "not known: " + f.gravity_error);
+  }
+  if (f.labelled > 0)
+    line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));
+}
+
+}  // namespace
+
+int run_info(const InfoArgs& args) {
+  Json json;
+  json["schema"] = "planescope/info/1";
+  json["recordings"] = Json::array();
+  for (const OpenInput& input : open_inputs(args.input)) {
+    const Facts facts = gather(input, args.input.pipeline);
+    if (args.json)
+      json["recordings"].push_back(to_json(facts));
+    else
+      print_text(facts, args.input.pipeline.cloud.max_range_m);
+  }
+  if (args.json) fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  return 0;
+}
+
+}  // namespace planescope

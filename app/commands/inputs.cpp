@@ -1,0 +1,130 @@
+#include "app/commands/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+#include "core/labels/label_files.hpp"
+
+namespace planescope {
+namespace fs = std::filesystem;
+
+FrameSlice parse_frame_slice(const std::string& text) {
+  const auto part = [&](const std::string& s) -> std::optional<int> {
+    if (s.empty()) return std::nullopt;
+    return parse_integer(s, "--frames " + text);
+  };
+  const std::vector<std::string> parts = split(text, ':');
+  if (text.empty() || parts.size() > 3)
+    throw Error("--frames '" + text + "' is not A:B:STEP or a frame's number");
+  FrameSlice slice;
+  slice.first = part(parts[0]);
+  if (parts.size() == 1) {
+    // The frame itself; -1 is the last one, so what follows it is the end.
+    if (slice.first != -1) slice.last = *slice.first + 1;
+    return slice;
+  }
+  slice.last = part(parts[1]);
+  if (parts.size() == 3) slice.step = part(parts[2]);
+  if (slice.step && *slice.step < 1)
+    throw Error("--frames " + text + ": the step is " + parts[2] + ", expected at least 1");
+  return slice;
+}
+
+std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count) {
+  const auto clamped = [&](int i) {
+    return std::clamp(i < 0 ? i + frame_count : i, 0, frame_count);
+  };
+  std::vector<int> frames;
+  const int end = clamped(slice.last.value_or(frame_count));
+  for (int i = clamped(slice.first.value_or(0)); i < end; i += slice.step.value_or(1)) {
+    frames.push_back(i);
+    if (slice.step.value_or(1) >= frame_count) break;  // i + step might overflow
+  }
+  return frames;
+}
+
+fs::path sample_recording() {
+  std::vector<fs::path> places;
+  if (const char* assets = std::getenv("PLANESCOPE_ASSETS")) {
+    places.push_back(fs::path(assets) / "sample");
+  } else {
+    std::error_code failed;
+    const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+    if (!failed)
+      places.push_back(program.parent_path().parent_path() / "share" / "planescope" / "sample");
+    places.push_back(fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample");
+  }
+  std::string tried;
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (fs::exists(place, ignored)) return place;
+    tried += (tried.empty() ? "" : " nor ") + place.string();
+  }
+  throw Error("no recording was given, and the sample is not in " + tried);
+}
+
+std::vector<OpenInput> open_inputs(const InputArgs& args) {
+  std::vector<fs::path> paths = args.inputs;
+  if (paths.empty()) {
+    paths.push_back(sample_recording());
+    fmt::print(stderr, "planescope: no recording given, taking the sample, {}\n",
+               paths[0].string());
+  }
+  if (args.label_dir && paths.size() > 1)
+    throw Error(
+        fmt::format("--labels names one folder, but {} recordings are given", paths.size()));
+  if (args.label_dir && !fs::is_directory(*args.label_dir))
+    throw Error(args.label_dir->string() + ": is not a folder of labels");
+  std::vector<OpenInput> inputs;
+  for (const fs::path& path : paths) {
+    OpenInput input;
+    input.path = path;
+    input.recording = open_recording(path, args.recording);
+    const int count = input.recording->frame_count();
+    input.frames = sliced_frames(args.frames, count);
+    if (input.frames.empty())
+      throw Error(fmt::format("{}: --frames leaves none of its {} frames", path.string(), count));
+    input.label_dir = args.label_dir.value_or(default_label_dir(path));
+    for (const std::string& warning : input.recording->info().warnings)
+      fmt::print(stderr, "planescope: warning: {}\n", warning);
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+LoadedFrame run_input_frame(const OpenInput& input,
+                            int index,
+                            const PipelineOptions& options,
+                            bool want_truth,
+                            Trace* trace) {
+  LoadedFrame loaded;
+  const auto started = std::chrono::steady_clock::now();
+  loaded.frame = input.recording->frame(index);
+  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
+
+  const bool needs_truth = options.classifier == "truth";
+  std::optional<FrameTruth> on_points;
+  if (needs_truth || want_truth)
+    loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));
+  if (needs_truth && loaded.truth)
+    on_points = truth_on_points(loaded.truth->values, measured_sources(loaded.frame));
+  if (needs_truth && !loaded.truth)
+    throw Error(
+        fmt::format("{}, frame {}: classifier truth needs labels, found none in {} and no "
+                    "label field",
+                    input.path.string(), index, input.label_dir.string()));
+  try {
+    loaded.result = run_frame(loaded.frame, options, on_points ? &*on_points : nullptr, trace);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
+  }
+  loaded.result.timings.load_ms = load.count();
+  return loaded;
+}
+
+}  // namespace planescope

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/pipeline/pipeline.hpp"
+
+namespace planescope {
+
+struct OptionsArgs {
+  PipelineOptions pipeline;  // the values to show
+  bool json = false;
+};
+
+/// Prints every option that --set takes, with its unit, value and meaning. Returns the exit code.
+int run_options(const OptionsArgs& args);
+
+}  // namespace planescope

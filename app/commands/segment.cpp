@@ -1,0 +1,84 @@
+#include "app/commands/segment.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/report/segment_files.hpp"
+
+namespace planescope {
+namespace {
+
+// The one line that tells what became of a frame.
+std::string line_of(const std::string& folder, const FrameResult& result) {
+  const CloudCounts& counts = result.cloud.counts;
+  std::size_t in_plane = 0;
+  for (const std::int32_t id : result.plane_of) in_plane += id > 0;
+  std::string line = fmt::format("{}: {} planes, {} of {} points in them", folder,
+                                 result.segmentation.planes.size(), in_plane, counts.kept);
+  if (counts.beyond_range > 0)
+    line += fmt::format(", {} beyond the range (--max-range)", counts.beyond_range);
+  if (counts.invalid > 0) line += fmt::format(", {} invalid", counts.invalid);
+  if (counts.outside_cube > 0) line += fmt::format(", {} outside the cube", counts.outside_cube);
+  const Gravity& gravity = result.gravity;
+  line += fmt::format(", gravity {}", to_string(gravity.source));
+  if (gravity.source == GravitySource::estimate)
+    line += fmt::format(" (confidence {:.2f})", gravity.confidence);
+  return line;
+}
+
+nlohmann::ordered_json json_of(const std::string& folder, const FrameResult& result) {
+  nlohmann::ordered_json json;
+  json["folder"] = folder;
+  json["planes"] = result.segmentation.planes.size();
+  json["points"] = result.cloud.points.size();
+  json["kept"] = result.cloud.counts.kept;
+  json["beyond_range"] = result.cloud.counts.beyond_range;
+  json["invalid"] = result.cloud.counts.invalid;
+  json["gravity_source"] = to_string(result.gravity.source);
+  return json;
+}
+
+}  // namespace
+
+int run_segment(const SegmentArgs& args, std::stop_token stop) {
+  if (args.input.inputs.size() > 1)
+    throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
+  StagedOutput output(args.out);
+  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  const OpenInput& input = inputs.front();
+
+  std::vector<std::string> lines;
+  nlohmann::ordered_json json;
+  json["schema"] = "planescope/segment/1";
+  json["input"] = input.path.string();
+  json["out"] = args.out.string();
+  json["frames"] = nlohmann::ordered_json::array();
+  {
+    Progress progress("segment", static_cast<int>(input.frames.size()));
+    int done = 0;
+    for (const int index : input.frames) {
+      if (stop.stop_requested()) break;
+      progress.show(done, fmt::format("frame {}", index));
+      const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, false);
+      const std::filesystem::path folder = frame_folder(index);
+      write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
+      lines.push_back(line_of((args.out / folder).string(), loaded.result));
+      json["frames"].push_back(json_of((args.out / folder).string(), loaded.result));
+      progress.show(++done, fmt::format("frame {}", index));
+    }
+  }
+  output.commit();
+  if (args.json) {
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else {
+    for (const std::string& line : lines) fmt::print("{}\n", line);
+  }
+  if (stop.stop_requested()) throw Cancelled();
+  return 0;
+}
+
+}  // namespace planescope

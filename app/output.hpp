@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace planescope {
+
+/// Throws Error unless `dir` is a folder that can be written to, or could be made as one. Makes
+/// nothing: called before the work starts, so that an unwritable output costs no time.
+void check_output_dir(const std::filesystem::path& dir);
+
+/// Folders that appear in `dir` only when they are complete: they are written below a hidden
+/// folder, and commit() moves them to their place, over what stood there. Without commit() nothing
+/// of them remains, nor of the folders that were made for them.
+class StagedOutput {
+ public:
+  explicit StagedOutput(std::filesystem::path dir);  // checks `dir`, makes nothing yet
+  ~StagedOutput();
+  StagedOutput(const StagedOutput&) = delete;
+  StagedOutput& operator=(const StagedOutput&) = delete;
+
+  /// An empty folder in which to write what will be DIR/`relative`.
+  std::filesystem::path add(const std::filesystem::path& relative);
+  void commit();
+
+ private:
+  std::filesystem::path dir_;
+  std::filesystem::path staging_;
+  std::vector<std::filesystem::path> added_;      // relative
+  std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
+};
+
+}  // namespace planescope

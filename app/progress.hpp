@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+namespace planescope {
+
+/// A bar on stderr, only where that is a terminal; gone again when it is destroyed.
+class Progress {
+ public:
+  Progress(std::string what, int total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(int done, const std::string& now);
+
+ private:
+  std::string what_;
+  int total_;
+  bool visible_;
+};
+
+}  // namespace planescope

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace planescope {
+
+/// The candidate that a person who typed `given` most likely meant: the smallest edit distance
+/// (insert, delete, replace, swap of neighbours), if that is at most a third of the longer word.
+/// Empty where none is near.
+std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates);
+
+/// The whole of `text` as a number, independent of the locale. Throws Error that names `what`.
+double parse_number(const std::string& text, const std::string& what);
+int parse_integer(const std::string& text, const std::string& what);
+
+/// `text` cut at every `separator`; always at least one part.
+std::vector<std::string> split(const std::string& text, char separator);
+
+}  // namespace planescope

@@ -1,0 +1,317 @@
+#include "core/pipeline/options_table.hpp"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+// Smallest and largest value allowed.
+struct Range {
+  double min = 0;
+  double max = kUnbounded;
+  bool min_excluded = false;
+};
+
+void check_range(double value, const Range& range, const std::string& name) {
+  const bool low = range.min_excluded ? value <= range.min : value < range.min;
+  if (!low && value <= range.max) return;
+  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
+  throw Error(fmt::format(
+      "option {}: {} is out of range, expected {}", name, value,
+      range.max == kUnbounded ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+}
+
+// `field` takes PipelineOptions, const or not, and returns a reference to the member.
+template <typename Field>
+OptionInfo real(std::string section,
+                std::string name,
+                std::string unit,
+                std::string meaning,
+                Field field,
+                Range range = {}) {
+  return {name,
+          std::move(unit),
+          std::move(meaning),
+          std::move(section),
+          [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
+          [field, range, name](PipelineOptions& o, const std::string& text) {
+            const double value = parse_number(text, "option " + name);
+            check_range(value, range, name);
+            field(o) = value;
+          }};
+}
+
+template <typename Field>
+OptionInfo whole(std::string section,
+                 std::string name,
+                 std::string unit,
+                 std::string meaning,
+                 Field field,
+                 Range range = {}) {
+  return {name,
+          std::move(unit),
+          std::move(meaning),
+          std::move(section),
+          [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
+          [field, range, name](PipelineOptions& o, const std::string& text) {
+            const int value = parse_integer(text, "option " + name);
+            check_range(value, range, name);
+            field(o) = value;
+          }};
+}
+
+template <typename Field>
+OptionInfo flag(std::string section, std::string name, std::string meaning, Field field) {
+  return {name,
+          "on/off",
+          std::move(meaning),
+          std::move(section),
+          [field](const PipelineOptions& o) { return std::string(field(o) ? "on" : "off"); },
+          [field, name](PipelineOptions& o, const std::string& text) {
+            if (text == "on" || text == "true" || text == "1" || text == "yes") {
+              field(o) = true;
+            } else if (text == "off" || text == "false" || text == "0" || text == "no") {
+              field(o) = false;
+            } else {
+              throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
+            }
+          }};
+}
+
+// `values[i]` is the text of the enum's i-th value.
+template <typename Field>
+OptionInfo choice(std::string section,
+                  std::string name,
+                  std::vector<std::string> values,
+                  std::string meaning,
+                  Field field) {
+  const std::string unit = fmt::format("{}", fmt::join(values, "/"));
+  return {name,
+          unit,
+          std::move(meaning),
+          std::move(section),
+          [field, values](const PipelineOptions& o) {
+            return values.at(static_cast<std::size_t>(field(o)));
+          },
+          [field, values, name](PipelineOptions& o, const std::string& text) {
+            for (std::size_t i = 0; i < values.size(); ++i) {
+              if (text != values[i]) continue;
+              field(o) = static_cast<std::decay_t<decltype(field(o))>>(i);
+              return;
+            }
+            throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
+                                    fmt::join(values, " or ")));
+          }};
+}
+
+// The member that a row reads and writes, by its path from PipelineOptions.
+template <typename Stage, typename T>
+auto member(Stage PipelineOptions::*stage, T Stage::*field) {
+  return [=](auto& options) -> auto& { return options.*stage.*field; };
+}
+template <typename T>
+auto in_cloud(T CloudOptions::*field) {
+  return member(&PipelineOptions::cloud, field);
+}
+template <typename T>
+auto in_segment(T SegmentOptions::*field) {
+  return member(&PipelineOptions::segment, field);
+}
+
+std::string gravity_text(const GravityOptions& gravity) {
+  switch (gravity.mode) {
+    case GravityMode::automatic:
+      return "auto";
+    case GravityMode::imu:
+      return "imu";
+    case GravityMode::estimate:
+      return "estimate";
+    case GravityMode::fixed:
+      break;
+  }
+  const Vec3d& d = gravity.direction;
+  return fmt::format("{},{},{}", d.x(), d.y(), d.z());
+}
+
+void append_cloud(std::vector<OptionInfo>& table) {
+  const std::string s = "cloud";
+  table.push_back(real(s, "max_range_m", "m",
+                       "depth frames: pixels with depth z beyond this are cropped",
+                       in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
+  table.push_back(flag(s, "range_for_clouds",
+                       "clouds: crop points farther than max_range_m from the origin",
+                       in_cloud(&CloudOptions::range_for_clouds)));
+  table.push_back(real(s, "cube_edge_m", "m",
+                       "least edge of the octree's cube; doubled until it holds the range",
+                       in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
+  table.push_back(real(s, "voxel_size_m", "m",
+                       "edge of the voxel grid; 0 = every point is a voxel of its own",
+                       in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
+  table.push_back(whole(s, "base_depth", "levels",
+                        "octree depth of a cube of cube_edge_m: 8 makes leaves of 1.25 cm in 3.2 m",
+                        in_cloud(&CloudOptions::base_depth), {1, 16}));
+}
+
+void append_gravity(std::vector<OptionInfo>& table) {
+  const std::string s = "gravity";
+  table.push_back({"gravity", "auto/X,Y,Z/imu/estimate",
+                   "direction in which things fall, in the sensor's or cloud's own frame", s,
+                   [](const PipelineOptions& o) { return gravity_text(o.gravity); },
+                   [](PipelineOptions& o, const std::string& text) {
+                     const GravityOptions parsed = parse_gravity(text);
+                     o.gravity.mode = parsed.mode;
+                     o.gravity.direction = parsed.direction;
+                   }});
+  table.push_back(real(s, "gravity_max_tilt_deg", "deg",
+                       "the estimate takes the camera to be tilted by less than this",
+                       member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg),
+                       {0, 90, true}));
+}
+
+void append_classifier(std::vector<OptionInfo>& table) {
+  const std::string s = "classifier";
+  table.push_back(
+      {"classifier", "pca/truth", "what labels points h or v: PCA normals, or the ground truth", s,
+       [](const PipelineOptions& o) { return o.classifier; },
+       [](PipelineOptions& o, const std::string& text) {
+         if (text != "pca" && text != "truth")
+           throw Error("classifier '" + text + "' does not exist, expected pca or truth");
+         o.classifier = text;
+       }});
+  table.push_back(whole(s, "pca_neighbours", "points",
+                        "nearest points in each local plane fit, the point itself included",
+                        member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),
+                        {3, 1000}));
+  table.push_back(real(
+      s, "pca_max_angle_deg", "deg", "Eq. (1): h where the normal is within this angle of gravity",
+      member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg), {0, 90}));
+}
+
+void append_criteria(std::vector<OptionInfo>& table) {
+  const std::string s = "criteria";
+  table.push_back({"profile", "paper/paper-closest/refined",
+                   "sets everything below to the defaults of a profile", s,
+                   [](const PipelineOptions& o) { return to_string(o.segment.profile); },
+                   [](PipelineOptions& o, const std::string& text) {
+                     o.segment = profile_options(parse_profile(text));
+                   }});
+  table.push_back(whole(s, "theta_n_out", "points",
+                        "Criterion 1: a node has at most this many outliers",
+                        in_segment(&SegmentOptions::theta_n_out)));
+  table.push_back(real(s, "theta_r_out", "share",
+                       "Criterion 1: outliers are at most this share of a node's points",
+                       in_segment(&SegmentOptions::theta_r_out), {0, 1}));
+  table.push_back(whole(s, "theta_n_in", "points",
+                        "Criterion 2: a node has at least this many inliers",
+                        in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
+  table.push_back(real(s, "theta_e_n_m2", "m2",
+                       "Criterion 3: the inliers' plane fit has at most this error e_n",
+                       in_segment(&SegmentOptions::theta_e_n_m2)));
+  table.push_back(choice(s, "mse_normalization", {"scatter", "mean"},
+                         "e_n is the scatter's smallest eigenvalue as printed, or that over N",
+                         in_segment(&SegmentOptions::mse_normalization)));
+  table.push_back(real(s, "theta_coplane", "1",
+                       "Criterion 4: least coplanarity of two candidates that are merged",
+                       in_segment(&SegmentOptions::theta_coplane), {0, 1}));
+  table.push_back(flag(s, "criterion4_n2",
+                       "Criterion 4: also ask its third line, with the candidate's own normal",
+                       in_segment(&SegmentOptions::criterion4_n2)));
+  table.push_back(real(s, "merge_offset_m", "m",
+                       "Criterion 4: also ask |n . dmu| to be at most this; 0 = not asked",
+                       in_segment(&SegmentOptions::merge_offset_m)));
+  table.push_back(choice(s, "merge_partner", {"first", "best"},
+                         "which coplanar plane a candidate joins",
+                         in_segment(&SegmentOptions::merge_partner)));
+  table.push_back(real(s, "leftover_distance_m", "m",
+                       "a leftover point joins a plane at most this far away",
+                       in_segment(&SegmentOptions::leftover_distance_m)));
+  table.push_back(choice(s, "leftover_rule", {"first", "nearest"},
+                         "which plane a leftover point joins",
+                         in_segment(&SegmentOptions::leftover_rule)));
+  table.push_back(flag(s, "use_labels", "off: all points carry one label, the paper's \"w/o PC\"",
+                       in_segment(&SegmentOptions::use_labels)));
+  table.push_back(choice(s, "cube_anchor", {"center", "min_corner"},
+                         "the cube is centred as the cloud stage says, or starts at the points' "
+                         "minimum corner",
+                         in_segment(&SegmentOptions::cube_anchor)));
+}
+
+void append_refinements(std::vector<OptionInfo>& table) {
+  const std::string s = "refinements";
+  table.push_back(flag(s, "rms_criterion3",
+                       "Criterion 3 asks RMS <= theta_rms instead of e_n <= theta_e_n_m2",
+                       in_segment(&SegmentOptions::rms_criterion3)));
+  table.push_back(flag(s, "estimate_sigma",
+                       "theta_rms and tau follow the noise measured in the cloud",
+                       in_segment(&SegmentOptions::estimate_sigma)));
+  table.push_back(flag(s, "sigma_by_range",
+                       "the noise is measured per range bin: both grow with range",
+                       in_segment(&SegmentOptions::sigma_by_range)));
+  table.push_back(real(s, "fixed_rms_m", "m",
+                       "theta_rms, the largest RMS of a plane, where the noise is not measured",
+                       in_segment(&SegmentOptions::fixed_rms_m)));
+  table.push_back(real(s, "fixed_tau_m", "m",
+                       "tau, the distance to a plane, where the noise is not measured",
+                       in_segment(&SegmentOptions::fixed_tau_m)));
+  table.push_back(flag(s, "r1_merge_by_distance",
+                       "R1: merge by distance and RMS; leftovers go to a plane with points nearby",
+                       in_segment(&SegmentOptions::r1_merge_by_distance)));
+  table.push_back(flag(s, "r2_explain_away",
+                       "R2: drop planes whose points a larger neighbour explains",
+                       in_segment(&SegmentOptions::r2_explain_away)));
+  table.push_back(flag(s, "r3_weak_candidates",
+                       "R3: candidates with uncertain normals wait for the certain ones",
+                       in_segment(&SegmentOptions::r3_weak_candidates)));
+  table.push_back(flag(s, "r4_fit_impure_nodes",
+                       "R4: fit each label's points of an impure node before dividing it",
+                       in_segment(&SegmentOptions::r4_fit_impure_nodes)));
+  table.push_back(flag(s, "r5_reassign_shared_cells",
+                       "R5: points in cells that planes share go to the nearest",
+                       in_segment(&SegmentOptions::r5_reassign_shared_cells)));
+  table.push_back(flag(s, "r6_refit",
+                       "R6: refit planes without the points that lie near two of them",
+                       in_segment(&SegmentOptions::r6_refit)));
+  table.push_back(flag(s, "r7_second_merge", "R7: a second pass of merging",
+                       in_segment(&SegmentOptions::r7_second_merge)));
+  table.push_back(flag(s, "split_disconnected", "split planes into parts that do not touch",
+                       in_segment(&SegmentOptions::split_disconnected)));
+  table.push_back(real(s, "split_cell_m", "m",
+                       "edge of the cells in which parts are taken to touch",
+                       in_segment(&SegmentOptions::split_cell_m), {0.005, 10}));
+}
+
+}  // namespace
+
+const std::vector<OptionInfo>& option_table() {
+  static const std::vector<OptionInfo> table = [] {
+    std::vector<OptionInfo> rows;
+    append_cloud(rows);
+    append_gravity(rows);
+    append_classifier(rows);
+    append_criteria(rows);
+    append_refinements(rows);
+    return rows;
+  }();
+  return table;
+}
+
+void set_option(PipelineOptions& options, const std::string& name, const std::string& value) {
+  std::vector<std::string> names;
+  for (const OptionInfo& info : option_table()) {
+    if (info.name == name) return info.set(options, value);
+    names.push_back(info.name);
+  }
+  const std::string near = nearest_name(name, names);
+  throw Error("option '" + name + "' is unknown" +
+              (near.empty() ? std::string(", `planescope options` lists what there is")
+                            : ", did you mean '" + near + "'?"));
+}
+
+}  // namespace planescope
