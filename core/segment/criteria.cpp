@@ -56,7 +56,7 @@ double normal_uncertainty(const PlaneFit& fit, double sigma_m) {
   return std::min(std::numbers::pi / 2, std::sqrt(noise / fit.eigenvalues[1]));
 }
 
-DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b, double tau_m) {
+DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b) {
   const MeasuredPlane& sure = b.sigma_ang < a.sigma_ang ? b : a;
   const MeasuredPlane& other = b.sigma_ang < a.sigma_ang ? a : b;
   constexpr double kDeg = 180 / std::numbers::pi;
@@ -71,8 +71,8 @@ DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b, dou
   terms.max_angle_deg = 10 + 3 * kDeg * other.sigma_ang;
   terms.offset2_m2 = offset * offset;
   terms.spread2_m2 = n.dot(other.moments.scatter() * n) / other.moments.count;
-  terms.bound2_m2 =
-      tau_m * tau_m + 9 * sure.sigma_ang * sure.sigma_ang * std::min(lateral2, kMaxLateral2);
+  terms.bound2_m2 = other.tau_m * other.tau_m +
+                    9 * sure.sigma_ang * sure.sigma_ang * std::min(lateral2, kMaxLateral2);
   return terms;
 }
 

@@ -62,7 +62,8 @@ struct MeasuredPlane {
   const PlaneFit& fit;
   const Moments& moments;
   double sigma_ang = 0;  // normal_uncertainty [rad]
+  double tau_m = 0;      // how far off its points may lie, for noise
 };
-DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b, double tau_m);
+DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b);
 
 }  // namespace planescope

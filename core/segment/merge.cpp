@@ -34,13 +34,11 @@ Partner partner_by_direction(const SegmentState& state, const Candidate& candida
 /// R1: the plane of the same label that the candidate fits best.
 Partner partner_by_distance(const SegmentState& state, const Candidate& candidate) {
   Partner best;
-  const MeasuredPlane measured{candidate.fit, candidate.moments, candidate.sigma_ang};
-  const double tau = state.tau(candidate.fit.centroid);
+  const MeasuredPlane measured = state.measured(candidate);
   for (std::size_t k = 0; k < state.planes.size(); ++k) {
     const GrowingPlane& plane = state.planes[k];
     if (!plane.alive || plane.label != candidate.label) continue;
-    const DistanceTerms terms =
-        distance_terms({plane.fit, plane.moments, plane.sigma_ang}, measured, tau);
+    const DistanceTerms terms = distance_terms(state.measured(plane), measured);
     if (!terms.passes()) continue;
     if (best.plane < 0 || terms.cost() < best.cost) {
       best = {static_cast<std::int32_t>(k), terms.cost()};
@@ -110,14 +108,12 @@ void join_weak_candidates(SegmentState& state) {
   const std::size_t strong = state.planes.size();
 
   for (const Candidate& candidate : state.weak) {
-    const MeasuredPlane measured{candidate.fit, candidate.moments, candidate.sigma_ang};
-    const double tau = state.tau(candidate.fit.centroid);
+    const MeasuredPlane measured = state.measured(candidate);
     Partner best;
     const auto consider = [&](std::int32_t k, bool by_distance_only) {
       const GrowingPlane& plane = state.planes[k];
       if (plane.label != candidate.label) return;
-      DistanceTerms terms =
-          distance_terms({plane.fit, plane.moments, plane.sigma_ang}, measured, tau);
+      DistanceTerms terms = distance_terms(state.measured(plane), measured);
       if (by_distance_only) terms.max_angle_deg = 180;
       if (terms.passes() && (best.plane < 0 || terms.cost() < best.cost)) best = {k, terms.cost()};
     };
@@ -156,14 +152,12 @@ void merge_planes_again(SegmentState& state) {
     for (std::size_t i = 0; i < by_size.size() && !changed; ++i) {
       GrowingPlane& small = state.planes[by_size[i]];
       if (!small.alive) continue;
-      const double tau = state.tau(small.fit.centroid);
+      const MeasuredPlane measured = state.measured(small);
       Partner best;
       for (std::size_t j = i + 1; j < by_size.size(); ++j) {
         const GrowingPlane& large = state.planes[by_size[j]];
         if (!large.alive || large.label != small.label) continue;
-        const DistanceTerms terms =
-            distance_terms({large.fit, large.moments, large.sigma_ang},
-                           {small.fit, small.moments, small.sigma_ang}, tau);
+        const DistanceTerms terms = distance_terms(state.measured(large), measured);
         if (terms.passes() && (best.plane < 0 || terms.cost() < best.cost))
           best = {by_size[j], terms.cost()};
       }

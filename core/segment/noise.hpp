@@ -11,17 +11,20 @@
 
 namespace planescope {
 
-/// Standard deviation of the measurements across a surface, piecewise linear in the distance to the
-/// sensor. One knot: the same everywhere.
+/// Standard deviation of the measurements across a surface: the same everywhere, or growing with
+/// the square of the distance to the sensor, as stereo depth does.
 struct NoiseModel {
-  std::vector<double> range_m;  // ascending knots
-  std::vector<double> sigma_m;  // at each knot; both empty: noise was not estimated
+  bool estimated = false;  // false: the fixed thresholds hold
+  bool by_range =
+      false;  // true: sigma(r) = growth r^2, and the limits of the thresholds grow alike
+  double constant_m = 0;    // [m]
+  double growth_per_m = 0;  // [m per m^2]
   double fixed_rms_m = 0.006;
   double fixed_tau_m = 0.010;
 
-  double sigma(double range) const;      // 0 where not estimated
-  double theta_rms(double range) const;  // [m]
-  double tau(double range) const;        // [m]
+  double sigma(double range) const;      // [m]; 0 where not estimated
+  double theta_rms(double range) const;  // 2 sigma in 3 .. 12 mm [m]
+  double tau(double range) const;        // 3 sigma in 8 .. 20 mm [m]
 };
 
 /// One cell's residual noise and where it is.
@@ -29,7 +32,8 @@ struct NoiseSample {
   double range_m = 0;
   double sigma_m = 0;
 };
-/// Knots from samples: the 80th percentile overall, or in bins of 25 cm of range.
+/// The model's constant is the 80th percentile of the samples' sigma; its growth that of sigma /
+/// r^2.
 void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range);
 
 /// Samples are sqrt(lambda0 / (n - 3)) of the points of one label in each 10 cm cell, 8 at least.

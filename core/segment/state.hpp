@@ -43,6 +43,11 @@ struct SegmentState {
 
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }
+  /// A growing plane or a candidate, as distance_terms() takes it.
+  template <typename PlaneOrCandidate>
+  MeasuredPlane measured(const PlaneOrCandidate& p) const {
+    return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid)};
+  }
   void log(TraceEvent event) const {
     if (trace) trace->events.push_back(event);
   }

@@ -143,9 +143,10 @@ class Method {
     return f;
   }
 
-  DistanceTerms terms(const GrowingPlane& plane, const Candidate& candidate, double tau_m) const {
-    return distance_terms({plane.fit, plane.moments, plane.sigma_ang},
-                          {candidate.fit, candidate.moments, candidate.sigma_ang}, tau_m);
+  DistanceTerms terms(const GrowingPlane& plane, const Candidate& candidate) const {
+    return distance_terms(
+        {plane.fit, plane.moments, plane.sigma_ang, tau(plane.fit.centroid)},
+        {candidate.fit, candidate.moments, candidate.sigma_ang, tau(candidate.fit.centroid)});
   }
 
   void measure_noise() {
@@ -264,7 +265,7 @@ class Method {
       double cost = 0;
       if (options_.r1_merge_by_distance) {
         if (planes_[k].label != c.label) continue;
-        const DistanceTerms t = terms(planes_[k], c, tau(c.fit.centroid));
+        const DistanceTerms t = terms(planes_[k], c);
         if (!t.passes()) continue;
         cost = t.cost();
       } else {
@@ -304,7 +305,7 @@ class Method {
       double least = 0;
       const auto consider = [&](int k, bool any_angle) {
         if (planes_[k].label != c.label) return;
-        DistanceTerms t = terms(planes_[k], c, tau(c.fit.centroid));
+        DistanceTerms t = terms(planes_[k], c);
         if (any_angle) t.max_angle_deg = 180;
         if (!t.passes() || (best >= 0 && t.cost() >= least)) return;
         best = k;
@@ -340,7 +341,7 @@ class Method {
         for (std::size_t j = i + 1; j < order.size(); ++j) {
           const GrowingPlane& large = planes_[order[j]];
           if (!large.alive || large.label != small.label) continue;
-          const DistanceTerms t = terms(large, c, tau(small.fit.centroid));
+          const DistanceTerms t = terms(large, c);
           if (!t.passes() || (best >= 0 && t.cost() >= least)) continue;
           best = order[j];
           least = t.cost();

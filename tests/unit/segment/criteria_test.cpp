@@ -103,15 +103,15 @@ TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
                 flat = patch({3, 0, 0}, 0.5);
   const auto measured = [](const Moments& m, PlaneFit& fit) {
     fit = fit_plane(m);
-    return MeasuredPlane{fit, m, 0.001};
+    return MeasuredPlane{fit, m, 0.001, 0.01};
   };
   PlaneFit a, b, c;
   const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
-  EXPECT_FALSE(distance_terms(f, k, 0.01).passes());
-  EXPECT_TRUE(distance_terms(f, g, 0.01).passes());
-  EXPECT_NEAR(distance_terms(f, k, 0.01).offset2_m2, 0.12 * 0.12, 1e-12);
+  EXPECT_FALSE(distance_terms(f, k).passes());
+  EXPECT_TRUE(distance_terms(f, g).passes());
+  EXPECT_NEAR(distance_terms(f, k).offset2_m2, 0.12 * 0.12, 1e-12);
   // Which of the two comes first does not matter.
-  EXPECT_DOUBLE_EQ(distance_terms(f, k, 0.01).offset2_m2, distance_terms(k, f, 0.01).offset2_m2);
+  EXPECT_DOUBLE_EQ(distance_terms(f, k).offset2_m2, distance_terms(k, f).offset2_m2);
 }
 
 TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
@@ -120,7 +120,7 @@ TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
   const Moments own = patch({0, 0, 0}, 0.05);
   const auto bound = [&](const Moments& other) {
     const PlaneFit a = fit_plane(own), b = fit_plane(other);
-    return distance_terms({a, own, 0.02}, {b, other, 0.05}, 0.01).bound2_m2;
+    return distance_terms({a, own, 0.02, 0.01}, {b, other, 0.05, 0.01}).bound2_m2;
   };
   EXPECT_NEAR(bound(near), 1e-4 + 9 * 4e-4 * 0.04, 1e-9);
   EXPECT_LT(bound(near), bound(far));
