@@ -2,8 +2,10 @@
 
 #include <png.h>
 
+#include <array>
 #include <bit>
 #include <cstring>
+#include <fstream>
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
@@ -77,6 +79,25 @@ void read_rows(Decoder& decoder) {
   png_read_end(decoder.png, nullptr);
 }
 
+void require_signature(std::span<const unsigned char> bytes, const std::filesystem::path& path) {
+  if (bytes.size() >= kSignatureBytes && png_sig_cmp(bytes.data(), 0, kSignatureBytes) == 0) return;
+  throw Error(path.string() + ": not a PNG (" +
+              (bytes.empty() ? "an empty file" : "it does not start with the PNG signature") + ")");
+}
+
+int channels_of(int color_type) {
+  switch (color_type) {
+    case PNG_COLOR_TYPE_GRAY:
+      return 1;
+    case PNG_COLOR_TYPE_GRAY_ALPHA:
+      return 2;
+    case PNG_COLOR_TYPE_RGB_ALPHA:
+      return 4;
+    default:
+      return 3;  // RGB, or a palette of it
+  }
+}
+
 [[noreturn]] void fail(const std::filesystem::path& path, const Decoder& decoder) {
   throw Error(path.string() + ": not a readable PNG (" + decoder.message + ")");
 }
@@ -85,10 +106,7 @@ void read_rows(Decoder& decoder) {
 PngInfo open(Decoder& decoder,
              std::span<const unsigned char> bytes,
              const std::filesystem::path& path) {
-  if (bytes.size() < kSignatureBytes || png_sig_cmp(bytes.data(), 0, kSignatureBytes) != 0) {
-    throw Error(path.string() + ": not a PNG (" + std::to_string(bytes.size()) +
-                " bytes without the PNG signature)");
-  }
+  require_signature(bytes, path);
   decoder.next = bytes.data();
   decoder.left = bytes.size();
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
@@ -98,9 +116,7 @@ PngInfo open(Decoder& decoder,
   if (!guarded(decoder, read_header)) fail(path, decoder);
   return {static_cast<int>(png_get_image_width(decoder.png, decoder.info)),
           static_cast<int>(png_get_image_height(decoder.png, decoder.info)),
-          png_get_color_type(decoder.png, decoder.info) == PNG_COLOR_TYPE_PALETTE
-              ? 3
-              : png_get_channels(decoder.png, decoder.info),
+          channels_of(png_get_color_type(decoder.png, decoder.info)),
           png_get_bit_depth(decoder.png, decoder.info)};
 }
 
@@ -148,9 +164,42 @@ Image<T> read_grey(const std::filesystem::path& path) {
 }  // namespace
 
 PngInfo png_info(const std::filesystem::path& path) {
+  constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
+  std::array<unsigned char, kHeaderBytes> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  file.read(reinterpret_cast<char*>(head.data()), head.size());
+  const auto size = static_cast<std::size_t>(file.gcount());
+  require_signature(std::span(head).first(size), path);
+  if (size < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
+    throw Error(path.string() + ": not a readable PNG (its header is cut or damaged)");
+  }
+  const auto side = [&](std::size_t at) {
+    return std::uint32_t(head[at]) << 24 | std::uint32_t(head[at + 1]) << 16 |
+           std::uint32_t(head[at + 2]) << 8 | head[at + 3];
+  };
+  const std::uint32_t width = side(16);
+  const std::uint32_t height = side(20);
+  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
+    throw Error(path.string() + ": PNG of " + std::to_string(width) + "x" + std::to_string(height) +
+                " pixels, expected 1 to " + std::to_string(kMaxSide) + " a side");
+  }
+  return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
+}
+
+bool png_is_cut(const std::filesystem::path& path) {
+  constexpr std::streamoff kEndBytes = 12;  // length, "IEND", checksum
+  std::array<char, kEndBytes> tail{};
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (file && file.tellg() >= kEndBytes) {
+    file.seekg(-kEndBytes, std::ios::end);
+    file.read(tail.data(), kEndBytes);
+    if (std::memcmp(&tail[4], "IEND", 4) == 0) return false;
+  }
+  // Some writers leave something behind the end: only decoding can tell.
   const auto bytes = read_file_bytes(path);
-  Decoder decoder;
-  return open(decoder, bytes, path);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.rfind("IEND") == std::string_view::npos;
 }
 
 Image16 read_png_16(const std::filesystem::path& path) { return read_grey<std::uint16_t>(path); }

@@ -19,6 +19,8 @@ struct PngInfo {
 /// All readers throw Error naming the file, what was found and what was expected: not a PNG, cut
 /// short, wrong number of channels or bits. Sizes are checked before anything is allocated.
 PngInfo png_info(const std::filesystem::path& path);
+/// Whether the chunk that ends every PNG is missing; looks at the end of the file only.
+bool png_is_cut(const std::filesystem::path& path);
 Image16 read_png_16(const std::filesystem::path& path);   // exactly one channel of 16 bits
 Image8 read_png_grey(const std::filesystem::path& path);  // exactly one channel of 8 bits
 Image8 read_png_rgb(const std::filesystem::path& path);   // anything 8- or 16-bit, turned into RGB

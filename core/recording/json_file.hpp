@@ -1,0 +1,11 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace planescope {
+
+/// Parses a JSON file of at most a few megabytes. Throws Error naming it. For .cpp files only.
+nlohmann::json read_json_file(const std::filesystem::path& path);
+
+}  // namespace planescope
