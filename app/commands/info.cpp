@@ -225,11 +225,15 @@ void print_text(const Facts& f, double max_range_m) {
   }
   if (f.gravity) {
     const Gravity& g = *f.gravity;
-    line("gravity",
-         fmt::format("{:.4f},{:.4f},{:.4f} ({}{}){}{}", g.direction.x(), g.direction.y(),
-                     g.direction.z(), to_string(g.source),
-                     g.confidence < 1 ? fmt::format(", confidence {:.2f}", g.confidence) : "",
-                     g.note.empty() ? "" : ": ", g.note));
+    std::string how = to_string(g.source);
+    if (g.confidence < 1) how += fmt::format(", confidence {:.2f}", g.confidence);
+    if (g.note.starts_with(to_string(g.source)))
+      how = g.note;
+    else if (!g.note.empty())
+      how += ", " + g.note;
+    // + 0.0: no minus zero.
+    line("gravity", fmt::format("{:.4f},{:.4f},{:.4f} ({})", g.direction.x() + 0.0,
+                                g.direction.y() + 0.0, g.direction.z() + 0.0, how));
   } else {
     line("gravity", "not known: " + f.gravity_error);
   }

@@ -32,7 +32,7 @@ template <typename T>
 bool parse_whole(const std::string& text, T& value) {
   const char* begin = text.data();
   const char* end = begin + text.size();
-  if (end - begin > 1 && *begin == '+') ++begin;
+  if (end - begin > 1 && begin[0] == '+' && begin[1] != '-') ++begin;
   const auto [stopped, error] = std::from_chars(begin, end, value);
   return error == std::errc() && stopped == end && begin != end;
 }

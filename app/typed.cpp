@@ -1,0 +1,117 @@
+#include "app/typed.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+#include "core/pipeline/options_table.hpp"
+
+namespace planescope {
+namespace {
+
+int thread_count(const Typed& typed) {
+  if (typed.threads.empty())
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int threads = parse_integer(typed.threads, "--threads");
+  if (threads < 1 || threads > 1024)
+    throw Error(fmt::format("--threads: {} is out of range, expected 1 to 1024", threads));
+  return threads;
+}
+
+}  // namespace
+
+PipelineOptions pipeline_options(const Typed& typed) {
+  if (typed.method != "ours")
+    throw Error("--method: '" + typed.method + "' does not exist, expected ours");
+  PipelineOptions options;
+  if (!typed.profile.empty()) set_option(options, "profile", typed.profile);
+  for (const std::string& assignment : typed.set) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos) throw Error("--set: '" + assignment + "' is not NAME=VALUE");
+    set_option(options, assignment.substr(0, equals), assignment.substr(equals + 1));
+  }
+  if (!typed.gravity.empty()) set_option(options, "gravity", typed.gravity);
+  if (!typed.voxel.empty()) set_option(options, "voxel_size_m", typed.voxel);
+  if (!typed.classifier.empty()) set_option(options, "classifier", typed.classifier);
+  if (!typed.max_range.empty()) {
+    set_option(options, "max_range_m", typed.max_range);
+    options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
+  }
+  options.threads = thread_count(typed);
+  return options;
+}
+
+InputArgs input_args(const Typed& typed) {
+  InputArgs args;
+  args.pipeline = pipeline_options(typed);
+  args.inputs.assign(typed.inputs.begin(), typed.inputs.end());
+  if (!typed.frames.empty()) args.frames = parse_frame_slice(typed.frames);
+  if (!typed.labels.empty()) args.label_dir = typed.labels;
+  if (!typed.intrinsics.empty()) {
+    const std::vector<std::string> parts = split(typed.intrinsics, ',');
+    if (parts.size() != 4)
+      throw Error("--intrinsics: '" + typed.intrinsics + "' is not FX,FY,CX,CY");
+    std::array<double, 4> values{};
+    for (std::size_t i = 0; i < 4; ++i) values[i] = parse_number(parts[i], "--intrinsics");
+    if (values[0] <= 0 || values[1] <= 0)
+      throw Error("--intrinsics: '" + typed.intrinsics +
+                  "' has a focal length that is not above 0");
+    args.recording.intrinsics = values;
+  }
+  if (!typed.depth_unit.empty()) {
+    const double unit = parse_number(typed.depth_unit, "--depth-unit");
+    if (unit <= 0 || unit > 1)
+      throw Error("--depth-unit: " + typed.depth_unit +
+                  " is out of range, expected metres per count, above 0 and at most 1");
+    args.recording.depth_unit_m = unit;
+  }
+  return args;
+}
+
+std::string required_out(const Typed& typed, const std::string& command) {
+  if (typed.out.empty()) throw Error(command + " needs an output folder, -o DIR");
+  return typed.out;
+}
+
+SynthStairsArgs stairs_args(const Typed& typed) {
+  const auto at_least = [](const std::string& text, const std::string& name, int least) {
+    const int value = parse_integer(text, name);
+    if (value < least)
+      throw Error(fmt::format("{}: {} is out of range, expected at least {}", name, value, least));
+    return value;
+  };
+  SynthStairsArgs args;
+  args.out = required_out(typed, "synth stairs");
+  if (!typed.count.empty()) args.count = at_least(typed.count, "--count", 1);
+  if (!typed.points.empty()) args.stairs.points = at_least(typed.points, "--points", 0);
+  if (!typed.seed.empty())
+    args.stairs.seed = static_cast<std::uint64_t>(at_least(typed.seed, "--seed", 0));
+  if (!typed.noise.empty()) args.stairs.noise_m = parse_number(typed.noise, "--noise");
+  if (args.stairs.noise_m < 0) throw Error("--noise: " + typed.noise + " is negative");
+  args.stairs.random_yaw = !typed.axis_aligned;
+  args.threads = thread_count(typed);
+  return args;
+}
+
+std::string command_text(int argc, char** argv) {
+  std::string text = "planescope";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]#~`") == std::string::npos;
+    text += ' ';
+    if (plain) {
+      text += word;
+      continue;
+    }
+    text += '\'';
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += '\'';
+  }
+  return text;
+}
+
+}  // namespace planescope

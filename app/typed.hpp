@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/commands/inputs.hpp"
+#include "app/commands/synth.hpp"
+
+namespace planescope {
+
+// What was typed, before it is checked. Empty: not given.
+struct Typed {
+  std::vector<std::string> inputs;
+  std::string frames, profile, gravity, intrinsics, depth_unit, max_range, voxel, classifier;
+  std::string method = "ours", labels, threads, out;
+  std::vector<std::string> set;
+  bool json = false;
+
+  std::string seed, count, points, noise, scenes;
+  bool axis_aligned = false;
+};
+
+// From text to values. All throw Error that names the option.
+PipelineOptions pipeline_options(const Typed& typed);
+InputArgs input_args(const Typed& typed);
+SynthStairsArgs stairs_args(const Typed& typed);
+std::string required_out(const Typed& typed, const std::string& command);
+
+/// The command line as one could type it again in a shell.
+std::string command_text(int argc, char** argv);
+
+}  // namespace planescope
