@@ -252,7 +252,7 @@ void append_refinements(std::vector<OptionInfo>& table) {
                        "theta_rms and tau follow the noise measured in the cloud",
                        in_segment(&SegmentOptions::estimate_sigma)));
   table.push_back(flag(s, "sigma_by_range",
-                       "the noise is measured per range bin: both grow with range",
+                       "the noise grows with the square of range, and both with it",
                        in_segment(&SegmentOptions::sigma_by_range)));
   table.push_back(real(s, "fixed_rms_m", "m",
                        "theta_rms, the largest RMS of a plane, where the noise is not measured",

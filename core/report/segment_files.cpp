@@ -81,15 +81,15 @@ Json counts_json(const FrameResult& result) {
   return json;
 }
 
-// The noise at each range it was measured for, and the thresholds that followed from it.
+// The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
 Json noise_json(const NoiseModel& noise) {
-  Json knots = Json::array();
-  for (const double range : noise.range_m)
-    knots.push_back({{"range_m", rounded(range)},
-                     {"sigma_m", rounded(noise.sigma(range))},
-                     {"theta_rms_m", rounded(noise.theta_rms(range))},
-                     {"tau_m", rounded(noise.tau(range))}});
-  return knots;
+  Json json;
+  json["estimated"] = noise.estimated;
+  json["by_range"] = noise.by_range;
+  json["sigma_at_1m_m"] = rounded(noise.sigma(1));
+  json["theta_rms_at_1m_m"] = rounded(noise.theta_rms(1));
+  json["tau_at_1m_m"] = rounded(noise.tau(1));
+  return json;
 }
 
 // One line per field, but vectors, hull corners and matrix rows on one line each.
