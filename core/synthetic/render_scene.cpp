@@ -1,0 +1,106 @@
+#include "core/synthetic/render_scene.hpp"
+
+#include <cmath>
+#include <span>
+
+#include "core/base/sha256.hpp"
+#include "core/synthetic/ray_cast.hpp"
+#include "core/synthetic/shading.hpp"
+#include "core/synthetic/truth.hpp"
+
+namespace planescope {
+namespace {
+
+/// Direction of a pixel, in the world frame, of depth 1.
+Vec3d ray(const Intrinsics& k, const Pose& T_world_camera, double x, double y) {
+  return T_world_camera.linear() * Vec3d((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
+}
+
+TrueView look(const Scene& scene,
+              const CastScene& cast,
+              const Pose& T_world_camera,
+              const D435Model& model,
+              std::vector<int>& surfaces) {
+  const Intrinsics& k = model.intrinsics;
+  const std::size_t pixels = static_cast<std::size_t>(k.width) * k.height;
+  TrueView view{std::vector<double>(pixels, 0), std::vector<float>(pixels, 0),
+                std::vector<bool>(pixels, false)};
+  surfaces.assign(pixels, -1);
+  const Vec3d eye = T_world_camera.translation();
+  const Vec3d right_eye = T_world_camera * Vec3d(model.baseline_m, 0, 0);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const auto x = static_cast<double>(i % k.width), y = static_cast<double>(i / k.width);
+    const Vec3d direction = ray(k, T_world_camera, x, y);
+    const Hit hit = first_hit(cast, eye, direction);
+    if (hit.surface < 0) continue;
+    surfaces[i] = hit.surface;
+    view.depth_m[i] = hit.t;
+    const Vec3d& normal = scene.surfaces[hit.surface].normal;
+    view.cos_incidence[i] = static_cast<float>(std::abs(normal.dot(direction)) / direction.norm());
+    view.in_both_eyes[i] = !is_blocked(cast, eye + hit.t * direction, right_eye);
+  }
+  return view;
+}
+
+/// Each pixel is the mean of four rays: edges and fine patterns come out smooth.
+Image8 paint(const Scene& scene,
+             const CastScene& cast,
+             const Pose& T_world_camera,
+             const Intrinsics& k) {
+  constexpr double kOffsets[4][2] = {
+      {-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
+  Image8 image(k.width, k.height, 3);
+  const Vec3d eye = T_world_camera.translation();
+  for (int y = 0; y < k.height; ++y) {
+    for (int x = 0; x < k.width; ++x) {
+      Vec3d sum = Vec3d::Zero();
+      for (const auto& offset : kOffsets) {
+        const Vec3d direction = ray(k, T_world_camera, x + offset[0], y + offset[1]);
+        const Hit hit = first_hit(cast, eye, direction);
+        if (hit.surface < 0) sum += Vec3d(0.55, 0.68, 0.82);  // sky
+        if (hit.surface >= 0) sum += shade(scene, cast, hit.surface, eye + hit.t * direction);
+      }
+      const auto rgb = to_display(sum / 4);
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = rgb[c];
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Frame render_scene(const Scene& scene,
+                   const CameraPose& camera,
+                   const D435Model& model,
+                   std::uint64_t seed,
+                   FrameLabels* truth) {
+  const Pose T_world_camera = pose_of(camera);
+  const CastScene cast = make_cast_scene(scene);
+  std::vector<int> surfaces;
+  const TrueView view = look(scene, cast, T_world_camera, model, surfaces);
+
+  Frame frame;
+  frame.name = scene.name;
+  frame.intrinsics = model.intrinsics;
+  frame.depth_unit_m = model.depth_unit_m;
+  frame.depth = measure_depth(view, model, seed);
+  if (model.color) {
+    frame.color = paint(scene, cast, T_world_camera, model.intrinsics);
+    frame.color_intrinsics = model.intrinsics;
+    frame.color_aligned = true;
+  }
+  if (truth) *truth = true_labels(scene, T_world_camera, surfaces, frame);
+  return frame;
+}
+
+std::string depth_sha256(const Image16& depth) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(2 * depth.data.size());
+  for (const std::uint16_t count : depth.data) {
+    bytes.push_back(static_cast<std::byte>(count & 0xff));
+    bytes.push_back(static_cast<std::byte>(count >> 8));
+  }
+  return sha256_hex(bytes);
+}
+
+}  // namespace planescope

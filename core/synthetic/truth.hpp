@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+
+#include "core/labels/label_files.hpp"
+#include "core/synthetic/scene.hpp"
+
+namespace planescope {
+
+/// Ground truth of a frame of which is known what every pixel sees: `surfaces` per pixel, indices
+/// in scene.surfaces, -1 nothing.
+FrameLabels true_labels(const Scene& scene,
+                        const Pose& T_world_camera,
+                        std::span<const int> surfaces,
+                        const Frame& frame);
+
+}  // namespace planescope

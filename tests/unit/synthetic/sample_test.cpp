@@ -1,0 +1,160 @@
+#include "core/synthetic/sample.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "core/base/error.hpp"
+#include "core/base/file_bytes.hpp"
+#include "core/image/png.hpp"
+#include "core/labels/label_files.hpp"
+#include "core/synthetic/render_scene.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path fresh_dir(const std::string& name) {
+  const fs::path dir = fs::path(testing::TempDir()) / ("sample_" + name);
+  fs::remove_all(dir);
+  fs::remove_all(default_label_dir(dir));
+  return dir;
+}
+
+SampleOptions small() {
+  SampleOptions options;
+  options.width = 64;
+  options.height = 48;
+  return options;
+}
+
+std::vector<fs::path> files_under(const fs::path& dir) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(dir))
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), dir));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Pixels rather than file bytes for PNGs: how they are packed belongs to the version of zlib.
+void expect_same_content(const fs::path& a, const fs::path& b) {
+  if (a.extension() != ".png") {
+    EXPECT_EQ(read_file_bytes(a), read_file_bytes(b)) << a;
+  } else if (const PngInfo info = png_info(a); info.bit_depth == 16) {
+    EXPECT_TRUE(read_png_16(a).data == read_png_16(b).data) << a;
+  } else if (info.channels == 1) {
+    EXPECT_TRUE(read_png_grey(a).data == read_png_grey(b).data) << a;
+  } else {
+    EXPECT_TRUE(read_png_rgb(a).data == read_png_rgb(b).data) << a;
+  }
+}
+
+TEST(Sample, TheShippedSampleIsWhatTheDefaultsWrite) {
+  const fs::path shipped = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
+  const fs::path dir = fresh_dir("shipped");
+  write_sample(dir);
+  for (const auto& [ours, theirs] :
+       {std::pair{dir, shipped}, {default_label_dir(dir), default_label_dir(shipped)}}) {
+    const auto files = files_under(ours);
+    ASSERT_EQ(files, files_under(theirs));
+    for (const fs::path& file : files) expect_same_content(ours / file, theirs / file);
+  }
+}
+
+TEST(Sample, TheShippedSampleIsSmall) {
+  const fs::path shipped = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
+  std::uintmax_t bytes = 0;
+  for (const fs::path& dir : {shipped, default_label_dir(shipped)})
+    for (const fs::path& file : files_under(dir)) bytes += fs::file_size(dir / file);
+  EXPECT_LT(bytes, 3'000'000u);
+}
+
+TEST(Sample, TruthIsTiedToTheDepthThatWasWritten) {
+  const fs::path dir = fresh_dir("truth");
+  write_sample(dir, small());
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "00000" + std::to_string(i) + ".png";
+    const Image16 depth = read_png_16(dir / "depth" / name);
+    const auto truth = read_frame_labels(default_label_dir(dir), i, depth_sha256(depth));
+    ASSERT_TRUE(truth);
+    EXPECT_EQ(truth->plane.width, 64);
+    EXPECT_GT(truth->planes.size(), 3u);
+    EXPECT_EQ(read_png_rgb(dir / "color" / name).height, 48);
+  }
+}
+
+TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
+  const fs::path one = fresh_dir("one"), again = fresh_dir("again"), two = fresh_dir("two");
+  SampleOptions options = small();
+  write_sample(one, options);
+  write_sample(again, options);
+  options.seed = 2;
+  write_sample(two, options);
+  const fs::path depth = fs::path("depth") / "000000.png";
+  EXPECT_EQ(read_file_bytes(one / depth), read_file_bytes(again / depth));
+  EXPECT_NE(read_file_bytes(one / depth), read_file_bytes(two / depth));
+  const auto truth_one = read_frame_labels(default_label_dir(one), 0, "");
+  const auto truth_two = read_frame_labels(default_label_dir(two), 0, "");
+  EXPECT_GT((truth_one->gravity.direction - truth_two->gravity.direction).norm(), 1e-3);
+}
+
+TEST(Sample, GravityIsStatedOnlyWhenAskedFor) {
+  const auto text_of = [](const fs::path& dir) {
+    const auto bytes = read_file_bytes(dir / "planescope.json");
+    return std::string(bytes.begin(), bytes.end());
+  };
+  const fs::path silent = fresh_dir("silent"), stated = fresh_dir("stated");
+  SampleOptions options = small();
+  write_sample(silent, options);
+  options.gravity = true;
+  write_sample(stated, options);
+  EXPECT_EQ(text_of(silent).find("gravity"), std::string::npos);
+  EXPECT_NE(text_of(stated).find("gravity"), std::string::npos);
+}
+
+TEST(Sample, AnEarlierSampleIsOverwritten) {
+  const fs::path dir = fresh_dir("overwrite");
+  SampleOptions options = small();
+  write_sample(dir, options);
+  options.seed = 2;
+  EXPECT_NO_THROW(write_sample(dir, options));
+}
+
+TEST(Sample, AFolderWithAnythingElseIsRefusedAndLeftAsItWas) {
+  const fs::path dir = fresh_dir("foreign");
+  fs::create_directories(dir);
+  std::ofstream(dir / "holiday.jpg") << "mine";
+  EXPECT_THROW(write_sample(dir, small()), Error);
+  EXPECT_EQ(files_under(dir), std::vector<fs::path>{"holiday.jpg"});
+
+  const fs::path longer = fresh_dir("longer");
+  SampleOptions options = small();
+  write_sample(longer, options);
+  options.scenes = {"ramp"};
+  EXPECT_THROW(write_sample(longer, options), Error) << "two frames of the other would remain";
+}
+
+TEST(Sample, BadOptionsAreRefusedBeforeAnythingIsWritten) {
+  const fs::path dir = fresh_dir("bad");
+  SampleOptions options = small();
+  options.scenes = {"stairs", "attic"};
+  EXPECT_THROW(write_sample(dir, options), Error);
+  options = small();
+  options.scenes.clear();
+  EXPECT_THROW(write_sample(dir, options), Error);
+  options = small();
+  options.width = 0;
+  EXPECT_THROW(write_sample(dir, options), Error);
+  options.width = 1 << 30;
+  EXPECT_THROW(write_sample(dir, options), Error);
+  EXPECT_FALSE(fs::exists(dir));
+  const fs::path file = fresh_dir("file");
+  std::ofstream(file) << "a file where the folder should be";
+  EXPECT_THROW(write_sample(file / "sub", small()), Error);
+  EXPECT_THROW(write_sample(file, small()), Error);
+}
+
+}  // namespace
+}  // namespace planescope
