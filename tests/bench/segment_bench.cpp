@@ -1,0 +1,84 @@
+// Segmentation of an 8192-point staircase against the plain pointer reference, and the octree's
+// build against Open3D's, in the same run. Quote the ratios; scripts/bench prints them.
+
+#include <benchmark/benchmark.h>
+#include <open3d/geometry/Octree.h>
+#include <open3d/geometry/PointCloud.h>
+
+#include "core/segment/segment.hpp"
+#include "core/synthetic/stairs.hpp"
+#include "support/reference_segment.hpp"
+#include "support/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+const test::LabelledCloud& staircase() {
+  static const test::LabelledCloud cloud = [] {
+    StairsOptions options;
+    options.noise_m = 0.002;
+    const Stairs stairs = make_stairs(0, options);
+    test::LabelledCloud c;
+    c.points = stairs.cloud.points;
+    for (const std::uint8_t l : stairs.cloud.label) c.labels.push_back(static_cast<Label>(l));
+    c.cube = test::cube_around(c.points);
+    return c;
+  }();
+  return cloud;
+}
+
+void ours(benchmark::State& state, Profile profile) {
+  const SegmentOptions options = profile_options(profile);
+  const test::LabelledCloud& c = staircase();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
+}
+
+void plain(benchmark::State& state, Profile profile) {
+  const SegmentOptions options = profile_options(profile);
+  const test::LabelledCloud& c = staircase();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        reference::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
+}
+
+void octree_ours(benchmark::State& state) {
+  const test::LabelledCloud& c = staircase();
+  for (auto _ : state) benchmark::DoNotOptimize(build_octree(c.points, c.labels, c.cube));
+}
+
+/// Ours with every node made down to the leaves, as Open3D's has them; the method never needs that.
+void octree_ours_divided(benchmark::State& state) {
+  const test::LabelledCloud& c = staircase();
+  for (auto _ : state) {
+    Octree octree = build_octree(c.points, c.labels, c.cube);
+    for (std::size_t i = 0; i < octree.nodes.size(); ++i)
+      if (octree.nodes[i].depth < c.cube.max_depth) divide(octree, static_cast<std::int32_t>(i));
+    benchmark::DoNotOptimize(octree.nodes.data());
+  }
+}
+
+void octree_open3d(benchmark::State& state) {
+  open3d::geometry::PointCloud cloud;
+  for (const Vec3f& p : staircase().points) cloud.points_.push_back(p.cast<double>());
+  for (auto _ : state) {
+    open3d::geometry::Octree octree(static_cast<std::size_t>(staircase().cube.max_depth));
+    octree.ConvertFromPointCloud(cloud, 0.0);
+    benchmark::DoNotOptimize(octree.root_node_);
+  }
+}
+
+BENCHMARK_CAPTURE(ours, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK(octree_ours)->Unit(benchmark::kMicrosecond);
+BENCHMARK(octree_ours_divided)->Unit(benchmark::kMicrosecond);
+BENCHMARK(octree_open3d)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace planescope
+
+BENCHMARK_MAIN();
