@@ -53,18 +53,11 @@ void add_inputs(CLI::App* command, Typed& t, const std::string& what) {
   };
   option("--frames", t.frames, "A:B:STEP",
          "Which frames, as Python slices a list: 0:100:10, -5:, or 7");
-  option("--gravity", t.gravity, "auto|X,Y,Z|imu|estimate",
-         "Direction in which things fall, in the sensor's own frame (x right, y down, z forward; "
-         "clouds: the file's axes). auto, the default, takes the first that exists: the "
-         "recording's own, its IMU, an estimate from the scene");
   option("--intrinsics", t.intrinsics, "FX,FY,CX,CY",
          "Of the depth image, in pixels; wins over what the files say");
   option("--depth-unit", t.depth_unit, "METRES",
          "Metres per depth count; wins over what the files say");
   option("--labels", t.labels, "DIR", "Ground truth; otherwise <recording>.labels beside it");
-  option("--max-range", t.max_range, "M",
-         "Crop what is farther: depth z of depth frames (default 1.5), distance from the origin of "
-         "clouds (default none)");
 }
 
 void add_method(CLI::App* command, Typed& t) {
@@ -81,6 +74,13 @@ void add_method(CLI::App* command, Typed& t) {
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->group("Method");
+  option("--gravity", t.gravity, "auto|X,Y,Z|imu|estimate",
+         "Direction in which things fall, in the sensor's own frame (x right, y down, z forward; "
+         "clouds: the file's axes). auto, the default, takes the first that exists: the "
+         "recording's own, its IMU, an estimate from the scene");
+  option("--max-range", t.max_range, "M",
+         "Crop what is farther: depth z of depth frames (default 1.5), distance from the origin of "
+         "clouds (default none)");
   option("--voxel", t.voxel, "M", "Edge of the voxel grid, default 0.02; 0 = none");
   option("--classifier", t.classifier, "pca|truth", "What labels points h or v; default pca");
   option("--method", t.method, "ours", "What finds the planes");

@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/labels/label_files.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "core/recording/recording.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+using Json = nlohmann::json;
+
+namespace {
+
+// Exact truth of floor_and_wall(): 1 the floor, 2 the wall.
+FrameLabels truth_of(const Image16& depth, const Recording& recording) {
+  FrameLabels labels;
+  labels.depth_sha256 = recording.frame_hash(0);
+  labels.intrinsics = recording.info().intrinsics;
+  labels.plane = Image16(depth.width, depth.height);
+  labels.hv = Image8(depth.width, depth.height);
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    const bool wall = depth.data[i] == 1200;
+    labels.plane.data[i] = wall ? 2 : 1;
+    labels.hv.data[i] = wall ? 2 : 1;
+  }
+  labels.planes.resize(2);
+  labels.planes[0] = {1, Label::h, Vec3d(0, -1, 0), -0.5, 0, 0.01, 1};
+  labels.planes[1] = {2, Label::v, Vec3d(0, 0, -1), -1.2, 0, 0.01, 1};
+  labels.review_state = "reviewed";
+  return labels;
+}
+
+}  // namespace
+
+TEST(Info, ADepthFolderIsDescribed) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const Ran ran = run({"info", "--json", (dir / "rec").string(), "--gravity", "0,2,0"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json info = Json::parse(ran.out)["recordings"][0];
+  EXPECT_EQ(info["frames"], 3);
+  EXPECT_EQ(info["depth"]["width"], 160);
+  EXPECT_EQ(info["depth"]["height"], 120);
+  EXPECT_EQ(info["depth"]["unit_m"], 0.001);
+  EXPECT_EQ(info["intrinsics"]["fx"], 120);
+  EXPECT_EQ(info["color"], nullptr);
+  EXPECT_EQ(info["gravity"]["direction"], Json::array({0.0, 1.0, 0.0}));
+  EXPECT_EQ(info["gravity"]["source"], "option");
+  EXPECT_EQ(info["first_frame"]["measured_percent"], 100);
+  EXPECT_NEAR(info["first_frame"]["depth_m"]["max"].get<double>(), 1.2, 1e-9);
+
+  const Ran text = run({"info", (dir / "rec").string()});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_NE(text.out.find("1 unit = 1 mm"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("160x120"), std::string::npos);
+}
+
+TEST(Info, WhatTheUserSaysWins) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran = run({"info", "--json", (dir / "rec").string(), "--depth-unit", "0.0002",
+                       "--intrinsics", "100,101,79.5,59.5"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json info = Json::parse(ran.out)["recordings"][0];
+  EXPECT_EQ(info["depth"]["unit_m"], 0.0002);
+  EXPECT_EQ(info["intrinsics"]["fy"], 101);
+  EXPECT_EQ(info["intrinsics"]["cx"], 79.5);
+}
+
+TEST(Eval, TrueLabelsBesideARecordingAreFound) {
+  const auto dir = scratch();
+  const Image16 depth = floor_and_wall();
+  write_depth_folder(dir / "rec", depth, 2);
+  write_frame_labels(dir / "rec.labels", 0, truth_of(depth, *open_recording(dir / "rec")));
+  for (const char* classifier : {"pca", "truth"}) {
+    const Ran ran = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
+                         "--classifier", classifier, "--frames", "0"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Json json = Json::parse(ran.out);
+    ASSERT_EQ(json["frames"].size(), 1u);
+    EXPECT_EQ(json["mean"]["planes_truth"], 2);
+    EXPECT_EQ(json["mean"]["planes_found"], 2);
+    EXPECT_LT(json["mean"]["alpha_deg"].get<double>(), 0.2);
+    EXPECT_GT(json["mean"]["point_accuracy"].get<double>(), 98);
+  }
+  const Ran both = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0"});
+  EXPECT_EQ(Json::parse(both.out)["frames_without_truth"], 1);
+  const Ran table = run({"eval", (dir / "rec").string(), "--gravity", "0,1,0"});
+  EXPECT_NE(table.out.find("alpha"), std::string::npos);
+  EXPECT_NE(table.out.find("mean"), std::string::npos);
+}
+
+TEST(Eval, LabelsOfOtherDepthAreRefused) {
+  const auto dir = scratch();
+  Image16 depth = floor_and_wall();
+  write_depth_folder(dir / "rec", depth);
+  write_frame_labels(dir / "truth", 0, truth_of(depth, *open_recording(dir / "rec")));
+  depth.data[5] = 999;
+  write_depth_folder(dir / "rec", depth);
+  const Ran ran = run(
+      {"eval", (dir / "rec").string(), "--labels", (dir / "truth").string(), "--gravity", "0,1,0"});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+}
+
+TEST(Eval, WithoutTruthItSaysWhereItLooked) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--classifier", "truth"}}) {
+    std::vector<std::string> args = {"eval", (dir / "rec").string(), "--gravity", "0,1,0"};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find("rec.labels"), std::string::npos) << ran.err;
+  }
+}
+
+TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
+  const auto dir = scratch();
+  for (const char* name : {"a", "b"}) {
+    const Ran ran = run({"synth", "stairs", "-o", (dir / name).string(), "--count", "3", "--points",
+                         "2048", "--noise", "0.001", "--threads", name[0] == 'a' ? "1" : "3"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  ASSERT_EQ(files_below(dir / "a"),
+            (std::vector<std::string>{"stairs_000.ply", "stairs_001.ply", "stairs_002.ply"}));
+  for (const std::string& file : files_below(dir / "a"))
+    EXPECT_TRUE(read_text(dir / "a" / file) == read_text(dir / "b" / file)) << file;
+  const PointSet stairs = read_cloud_file(dir / "a/stairs_000.ply");
+  EXPECT_EQ(stairs.points.size(), 2048u);
+  EXPECT_EQ(stairs.label.size(), 2048u);
+  EXPECT_EQ(stairs.instance.size(), 2048u);
+
+  // Clouds carry their own truth.
+  const Ran eval = run({"eval", "--json", "--classifier", "truth", "--voxel", "0",
+                        (dir / "a/stairs_000.ply").string(), (dir / "a/stairs_001.ply").string()});
+  ASSERT_EQ(eval.code, 0) << eval.err;
+  const Json json = Json::parse(eval.out);
+  EXPECT_EQ(json["frames"].size(), 2u);
+  EXPECT_EQ(json["mean"]["r_p"], 100);
+  EXPECT_EQ(json["mean"]["label_accuracy_edge"], 100);
+}
+
+TEST(SynthStairs, BadNumbersAreRefused) {
+  const auto dir = scratch();
+  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--count", "0"},
+                                              {"--points", "-5"},
+                                              {"--noise", "-0.1"},
+                                              {"--seed", "x"}}) {
+    std::vector<std::string> args = {"synth", "stairs", "-o", (dir / "out").string()};
+    args.insert(args.end(), bad.begin(), bad.end());
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  }
+}

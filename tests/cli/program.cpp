@@ -1,0 +1,106 @@
+#include "cli/program.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace planescope::testing_cli {
+namespace fs = std::filesystem;
+namespace {
+
+pid_t start(const std::vector<std::string>& args, const fs::path& out, const fs::path& err) {
+  std::vector<std::string> words{PLANESCOPE_PROGRAM};
+  words.insert(words.end(), args.begin(), args.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  const auto redirect = [](const char* path, int flags, int fd) {
+    const int opened = open(path, flags, 0600);
+    if (opened < 0 || dup2(opened, fd) < 0) _exit(99);
+  };
+  redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+  redirect(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+  redirect(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  execv(argv[0], argv.data());
+  _exit(98);
+}
+
+// A file name that no other run uses.
+fs::path fresh_name(const std::string& what) {
+  static int count = 0;
+  return fs::path(testing::TempDir()) / ("planescope_cli_" + std::to_string(getpid()) + "_" +
+                                         std::to_string(count++) + "_" + what);
+}
+
+Ran finish(pid_t pid, const fs::path& out, const fs::path& err) {
+  int status = 0;
+  waitpid(pid, &status, 0);
+  Ran ran;
+  ran.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  ran.out = read_text(out);
+  ran.err = read_text(err);
+  fs::remove(out);
+  fs::remove(err);
+  return ran;
+}
+
+}  // namespace
+
+Ran run(const std::vector<std::string>& args) {
+  const fs::path out = fresh_name("out"), err = fresh_name("err");
+  return finish(start(args, out, err), out, err);
+}
+
+Ran run_and_signal(const std::vector<std::string>& args,
+                   int signal_number,
+                   const fs::path& marker) {
+  const fs::path out = fresh_name("out"), err = fresh_name("err");
+  const pid_t pid = start(args, out, err);
+  const auto runs = [pid] {
+    siginfo_t ended = {};
+    waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOHANG | WNOWAIT);
+    return ended.si_pid == 0;
+  };
+  while (!fs::exists(marker) && runs()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(pid, signal_number);
+  return finish(pid, out, err);
+}
+
+fs::path scratch() {
+  const fs::path dir = fresh_name("dir");
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  return dir;
+}
+
+std::string read_text(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> files_below(const fs::path& dir) {
+  std::vector<std::string> files;
+  if (!fs::exists(dir)) return files;
+  for (const auto& entry : fs::recursive_directory_iterator(dir))
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), dir).string());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool is_one_line(const std::string& err) {
+  return err.starts_with("planescope: ") && err.find('\n') == err.size() - 1;
+}
+
+}  // namespace planescope::testing_cli

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace planescope::testing_cli {
+
+/// What a run of the program left behind.
+struct Ran {
+  int code = -1;  // exit code, or 128 + the signal's number
+  std::string out;
+  std::string err;
+};
+
+/// Runs `planescope ARGS...` with no terminal and waits for it.
+Ran run(const std::vector<std::string>& args);
+
+/// Starts it, sends `signal_number` as soon as `marker` exists, and waits for the end.
+Ran run_and_signal(const std::vector<std::string>& args,
+                   int signal_number,
+                   const std::filesystem::path& marker);
+
+/// A new, empty folder for the running test.
+std::filesystem::path scratch();
+
+std::string read_text(const std::filesystem::path& path);
+
+/// All files below `dir`, relative, sorted.
+std::vector<std::string> files_below(const std::filesystem::path& dir);
+
+/// True if `err` is exactly one line that starts with "planescope: ".
+bool is_one_line(const std::string& err);
+
+}  // namespace planescope::testing_cli

@@ -1,0 +1,67 @@
+#include "cli/scene_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "core/image/png.hpp"
+
+namespace planescope::testing_cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr double kFocal = 120, kCx = 80, kCy = 60;
+constexpr double kCameraHeightM = 0.5, kWallM = 1.2;
+
+double depth_m(int v) {
+  const double below = (v - kCy) / kFocal;
+  return below > 0 ? std::min(kWallM, kCameraHeightM / below) : kWallM;
+}
+
+}  // namespace
+
+Image16 floor_and_wall() {
+  Image16 depth(kWidth, kHeight);
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u)
+      depth.at(u, v) = static_cast<std::uint16_t>(std::lround(depth_m(v) * 1000));
+  return depth;
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+void write_intrinsics(const fs::path& dir, int width, int height) {
+  write_text(dir / "camera_intrinsic.json",
+             "{\"width\": " + std::to_string(width) + ", \"height\": " + std::to_string(height) +
+                 ", \"intrinsic_matrix\": [120, 0, 0, 0, 120, 0, 80, 60, 1]}\n");
+}
+
+void write_depth_folder(const fs::path& dir, const Image16& depth, int frames) {
+  fs::create_directories(dir / "depth");
+  for (int i = 0; i < frames; ++i) {
+    std::string name = std::to_string(i);
+    name.insert(0, 6 - name.size(), '0');
+    write_png(dir / "depth" / (name + ".png"), depth);
+  }
+  write_intrinsics(dir, depth.width, depth.height);
+}
+
+PointSet floor_and_wall_cloud() {
+  PointSet set;
+  for (int v = 0; v < kHeight; ++v)
+    for (int u = 0; u < kWidth; ++u) {
+      const double z = depth_m(v);
+      const double right = (u - kCx) / kFocal * z, down = (v - kCy) / kFocal * z;
+      set.points.emplace_back(static_cast<float>(z), static_cast<float>(-right),
+                              static_cast<float>(-down));
+      const bool wall = z >= kWallM;
+      set.label.push_back(wall ? 2 : 1);
+      set.instance.push_back(wall ? 2 : 1);
+    }
+  return set;
+}
+
+}  // namespace planescope::testing_cli

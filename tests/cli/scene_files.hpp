@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/image/image.hpp"
+#include "core/recording/frame.hpp"
+
+namespace planescope::testing_cli {
+
+/// Depth in millimetres of a level camera that sees a floor 0.5 m below it and a wall 1.2 m ahead.
+/// 160x120, focal length 120, centre (80, 60). Gravity is 0,1,0.
+Image16 floor_and_wall();
+
+/// A folder recording with depth/000000.png ... and an Open3D intrinsics file.
+void write_depth_folder(const std::filesystem::path& dir, const Image16& depth, int frames = 1);
+void write_intrinsics(const std::filesystem::path& dir, int width, int height);
+
+/// The same scene as a cloud whose z axis points up, with its true label and instance.
+PointSet floor_and_wall_cloud();
+
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace planescope::testing_cli

@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/image/png.hpp"
+#include "core/recording/cloud_file.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+using Json = nlohmann::json;
+
+namespace {
+
+const std::vector<std::string> kLevel = {"--gravity", "0,1,0"};
+
+std::vector<std::string> segment_args(const std::filesystem::path& input,
+                                      const std::filesystem::path& out,
+                                      const std::vector<std::string>& more = kLevel) {
+  std::vector<std::string> args = {"segment", input.string(), "-o", out.string()};
+  args.insert(args.end(), more.begin(), more.end());
+  return args;
+}
+
+Json planes_of(const std::filesystem::path& out, const std::string& frame = "000000") {
+  return Json::parse(read_text(out / "frames" / frame / "planes.json"));
+}
+
+}  // namespace
+
+TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran = run(segment_args(dir / "rec", dir / "out"));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(dir / "out"),
+            (std::vector<std::string>{"frames/000000/cloud.ply", "frames/000000/planes.json",
+                                      "frames/000000/planes.png", "frames/000000/timings.json"}));
+
+  const Json json = planes_of(dir / "out");
+  EXPECT_EQ(json["schema"], "planescope/planes/1");
+  EXPECT_EQ(json["gravity"]["source"], "option");
+  EXPECT_EQ(json["counts"]["pixels"], 160 * 120);
+  ASSERT_EQ(json["planes"].size(), 2u);
+  std::size_t points = 0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Json& plane = json["planes"][k];
+    EXPECT_EQ(plane["id"], k + 1);
+    points += plane["points"].get<std::size_t>();
+    const auto n = plane["normal"].get<std::array<double, 3>>();
+    const auto c = plane["centroid"].get<std::array<double, 3>>();
+    EXPECT_NEAR(n[0] * c[0] + n[1] * c[1] + n[2] * c[2], plane["offset_m"].get<double>(), 1e-6);
+    if (plane["label"] == "h") {
+      EXPECT_NEAR(n[2], 1, 1e-3);
+      EXPECT_NEAR(plane["offset_m"].get<double>(), -0.5, 2e-3);
+    } else {
+      EXPECT_EQ(plane["label"], "v");
+      EXPECT_NEAR(n[2], 0, 1e-3);
+      EXPECT_NEAR(std::abs(plane["offset_m"].get<double>()), 1.2, 2e-3);
+    }
+    for (const Json& corner : plane["hull"]) {
+      const auto h = corner.get<std::array<double, 3>>();
+      EXPECT_NEAR(n[0] * h[0] + n[1] * h[1] + n[2] * h[2], plane["offset_m"].get<double>(), 1e-6);
+    }
+  }
+
+  // The picture and the cloud carry the same planes: pixels in raster order.
+  const Image16 image = read_png_16(dir / "out/frames/000000/planes.png");
+  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  ASSERT_EQ(image.width, 160);
+  ASSERT_EQ(image.height, 120);
+  ASSERT_EQ(cloud.instance.size(), image.data.size());
+  std::size_t in_plane = 0;
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    EXPECT_EQ(cloud.instance[i], image.data[i]);
+    in_plane += image.data[i] > 0;
+  }
+  EXPECT_EQ(in_plane, points);
+}
+
+TEST(Segment, ResultsAreTheSameBytesForAnyNumberOfThreads) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_ply(dir / "cloud.ply", floor_and_wall_cloud());
+  for (const char* threads : {"1", "2", "8"}) {
+    const auto out = dir / threads;
+    ASSERT_EQ(
+        run(segment_args(dir / "rec", out / "rec", {"--gravity", "0,1,0", "--threads", threads}))
+            .code,
+        0);
+    ASSERT_EQ(run(segment_args(dir / "cloud.ply", out / "cloud", {"--threads", threads})).code, 0);
+  }
+  for (const char* file : {"rec/frames/000000/planes.json", "rec/frames/000000/cloud.ply",
+                           "rec/frames/000000/planes.png", "cloud/frames/000000/planes.json",
+                           "cloud/frames/000000/cloud.ply"}) {
+    const std::string one = read_text(dir / "1" / file);
+    EXPECT_FALSE(one.empty()) << file;
+    EXPECT_TRUE(one == read_text(dir / "2" / file)) << file;
+    EXPECT_TRUE(one == read_text(dir / "8" / file)) << file;
+  }
+}
+
+TEST(Segment, SaturatedCountsAreDroppedAndCounted) {
+  const auto dir = scratch();
+  Image16 depth = floor_and_wall();
+  for (int i = 0; i < 7; ++i) depth.data[1000 + i] = 65535;
+  for (int i = 0; i < 5; ++i) depth.data[3000 + i] = 0;
+  write_depth_folder(dir / "rec", depth);
+  const Ran ran = run(segment_args(dir / "rec", dir / "out"));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json counts = planes_of(dir / "out")["counts"];
+  EXPECT_EQ(counts["invalid"], 7);
+  EXPECT_EQ(counts["no_measurement"], 5);
+  EXPECT_EQ(read_cloud_file(dir / "out/frames/000000/cloud.ply").points.size(), 160 * 120 - 12u);
+}
+
+TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
+  const auto dir = scratch();
+  PointSet set = floor_and_wall_cloud();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  set.points[17] = Vec3f(kNan, 0, 0);
+  set.points[18] = Vec3f(0, std::numeric_limits<float>::infinity(), 0);
+  set.points[19] = Vec3f::Zero();
+  write_ply(dir / "cloud.ply", set);
+  const Ran ran = run(segment_args(dir / "cloud.ply", dir / "out", {}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(dir / "out"),
+            (std::vector<std::string>{"frames/000000/cloud.ply", "frames/000000/planes.json",
+                                      "frames/000000/timings.json"}));
+  const Json json = planes_of(dir / "out");
+  EXPECT_EQ(json["counts"]["invalid"], 2);
+  EXPECT_EQ(json["counts"]["no_measurement"], 1);
+  EXPECT_EQ(json["gravity"]["source"], "assumed");
+  const PointSet written = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  ASSERT_EQ(written.points.size(), set.points.size());
+  for (std::size_t i = 0; i < written.points.size(); ++i) {
+    if (i >= 17 && i <= 19) {
+      EXPECT_EQ(written.instance[i], 0);
+      EXPECT_EQ(written.label[i], 0);
+      continue;
+    }
+    EXPECT_LT((written.points[i] - set.points[i]).norm(), 1e-5) << i;
+  }
+}
+
+TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran =
+      run(segment_args(dir / "rec", dir / "out", {"--gravity", "0,1,0", "--max-range", "1.1"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("--max-range"), std::string::npos);
+  const Json counts = planes_of(dir / "out")["counts"];
+  EXPECT_GT(counts["beyond_range"].get<int>(), 1000);
+  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  ASSERT_EQ(cloud.points.size(), 160u * 120u);
+  int outside = 0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (i / 160 > 60 && cloud.points[i].z() < -0.45) continue;  // near floor
+    if (cloud.label[i] == 0) {
+      EXPECT_EQ(cloud.instance[i], 0);
+      ++outside;
+    }
+  }
+  EXPECT_GT(outside, 1000);
+}
+
+TEST(Segment, FramesAreChosenAsPythonSlicesThem) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 6);
+  const std::vector<std::pair<std::string, std::vector<int>>> cases = {
+      {"1:4:2", {1, 3}}, {"-2:", {4, 5}}, {"3", {3}}, {"-1", {5}}, {":1", {0}}, {"::5", {0, 5}}};
+  for (const auto& [slice, expected] : cases) {
+    const auto out = dir / ("out" + slice);
+    const Ran ran =
+        run(segment_args(dir / "rec", out, {"--gravity", "0,1,0", "--json", "--frames", slice}));
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    EXPECT_EQ(Json::parse(ran.out)["frames"].size(), expected.size());
+    for (const int i : expected)
+      EXPECT_TRUE(std::filesystem::exists(out / "frames" / ("00000" + std::to_string(i)))) << slice;
+  }
+  const Ran none = run(segment_args(dir / "rec", dir / "none", {"--frames", "9:"}));
+  EXPECT_EQ(none.code, 2);
+  EXPECT_TRUE(is_one_line(none.err)) << none.err;
+  EXPECT_FALSE(std::filesystem::exists(dir / "none"));
+}
+
+TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  std::filesystem::create_directories(dir / "out");
+  write_text(dir / "out/notes.txt", "mine");
+  ASSERT_EQ(run(segment_args(dir / "rec", dir / "out")).code, 0);
+  const std::string first = read_text(dir / "out/frames/000000/planes.json");
+  ASSERT_EQ(run(segment_args(dir / "rec", dir / "out")).code, 0);
+  EXPECT_EQ(read_text(dir / "out/frames/000000/planes.json"), first);
+  EXPECT_EQ(files_below(dir / "out").size(), 5u);
+}

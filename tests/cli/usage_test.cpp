@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+
+using namespace planescope::testing_cli;
+
+namespace {
+
+const std::vector<std::vector<std::string>> kCommands = {
+    {"info"}, {"segment"}, {"eval"}, {"options"}, {"synth", "stairs"}};
+
+}  // namespace
+
+TEST(Usage, WithoutACommandTheHelpIsPrinted) {
+  const Ran ran = run({});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.err, "");
+  for (const auto& command : kCommands)
+    EXPECT_NE(ran.out.find("  " + command[0] + " "), std::string::npos) << command[0];
+}
+
+TEST(Usage, EveryCommandExplainsItself) {
+  for (auto command : kCommands) {
+    command.push_back("--help");
+    const Ran ran = run(command);
+    EXPECT_EQ(ran.code, 0) << command[0];
+    EXPECT_NE(ran.out.find("Usage: planescope " + command[0]), std::string::npos) << ran.out;
+  }
+}
+
+TEST(Usage, TheVersionIsOneLine) {
+  const Ran ran = run({"--version"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out.rfind("planescope ", 0), 0u);
+  EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
+}
+
+TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"segmnt"}, "did you mean 'segment'?"},
+      {{"--josn"}, "--josn"},
+      {{"segment", "--profil", "paper"}, "did you mean '--profile'?"},
+      {{"segment", "--xyzzy"}, "--xyzzy"},
+      {{"options", "--set", "theta_nin=5"}, "did you mean 'theta_n_in'?"},
+      {{"options", "--set", "theta_n_in"}, "is not NAME=VALUE"},
+      {{"options", "--set", "theta_n_in=many"}, "'many' is not a whole number"},
+      {{"options", "--set", "theta_r_out=2"}, "out of range"},
+      {{"options", "--set", "r1_merge_by_distance=perhaps"}, "is not on or off"},
+      {{"options", "--set", "merge_partner=worst"}, "first or best"},
+      {{"options", "--profile", "polished"}, "paper-closest"},
+      {{"options", "--threads", "0"}, "--threads"},
+      {{"options", "--threads", "two"}, "--threads"},
+      {{"options", "--classifier", "gcn"}, "expected pca or truth"},
+      {{"options", "--method", "ransac"}, "expected ours"},
+      {{"options", "--gravity", "down"}, "down"},
+      {{"options", "--gravity", "0,0,0"}, "0,0,0"},
+      {{"options", "extra"}, "unexpected argument 'extra'"},
+      {{"info", "--frames", "1:2:0"}, "step"},
+      {{"info", "--frames", "a"}, "not a whole number"},
+      {{"info", "--intrinsics", "1,2,3"}, "FX,FY,CX,CY"},
+      {{"info", "--depth-unit", "-1"}, "--depth-unit"},
+      {{"segment"}, "-o DIR"},
+      {{"segment", "-o"}, "out"},
+      {{"synth"}, "stairs"},
+  };
+  for (const auto& [args, expected] : cases) {
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2) << args.back();
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(expected), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.out, "");
+  }
+}
+
+TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
+  const Ran ran = run({"options", "--json", "--profile", "paper", "--set", "theta_n_in=7",
+                       "--max-range", "3", "--gravity", "0,1,0"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto json = nlohmann::json::parse(ran.out);
+  std::map<std::string, std::string> values;
+  for (const auto& option : json["options"]) {
+    values[option["name"]] = option["value"];
+    EXPECT_NE(option["meaning"], "") << option["name"];
+    EXPECT_NE(option["unit"], "") << option["name"];
+  }
+  EXPECT_EQ(values["profile"], "paper");
+  EXPECT_EQ(values["theta_n_in"], "7");
+  EXPECT_EQ(values["max_range_m"], "3");
+  EXPECT_EQ(values["range_for_clouds"], "on");
+  EXPECT_EQ(values["gravity"], "0,1,0");
+  EXPECT_EQ(values["r1_merge_by_distance"], "off");
+}
+
+TEST(Usage, EveryValueThatIsShownCanBeSet) {
+  const Ran shown = run({"options", "--json"});
+  std::vector<std::string> args = {"options", "--json"};
+  for (const auto& option : nlohmann::json::parse(shown.out)["options"]) {
+    args.push_back("--set");
+    args.push_back(option["name"].get<std::string>() + "=" + option["value"].get<std::string>());
+  }
+  const Ran again = run(args);
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.out, shown.out);
+}
