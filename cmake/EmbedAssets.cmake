@@ -1,13 +1,20 @@
 # planescope_embed(TARGET file...): compiles files into TARGET. Each becomes
 #   extern "C" const unsigned char planescope_asset_<name>[], planescope_asset_<name>_end[];
 # where <name> is the file's name with every character but letters and digits turned into '_'.
+# A zero byte follows the end, so that text can be used as a C string. The assembler includes the
+# file's bytes as they are: no generated arrays, and a changed asset rebuilds its object only.
 function(planescope_embed target)
   foreach(file ${ARGN})
     get_filename_component(path ${file} ABSOLUTE)
     get_filename_component(base ${file} NAME)
+    if(NOT EXISTS ${path})
+      message(FATAL_ERROR "planescope_embed: ${path} does not exist")
+    endif()
     string(MAKE_C_IDENTIFIER ${base} symbol)
     set(asm ${CMAKE_CURRENT_BINARY_DIR}/embed_${symbol}.S)
-    file(CONFIGURE OUTPUT ${asm} CONTENT
+    # Written only where it differs, so that configuring again rebuilds nothing. The last line says
+    # that the object needs no executable stack.
+    file(CONFIGURE OUTPUT ${asm} @ONLY CONTENT
 "        .section .rodata
         .global planescope_asset_@symbol@
         .global planescope_asset_@symbol@_end
@@ -16,11 +23,8 @@ planescope_asset_@symbol@:
         .incbin \"@path@\"
 planescope_asset_@symbol@_end:
         .byte 0
-        .section .note.GNU-stack,\"\",@progbits
-" @ONLY)
-    file(READ ${asm} text)
-    string(REPLACE "\"\",progbits" "\"\",@progbits" text "${text}")
-    file(WRITE ${asm} "${text}")
+        .section .note.GNU-stack, \"\", %progbits
+")
     set_source_files_properties(${asm} PROPERTIES OBJECT_DEPENDS ${path})
     target_sources(${target} PRIVATE ${asm})
   endforeach()

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+struct GLFWwindow;
+
 namespace planescope {
 
 /// A current GL 3.3 core context. EGL needs no display server (device platform, then surfaceless,
@@ -11,8 +13,9 @@ class GlContext {
  public:
   virtual ~GlContext() = default;
   virtual void make_current() = 0;
-  virtual std::string description()
-      const = 0;  // "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"
+  /// "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6, EGL device"
+  virtual std::string description() const = 0;
+  virtual GLFWwindow* window() { return nullptr; }  // of a GLFW context
 };
 std::unique_ptr<GlContext> make_egl_context();
 std::unique_ptr<GlContext> make_glfw_context(int width,

@@ -70,8 +70,9 @@ struct LegendEntry {
   std::string text;
 };
 
-/// Everything in one picture. Drawn in this order: boxes' faces, points, lines, polygons, outlines,
-/// arrows, labels, then the overlay.
+/// Everything in one picture. Drawn in this order: points, boxes, polygons from back to front,
+/// lines, arrows, labels, then the overlay. Points hide what lies behind them. Tinted and hatched
+/// boxes hide one another, but only tint the points in and behind them; all else is seen through.
 struct DrawList {
   std::vector<DrawPoints> points;
   std::vector<DrawLines> lines;

@@ -11,12 +11,13 @@ namespace planescope {
 Rgba case_color(Case c);
 Rgba label_color(Label label);  // h, v, unknown
 Rgba leftover_color();
-/// A colour per plane, by its id: neighbours in id are far apart in hue and lightness.
+/// A colour per plane, by its id from 1 on: neighbours in id are far apart in hue and lightness.
+/// They repeat after 32.
 Rgba plane_color(int plane_id);
 
 /// Ids for a frame's planes that follow the planes of the frame before: a plane that continues one
 /// (same label, normals within 10 degrees, offsets within 5 cm, nearest first) keeps its colour id,
-/// a new one gets the smallest free id. World frame, [normal, offset_m, centroid].
+/// a new one gets the smallest free id, from 1 on. World frame, [normal, offset_m, centroid].
 struct ColoredPlane {
   Label label = Label::unknown;
   Vec3d normal;
@@ -26,6 +27,7 @@ struct ColoredPlane {
 };
 void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane>& now);
 
-Rgba depth_color(double depth_m, double max_m);  // perceptually even ramp; depth 0 is neutral grey
+Rgba depth_color(double depth_m,
+                 double max_m);  // perceptually even ramp, near is bright; 0 is neutral grey
 
 }  // namespace planescope

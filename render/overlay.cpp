@@ -1,0 +1,286 @@
+#include "render/overlay.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/font.hpp"
+
+namespace planescope {
+namespace {
+
+// One line of text, shortened with an ellipsis where it is wider than there is room.
+std::string fitted(const std::string& text, double size_px, double room_px) {
+  const Font& font = default_font();
+  if (font.layout(text, size_px).width <= room_px) return text;
+  std::string kept = text;
+  while (!kept.empty()) {
+    do {
+      kept.pop_back();
+    } while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0u) == 0x80u);
+    // Do not leave a lead byte without its tail.
+    if (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0u) == 0xC0u)
+      kept.pop_back();
+    if (font.layout(kept + "…", size_px).width <= room_px) break;
+  }
+  return kept + "…";
+}
+
+struct Pen {
+  Overlay& overlay;
+  const ThemeColors& theme;
+  double scale;          // of all lengths below
+  double width, height;  // of the picture [px]
+
+  float px(double length) const { return static_cast<float>(length * scale); }
+};
+
+OverlayShape make_panel(const Pen& pen, double x0, double y0, double x1, double y1) {
+  OverlayShape panel;
+  panel.x0 = static_cast<float>(std::round(x0));
+  panel.y0 = static_cast<float>(std::round(y0));
+  panel.x1 = static_cast<float>(std::round(x1));
+  panel.y1 = static_cast<float>(std::round(y1));
+  panel.fill = pen.theme.panel;
+  panel.border = pen.theme.panel_border;
+  panel.radius = pen.px(7);
+  panel.border_px = 1;
+  return panel;
+}
+
+void add_heading(const Pen& pen, const DrawList& list) {
+  if (list.title.empty() && list.subtitle.empty()) return;
+  const double margin = pen.px(14);
+  const double inset = pen.px(11);
+  const double room = pen.width - 2 * (margin + inset);
+  const double title_px = pen.px(18);
+  const double subtitle_px = pen.px(12.5);
+  double y = margin + pen.px(9);
+  double widest = 0;
+  const auto add_line = [&](const std::string& text, double size_px, Rgba color) {
+    const std::string line = fitted(text, size_px, room);
+    y += size_px;
+    pen.overlay.texts.push_back({.x = std::round(margin + inset),
+                                 .baseline = y,
+                                 .size_px = size_px,
+                                 .text = line,
+                                 .color = color});
+    widest = std::max(widest, default_font().layout(line, size_px).width);
+  };
+  if (!list.title.empty()) add_line(list.title, title_px, pen.theme.ink);
+  if (!list.title.empty() && !list.subtitle.empty()) y += pen.px(6);
+  if (!list.subtitle.empty()) add_line(list.subtitle, subtitle_px, pen.theme.muted);
+  pen.overlay.shapes.push_back(
+      make_panel(pen, margin, margin, margin + 2 * inset + widest, y + pen.px(11)));
+}
+
+// The mark of a legend entry, about (x, y) as its middle.
+void add_mark(const Pen& pen, const LegendEntry& entry, double x, double y) {
+  const double r = pen.px(6);
+  const auto fx = static_cast<float>(x);
+  const auto fy = static_cast<float>(y);
+  OverlayShape shape;
+  shape.x0 = static_cast<float>(x - r);
+  shape.y0 = static_cast<float>(y - r);
+  shape.x1 = static_cast<float>(x + r);
+  shape.y1 = static_cast<float>(y + r);
+  shape.fill = entry.color;
+  switch (entry.mark) {
+    case LegendEntry::Mark::dot:
+      shape.radius = static_cast<float>(r);
+      pen.overlay.shapes.push_back(shape);
+      break;
+    case LegendEntry::Mark::box:
+    case LegendEntry::Mark::hatched_box:
+      shape.border = entry.color;
+      shape.border_px = pen.px(1.4);
+      shape.radius = pen.px(2);
+      if (entry.mark == LegendEntry::Mark::hatched_box) {
+        shape.hatch_period_px = pen.px(5);
+      } else {
+        shape.fill.a = static_cast<std::uint8_t>(entry.color.a * 0.45);
+      }
+      pen.overlay.shapes.push_back(shape);
+      break;
+    case LegendEntry::Mark::line:
+    case LegendEntry::Mark::arrow: {
+      const float half = pen.px(8);
+      const float arrow = entry.mark == LegendEntry::Mark::arrow ? 1.0f : 0.0f;
+      pen.overlay.segments.push_back({Vec3f(fx - half, fy, 0), Vec3f(fx + half, fy, 0), entry.color,
+                                      pen.px(2.4), arrow, 0, 0});
+      break;
+    }
+  }
+}
+
+// `top`: where the legend may begin; it fills columns upwards from the lower left corner.
+void add_legend(const Pen& pen, const std::vector<LegendEntry>& legend, double top) {
+  if (legend.empty()) return;
+  const double margin = pen.px(14);
+  const double inset = pen.px(11);
+  const double row = pen.px(21);
+  const double mark_room = pen.px(25);
+  const double gap = pen.px(18);  // between columns
+  const double size_px = pen.px(13);
+  const double available = pen.height - margin - top - 2 * inset;
+  const auto rows_that_fit = static_cast<std::size_t>(std::max(1.0, available / row));
+  const std::size_t columns = (legend.size() + rows_that_fit - 1) / rows_that_fit;
+  const std::size_t rows = (legend.size() + columns - 1) / columns;
+  const double y0 = pen.height - margin - 2 * pen.px(8) - static_cast<double>(rows) * row;
+  double x = margin + inset;
+  const std::size_t panel = pen.overlay.shapes.size();  // below the marks
+  pen.overlay.shapes.emplace_back();
+  for (std::size_t first = 0; first < legend.size(); first += rows) {
+    double widest = 0;
+    const double room = pen.width - x - mark_room - margin - inset;
+    for (std::size_t i = first; i < std::min(first + rows, legend.size()); ++i) {
+      const double middle = y0 + pen.px(8) + (static_cast<double>(i - first) + 0.5) * row;
+      const std::string text = fitted(legend[i].text, size_px, std::max(room, 0.0));
+      add_mark(pen, legend[i], x + pen.px(8), middle);
+      pen.overlay.texts.push_back({.x = std::round(x + mark_room),
+                                   .baseline = middle + default_font().cap_height(size_px) / 2,
+                                   .size_px = size_px,
+                                   .text = text,
+                                   .color = pen.theme.ink});
+      widest = std::max(widest, default_font().layout(text, size_px).width);
+    }
+    x += mark_room + widest + gap;
+  }
+  pen.overlay.shapes[panel] = make_panel(pen, margin, y0, x - gap + inset, pen.height - margin);
+}
+
+// The three world axes as seen by the camera, the farthest first.
+void add_axes(const Pen& pen, const View& view, double middle_x, double middle_y) {
+  struct Axis {
+    Eigen::Vector3f in_eye;
+    Rgba color;
+    const char* name;
+  };
+  const Eigen::Matrix3f rotation = view.view.topLeftCorner<3, 3>();
+  Axis axes[3] = {{rotation.col(0), pen.theme.axis_x, "x"},
+                  {rotation.col(1), pen.theme.axis_y, "y"},
+                  {rotation.col(2), pen.theme.axis_z, "z"}};
+  std::stable_sort(std::begin(axes), std::end(axes),
+                   [](const Axis& a, const Axis& b) { return a.in_eye.z() < b.in_eye.z(); });
+  const float length = pen.px(30);
+  const double letter_px = pen.px(13);
+  for (const Axis& axis : axes) {
+    const Vec3f from(static_cast<float>(middle_x), static_cast<float>(middle_y), 0);
+    const Vec3f on_screen(axis.in_eye.x(), -axis.in_eye.y(), 0);
+    pen.overlay.segments.push_back(
+        {from, from + on_screen * length, axis.color, pen.px(2.2), 1, 0, 0});
+    // The letter stands off the tip; for an axis along the view, beside the middle.
+    const float norm = on_screen.norm();
+    const Vec3f away = norm > 0.15f ? Vec3f(on_screen / norm) : Vec3f(0.7071f, -0.7071f, 0);
+    const Vec3f at = from + on_screen * length + away * pen.px(9);
+    const double half = default_font().layout(axis.name, letter_px).width / 2;
+    pen.overlay.texts.push_back({.x = at.x() - half,
+                                 .baseline = at.y() + 0.28 * letter_px,
+                                 .size_px = letter_px,
+                                 .text = axis.name,
+                                 .color = axis.color,
+                                 .halo = pen.theme.halo,
+                                 .halo_px = pen.px(1.5)});
+  }
+}
+
+// A bar that ends at `right`, its length above it.
+void add_scale_bar(const Pen& pen, const View& view, double right, double bottom) {
+  const double max_px = std::min<double>(pen.px(150), 0.22 * pen.width);
+  if (!(view.px_per_m_at_target > 0) || !std::isfinite(view.px_per_m_at_target)) return;
+  const double length_m = round_length_m(view.px_per_m_at_target, max_px);
+  const auto length_px = static_cast<float>(length_m * view.px_per_m_at_target);
+  const auto x1 = static_cast<float>(std::round(right)) + 0.5f;
+  const float x0 = x1 - length_px;
+  const auto y = static_cast<float>(std::round(bottom)) + 0.5f;
+  const float tick = pen.px(4);
+  const float width = pen.px(1.8);
+  const Rgba color = pen.theme.ink;
+  const auto stroke = [&](float xa, float ya, float xb, float yb) {
+    pen.overlay.segments.push_back({Vec3f(xa, ya, 0), Vec3f(xb, yb, 0), color, width, 0, 0, 0});
+  };
+  stroke(x0, y, x1, y);
+  stroke(x0, y - tick, x0, y + tick);
+  stroke(x1, y - tick, x1, y + tick);
+  const std::string text = length_text(length_m);
+  const double size_px = pen.px(12.5);
+  pen.overlay.texts.push_back(
+      {.x = 0.5 * (x0 + x1) - default_font().layout(text, size_px).width / 2,
+       .baseline = y - pen.px(7),
+       .size_px = size_px,
+       .text = text,
+       .color = color,
+       .halo = pen.theme.halo,
+       .halo_px = pen.px(1.8)});
+}
+
+void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
+  struct Placed {
+    double depth_m = 0;
+    OverlayText text;
+  };
+  std::vector<Placed> placed;
+  for (const DrawLabel& label : labels) {
+    const auto at = project(view, label.anchor);
+    if (!at || label.text.empty()) continue;
+    const double width = default_font().layout(label.text, label.size_px).width;
+    const double x = at->px.x() - (label.centered ? width / 2 : 0);
+    if (x > pen.width || x + width < 0) continue;
+    if (at->px.y() < -label.size_px || at->px.y() > pen.height + label.size_px) continue;
+    placed.push_back({at->depth_m,
+                      {.x = x,
+                       .baseline = at->px.y() + default_font().cap_height(label.size_px) / 2,
+                       .size_px = label.size_px,
+                       .text = label.text,
+                       .color = label.color,
+                       .halo = pen.theme.halo,
+                       .halo_px = std::clamp(0.16 * label.size_px, 1.5, 4.0)}});
+  }
+  std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+    return a.depth_m > b.depth_m;  // the nearest on top
+  });
+  for (Placed& label : placed) pen.overlay.labels.push_back(std::move(label.text));
+}
+
+}  // namespace
+
+Overlay layout_overlay(const DrawList& list, const View& view, const ThemeColors& theme) {
+  Overlay overlay;
+  const Pen pen = {overlay, theme, overlay_scale(view.width, view.height),
+                   static_cast<double>(view.width), static_cast<double>(view.height)};
+  add_labels(pen, list.labels, view);
+  add_heading(pen, list);
+  const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
+  add_legend(pen, list.legend, below_heading + pen.px(10));
+  double right = pen.width - pen.px(22);
+  if (list.show_axes) {
+    const double reach = pen.px(50);
+    add_axes(pen, view, pen.width - pen.px(8) - reach, pen.height - pen.px(8) - reach);
+    right = pen.width - pen.px(20) - 2 * reach;
+  }
+  if (list.show_scale_bar) add_scale_bar(pen, view, right, pen.height - pen.px(24));
+  return overlay;
+}
+
+double overlay_scale(int width, int height) {
+  return std::clamp(std::min(height / 720.0, width / 900.0), 0.7, 2.5);
+}
+
+double round_length_m(double px_per_m, double max_px) {
+  const double longest_m = max_px / px_per_m;
+  const double decade = std::pow(10.0, std::floor(std::log10(longest_m)));
+  for (const double step : {5.0, 2.0}) {
+    if (step * decade <= longest_m) return step * decade;
+  }
+  return decade;
+}
+
+std::string length_text(double length_m) {
+  if (length_m >= 999.5) return fmt::format("{:g} km", length_m / 1000);
+  if (length_m >= 0.9995) return fmt::format("{:g} m", length_m);
+  if (length_m >= 0.009995) return fmt::format("{:g} cm", length_m * 100);
+  return fmt::format("{:g} mm", length_m * 1000);
+}
+
+}  // namespace planescope

@@ -1,0 +1,310 @@
+#include "render/renderer.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "render/gl.hpp"
+#include "render/overlay.hpp"
+#include "render/passes.hpp"
+#include "render/shapes.hpp"
+#include "render/target.hpp"
+#include "render/theme.hpp"
+#include "render/view.hpp"
+
+PLANESCOPE_ASSET_DECLARE(background_frag);
+PLANESCOPE_ASSET_DECLARE(fullscreen_vert);
+PLANESCOPE_ASSET_DECLARE(shade_frag);
+
+namespace planescope {
+namespace {
+
+// What the caller had bound is put back, so that a window can draw on around us.
+class RestoredBindings {
+ public:
+  RestoredBindings() {
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_);
+    glGetIntegerv(GL_VIEWPORT, viewport_);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_STENCIL_TEST);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
+  }
+  ~RestoredBindings() {
+    glUseProgram(0);
+    glBindVertexArray(0);
+    glBindBuffer(GL_ARRAY_BUFFER, 0);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_));
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_));
+    glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
+  }
+  RestoredBindings(const RestoredBindings&) = delete;
+  RestoredBindings& operator=(const RestoredBindings&) = delete;
+
+ private:
+  GLint draw_ = 0;
+  GLint read_ = 0;
+  GLint viewport_[4] = {};
+};
+
+void copy(GLuint from, GLuint to, int width, int height, GLbitfield what) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, from);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, what, GL_NEAREST);
+}
+
+// GL counts rows from the bottom.
+template <typename T>
+void flip_rows(Image<T>& image) {
+  const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
+  for (int y = 0; y < image.height / 2; ++y) {
+    std::swap_ranges(image.data.begin() + static_cast<std::ptrdiff_t>(row * y),
+                     image.data.begin() + static_cast<std::ptrdiff_t>(row * (y + 1)),
+                     image.data.end() - static_cast<std::ptrdiff_t>(row * (y + 1)));
+  }
+}
+
+// The farthest first: they are seen through.
+std::vector<const DrawPolygon*> back_to_front(const std::vector<DrawPolygon>& polygons,
+                                              const View& view) {
+  struct Item {
+    float depth_m = 0;
+    const DrawPolygon* polygon = nullptr;
+  };
+  std::vector<Item> items;
+  for (const DrawPolygon& polygon : polygons) {
+    if (polygon.corners.empty()) continue;
+    Vec3f sum = Vec3f::Zero();
+    for (const Vec3f& corner : polygon.corners) sum += corner;
+    const Vec3f middle = sum / static_cast<float>(polygon.corners.size());
+    items.push_back({-(view.view * middle.homogeneous()).z(), &polygon});
+  }
+  std::stable_sort(items.begin(), items.end(),
+                   [](const Item& a, const Item& b) { return a.depth_m > b.depth_m; });
+  std::vector<const DrawPolygon*> sorted;
+  for (const Item& item : items) sorted.push_back(item.polygon);
+  return sorted;
+}
+
+bool is_solid(const DrawBox& box) { return box.style != BoxStyle::outline; }
+
+// Polygons lie over the splats of their own points, which stand out by half their size and noise.
+float polygon_bias_m(const DrawList& list) {
+  float largest_m = 0;
+  for (const DrawPoints& cloud : list.points) largest_m = std::max(largest_m, cloud.size_m);
+  return largest_m;
+}
+
+}  // namespace
+
+struct Renderer::State {
+  SceneTarget target;
+  IdTarget id_target;
+  GlProgram background;
+  GlProgram shade;
+  GlVertexArray nothing;  // for the full-screen triangle
+  PointPass points;
+  BoxPass boxes;
+  SegmentPass segments;
+  PolygonPass polygons;
+  ShapePass shapes;
+  TextPass texts;
+
+  State()
+      : background(make_program(
+            "background", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(background_frag))),
+        shade(
+            make_program("shade", PLANESCOPE_ASSET(fullscreen_vert), PLANESCOPE_ASSET(shade_frag))),
+        nothing(make_vertex_array()) {}
+
+  void draw_background(const View& view, const ThemeColors& theme);
+  void draw_points(const DrawList& list, const View& view);
+  void shade_points(const View& view);
+  void draw_boxes(const DrawList& list, const View& view, const ThemeColors& theme);
+  void draw_polygons(const DrawList& list, const View& view, const ThemeColors& theme);
+  void draw_lines(const DrawList& list, const View& view, const ThemeColors& theme);
+  void draw_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
+};
+
+void Renderer::State::draw_background(const View& view, const ThemeColors& theme) {
+  glUseProgram(background);
+  set_uniform(background, "top", to_vector(theme.background_top));
+  set_uniform(background, "bottom", to_vector(theme.background_bottom));
+  set_uniform(background, "viewport", view.size_px());
+  glBindVertexArray(nothing);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void Renderer::State::draw_points(const DrawList& list, const View& view) {
+  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // soft edges whatever the order
+  points.draw(list.points, view, Output::color);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+}
+
+void Renderer::State::shade_points(const View& view) {
+  copy(target.scene, target.resolved, view.width, view.height, GL_DEPTH_BUFFER_BIT);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+  glUseProgram(shade);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, target.flat_depth);
+  set_uniform(shade, "depth", 0);
+  set_uniform(shade, "proj", view.proj);
+  set_uniform(shade, "orthographic", view.orthographic ? 1 : 0);
+  set_uniform(shade, "radius_px",
+              static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height))));
+  set_uniform(shade, "strength", 60.0f);
+  glDisable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_DST_COLOR, GL_ZERO);
+  glBindVertexArray(nothing);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glEnable(GL_DEPTH_TEST);
+}
+
+// Solid boxes hide one another, so that many of them stay readable, but not the points in them: of
+// each pixel only the nearest face tints what lies behind. Outlines alone hide nothing.
+void Renderer::State::draw_boxes(const DrawList& list, const View& view, const ThemeColors& theme) {
+  std::vector<Segment> solid_edges;
+  std::vector<Segment> open_edges;
+  for (const DrawBox& box : list.boxes) {
+    append_edges(box, view, is_solid(box) ? solid_edges : open_edges);
+  }
+  if (!solid_edges.empty()) {
+    copy(target.scene, target.boxes, view.width, view.height, GL_DEPTH_BUFFER_BIT);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.boxes);
+    const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view.width, view.height));
+    const float face_alpha = 0.30f;
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    boxes.draw(list.boxes, view, face_alpha, hatch_period_px, Output::color);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_FALSE);
+    boxes.draw(list.boxes, view, face_alpha, hatch_period_px, Output::color);
+    segments.draw(solid_edges, view, theme.halo, Output::color);
+    glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+  }
+  segments.draw(open_edges, view, theme.halo, Output::color);
+}
+
+void Renderer::State::draw_polygons(const DrawList& list,
+                                    const View& view,
+                                    const ThemeColors& theme) {
+  const float bias_m = polygon_bias_m(list);
+  const std::vector<const DrawPolygon*> sorted = back_to_front(list.polygons, view);
+  polygons.draw(sorted, view, bias_m, Output::color);
+  std::vector<Segment> outlines;
+  for (const DrawPolygon* polygon : sorted) append_outline(*polygon, bias_m, outlines);
+  segments.draw(outlines, view, theme.halo, Output::color);
+}
+
+void Renderer::State::draw_lines(const DrawList& list, const View& view, const ThemeColors& theme) {
+  std::vector<Segment> all;
+  for (const DrawLines& lines : list.lines) {
+    for (std::size_t i = 0; i < lines.colors.size() && 2 * i + 1 < lines.positions.size(); ++i) {
+      all.push_back({lines.positions[2 * i], lines.positions[2 * i + 1], lines.colors[i],
+                     lines.width_px, 0, 0.001f, 0});
+    }
+  }
+  const float bias_m = polygon_bias_m(list);
+  for (const DrawArrow& arrow : list.arrows) {
+    all.push_back({arrow.from, arrow.to, arrow.color, arrow.width_px, 1, bias_m, 0});
+  }
+  segments.draw(all, view, theme.halo, Output::color);
+}
+
+void Renderer::State::draw_overlay(const DrawList& list,
+                                   const View& view,
+                                   const ThemeColors& theme) {
+  const Overlay overlay = layout_overlay(list, view, theme);
+  texts.draw(overlay.labels, view.width, view.height);
+  shapes.draw(overlay.shapes, view.width, view.height);
+  segments.draw_flat(overlay.segments, view.width, view.height);
+  texts.draw(overlay.texts, view.width, view.height);
+}
+
+Renderer::Renderer() : state_(std::make_unique<State>()) { check_gl("setting up the renderer"); }
+Renderer::~Renderer() = default;
+
+Image8 Renderer::render(
+    const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
+  const ThemeColors& colors = theme_colors(theme);
+  SceneTarget& target = state_->target;
+  const RestoredBindings restored;
+  target.resize(width, height);
+  const View view = make_view(camera, width, height);
+
+  glViewport(0, 0, width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_MULTISAMPLE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  state_->draw_background(view, colors);
+  glEnable(GL_DEPTH_TEST);
+  state_->draw_points(list, view);
+  state_->shade_points(view);
+
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);  // what is seen through hides nothing
+  state_->draw_boxes(list, view, colors);
+  state_->draw_polygons(list, view, colors);
+  state_->draw_lines(list, view, colors);
+  glDepthMask(GL_TRUE);
+  copy(target.scene, target.resolved, width, height, GL_COLOR_BUFFER_BIT);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
+  glDisable(GL_DEPTH_TEST);
+  state_->draw_overlay(list, view, colors);
+
+  Image8 image(width, height, 3);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  flip_rows(image);
+  check_gl("drawing a picture");
+  return image;
+}
+
+Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
+                                          const Camera& camera,
+                                          int width,
+                                          int height) {
+  IdTarget& target = state_->id_target;
+  const RestoredBindings restored;
+  target.resize(width, height);
+  const View view = make_view(camera, width, height);
+
+  glViewport(0, 0, width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  const GLuint none[4] = {};
+  const GLfloat farthest = 1;
+  glClearBufferuiv(GL_COLOR, 0, none);
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+  state_->points.draw(list.points, view, Output::id);
+  state_->boxes.draw(list.boxes, view, 0, 1, Output::id);
+  const float bias_m = polygon_bias_m(list);
+  state_->polygons.draw(back_to_front(list.polygons, view), view, bias_m, Output::id);
+  std::vector<Segment> edges;  // of open boxes, wide enough to hit
+  for (const DrawBox& box : list.boxes) {
+    if (!is_solid(box) && box.id != 0) append_edges(box, view, edges);
+  }
+  for (Segment& edge : edges) edge.width_px = 5;
+  state_->segments.draw(edges, view, {}, Output::id);
+
+  Image<std::uint32_t> ids(width, height);
+  glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data.data());
+  flip_rows(ids);
+  check_gl("drawing ids");
+  return ids;
+}
+
+}  // namespace planescope

@@ -1,0 +1,90 @@
+#include "render/target.hpp"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+
+#include "core/base/error.hpp"
+
+namespace planescope {
+namespace {
+
+struct Attachment {
+  GLenum point = GL_COLOR_ATTACHMENT0;
+  GLuint renderbuffer = 0;
+};
+
+GlRenderbuffer storage(int samples, GLenum format, int width, int height) {
+  GlRenderbuffer buffer = make_renderbuffer();
+  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
+  return buffer;
+}
+
+GlFramebuffer framebuffer(std::initializer_list<Attachment> attachments) {
+  GlFramebuffer result = make_framebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, result);
+  for (const Attachment& attachment : attachments) {
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment.point, GL_RENDERBUFFER,
+                              attachment.renderbuffer);
+  }
+  return result;
+}
+
+void check_complete(const char* what, int width, int height) {
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  if (status == GL_FRAMEBUFFER_COMPLETE) return;
+  throw Error(fmt::format("OpenGL cannot draw a {} of {} x {} pixels (framebuffer status {:#x})",
+                          what, width, height, status));
+}
+
+void check_size(int width, int height) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  if (width >= 1 && height >= 1 && width <= largest && height <= largest) return;
+  throw Error(fmt::format("a picture of {} x {} pixels was asked for, expected 1 to {} each way",
+                          width, height, largest));
+}
+
+}  // namespace
+
+void SceneTarget::resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height) return;
+  check_size(new_width, new_height);
+  width = 0;  // until all of it stands
+  color = storage(kSamples, GL_RGBA8, new_width, new_height);
+  depth = storage(kSamples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  box_depth = storage(kSamples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  scene = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, depth}});
+  check_complete("picture", new_width, new_height);
+  boxes = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, box_depth}});
+  check_complete("picture", new_width, new_height);
+
+  flat_color = storage(0, GL_RGBA8, new_width, new_height);
+  flat_depth = make_texture();
+  glBindTexture(GL_TEXTURE_2D, flat_depth);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, new_width, new_height, 0, GL_DEPTH_COMPONENT,
+               GL_UNSIGNED_INT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  resolved = framebuffer({{GL_COLOR_ATTACHMENT0, flat_color}});
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, flat_depth, 0);
+  check_complete("picture", new_width, new_height);
+  width = new_width;
+  height = new_height;
+}
+
+void IdTarget::resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height) return;
+  check_size(new_width, new_height);
+  width = 0;
+  ids = storage(0, GL_R32UI, new_width, new_height);
+  depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
+  framebuffer =
+      planescope::framebuffer({{GL_COLOR_ATTACHMENT0, ids}, {GL_DEPTH_ATTACHMENT, depth}});
+  check_complete("picking buffer", new_width, new_height);
+  width = new_width;
+  height = new_height;
+}
+
+}  // namespace planescope

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "render/gl.hpp"
+
+namespace planescope {
+
+/// Framebuffers of one picture, kept while its size stays the same.
+struct SceneTarget {
+  static constexpr int kSamples = 4;
+  int width = 0, height = 0;
+  GlRenderbuffer color, depth, box_depth;  // 4 samples
+  GlFramebuffer scene;                     // color + depth
+  GlFramebuffer boxes;                     // color + box_depth: boxes hide boxes, but nothing else
+  GlRenderbuffer flat_color;
+  GlTexture flat_depth;    // of the points, for shading
+  GlFramebuffer resolved;  // flat_color + flat_depth
+
+  void resize(int new_width, int new_height);
+};
+
+struct IdTarget {
+  int width = 0, height = 0;
+  GlRenderbuffer ids, depth;
+  GlFramebuffer framebuffer;
+
+  void resize(int new_width, int new_height);
+};
+
+}  // namespace planescope

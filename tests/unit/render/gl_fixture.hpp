@@ -1,0 +1,69 @@
+#pragma once
+
+// Pixel tests need a GL context, but no display server. One context and one renderer serve all of
+// them, so that state left behind by one picture would show in the next.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "render/context.hpp"
+#include "render/renderer.hpp"
+
+namespace planescope {
+
+class GlTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    try {
+      context_ = make_egl_context();
+      renderer_ = std::make_unique<Renderer>();
+    } catch (const Error& error) {
+      no_context_ = error.what();
+    }
+  }
+  static void TearDownTestSuite() {
+    renderer_.reset();
+    context_.reset();
+  }
+  void SetUp() override {
+    if (context_ == nullptr) GTEST_SKIP() << no_context_;
+    ASSERT_NE(renderer_, nullptr) << no_context_;
+  }
+  Image8 render(const DrawList& list, const Camera& camera, Theme theme = Theme::light) {
+    return renderer_->render(list, camera, kWidth, kHeight, theme);
+  }
+  Renderer& renderer() { return *renderer_; }
+  GlContext& context() { return *context_; }
+
+  static constexpr int kWidth = 160;
+  static constexpr int kHeight = 120;
+
+ private:
+  static inline std::unique_ptr<GlContext> context_;
+  static inline std::unique_ptr<Renderer> renderer_;
+  static inline std::string no_context_;
+};
+
+/// Looks along +x from 1 m before the origin, z up: y to the left, z up on screen.
+inline Camera front_camera() {
+  Camera camera;
+  camera.eye = Vec3d(-1, 0, 0);
+  camera.target = Vec3d::Zero();
+  return camera;
+}
+
+inline DrawList without_overlay() {
+  DrawList list;
+  list.show_axes = false;
+  list.show_scale_bar = false;
+  return list;
+}
+
+inline Rgba pixel(const Image8& image, int x, int y) {
+  return {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
+}
+
+}  // namespace planescope

@@ -1,0 +1,121 @@
+#include "render/overlay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "render/font.hpp"
+
+namespace planescope {
+namespace {
+
+View view_of(int width, int height) {
+  Camera camera;
+  camera.eye = Vec3d(-1, -1, 1);
+  return make_view(camera, width, height);
+}
+
+Overlay layout(const DrawList& list, int width = 900, int height = 720) {
+  return layout_overlay(list, view_of(width, height), theme_colors(Theme::light));
+}
+
+const OverlayText* find(const Overlay& overlay, const std::string& text) {
+  const auto found = std::find_if(overlay.texts.begin(), overlay.texts.end(),
+                                  [&](const OverlayText& t) { return t.text == text; });
+  return found == overlay.texts.end() ? nullptr : &*found;
+}
+
+TEST(ScaleBar, LengthIsTheLongestRoundOneThatFits) {
+  EXPECT_DOUBLE_EQ(round_length_m(100, 100), 1);
+  EXPECT_DOUBLE_EQ(round_length_m(100, 99), 0.5);
+  EXPECT_DOUBLE_EQ(round_length_m(100, 49), 0.2);
+  EXPECT_DOUBLE_EQ(round_length_m(100, 19), 0.1);
+  EXPECT_DOUBLE_EQ(round_length_m(0.1, 100), 1000);
+}
+
+TEST(ScaleBar, LengthIsWrittenInItsNaturalUnit) {
+  EXPECT_EQ(length_text(0.005), "5 mm");
+  EXPECT_EQ(length_text(0.01), "1 cm");
+  EXPECT_EQ(length_text(0.2), "20 cm");
+  EXPECT_EQ(length_text(1), "1 m");
+  EXPECT_EQ(length_text(50), "50 m");
+  EXPECT_EQ(length_text(2000), "2 km");
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  DrawList list;
+  list.show_axes = false;
+  const View view = view_of(900, 720);
+  const Overlay overlay = layout_overlay(list, view, theme_colors(Theme::light));
+  ASSERT_EQ(overlay.segments.size(), 3u);
+  ASSERT_EQ(overlay.texts.size(), 1u);
+  const double length_px = (overlay.segments[0].b - overlay.segments[0].a).norm();
+  const double length_m = length_px / view.px_per_m_at_target;
+  EXPECT_NEAR(length_m, round_length_m(view.px_per_m_at_target, 150), 1e-3);
+  EXPECT_EQ(overlay.texts[0].text, length_text(round_length_m(view.px_per_m_at_target, 150)));
+}
+
+TEST(Overlay, AxesPointAsTheCameraSeesThem) {
+  DrawList list;
+  list.show_scale_bar = false;
+  const Overlay overlay = layout(list);
+  ASSERT_EQ(overlay.segments.size(), 3u);
+  ASSERT_NE(find(overlay, "z"), nullptr);
+  const Rgba z_color = find(overlay, "z")->color;
+  for (const Segment& axis : overlay.segments) {
+    if (axis.color == z_color) {
+      EXPECT_LT(axis.b.y(), axis.a.y() - 10);  // up on screen
+    }
+  }
+}
+
+TEST(Overlay, EmptyListLeavesThePictureBare) {
+  DrawList list;
+  list.show_axes = list.show_scale_bar = false;
+  const Overlay overlay = layout(list);
+  EXPECT_TRUE(overlay.shapes.empty() && overlay.segments.empty() && overlay.texts.empty());
+}
+
+TEST(Overlay, LongTitleIsShortenedToThePicture) {
+  DrawList list;
+  list.title = std::string(400, 'W') + "ä";
+  const Overlay overlay = layout(list);
+  const OverlayText& title = overlay.texts.front();
+  EXPECT_EQ(title.text.substr(title.text.size() - 3), "…");
+  EXPECT_LT(title.x + default_font().layout(title.text, title.size_px).width, 900);
+}
+
+TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
+  DrawList list;
+  list.title = "Planes";
+  for (int i = 1; i <= 60; ++i) {
+    list.legend.push_back({LegendEntry::Mark::dot, {0, 0, 0}, "plane " + std::to_string(i)});
+  }
+  const Overlay overlay = layout(list);
+  double leftmost = 900;
+  double rightmost = 0;
+  for (int i = 1; i <= 60; ++i) {
+    const OverlayText* text = find(overlay, "plane " + std::to_string(i));
+    ASSERT_NE(text, nullptr) << i;
+    EXPECT_GT(text->baseline, find(overlay, "Planes")->baseline + 20);
+    EXPECT_LT(text->baseline, 720);
+    leftmost = std::min(leftmost, text->x);
+    rightmost = std::max(rightmost, text->x);
+  }
+  EXPECT_GT(rightmost, leftmost + 50);
+  EXPECT_LT(rightmost, 800);
+}
+
+TEST(Overlay, LabelsBehindTheCameraAreLeftOutAndTheNearestComesLast) {
+  DrawList list;
+  list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},
+                 {{1, 1, -1}, "far", {}, 14, true},
+                 {{-3, -3, 3}, "behind", {}, 14, true}};
+  const Overlay overlay = layout(list);
+  ASSERT_EQ(overlay.labels.size(), 2u);
+  EXPECT_EQ(overlay.labels[0].text, "far");
+  EXPECT_EQ(overlay.labels[1].text, "near");
+}
+
+}  // namespace
+}  // namespace planescope

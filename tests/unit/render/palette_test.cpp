@@ -1,0 +1,189 @@
+#include "render/palette.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace planescope {
+namespace {
+
+using Linear = std::array<double, 3>;
+
+double linear(std::uint8_t value) {
+  const double c = value / 255.0;
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+// Machado, Oliveira & Fernandes 2009, severity 1.
+enum class Eye { normal, protanopia, deuteranopia };
+Linear seen(Rgba color, Eye eye) {
+  static const double kProtanopia[3][3] = {{0.152286, 1.052583, -0.204868},
+                                           {0.114503, 0.786281, 0.099216},
+                                           {-0.003882, -0.048116, 1.051998}};
+  static const double kDeuteranopia[3][3] = {{0.367322, 0.860646, -0.227968},
+                                             {0.280085, 0.672501, 0.047413},
+                                             {-0.011820, 0.042940, 0.968881}};
+  const Linear in = {linear(color.r), linear(color.g), linear(color.b)};
+  if (eye == Eye::normal) return in;
+  const auto& m = eye == Eye::protanopia ? kProtanopia : kDeuteranopia;
+  Linear out{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) out[i] += m[i][j] * in[j];
+    out[i] = std::clamp(out[i], 0.0, 1.0);
+  }
+  return out;
+}
+
+Linear oklab(const Linear& c) {
+  const double l = std::cbrt(0.4122214708 * c[0] + 0.5363325363 * c[1] + 0.0514459929 * c[2]);
+  const double m = std::cbrt(0.2119034982 * c[0] + 0.6806995451 * c[1] + 0.1073969566 * c[2]);
+  const double s = std::cbrt(0.0883024619 * c[0] + 0.2817188376 * c[1] + 0.6299787005 * c[2]);
+  return {0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s,
+          1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+          0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s};
+}
+
+/// Distance in OKLab, times 100: about 2 is just noticeable side by side, 10 is hard to confuse.
+double distance(Rgba a, Rgba b, Eye eye) {
+  const Linear x = oklab(seen(a, eye));
+  const Linear y = oklab(seen(b, eye));
+  return 100 * std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+}
+
+double worst_distance(Rgba a, Rgba b) {
+  return std::min({distance(a, b, Eye::normal), distance(a, b, Eye::protanopia),
+                   distance(a, b, Eye::deuteranopia)});
+}
+
+double contrast(Rgba a, Rgba b) {
+  const auto luminance = [](Rgba c) {
+    return 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b) + 0.05;
+  };
+  return std::max(luminance(a), luminance(b)) / std::min(luminance(a), luminance(b));
+}
+
+constexpr Rgba kLightBackground = {243, 245, 247};
+constexpr Rgba kDarkBackground = {23, 26, 30};
+
+TEST(Palette, CasesStayApartForColorBlindEyes) {
+  const Case cases[] = {Case::I, Case::II, Case::III, Case::IV};
+  for (const Case a : cases) {
+    for (const Case b : cases) {
+      if (a != b) {
+        EXPECT_GT(worst_distance(case_color(a), case_color(b)), 11);
+      }
+    }
+  }
+}
+
+TEST(Palette, LabelsStayApartForColorBlindEyes) {
+  EXPECT_GT(worst_distance(label_color(Label::h), label_color(Label::v)), 20);
+  EXPECT_GT(worst_distance(label_color(Label::h), label_color(Label::unknown)), 11);
+  EXPECT_GT(worst_distance(label_color(Label::v), label_color(Label::unknown)), 11);
+}
+
+TEST(Palette, CasesAndLabelsShowOnBothThemes) {
+  std::vector<Rgba> colors = {leftover_color(), label_color(Label::h), label_color(Label::v)};
+  for (const Case c : {Case::I, Case::II, Case::III, Case::IV}) colors.push_back(case_color(c));
+  for (const Rgba color : colors) {
+    EXPECT_GT(contrast(color, kLightBackground), 1.9);
+    EXPECT_GT(contrast(color, kDarkBackground), 2.9);
+  }
+}
+
+TEST(Palette, NeighbouringPlanesAreFarApart) {
+  for (int id = 1; id <= 64; ++id) {
+    EXPECT_GT(worst_distance(plane_color(id), plane_color(id + 1)), 8) << id;
+    EXPECT_GT(worst_distance(plane_color(id), plane_color(id + 2)), 8) << id;
+    EXPECT_GT(contrast(plane_color(id), kLightBackground), 1.4) << id;
+    EXPECT_GT(contrast(plane_color(id), kDarkBackground), 2.3) << id;
+  }
+  for (int a = 1; a <= 32; ++a) {
+    for (int b = 1; b < a; ++b) {
+      EXPECT_GT(distance(plane_color(a), plane_color(b), Eye::normal), 6) << a << " " << b;
+    }
+  }
+}
+
+TEST(Palette, DepthRampGetsEvenlyDarkerWithDistance) {
+  double before = 200;
+  for (int i = 1; i <= 30; ++i) {
+    const Rgba c = depth_color(0.1 * i, 3.0);
+    const double lightness = 100 * oklab(seen(c, Eye::normal))[0];
+    EXPECT_LT(lightness, before);
+    if (i > 1) {
+      EXPECT_LT(before - lightness, 5);
+    }
+    before = lightness;
+  }
+  EXPECT_EQ(depth_color(9, 3), depth_color(3, 3));
+  const Rgba none = depth_color(0, 3);
+  EXPECT_LE(std::abs(none.r - none.b), 16);
+  EXPECT_EQ(depth_color(std::nan(""), 3), none);
+}
+
+ColoredPlane plane(Label label, Vec3d normal, Vec3d centroid, int color_id = 0) {
+  normal.normalize();
+  return {label, normal, normal.dot(centroid), centroid, color_id};
+}
+
+std::vector<int> kept(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane> now) {
+  keep_colors(before, now);
+  std::vector<int> ids;
+  for (const ColoredPlane& p : now) ids.push_back(p.color_id);
+  return ids;
+}
+
+const Vec3d kUp(0, 0, 1);
+const Vec3d kFront(-1, 0, 0);
+
+TEST(KeepColors, FirstFrameCountsFromOne) {
+  const auto floor = plane(Label::h, kUp, {1, 0, 0});
+  EXPECT_EQ(kept({}, {floor, floor, floor}), (std::vector{1, 2, 3}));
+}
+
+TEST(KeepColors, PlanesKeepTheirIdsWhenTheirOrderChanges) {
+  const auto floor = plane(Label::h, kUp, {1, 0, 0}, 4);
+  const auto wall = plane(Label::v, kFront, {2, 0, 1}, 2);
+  const auto moved_floor = plane(Label::h, {0.05, 0, 1}, {1.1, 0, 0.02});
+  const auto moved_wall = plane(Label::v, {-1, 0.1, 0}, {2.03, 0, 1});
+  EXPECT_EQ(kept({floor, wall}, {moved_wall, moved_floor}), (std::vector{2, 4}));
+}
+
+TEST(KeepColors, NewPlaneTakesTheSmallestFreeId) {
+  const auto floor = plane(Label::h, kUp, {1, 0, 0}, 1);
+  const auto tread = plane(Label::h, kUp, {1, 0, 0.15}, 3);
+  const auto same_floor = plane(Label::h, kUp, {1, 0, 0});
+  const auto same_tread = plane(Label::h, kUp, {1, 0, 0.15});
+  const auto table = plane(Label::h, kUp, {1, 0, 0.7});
+  EXPECT_EQ(kept({floor, tread}, {table, same_floor, table, same_tread}),
+            (std::vector{2, 1, 4, 3}));
+}
+
+TEST(KeepColors, OtherLabelTiltOrHeightIsAnotherPlane) {
+  const auto floor = plane(Label::h, kUp, {0, 0, 0}, 7);
+  EXPECT_EQ(kept({floor}, {plane(Label::v, kUp, {0, 0, 0})}), std::vector{1});
+  const double tilt = std::tan(12 * M_PI / 180);
+  EXPECT_EQ(kept({floor}, {plane(Label::h, {tilt, 0, 1}, {0, 0, 0})}), std::vector{1});
+  EXPECT_EQ(kept({floor}, {plane(Label::h, kUp, {0, 0, 0.06})}), std::vector{1});
+  EXPECT_EQ(kept({floor}, {plane(Label::h, kUp, {0, 0, 0.04})}), std::vector{7});
+}
+
+TEST(KeepColors, OfTwoPiecesOfOnePlaneTheNearerKeepsTheId) {
+  const auto floor = plane(Label::h, kUp, {1, 0, 0}, 5);
+  const auto near = plane(Label::h, kUp, {1.1, 0, 0});
+  const auto far = plane(Label::h, kUp, {1, 2, 0});
+  EXPECT_EQ(kept({floor}, {far, near}), (std::vector{1, 5}));
+}
+
+TEST(KeepColors, NormalThatTurnedAroundIsTheSamePlane) {
+  const auto wall = plane(Label::v, kFront, {2, 0, 1}, 6);
+  EXPECT_EQ(kept({wall}, {plane(Label::v, -kFront, {2, 0, 1})}), std::vector{6});
+}
+
+}  // namespace
+}  // namespace planescope
