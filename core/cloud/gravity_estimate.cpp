@@ -67,18 +67,26 @@ std::vector<Voter> make_voters(const std::vector<ImagePlane>& planes, std::size_
   return voters;
 }
 
-/// How well a plane fits gravity as floor (or ceiling) and as wall, each 0..1.
+/// How well a plane fits gravity as something level and as something upright, each 0..1, and how
+/// much it counts if level.
 struct Fit {
-  double floor = 0;
+  double level = 0;
   double wall = 0;
+  bool faces_up = false;
+  double share = 1;
+
+  double floor() const { return share * level; }
 };
 
 Fit fit(const Voter& voter, const Vec3d& gravity) {
   const double cosine = std::clamp(voter.normal.dot(gravity), -1.0, 1.0);
   const double from_level_deg = degrees(std::acos(std::abs(cosine)));
-  const double share = cosine < 0 ? voter.nearness : kUndersideShare;  // normals face the sensor
-  return {share * bell(from_level_deg, voter.sigma_deg),
-          bell(90 - from_level_deg, voter.sigma_deg)};
+  Fit result;
+  result.level = bell(from_level_deg, voter.sigma_deg);
+  result.wall = bell(90 - from_level_deg, voter.sigma_deg);
+  result.faces_up = cosine < 0;  // normals face the sensor
+  result.share = result.faces_up ? voter.nearness : kUndersideShare;
+  return result;
 }
 
 /// Sensor frame: y down, z forward.
@@ -102,7 +110,7 @@ double support(const std::vector<Voter>& voters, const Vec3d& gravity) {
   double sum = 0;
   for (const Voter& voter : voters) {
     const Fit f = fit(voter, gravity);
-    sum += voter.weight * (f.floor + kWallShare * f.wall);
+    sum += voter.weight * (f.floor() + kWallShare * f.wall);
   }
   return sum;
 }
@@ -115,7 +123,7 @@ Vec3d refine(const std::vector<Voter>& voters, Vec3d gravity) {
       const Fit f = fit(voter, gravity);
       const Mat3d along = voter.normal * voter.normal.transpose();
       const double precision = voter.weight / (voter.sigma_deg * voter.sigma_deg);
-      squares += precision * f.floor * (Mat3d::Identity() - along);
+      squares += precision * f.floor() * (Mat3d::Identity() - along);
       squares += precision * kWallPull * f.wall * along;
     }
     const Vec3d direction = eigen_symmetric(squares).vectors.col(0);
@@ -131,11 +139,28 @@ double firmness(const std::vector<Voter>& voters, const Vec3d& gravity) {
   for (const Voter& voter : voters) {
     const Fit f = fit(voter, gravity);
     const Vec2d across(voter.normal.dot(basis.u), voter.normal.dot(basis.v));
-    sum += voter.weight * f.floor * Eigen::Matrix2d::Identity();
+    sum += voter.weight * f.floor() * Eigen::Matrix2d::Identity();
     sum += voter.weight * f.wall * across * across.transpose();
   }
   const double half_trace = sum.trace() / 2;
   return half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - sum.determinant()));
+}
+
+/// The planes that agree with a direction.
+struct Tally {
+  int floors = 0, walls = 0;
+  double image_share = 0;
+};
+
+Tally count(const std::vector<Voter>& voters, const Vec3d& gravity) {
+  Tally tally;
+  for (const Voter& voter : voters) {
+    const Fit f = fit(voter, gravity);
+    tally.floors += f.faces_up && f.level > 0.5;
+    tally.walls += f.wall > 0.5;
+    tally.image_share += voter.image_share * std::max(f.level, f.wall);
+  }
+  return tally;
 }
 
 std::vector<Candidate> make_candidates(const std::vector<Voter>& voters) {
@@ -172,24 +197,20 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
     if (other.gravity.dot(best.gravity) < std::cos(radians(kSameAnswer_deg)))
       runner_up = std::max(runner_up, other.score);
 
-  int floors = 0, walls = 0;
-  double image_share = 0;
-  for (const Voter& voter : voters) {
-    const Fit f = fit(voter, best.gravity);
-    floors += f.floor > 0.5;
-    walls += f.wall > 0.5;
-    image_share += voter.image_share * (f.floor + f.wall);
-  }
+  const Tally tally = count(voters, best.gravity);
   Gravity gravity;
   gravity.direction = best.gravity;
   gravity.source = GravitySource::estimate;
+  gravity.note = "estimated from " + std::to_string(tally.floors) + " level and " +
+                 std::to_string(tally.walls) + " upright planes";
   const double firm = firmness(voters, best.gravity);
-  gravity.confidence = (std::max(0.0, 1 - runner_up / best.score)) * firm / (firm + kFirm);
-  if (floors == 0) gravity.confidence *= kNoFloor;
-  if (floors + walls < 2) gravity.confidence = std::min(gravity.confidence, kOnePlaneConfidence);
-  if (image_share < kLeastPixels || gravity.confidence < kLeastConfidence) return std::nullopt;
-  gravity.note = "estimated from " + std::to_string(floors) + " level and " +
-                 std::to_string(walls) + " upright planes";
+  gravity.confidence =
+      std::max(0.0, 1 - runner_up / best.score) * firm / (firm + kFirm) * prior(best.gravity);
+  if (tally.floors == 0) gravity.confidence *= kNoFloor;
+  if (tally.floors + tally.walls < 2)
+    gravity.confidence = std::min(gravity.confidence, kOnePlaneConfidence);
+  if (tally.image_share < kLeastPixels || gravity.confidence < kLeastConfidence)
+    return std::nullopt;
   return gravity;
 }
 
