@@ -15,6 +15,7 @@
 #include "app/typed.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/synthetic/scenes.hpp"
 
 namespace planescope {
 namespace {
@@ -130,81 +131,108 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   return text + ", see planescope" + name + " --help";
 }
 
-}  // namespace
-
-Job parse_command_line(int argc, char** argv) {
-  const auto typed = std::make_shared<Typed>();
-  Typed& t = *typed;
-  CLI::App app(
-      "planescope finds planes in depth recordings and point clouds, after Sun et al. 2023, "
+// The command line while it is read. A command's callback makes the job from what was typed.
+struct Line {
+  CLI::App app{
+      "planescope finds planes in depth recordings and point clouds, after Sun et al. 2023,\n"
       "\"Multi-Resolution Planar Region Extraction\".\n"
       "A command that is given no recording takes the sample that comes with it.",
-      "planescope");
-  app.set_version_flag("--version", "planescope " PLANESCOPE_VERSION);
-  app.get_formatter()->column_width(34);
-  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+      "planescope"};
+  Typed typed;
+  std::string command;
   Job job;
+};
 
-  CLI::App* info = app.add_subcommand(
+constexpr const char* kManyInputs = "Bags, folders, .raw, .ply or .pcd files";
+
+void define_info(Line& line) {
+  CLI::App* info = line.app.add_subcommand(
       "info", "What is in a recording: sizes, unit, intrinsics, gravity, time and gaps");
-  add_inputs(info, t, "Bags, folders, .raw, .ply or .pcd files");
-  add_json(info, t);
-  add_method(info, t);
-  info->final_callback([&job, typed] {
-    job = [args = InfoArgs{input_args(*typed), typed->json}](std::stop_token) {
-      return run_info(args);
-    };
+  add_inputs(info, line.typed, kManyInputs);
+  add_json(info, line.typed);
+  add_method(info, line.typed);
+  info->final_callback([&line] {
+    const InfoArgs args{input_args(line.typed), line.typed.json};
+    line.job = [args](std::stop_token) { return run_info(args); };
   });
+}
 
-  CLI::App* segment = app.add_subcommand(
+void define_segment(Line& line) {
+  CLI::App* segment = line.app.add_subcommand(
       "segment",
       "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
       "Planes and cloud.ply are in the world frame: z up, metres.");
-  add_inputs(segment, t, "One bag, folder, .raw, .ply or .pcd file");
-  add_out(segment, t);
-  add_json(segment, t);
-  add_method(segment, t);
-  segment->final_callback([&job, typed] {
-    job = [args = SegmentArgs{input_args(*typed), required_out(*typed, "segment"), typed->json}](
-              std::stop_token stop) { return run_segment(args, stop); };
+  add_inputs(segment, line.typed, "One bag, folder, .raw, .ply or .pcd file");
+  add_out(segment, line.typed);
+  add_json(segment, line.typed);
+  add_method(segment, line.typed);
+  segment->final_callback([&line] {
+    const SegmentArgs args{input_args(line.typed), required_out(line.typed, "segment"),
+                           line.typed.json};
+    line.job = [args](std::stop_token stop) { return run_segment(args, stop); };
   });
+}
 
 #ifdef PLANESCOPE_WITH_REPORT
-  CLI::App* report = app.add_subcommand(
+void define_report(Line& line) {
+  CLI::App* report = line.app.add_subcommand(
       "report", "Write a report that opens in a browser: index.html, report.json, pictures");
-  add_inputs(report, t, "Bags, folders, .raw, .ply or .pcd files");
-  add_out(report, t);
-  add_json(report, t);
-  add_method(report, t);
-  report->final_callback([&job, typed, command = command_text(argc, argv)] {
-    job = [args = ReportArgs{input_args(*typed), required_out(*typed, "report"), typed->json,
-                             command}](std::stop_token stop) { return run_report(args, stop); };
+  add_inputs(report, line.typed, kManyInputs);
+  add_out(report, line.typed);
+  add_json(report, line.typed);
+  add_method(report, line.typed);
+  report->final_callback([&line] {
+    const ReportArgs args{input_args(line.typed), required_out(line.typed, "report"),
+                          line.typed.json, line.command};
+    line.job = [args](std::stop_token stop) { return run_report(args, stop); };
   });
-
+}
 #endif
 
-  CLI::App* eval =
-      app.add_subcommand("eval", "Metrics against ground truth: label files, or a cloud's fields");
-  add_inputs(eval, t, "Bags, folders, .raw, .ply or .pcd files");
-  add_json(eval, t);
-  add_method(eval, t);
-  eval->final_callback([&job, typed] {
-    job = [args = EvalArgs{input_args(*typed), typed->json}](std::stop_token stop) {
-      return run_eval(args, stop);
-    };
+void define_eval(Line& line) {
+  CLI::App* eval = line.app.add_subcommand(
+      "eval", "Metrics against ground truth: label files, or a cloud's fields");
+  add_inputs(eval, line.typed, kManyInputs);
+  add_json(eval, line.typed);
+  add_method(eval, line.typed);
+  eval->final_callback([&line] {
+    const EvalArgs args{input_args(line.typed), line.typed.json};
+    line.job = [args](std::stop_token stop) { return run_eval(args, stop); };
   });
+}
 
-  CLI::App* options = app.add_subcommand(
+void define_options(Line& line) {
+  CLI::App* options = line.app.add_subcommand(
       "options", "List every option that --set takes, with value, unit and meaning");
-  add_json(options, t);
-  add_method(options, t);
-  options->final_callback([&job, typed] {
-    job = [args = OptionsArgs{pipeline_options(*typed), typed->json}](std::stop_token) {
-      return run_options(args);
-    };
+  add_json(options, line.typed);
+  add_method(options, line.typed);
+  options->final_callback([&line] {
+    const OptionsArgs args{pipeline_options(line.typed), line.typed.json};
+    line.job = [args](std::stop_token) { return run_options(args); };
+  });
+}
+
+void define_synth(Line& line) {
+  Typed& t = line.typed;
+  CLI::App* synth =
+      line.app.add_subcommand("synth", "Write synthetic recordings with ground truth");
+
+  CLI::App* sample = synth->add_subcommand(
+      "sample", "A recording as a depth camera makes it, and its exact ground truth in DIR.labels");
+  add_out(sample, t);
+  add(sample, "--scenes", t.scenes, "NAME,...",
+      fmt::format("One frame each, of {}; default stairs,kerb,boxes",
+                  fmt::join(scene_names(), ", ")));
+  add(sample, "--size", t.size, "WxH", "Of the pictures in pixels, default 640x480");
+  add(sample, "--seed", t.seed, "N", "Another seed makes other scenes and noise, default 1");
+  sample->add_flag("--exact", t.exact, "Depth without noise and holes");
+  sample->add_flag("--depth-only", t.depth_only, "No colour");
+  sample->add_flag("--with-gravity", t.with_gravity, "State the true gravity in the recording");
+  sample->final_callback([&line] {
+    const SynthSampleArgs args = sample_args(line.typed);
+    line.job = [args](std::stop_token) { return run_synth_sample(args); };
   });
 
-  CLI::App* synth = app.add_subcommand("synth", "Write synthetic recordings with ground truth");
   CLI::App* stairs = synth->add_subcommand(
       "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
   add_out(stairs, t);
@@ -214,12 +242,36 @@ Job parse_command_line(int argc, char** argv) {
   add(stairs, "--seed", t.seed, "N", "Another seed makes another set, default 1");
   stairs->add_flag("--axis-aligned", t.axis_aligned, "Do not turn the stairs about z");
   add(stairs, "--threads", t.threads, "N", "Default: all cores");
-  stairs->final_callback([&job, typed] {
-    job = [args = stairs_args(*typed)](std::stop_token stop) {
-      return run_synth_stairs(args, stop);
-    };
+  stairs->final_callback([&line] {
+    const SynthStairsArgs args = stairs_args(line.typed);
+    line.job = [args](std::stop_token stop) { return run_synth_stairs(args, stop); };
   });
+}
 
+Job print_job(const std::string& text) {
+  return [text](std::stop_token) {
+    fmt::print("{}", text);
+    return 0;
+  };
+}
+
+}  // namespace
+
+Job parse_command_line(int argc, char** argv) {
+  Line line;
+  line.command = command_text(argc, argv);
+  CLI::App& app = line.app;
+  app.set_version_flag("--version", "planescope " PLANESCOPE_VERSION);
+  app.get_formatter()->column_width(34);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  define_info(line);
+  define_segment(line);
+#ifdef PLANESCOPE_WITH_REPORT
+  define_report(line);
+#endif
+  define_eval(line);
+  define_options(line);
+  define_synth(line);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     command->group("Commands");
 
@@ -228,22 +280,13 @@ Job parse_command_line(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     std::ostringstream text;
     app.exit(success, text, text);
-    return [text = text.str()](std::stop_token) {
-      fmt::print("{}", text);
-      return 0;
-    };
+    return print_job(text.str());
   } catch (const CLI::ParseError& error) {
     throw Error(message_of(app, error));
   }
-  if (!job) {
-    const CLI::App* command = innermost(&app);
-    if (command != &app) throw Error(command->get_name() + " needs one of: sample, stairs");
-    return [text = app.help()](std::stop_token) {
-      fmt::print("{}", text);
-      return 0;
-    };
-  }
-  return job;
+  if (line.job) return line.job;
+  if (innermost(&app) != &app) throw Error("synth needs one of: sample, stairs");
+  return print_job(app.help());
 }
 
 }  // namespace planescope

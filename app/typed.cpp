@@ -21,6 +21,17 @@ int thread_count(const Typed& typed) {
   return threads;
 }
 
+int whole_at_least(const std::string& text, const std::string& name, int least) {
+  const int value = parse_integer(text, name);
+  if (value < least)
+    throw Error(fmt::format("{}: {} is out of range, expected at least {}", name, value, least));
+  return value;
+}
+
+std::uint64_t seed(const Typed& typed) {
+  return static_cast<std::uint64_t>(whole_at_least(typed.seed, "--seed", 0));
+}
+
 }  // namespace
 
 PipelineOptions pipeline_options(const Typed& typed) {
@@ -76,19 +87,29 @@ std::string required_out(const Typed& typed, const std::string& command) {
   return typed.out;
 }
 
+SynthSampleArgs sample_args(const Typed& typed) {
+  SynthSampleArgs args;
+  args.out = required_out(typed, "synth sample");
+  if (!typed.seed.empty()) args.sample.seed = seed(typed);
+  if (!typed.scenes.empty()) args.sample.scenes = split(typed.scenes, ',');
+  if (!typed.size.empty()) {
+    const std::vector<std::string> sides = split(typed.size, 'x');
+    if (sides.size() != 2) throw Error("--size: '" + typed.size + "' is not WxH");
+    args.sample.width = whole_at_least(sides[0], "--size", 1);
+    args.sample.height = whole_at_least(sides[1], "--size", 1);
+  }
+  args.sample.noise = !typed.exact;
+  args.sample.color = !typed.depth_only;
+  args.sample.gravity = typed.with_gravity;
+  return args;
+}
+
 SynthStairsArgs stairs_args(const Typed& typed) {
-  const auto at_least = [](const std::string& text, const std::string& name, int least) {
-    const int value = parse_integer(text, name);
-    if (value < least)
-      throw Error(fmt::format("{}: {} is out of range, expected at least {}", name, value, least));
-    return value;
-  };
   SynthStairsArgs args;
   args.out = required_out(typed, "synth stairs");
-  if (!typed.count.empty()) args.count = at_least(typed.count, "--count", 1);
-  if (!typed.points.empty()) args.stairs.points = at_least(typed.points, "--points", 0);
-  if (!typed.seed.empty())
-    args.stairs.seed = static_cast<std::uint64_t>(at_least(typed.seed, "--seed", 0));
+  if (!typed.count.empty()) args.count = whole_at_least(typed.count, "--count", 1);
+  if (!typed.points.empty()) args.stairs.points = whole_at_least(typed.points, "--points", 0);
+  if (!typed.seed.empty()) args.stairs.seed = seed(typed);
   if (!typed.noise.empty()) args.stairs.noise_m = parse_number(typed.noise, "--noise");
   if (args.stairs.noise_m < 0) throw Error("--noise: " + typed.noise + " is negative");
   args.stairs.random_yaw = !typed.axis_aligned;

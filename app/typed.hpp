@@ -16,13 +16,14 @@ struct Typed {
   std::vector<std::string> set;
   bool json = false;
 
-  std::string seed, count, points, noise, scenes;
-  bool axis_aligned = false;
+  std::string seed, count, points, noise, scenes, size;
+  bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false;
 };
 
 // From text to values. All throw Error that names the option.
 PipelineOptions pipeline_options(const Typed& typed);
 InputArgs input_args(const Typed& typed);
+SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 

@@ -176,7 +176,7 @@ void line(const std::string& name, const std::string& text) {
 
 void print_depth(const Facts& f, double max_range_m) {
   const Intrinsics& k = f.info.intrinsics;
-  line("depth", fmt::format("{}x{}, 1 unit = {:.6g} mm ({})", f.info.width, f.info.height,
+  line("depth", fmt::format("{}x{}, 1 unit = {:.6g} mm, {}", f.info.width, f.info.height,
                             f.info.depth_unit_m * 1000, f.info.depth_unit_source));
   std::string distortion = "no distortion";
   if (k.distortion != Distortion::none)
@@ -184,7 +184,7 @@ void print_depth(const Facts& f, double max_range_m) {
         "{} {:.5g}",
         k.distortion == Distortion::brown_conrady ? "Brown-Conrady" : "inverse Brown-Conrady",
         fmt::join(k.coefficients, " "));
-  line("intrinsics", fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {} ({})", k.fx, k.fy,
+  line("intrinsics", fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx, k.fy,
                                  k.cx, k.cy, distortion, f.info.intrinsics_source));
   line("colour", f.info.has_color
                      ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
@@ -214,10 +214,10 @@ void print_text(const Facts& f, double max_range_m) {
   else
     print_cloud(f);
   if (f.span_s > 0) {
-    const std::string gaps = f.gaps == 0
-                                 ? "no gaps"
-                                 : fmt::format("{} gaps, the longest {:.3f} s before frame {}",
-                                               f.gaps, f.longest_gap_s, f.longest_gap_frame);
+    const std::string gaps =
+        f.gaps == 0 ? "no gaps"
+                    : fmt::format("{} gap{}, the longest {:.3f} s before frame {}", f.gaps,
+                                  f.gaps == 1 ? "" : "s", f.longest_gap_s, f.longest_gap_frame);
     line("time", fmt::format("{:.3f} s, {:.2f} frames per second, {}", f.span_s,
                              1 / f.median_step_s, gaps));
   } else if (f.frame_count > 1) {

@@ -121,7 +121,9 @@ LoadedFrame run_input_frame(const OpenInput& input,
   try {
     loaded.result = run_frame(loaded.frame, options, on_points ? &*on_points : nullptr, trace);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
+    const std::string what = error.what();
+    const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
+    throw Error(fmt::format("{}, {}{}", input.path.string(), frame, what));
   }
   loaded.result.timings.load_ms = load.count();
   return loaded;

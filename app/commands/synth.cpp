@@ -8,9 +8,18 @@
 #include "app/progress.hpp"
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "core/labels/label_files.hpp"
 #include "core/recording/cloud_file.hpp"
 
 namespace planescope {
+
+int run_synth_sample(const SynthSampleArgs& args) {
+  check_output_dir(args.out);
+  write_sample(args.out, args.sample);
+  fmt::print("{}: {} frames, their ground truth in {}\n", args.out.string(),
+             args.sample.scenes.size(), default_label_dir(args.out).string());
+  return 0;
+}
 
 int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
   check_output_dir(args.out);

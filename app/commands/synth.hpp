@@ -4,9 +4,18 @@
 #include <filesystem>
 #include <stop_token>
 
+#include "core/synthetic/sample.hpp"
 #include "core/synthetic/stairs.hpp"
 
 namespace planescope {
+
+struct SynthSampleArgs {
+  std::filesystem::path out;  // -o
+  SampleOptions sample;
+};
+
+/// Writes a folder recording and its labels beside it. Returns the exit code.
+int run_synth_sample(const SynthSampleArgs& args);
 
 struct SynthStairsArgs {
   std::filesystem::path out;  // -o

@@ -160,3 +160,64 @@ TEST(SynthStairs, BadNumbersAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(dir / "out"));
   }
 }
+
+TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
+  const auto dir = scratch();
+  const std::string rec = (dir / "rec").string();
+  const Ran ran = run({"synth", "sample", "-o", rec, "--scenes", "stairs,corner", "--size",
+                       "160x120", "--with-gravity"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+
+  const Ran info = run({"info", "--json", rec});
+  ASSERT_EQ(info.code, 0) << info.err;
+  const Json facts = Json::parse(info.out)["recordings"][0];
+  EXPECT_EQ(facts["frames"], 2);
+  EXPECT_EQ(facts["depth"]["width"], 160);
+  EXPECT_EQ(facts["gravity"]["source"], "sidecar");
+  EXPECT_EQ(facts["labels"]["frames"], 2);
+
+  const Ran eval = run({"eval", "--json", "--classifier", "truth", rec});
+  ASSERT_EQ(eval.code, 0) << eval.err;
+  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
+
+  const Ran segment = run({"segment", rec, "-o", (dir / "out").string()});
+  ASSERT_EQ(segment.code, 0) << segment.err;
+  EXPECT_EQ(files_below(dir / "out").size(), 8u);
+}
+
+TEST(SynthSample, WhatItCannotMakeIsRefused) {
+  const auto dir = scratch();
+  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--scenes", "castle"},
+                                              {"--size", "640"},
+                                              {"--size", "0x480"},
+                                              {"--size", "900000x900000"}}) {
+    std::vector<std::string> args = {"synth", "sample", "-o", (dir / "out").string()};
+    args.insert(args.end(), bad.begin(), bad.end());
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  }
+}
+
+TEST(Sample, CommandsWithoutARecordingTakeTheOneThatShips) {
+  const Ran info = run({"info", "--json"});
+  ASSERT_EQ(info.code, 0) << info.err;
+  const Json facts = Json::parse(info.out)["recordings"][0];
+  EXPECT_EQ(facts["frames"], 3);
+  EXPECT_EQ(facts["labels"]["frames"], 3);
+  EXPECT_TRUE(is_one_line(info.err)) << "it says which recording it took: " << info.err;
+
+  const auto dir = scratch();
+  const Ran segment = run({"segment", "-o", (dir / "out").string(), "--frames", "0"});
+  ASSERT_EQ(segment.code, 0) << segment.err;
+  EXPECT_EQ(files_below(dir / "out").size(), 4u);
+}
+
+TEST(Sample, TheTrueGravityIsEstimatedOnEveryFrame) {
+  const auto dir = scratch();
+  const Ran segment = run({"segment", "-o", (dir / "out").string(), "--json"});
+  ASSERT_EQ(segment.code, 0) << segment.err;
+  for (const auto& frame : Json::parse(segment.out)["frames"])
+    EXPECT_EQ(frame["gravity_source"], "estimate");
+}

@@ -9,7 +9,8 @@ using namespace planescope::testing_cli;
 namespace {
 
 const std::vector<std::vector<std::string>> kCommands = {
-    {"info"}, {"segment"}, {"eval"}, {"options"}, {"synth", "stairs"}};
+    {"info"},  {"segment"},         {"eval"},           {"options"},
+    {"synth"}, {"synth", "sample"}, {"synth", "stairs"}};
 
 }  // namespace
 
@@ -27,6 +28,7 @@ TEST(Usage, EveryCommandExplainsItself) {
     const Ran ran = run(command);
     EXPECT_EQ(ran.code, 0) << command[0];
     EXPECT_NE(ran.out.find("Usage: planescope " + command[0]), std::string::npos) << ran.out;
+    EXPECT_NE(ran.out.find("--help"), std::string::npos);
   }
 }
 
@@ -63,7 +65,8 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"info", "--depth-unit", "-1"}, "--depth-unit"},
       {{"segment"}, "-o DIR"},
       {{"segment", "-o"}, "out"},
-      {{"synth"}, "stairs"},
+      {{"synth"}, "sample, stairs"},
+      {{"synth", "sample"}, "-o DIR"},
   };
   for (const auto& [args, expected] : cases) {
     const Ran ran = run(args);
