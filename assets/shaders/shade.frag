@@ -1,6 +1,7 @@
 #version 330 core
 // Eye-dome lighting (Boucheny 2009): a point is darkened by how far its neighbours on screen stand
-// before it. Edges and creases of a cloud show without normals. Multiplied onto the picture.
+// before it, up to a bound: what is seen through the gaps of a nearer surface stays legible. Edges
+// and creases of a cloud show without normals. Multiplied onto the picture.
 uniform sampler2D depth;
 uniform mat4 proj;
 uniform bool orthographic;
@@ -29,7 +30,7 @@ void main() {
   for (int i = 0; i < 8; ++i) {
     ivec2 there = clamp(at + ivec2(round(kRing[i] * radius_px)), ivec2(0), last);
     float dn = texelFetch(depth, there, 0).r;
-    if (dn < 1.0) before += min(max(0.0, here - log_distance(dn)), 0.1);
+    if (dn < 1.0) before += min(max(0.0, here - log_distance(dn)), 0.015);
   }
-  color = vec4(vec3(max(exp(-strength * before / 8.0), 0.35)), 1.0);
+  color = vec4(vec3(max(exp(-strength * before / 8.0), 0.3)), 1.0);
 }

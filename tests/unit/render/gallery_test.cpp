@@ -63,6 +63,7 @@ DrawList planes_scene(const Stairs& stairs) {
   DrawList list;
   DrawPoints cloud;
   cloud.positions = stairs.points;
+  cloud.size_m = 0.026f;  // a little more than their spacing: no gaps
   for (const int id : stairs.plane) cloud.colors.push_back(plane_color(id));
   list.points.push_back(cloud);
   list.polygons = stairs.planes;
