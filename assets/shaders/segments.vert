@@ -46,7 +46,9 @@ void main() {
   v_color.a *= min(style.x, 1.0);
   v_length_px = len;
   v_head_px = style.y > 0.5 ? min(max(4.0 * v_width_px, 8.0), 0.7 * len) : 0.0;
-  float reach = max(0.5 * v_width_px, 0.45 * v_head_px) + 3.0;
+  // Room for the soft edge, and for an arrow's halo.
+  float reach = v_head_px > 0.0 ? max(0.5 * v_width_px, 0.45 * v_head_px) + 3.0
+                                : 0.5 * v_width_px + 1.0;
   v_at_px.x = (gl_VertexID & 1) == 0 ? -reach : len + reach;
   v_at_px.y = (gl_VertexID & 2) == 0 ? -reach : reach;
   vec2 at = pa + along * v_at_px.x + vec2(-along.y, along.x) * v_at_px.y;
