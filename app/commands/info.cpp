@@ -226,11 +226,11 @@ void print_text(const Facts& f, double max_range_m) {
   if (f.gravity) {
     const Gravity& g = *f.gravity;
     std::string how = to_string(g.source);
-    if (g.confidence < 1) how += fmt::format(", confidence {:.2f}", g.confidence);
-    if (g.note.starts_with(to_string(g.source)))
+    if (g.note.starts_with(how))
       how = g.note;
     else if (!g.note.empty())
       how += ", " + g.note;
+    if (g.confidence < 1) how += fmt::format("; confidence {:.2f}", g.confidence);
     // + 0.0: no minus zero.
     line("gravity", fmt::format("{:.4f},{:.4f},{:.4f} ({})", g.direction.x() + 0.0,
                                 g.direction.y() + 0.0, g.direction.z() + 0.0, how));

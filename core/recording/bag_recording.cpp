@@ -25,6 +25,7 @@ class BagRecording : public Recording {
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(depth_.size()); }
   Frame frame(int i) const override;
+  double timestamp_s(int i) const override;
   std::string frame_hash(int i) const override;
 
  private:
@@ -263,6 +264,18 @@ Frame BagRecording::frame(int i) const {
   frame.gravity = gravity_near(bag_, accel_, depth_[i].time_ns, layout_.R_depth_accel);
   apply_sidecar(sidecar_, frame);
   return frame;
+}
+
+double BagRecording::timestamp_s(int i) const {
+  Frame facts;
+  parse_message(bag_, depth_.at(i), layout_.depth, [&](Bytes bytes) {
+    const auto image = ros::parse_image(bytes);
+    facts.name = std::to_string(image.header.seq);
+    facts.timestamp_s = image.header.stamp_s;
+    return 0;
+  });
+  apply_sidecar(sidecar_, facts);
+  return facts.timestamp_s;
 }
 
 std::string BagRecording::frame_hash(int i) const {

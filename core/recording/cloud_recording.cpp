@@ -47,6 +47,13 @@ class CloudRecording : public Recording {
     return frame;
   }
 
+  double timestamp_s(int i) const override {
+    Frame facts;
+    facts.name = names_.at(i);
+    apply_sidecar(sidecar_, facts);
+    return facts.timestamp_s;
+  }
+
   std::string frame_hash(int i) const override {
     const PointSet set = read_cloud_file(files_.at(i));
     std::vector<std::byte> bytes(sizeof(double) * 3 + set.points.size() * sizeof(Vec3f));

@@ -28,6 +28,7 @@ class FolderRecording : public Recording {
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(layout_.depth.size()); }
   Frame frame(int i) const override;
+  double timestamp_s(int i) const override;
   std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
 
  private:
@@ -173,6 +174,14 @@ Image16 FolderRecording::read_depth(int i) const {
     throw Error(layout_.depth[i].string() + ": the file has changed since it was opened");
   }
   return depth;
+}
+
+double FolderRecording::timestamp_s(int i) const {
+  Frame facts;
+  facts.name = layout_.depth.at(i).stem().string();
+  facts.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
+  apply_sidecar(sidecar_, facts);
+  return facts.timestamp_s;
 }
 
 Frame FolderRecording::frame(int i) const {
