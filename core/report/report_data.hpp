@@ -1,0 +1,108 @@
+#pragma once
+
+// What a report says, as plain data. The writers (report_files.hpp) turn it into report.json,
+// frames.csv and index.html.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/evaluate/metrics.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/recording/recording.hpp"
+#include "core/report/plane_summary.hpp"
+#include "core/segment/noise.hpp"
+
+namespace planescope {
+
+/// A plane with the colour that all pictures give it ("#rrggbb").
+struct ReportPlane {
+  PlaneSummary summary;
+  std::string color;
+};
+
+/// One picture of a stage: a PNG beside the page, and a smaller copy inside it.
+struct ReportPicture {
+  std::string name;                 // "overlay", "depth", "labels", "cases", "planes", "leftovers"
+  std::string title;                // for people
+  std::string alt;                  // what is to be seen, for those who cannot see it
+  std::string file;                 // of the PNG, relative to the report
+  int width = 0, height = 0;        // of the PNG [px]
+  std::string pixels_sha256;        // of the PNG's pixels (RGB, row by row)
+  std::vector<unsigned char> jpeg;  // the copy in the page
+};
+
+/// One frame: its results, or why there are none.
+struct ReportFrame {
+  int index = 0;
+  std::string name;
+  double timestamp_s = 0;
+  std::string sha256;   // Recording::frame_hash
+  std::string refused;  // why the frame could not be processed; empty: it was
+
+  Gravity gravity;
+  CloudCounts counts;
+  std::uint64_t voxels = 0;  // N_d
+  std::uint64_t points_on_planes = 0;
+  int planes_h = 0, planes_v = 0;
+  SegmentCounts segment;
+  NoiseModel noise;
+  std::vector<ReportPlane> planes;
+  std::vector<ReportPicture> pictures;
+  std::optional<Metrics> metrics;  // where there is ground truth
+  FrameTimings timings;
+};
+
+struct ReportRecording {
+  RecordingInfo info;
+  std::string name;    // the path's last part
+  std::string sha256;  // of the file; empty for folders, whose frames have their own
+  int frame_count = 0;
+  int frames_asked = 0;  // of those, how many the report is about
+  std::vector<ReportFrame> frames;
+};
+
+/// An option as it was used.
+struct ReportOption {
+  std::string name, unit, meaning, section, value;
+  bool changed = false;  // differs from the profile's default
+};
+
+struct Report {
+  std::string version, commit;  // of planescope
+  bool modified = false;        // built from a tree that differs from the commit
+  std::string command;          // as it was typed
+  std::string created_utc;      // ISO 8601
+  std::string renderer;         // which GL drew; empty where none could
+  std::string renderer_error;   // why none could
+  std::string classifier;
+  std::string weights;   // file and hash of a network's weights; empty where there are none
+  bool partial = false;  // stopped before the end
+  std::vector<ReportOption> options;
+  std::string case_colors[5];  // "#rrggbb", by Case
+  std::vector<ReportRecording> recordings;
+};
+
+/// Sums over all frames that were processed.
+struct ReportTotals {
+  int recordings = 0;
+  int frames_asked = 0, frames_done = 0, frames_refused = 0;
+  int planes = 0, fewest_planes = 0, most_planes = 0;
+  std::uint64_t points = 0, points_on_planes = 0;
+  std::optional<Metrics> metrics;  // mean over the frames with ground truth
+};
+ReportTotals totals_of(const Report& report);
+ReportTotals totals_of(const ReportRecording& recording);
+
+/// Everything about a frame but its pictures and metrics. `plane_colors`: by plane id - 1.
+ReportFrame make_report_frame(const Frame& frame,
+                              const FrameResult& result,
+                              const PipelineOptions& options,
+                              const std::vector<std::string>& plane_colors);
+
+/// Every option with its value; changed: against the defaults of the same profile.
+std::vector<ReportOption> make_report_options(const PipelineOptions& options);
+
+}  // namespace planescope

@@ -1,0 +1,65 @@
+#include "core/report/report_files.hpp"
+
+#include <fmt/format.h>
+
+#include "core/base/error.hpp"
+#include "core/base/file_bytes.hpp"
+
+namespace planescope {
+namespace {
+
+// RFC 4180.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + '"';
+}
+
+std::string csv_line(const ReportRecording& recording, const ReportFrame& frame) {
+  const std::string start = fmt::format(
+      "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
+      frame.refused.empty() ? "done" : "refused", quoted(frame.refused));
+  if (!frame.refused.empty()) return start + std::string(21, ',') + "\n";
+  const CloudCounts& c = frame.counts;
+  const Vec3d& g = frame.gravity.direction;
+  std::string metrics = ",,,,,";
+  if (frame.metrics)
+    metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
+                          frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
+                          frame.metrics->point_accuracy, frame.metrics->mean_iou);
+  return start + fmt::format(",{},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+                             to_string(frame.gravity.source), g.x(), g.y(), g.z(), c.pixels,
+                             c.no_measurement, c.invalid, c.beyond_range, c.outside_cube, c.kept,
+                             frame.voxels, frame.planes_h, frame.planes_v, frame.points_on_planes,
+                             frame.segment.unassigned, metrics);
+}
+
+void write_whole(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path partial = path.string() + ".part";
+  write_file_bytes(partial, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  std::error_code failed;
+  std::filesystem::rename(partial, path, failed);
+  if (failed) throw Error(path.string() + ": cannot be written: " + failed.message());
+}
+
+}  // namespace
+
+std::string frames_csv(const Report& report) {
+  std::string text =
+      "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
+      "no_measurement,invalid,beyond_range,outside_cube,n_m,n_d,planes_h,planes_v,"
+      "points_on_planes,voxels_in_no_plane,truth_planes,alpha_deg,r_p,r_m,point_accuracy,"
+      "mean_iou\n";
+  for (const ReportRecording& recording : report.recordings)
+    for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
+  return text;
+}
+
+void write_report_files(const std::filesystem::path& dir, const Report& report) {
+  write_whole(dir / "report.json", report_json(report));
+  write_whole(dir / "frames.csv", frames_csv(report));
+  write_whole(dir / "index.html", report_html(report));
+}
+
+}  // namespace planescope

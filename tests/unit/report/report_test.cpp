@@ -1,0 +1,259 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/report/build_info.hpp"
+#include "core/report/report_files.hpp"
+#include "core/report/thumbnail.hpp"
+#include "support/json_schema.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::json;
+
+ReportFrame make_frame(int index) {
+  ReportFrame frame;
+  frame.index = index;
+  frame.name = "00000" + std::to_string(index);
+  frame.sha256 = std::string(64, 'a');
+  frame.gravity = {Vec3d(0, 1, 0), GravitySource::estimate, 0.87, "floor and two walls"};
+  frame.counts = {1000, 100, 5, 200, 1, 694};
+  frame.voxels = 300;
+  frame.points_on_planes = 600;
+  frame.planes_h = 1;
+  frame.segment.nodes_visited = 9;
+  frame.segment.nodes_per_case[1] = 1;
+  frame.segment.nodes_per_case[4] = 8;
+  frame.segment.nodes_per_case_depth[1][0] = 1;
+  frame.segment.nodes_per_case_depth[4][1] = 8;
+  PlaneSummary plane;
+  plane.id = 1;
+  plane.label = Label::h;
+  plane.points = 600;
+  plane.rms_m = 0.004;
+  frame.planes.push_back({plane, "#0072b2"});
+  ReportPicture picture;
+  picture.name = "planes";
+  picture.title = "Final planes";
+  picture.alt = "One plane.";
+  picture.file = "frames/000000/pictures/planes.png";
+  picture.width = picture.height = 8;
+  picture.pixels_sha256 = std::string(64, 'b');
+  picture.jpeg = encode_jpeg(Image8(8, 8, 3, 200), 80);
+  frame.pictures.push_back(picture);
+  frame.timings = {1, 2, 3, 4, 5, 6};
+  return frame;
+}
+
+Report make_report() {
+  Report report;
+  report.version = "1.2.3";
+  report.commit = std::string(40, 'c');
+  report.command = "planescope report a.bag -o out";
+  report.created_utc = "2024-01-02T03:04:05Z";
+  report.renderer = "llvmpipe";
+  report.classifier = "pca";
+  report.options = make_report_options({});
+  for (std::string& color : report.case_colors) color = "#e69f00";
+  ReportRecording recording;
+  recording.info.path = "dir/a<b>.bag";
+  recording.info.format = "RealSense SDK bag";
+  recording.info.width = 640;
+  recording.info.height = 480;
+  recording.info.depth_unit_m = 0.001;
+  recording.info.warnings = {"2 frames were lost <at the end>"};
+  recording.name = "a<b>.bag";
+  recording.sha256 = std::string(64, 'd');
+  recording.frame_count = 3;
+  recording.frames_asked = 2;
+  recording.frames.push_back(make_frame(0));
+  ReportFrame refused;
+  refused.index = 1;
+  refused.sha256 = std::string(64, 'e');
+  refused.refused = "gravity is not known, give --gravity";
+  recording.frames.push_back(refused);
+  report.recordings.push_back(recording);
+  return report;
+}
+
+Json schema() {
+  std::ifstream file(PLANESCOPE_SOURCE_DIR "/assets/schemas/report.schema.json");
+  return Json::parse(file);
+}
+
+TEST(ReportJson, FollowsItsSchema) {
+  Report report = make_report();
+  EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
+  report.recordings[0].frames[0].metrics = Metrics{};
+  report.recordings[0].info.width = 0;  // a cloud
+  report.recordings[0].info.has_color = true;
+  EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
+}
+
+TEST(ReportJson, SchemaRefusesWhatIsMissingOrUnknown) {
+  Json json = Json::parse(report_json(make_report()));
+  json["recordings"][0].erase("sha256");
+  EXPECT_NE(schema_error(schema(), json), "");
+  json = Json::parse(report_json(make_report()));
+  json["recordings"][0]["frames"][0]["planes"][0]["extra"] = 1;
+  EXPECT_NE(schema_error(schema(), json), "");
+}
+
+TEST(ReportJson, OnlyTheDateAndTheTimingsDependOnTime) {
+  Report now = make_report(), later = make_report();
+  later.created_utc = "2025-01-02T03:04:05Z";
+  later.recordings[0].frames[0].timings = {6, 5, 4, 3, 2, 1};
+  Json a = Json::parse(report_json(now)), b = Json::parse(report_json(later));
+  EXPECT_NE(a["timings"], b["timings"]);
+  for (const char* key : {"created_utc", "timings"}) {
+    a.erase(key);
+    b.erase(key);
+  }
+  EXPECT_EQ(a, b);
+}
+
+TEST(ReportJson, APartialReportIsValidAndSaysSo) {
+  Report report = make_report();
+  report.partial = true;
+  const Json json = Json::parse(report_json(report));
+  EXPECT_EQ(schema_error(schema(), json), "");
+  EXPECT_TRUE(json["partial"]);
+  EXPECT_NE(report_html(report).find("This report is partial"), std::string::npos);
+
+  report.recordings[0].frames.clear();  // stopped before the first frame
+  EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
+  EXPECT_NE(report_html(report).find("</html>"), std::string::npos);
+}
+
+TEST(ReportJson, CountsAddUpAndTotalsLeaveRefusedFramesOut) {
+  const Json json = Json::parse(report_json(make_report()));
+  const Json& counts = json["recordings"][0]["frames"][0]["counts"];
+  EXPECT_EQ(counts["pixels"].get<int>(),
+            counts["no_measurement"].get<int>() + counts["invalid"].get<int>() +
+                counts["beyond_range"].get<int>() + counts["outside_cube"].get<int>() +
+                counts["n_m"].get<int>());
+  EXPECT_EQ(json["totals"]["frames_done"], 1);
+  EXPECT_EQ(json["totals"]["frames_refused"], 1);
+  EXPECT_EQ(json["totals"]["planes"], 1);
+  EXPECT_EQ(json["timings"].size(), 1u);
+}
+
+TEST(ReportHtml, NeedsNothingButItself) {
+  const std::string page = report_html(make_report());
+  for (const char* reference : {"http://", "https://", "src=\"/", "src=\"frames", "url(", "<script",
+                                "<link rel=\"stylesheet", "@import"})
+    EXPECT_EQ(page.find(reference), std::string::npos) << reference;
+  EXPECT_NE(page.find("src=\"data:image/jpeg;base64,"), std::string::npos);
+}
+
+TEST(ReportHtml, EveryLinkHasItsTargetInThePage) {
+  const std::string page = report_html(make_report());
+  std::size_t links = 0;
+  for (std::size_t at = page.find("href=\"#"); at != std::string::npos;
+       at = page.find("href=\"#", at + 1)) {
+    const std::size_t begin = at + 7;
+    const std::string target = page.substr(begin, page.find('"', begin) - begin);
+    EXPECT_NE(page.find("id=\"" + target + "\""), std::string::npos) << target;
+    ++links;
+  }
+  EXPECT_GE(links, 4u);
+}
+
+TEST(ReportHtml, TextFromOutsideCannotBecomeMarkup) {
+  const std::string page = report_html(make_report());
+  EXPECT_EQ(page.find("a<b>"), std::string::npos);
+  EXPECT_EQ(page.find("<at the end>"), std::string::npos);
+  EXPECT_NE(page.find("a&lt;b&gt;.bag"), std::string::npos);
+}
+
+TEST(ReportHtml, ShowsThatGravityIsEstimatedAndWhatWasRefused) {
+  const std::string page = report_html(make_report());
+  EXPECT_NE(page.find("<em>estimated</em>"), std::string::npos);
+  EXPECT_NE(page.find("gravity is not known, give --gravity"), std::string::npos);
+  EXPECT_NE(page.find("alt=\"One plane.\""), std::string::npos);
+}
+
+TEST(ReportHtml, LeavesNoTemplateTagUnfilled) {
+  Report report = make_report();
+  report.recordings[0].frames[0].metrics = Metrics{};
+  const std::string page = report_html(report);
+  EXPECT_EQ(page.find("{{"), std::string::npos);
+  EXPECT_EQ(page.find("}}\n{{"), std::string::npos);
+}
+
+TEST(FramesCsv, EveryLineHasAsManyFieldsAsTheHeader) {
+  Report report = make_report();
+  report.recordings[0].frames.push_back(make_frame(2));
+  report.recordings[0].frames[2].metrics = Metrics{};
+  report.recordings[0].frames[1].refused = "no gravity";
+  std::istringstream csv(frames_csv(report));
+  std::string line;
+  std::vector<std::ptrdiff_t> commas;
+  while (std::getline(csv, line)) commas.push_back(std::count(line.begin(), line.end(), ','));
+  ASSERT_EQ(commas.size(), 4u);
+  for (const std::ptrdiff_t count : commas) EXPECT_EQ(count, commas[0]);
+}
+
+TEST(FramesCsv, QuotesFieldsThatHoldCommas) {
+  EXPECT_NE(frames_csv(make_report()).find("\"gravity is not known, give --gravity\""),
+            std::string::npos);
+}
+
+TEST(ReportOptions, TellWhichDifferFromTheProfile) {
+  PipelineOptions options;
+  options.segment = profile_options(Profile::paper);
+  for (const ReportOption& option : make_report_options(options)) {
+    EXPECT_FALSE(option.changed) << option.name;
+  }
+  options.segment.theta_n_in = 9;
+  int changed = 0;
+  for (const ReportOption& option : make_report_options(options)) {
+    EXPECT_EQ(option.changed, option.name == "theta_n_in") << option.name;
+    changed += option.changed;
+  }
+  EXPECT_EQ(changed, 1);
+}
+
+TEST(ReportFiles, AreWrittenWhole) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / "report_files";
+  std::filesystem::create_directories(dir);
+  write_report_files(dir, make_report());
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
+    EXPECT_NE(entry.path().extension(), ".part");
+    ++files;
+  }
+  EXPECT_EQ(files, 3);
+}
+
+TEST(Thumbnail, ShrinksToTheMeanAndNeverEnlarges) {
+  Image8 image(4, 2, 3);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 4; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = x < 2 ? 0 : 200;
+  const Image8 small = shrink(image, 1);
+  ASSERT_EQ(small.width, 1);
+  EXPECT_EQ(small.at(0, 0, 1), 100);
+  EXPECT_EQ(shrink(image, 100).width, 4);
+}
+
+TEST(Thumbnail, Base64FollowsItsStandard) {
+  const auto encode = [](const std::string& text) { return base64({text.begin(), text.end()}); };
+  EXPECT_EQ(encode(""), "");
+  EXPECT_EQ(encode("f"), "Zg==");
+  EXPECT_EQ(encode("fo"), "Zm8=");
+  EXPECT_EQ(encode("foobar"), "Zm9vYmFy");
+}
+
+TEST(BuildInfo, NamesTheVersionAndTheCommit) {
+  const BuildInfo info = build_info();
+  EXPECT_FALSE(info.version.empty());
+  EXPECT_TRUE(info.commit == "unknown" || info.commit.size() == 40) << info.commit;
+}
+
+}  // namespace
+}  // namespace planescope
