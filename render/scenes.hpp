@@ -1,6 +1,10 @@
 #pragma once
 
-// Draw lists of a frame's stages: pure functions over core's results, no GL.
+// Draw lists of a frame's stages: pure functions over core's results, no GL. Coordinates are the
+// cloud's own: world axes (z up), metres, about `Cloud::origin`.
+//
+// `color_of_plane`: colour id of each plane, by plane id - 1 (palette.hpp keep_colors); empty: the
+// plane's own id.
 
 #include <span>
 #include <vector>
@@ -11,8 +15,8 @@
 
 namespace planescope {
 
-/// A view of the frame that shows all kept points: from behind and above the sensor, looking the
-/// way the sensor looks.
+/// A view of the frame that just holds its kept points (all but the outermost half percent). Depth
+/// frames: from behind and above the sensor, looking the way it looks. Clouds: from the -x side.
 Camera frame_camera(const FrameResult& result, double aspect);
 
 DrawList scene_labels(const FrameResult& result);  // cloud by h / v
@@ -20,12 +24,21 @@ DrawList scene_cases(const FrameResult& result);   // octree nodes by case I-IV
 DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_plane);
 DrawList scene_leftovers(const FrameResult& result);  // points in no plane
 
-/// Image-space pictures, at the size of the depth image (or of the colour image where it is
-/// aligned). Planes overlaid on colour (on shaded depth where there is none), with outlines and
-/// ids.
+/// For clouds, what image_overlay and image_depth are for depth frames: every point of the file in
+/// its own colour (grey where it has none) with the planes' colours over it, and by height.
+DrawList scene_overlay(const Frame& frame,
+                       const FrameResult& result,
+                       std::span<const int> color_of_plane);
+DrawList scene_heights(const FrameResult& result);
+
+/// Image-space pictures of depth frames, enlarged by a whole factor where the sensor's image is
+/// small. Planes over the colour image, each depth pixel projected into it where it is not aligned,
+/// or over shaded depth where there is no calibrated colour; with outlines and ids.
 Image8 image_overlay(const Frame& frame,
                      const FrameResult& result,
                      std::span<const int> color_of_plane);
+/// Depth as a ramp with its scale in metres; what was not measured is hatched, what lies beyond
+/// `max_range_m` is grey.
 Image8 image_depth(const Frame& frame, double max_range_m);
 
 }  // namespace planescope

@@ -1,0 +1,32 @@
+#pragma once
+
+// Plane ids in image space: where they come from, and what is drawn around them.
+
+#include <vector>
+
+#include "core/image/image.hpp"
+#include "core/pipeline/pipeline.hpp"
+
+namespace planescope {
+
+/// Plane id per pixel, 0 none.
+using RegionImage = Image<std::int32_t>;
+
+/// On the depth image's own pixels.
+RegionImage regions_on_depth(const Frame& frame, const FrameResult& result);
+
+/// On the colour image of a frame whose colour is calibrated but not aligned: each depth pixel is
+/// projected into it as a patch wide enough to leave no holes, the nearest surface in front.
+RegionImage regions_on_color(const Frame& frame, const FrameResult& result);
+
+/// For drawing outlines: pinholes and specks go to the id that most of their 5x5 neighbours have.
+RegionImage smooth_regions(const RegionImage& regions);
+
+/// The pixel deepest inside each region, by plane id - 1; depth_px 0 where the region is absent.
+struct InteriorPoint {
+  int x = 0, y = 0;
+  double depth_px = 0;  // to the nearest pixel of another region
+};
+std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size_t plane_count);
+
+}  // namespace planescope

@@ -1,0 +1,42 @@
+#pragma once
+
+// What the scenes of a frame share: colours, bounds, the gravity arrow.
+
+#include <span>
+#include <string>
+
+#include "core/pipeline/pipeline.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope {
+
+inline constexpr Rgba kSceneText{32, 36, 42, 255};
+inline constexpr Rgba kSceneFaded{190, 194, 200, 255};  // what a scene is not about
+
+Rgba with_alpha(Rgba color, std::uint8_t alpha);
+Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
+Rgba color_of(int plane_id, std::span<const int> color_of_plane);
+
+/// The voxels as splats as wide as voxels, without colours yet.
+DrawPoints voxel_points(const FrameResult& result);
+
+/// Lowest and highest values of each axis, without the outermost percent.
+struct Bounds {
+  Vec3f low = Vec3f::Zero(), high = Vec3f::Zero();
+  float diagonal() const { return (high - low).norm(); }
+};
+Bounds robust_bounds(std::span<const Vec3f> points);
+
+/// The arrow stands at the near left edge of the points, where it hides none of them; it says so
+/// where its direction is only estimated or assumed.
+void add_gravity(const FrameResult& result, DrawList& list);
+
+/// "12.3 %" of the whole.
+std::string percent(std::size_t part, std::size_t whole);
+
+/// The largest planes with their label and size.
+void add_plane_legend(const FrameResult& result,
+                      std::span<const int> color_of_plane,
+                      DrawList& list);
+
+}  // namespace planescope
