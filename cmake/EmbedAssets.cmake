@@ -25,7 +25,7 @@ planescope_asset_@symbol@_end:
         .byte 0
         .section .note.GNU-stack, \"\", %progbits
 ")
-    set_source_files_properties(${asm} PROPERTIES OBJECT_DEPENDS ${path})
+    set_source_files_properties(${asm} TARGET_DIRECTORY ${target} PROPERTIES OBJECT_DEPENDS ${path})
     target_sources(${target} PRIVATE ${asm})
   endforeach()
 endfunction()

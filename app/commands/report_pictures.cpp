@@ -1,0 +1,96 @@
+#include "app/commands/report_pictures.hpp"
+
+#include <fmt/format.h>
+
+#include "core/base/sha256.hpp"
+#include "core/image/png.hpp"
+#include "core/report/thumbnail.hpp"
+#include "render/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
+constexpr int kJpegQuality = 86;
+
+ReportPicture keep(const Image8& image,
+                   const std::string& name,
+                   const std::string& title,
+                   const std::string& alt,
+                   const PictureJob& job) {
+  ReportPicture picture;
+  picture.name = name;
+  picture.title = title;
+  picture.alt = alt;
+  picture.file = (job.relative / (name + ".png")).generic_string();
+  picture.width = image.width;
+  picture.height = image.height;
+  picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
+  write_png(job.dir / (name + ".png"), image);
+  picture.jpeg = encode_jpeg(shrink(image, job.copy_width), kJpegQuality);
+  return picture;
+}
+
+std::string in_planes(const FrameResult& result) {
+  const std::size_t planes = result.segmentation.planes.size();
+  return fmt::format("{} plane{}", planes, planes == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string css_color(Rgba color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
+}
+
+std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
+                                         const std::vector<int>& color_of_plane,
+                                         Renderer* renderer,
+                                         const PictureJob& job) {
+  const Frame& frame = loaded.frame;
+  const FrameResult& result = loaded.result;
+  const SegmentCounts& counts = result.segmentation.counts;
+  std::vector<ReportPicture> pictures;
+  const Camera camera = frame_camera(result, static_cast<double>(kWidth) / kHeight);
+  const auto draw = [&](const DrawList& list, const std::string& name, const std::string& title,
+                        const std::string& alt) {
+    const Image8 image = renderer->render(list, camera, kWidth, kHeight, Theme::light);
+    pictures.push_back(keep(image, name, title, alt, job));
+  };
+
+  if (!frame.is_cloud()) {
+    const std::string backdrop = frame.color.empty() ? "shaded depth image" : "colour image";
+    pictures.push_back(keep(
+        image_overlay(frame, result, color_of_plane), "overlay", "Planes over the camera image",
+        fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)),
+        job));
+    pictures.push_back(keep(
+        image_depth(frame, job.max_range_m), "depth", "Depth",
+        fmt::format("The depth image as a colour ramp up to {:.6g} m; {} of {} pixels were not "
+                    "measured.",
+                    job.max_range_m, result.cloud.counts.no_measurement,
+                    result.cloud.counts.pixels),
+        job));
+  } else if (renderer) {
+    draw(scene_overlay(frame, result, color_of_plane), "overlay", "Planes over the cloud",
+         fmt::format("The cloud's points with {} coloured and numbered.", in_planes(result)));
+    draw(scene_heights(result), "heights", "Points by height",
+         fmt::format("{} points coloured by their height.", result.cloud.counts.kept));
+  }
+  if (!renderer) return pictures;
+
+  draw(scene_labels(result), "labels", "Voxels by h and v",
+       fmt::format("{} voxels coloured as h, level, or v, upright.", result.voxels.points.size()));
+  draw(
+      scene_cases(result), "cases", "Octree nodes by case",
+      fmt::format("The octree's nodes as boxes: {} of case I, {} of case II, {} of case III, {} of "
+                  "case IV.",
+                  counts.nodes_per_case[1], counts.nodes_per_case[2], counts.nodes_per_case[3],
+                  counts.nodes_per_case[4]));
+  draw(scene_planes(result, color_of_plane), "planes", "Final planes",
+       fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
+  draw(scene_leftovers(result), "leftovers", "Points left over",
+       fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
+  return pictures;
+}
+
+}  // namespace planescope

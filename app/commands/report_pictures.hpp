@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/commands/inputs.hpp"
+#include "core/report/report_data.hpp"
+#include "render/renderer.hpp"
+
+namespace planescope {
+
+/// "#rrggbb".
+std::string css_color(Rgba color);
+
+struct PictureJob {
+  std::filesystem::path dir;       // where the PNGs go; exists
+  std::filesystem::path relative;  // the same folder, as the report names it
+  int copy_width = 1280;           // of the copies in the page [px]
+  double max_range_m = 1.5;
+};
+
+/// One picture per stage, written as PNG and kept as a copy for the page. Without a renderer only
+/// those that are made in image space. The same frame gives the same pixels for any thread count.
+std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
+                                         const std::vector<int>& color_of_plane,
+                                         Renderer* renderer,
+                                         const PictureJob& job);
+
+}  // namespace planescope
