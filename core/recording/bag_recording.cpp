@@ -35,6 +35,7 @@ class BagRecording : public Recording {
   double color_gap_s(std::size_t color, double depth_stamp_s) const;
   void order_by_stamp();
   void read_camera(const RecordingOptions& options);
+  void drop_unreadable_color();
   void read_color_camera();
 
   Bag bag_;
@@ -97,8 +98,8 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
   if (!layout_.accel.empty()) accel_ = bag_.messages(layout_.accel);
   color_period_s_ = median_period_s(color_);
   if (!info_.warnings.empty()) {
-    info_.warnings.back() += ", among them " + std::to_string(depth_.size()) + " depth and " +
-                             std::to_string(color_.size()) + " colour images";
+    info_.warnings.front() += ", among them " + std::to_string(depth_.size()) + " depth and " +
+                              std::to_string(color_.size()) + " colour images";
   }
   read_camera(options);
   read_color_camera();
@@ -163,7 +164,21 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   settle_camera(options, sidecar_, facts, info_);
 }
 
+/// Colour in an encoding that we cannot show must not cost the depth frames.
+void BagRecording::drop_unreadable_color() {
+  if (color_.empty()) return;
+  try {
+    parse_message(bag_, color_.front(), layout_.color, [&](Bytes bytes) {
+      return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
+    });
+  } catch (const Error& error) {
+    info_.warnings.push_back(std::string(error.what()) + "; colour is left out");
+    color_.clear();
+  }
+}
+
 void BagRecording::read_color_camera() {
+  drop_unreadable_color();
   info_.has_color = !color_.empty();
   if (!info_.has_color) {
     info_.color_note = "none";

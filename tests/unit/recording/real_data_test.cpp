@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <functional>
 
-#include "core/base/error.hpp"
-#include "core/recording/recording.hpp"
+#include "unit/recording/support.hpp"
 
 namespace planescope {
 namespace {
@@ -27,21 +25,6 @@ class RealRecordings : public testing::Test {
 std::size_t measured(const Frame& frame) {
   return frame.depth.pixels() -
          static_cast<std::size_t>(std::count(frame.depth.data.begin(), frame.depth.data.end(), 0));
-}
-
-RecordingOptions with_intrinsics(double fx, double fy, double cx, double cy) {
-  RecordingOptions options;
-  options.intrinsics = {fx, fy, cx, cy};
-  return options;
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST_F(RealRecordings, RealSenseSdkBag) {
