@@ -75,6 +75,11 @@ MessageBytes Bag::chunk_bytes(std::uint32_t number) const {
   return {bytes, *bytes};
 }
 
+std::size_t Bag::unpacking_bytes(const MessageRef& message) const {
+  const Chunk& chunk = index_.chunks.at(message.chunk);
+  return chunk.compression == Compression::none ? 0 : chunk.raw_bytes;
+}
+
 MessageBytes Bag::read(const MessageRef& message) const {
   MessageBytes result = chunk_bytes(message.chunk);
   try {

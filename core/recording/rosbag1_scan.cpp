@@ -120,11 +120,12 @@ void take_record(Scan& scan, ByteReader& reader) {
   }
 }
 
-/// Where the next chunk may start: its header begins with two lengths and `compression=`.
+/// Where the next chunk behind `from` may start: its header begins with two lengths and
+/// `compression=`.
 std::size_t find_chunk(Bytes file, std::size_t from) {
   constexpr std::string_view kField = "compression=";
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-  const std::size_t found = text.find(kField, from + 8);
+  const std::size_t found = text.find(kField, from + 1 + 8);
   return found == std::string_view::npos ? file.size() : found - 8;
 }
 

@@ -159,7 +159,7 @@ TEST_F(BrokenBag, AnyChangedByteNeverCrashes) {
       options.frames = 3;
       options.format = {compression, index, index, true, 8};
       const ByteVector good = sdk_bag(options).finish();
-      for (int trial = 0; trial < 250; ++trial) {
+      for (int trial = 0; trial < 120; ++trial) {
         ByteVector bytes = good;
         const int changes = 1 + static_cast<int>(random() % 4);
         for (int c = 0; c < changes; ++c) {

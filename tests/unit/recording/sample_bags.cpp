@@ -72,7 +72,7 @@ BagWriter sdk_bag(const SdkBag& options) {
     auto depth = depth_message(100 + i, time_s);
     auto color = color_message(10 + i, time_s + 0.004);
     if (options.sdk_2_49) {
-      depth.frame_id = color.frame_id = "1";
+      depth.frame_id = color.frame_id = std::string("1");
       depth.depth_unit_m = options.unit_m;
       color.depth_unit_m = 0;
     }
