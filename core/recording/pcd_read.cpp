@@ -98,7 +98,7 @@ class PcdHeaderParser {
       const auto type = scalar_of(types_[i], sizes_[i]);
       const auto count =
           counts_.empty() ? std::optional<std::uint64_t>(1) : parse_count(counts_[i]);
-      if (!type || !count || *count > kMaxFieldCount) {
+      if (!type || !count || *count == 0 || *count > kMaxFieldCount) {
         fail("field \"" + std::string(names_[i]) + "\" has an unknown type, size or count");
       }
       header.fields.push_back({{std::string(names_[i]), *type}, *count, header.point_bytes});
@@ -205,7 +205,7 @@ void read_binary(const PcdHeader& header, Bytes body, bool by_field, CloudBuilde
       const std::size_t bytes = field.count * size_of(field.field.type);
       const std::size_t at = by_field ? field.offset * header.points + point * bytes
                                       : point * header.point_bytes + field.offset;
-      values[f] = field.count == 0 ? 0 : load(field.field.type, body.data() + at);
+      values[f] = load(field.field.type, body.data() + at);
     }
     builder.add(values);
   }

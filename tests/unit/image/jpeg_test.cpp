@@ -69,6 +69,7 @@ TEST(Jpeg, GreyBecomesRgb) {
 TEST(Jpeg, AFileCutShortIsAnError) {
   const auto bytes = encode_jpeg(200, 200, true);
   for (std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{30}, bytes.size() / 2}) {
+    std::filesystem::remove(kPath);
     write_file_bytes(kPath, std::span(bytes).first(cut));
     EXPECT_THROW(read_jpeg_rgb(kPath), Error) << "cut at byte " << cut;
   }
@@ -80,6 +81,7 @@ TEST(Jpeg, DamagedBytesNeverCrash) {
   for (int trial = 0; trial < 300; ++trial) {
     auto bytes = good;
     bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
+    std::filesystem::remove(kPath);
     write_file_bytes(kPath, bytes);
     try {
       read_jpeg_rgb(kPath);

@@ -100,6 +100,7 @@ TEST(Png, AFileCutAnywhereIsAnError) {
   const auto bytes = encode_png(noise_image<std::uint16_t>(40, 30, 1, 9));
   const auto path = temp_file("cut.png");
   for (std::size_t cut = 0; cut < bytes.size(); cut += cut < 64 ? 1 : 37) {
+    std::filesystem::remove(path);
     write_file_bytes(path, std::span(bytes).first(cut));
     EXPECT_NE(error_of([&] { read_png_16(path); }), "") << "cut at byte " << cut;
   }
@@ -122,6 +123,7 @@ TEST(Png, DamagedBytesNeverCrash) {
     for (int flips = 0; flips < 4; ++flips) {
       bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
     }
+    std::filesystem::remove(path);
     write_file_bytes(path, bytes);
     error_of([&] { read_png_16(path); });
     error_of([&] { read_png_rgb(path); });

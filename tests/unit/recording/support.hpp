@@ -27,6 +27,13 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
   write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
 }
 
+/// Writes a file anew. Overwriting one that exists makes some file systems wait for the disk, which
+/// loops over damaged files would feel.
+inline void write_anew(const std::filesystem::path& path, std::span<const unsigned char> bytes) {
+  std::filesystem::remove(path);
+  write_file_bytes(path, bytes);
+}
+
 /// The message of the Error that an action throws, "" where it throws none.
 inline std::string error_of(const std::function<void()>& action) {
   try {
