@@ -62,13 +62,18 @@ DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b) {
   constexpr double kDeg = 180 / std::numbers::pi;
   constexpr double kMaxLateral2 = 0.25;  // [m^2]: the bound stops growing half a metre away
 
+  constexpr double kNear = 0.1;    // [m]: regions this close are neighbours
+  constexpr double kFarAngle = 5;  // [deg]: over a gap, directions must agree better
+
   const Vec3d& n = sure.fit.normal;
   const Vec3d dmu = other.fit.centroid - sure.fit.centroid;
   const double offset = n.dot(dmu);
   const double lateral2 = std::max(0.0, dmu.squaredNorm() - offset * offset);
   DistanceTerms terms;
+  terms.gap_m = gap_between(a.bounds, b.bounds);
+  terms.max_gap_m = std::max(kNear, other.tau_m / (3 * std::max(other.sigma_ang, 1e-9)));
   terms.angle_deg = kDeg * std::acos(std::min(1.0, std::abs(n.dot(other.fit.normal))));
-  terms.max_angle_deg = 10 + 3 * kDeg * other.sigma_ang;
+  terms.max_angle_deg = terms.gap_m <= kNear ? 10 + 3 * kDeg * other.sigma_ang : kFarAngle;
   terms.offset2_m2 = offset * offset;
   terms.spread2_m2 = n.dot(other.moments.scatter() * n) / other.moments.count;
   terms.bound2_m2 = other.tau_m * other.tau_m +

@@ -50,11 +50,14 @@ double normal_uncertainty(const PlaneFit& fit, double sigma_m);
 /// R1: coplanarity by distance. The surer of the two planes measures the other.
 struct DistanceTerms {
   double angle_deg = 0, max_angle_deg = 0;
+  double gap_m = 0,
+         max_gap_m = 0;   // between the regions' boxes; as far as the normals can be trusted
   double offset2_m2 = 0;  // squared distance of the other's centroid
   double spread2_m2 = 0;  // n^T S n / N of the other
   double bound2_m2 = 0;   // both must stay below
   bool passes() const {
-    return angle_deg <= max_angle_deg && offset2_m2 <= bound2_m2 && spread2_m2 <= bound2_m2;
+    return angle_deg <= max_angle_deg && gap_m <= max_gap_m && offset2_m2 <= bound2_m2 &&
+           spread2_m2 <= bound2_m2;
   }
   double cost() const { return (offset2_m2 + spread2_m2) / bound2_m2; }
 };
@@ -63,6 +66,7 @@ struct MeasuredPlane {
   const Moments& moments;
   double sigma_ang = 0;  // normal_uncertainty [rad]
   double tau_m = 0;      // how far off its points may lie, for noise
+  Bounds bounds;         // of its points
 };
 DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b);
 

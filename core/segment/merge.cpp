@@ -55,8 +55,10 @@ void claim_points(SegmentState& state, const Candidate& candidate, std::int32_t 
 }
 
 /// Eq. (6)-(9): moments add, PCA follows from them.
-void grow(SegmentState& state, GrowingPlane& plane, const Moments& moments) {
-  plane.moments += moments;
+template <typename PlaneOrCandidate>
+void grow(SegmentState& state, GrowingPlane& plane, const PlaneOrCandidate& part) {
+  plane.moments += part.moments;
+  plane.bounds += part.bounds;
   plane.fit = fit_plane(plane.moments);
   plane.sigma_ang =
       normal_uncertainty(plane.fit, state.noise.sigma(state.range(plane.fit.centroid)));
@@ -64,7 +66,8 @@ void grow(SegmentState& state, GrowingPlane& plane, const Moments& moments) {
 
 void found(SegmentState& state, const Candidate& candidate, std::uint8_t refinement) {
   const auto plane = static_cast<std::int32_t>(state.planes.size());
-  state.planes.push_back({candidate.label, candidate.moments, candidate.fit, candidate.sigma_ang});
+  state.planes.push_back(
+      {candidate.label, candidate.moments, candidate.fit, candidate.sigma_ang, candidate.bounds});
   claim_points(state, candidate, plane);
   state.log(
       {.type = EventType::found, .refinement = refinement, .node = candidate.node, .plane = plane});
@@ -75,7 +78,7 @@ void merge(SegmentState& state,
            std::int32_t plane,
            std::uint8_t refinement) {
   const double offset = state.planes[plane].fit.distance_m(candidate.fit.centroid);
-  grow(state, state.planes[plane], candidate.moments);
+  grow(state, state.planes[plane], candidate);
   claim_points(state, candidate, plane);
   ++state.counts.merges;
   state.log({.type = EventType::merge,
@@ -162,7 +165,7 @@ void merge_planes_again(SegmentState& state) {
           best = {by_size[j], terms.cost()};
       }
       if (best.plane < 0) continue;
-      grow(state, state.planes[best.plane], small.moments);
+      grow(state, state.planes[best.plane], small);
       small.alive = false;
       into[by_size[i]] = best.plane;
       state.log(

@@ -17,7 +17,8 @@ struct GrowingPlane {
   Moments moments;
   PlaneFit fit;
   double sigma_ang = 0;  // [rad]
-  bool alive = true;     // false: merged into another or pruned
+  Bounds bounds;
+  bool alive = true;  // false: merged into another or pruned
 };
 
 /// A node's inliers (or, by R4, one label's points of an impure node).
@@ -26,7 +27,8 @@ struct Candidate {
   Label label = Label::h;
   Moments moments;
   PlaneFit fit;
-  double sigma_ang = 0;
+  double sigma_ang = 0;  // [rad]
+  Bounds bounds;
 };
 
 struct SegmentState {
@@ -46,7 +48,7 @@ struct SegmentState {
   /// A growing plane or a candidate, as distance_terms() takes it.
   template <typename PlaneOrCandidate>
   MeasuredPlane measured(const PlaneOrCandidate& p) const {
-    return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid)};
+    return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid), p.bounds};
   }
   void log(TraceEvent event) const {
     if (trace) trace->events.push_back(event);

@@ -13,8 +13,12 @@ Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) 
   Candidate candidate;
   candidate.node = index;
   candidate.label = label;
-  for (std::uint32_t i = node.begin; i < node.end; ++i)
-    if (has_label(state, i, label)) candidate.moments.add(state.octree.points[i].cast<double>());
+  for (std::uint32_t i = node.begin; i < node.end; ++i) {
+    if (!has_label(state, i, label)) continue;
+    const Vec3d p = state.octree.points[i].cast<double>();
+    candidate.moments.add(p);
+    candidate.bounds.add(p);
+  }
   candidate.fit = fit_plane(candidate.moments);
   return candidate;
 }

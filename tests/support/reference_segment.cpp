@@ -30,6 +30,7 @@ struct GrowingPlane {
   Points points;  // that the fit is made from
   PlaneFit fit;
   Moments moments;  // of the points, made anew with each fit
+  Bounds bounds;
   double sigma_ang = 0;
   bool alive = true;
 };
@@ -39,6 +40,7 @@ struct Candidate {
   Points points;
   PlaneFit fit;
   Moments moments;  // of the points, made anew with each fit
+  Bounds bounds;
   double sigma_ang = 0;
 };
 
@@ -131,6 +133,12 @@ class Method {
     return moments;
   }
 
+  Bounds bounds_of(const Points& set) const {
+    Bounds bounds;
+    for (const int i : set) bounds.add(at(i));
+    return bounds;
+  }
+
   PlaneFit fit(const Points& set) const {
     PlaneFit f;
     f.count = static_cast<double>(set.size());
@@ -145,8 +153,9 @@ class Method {
 
   DistanceTerms terms(const GrowingPlane& plane, const Candidate& candidate) const {
     return distance_terms(
-        {plane.fit, plane.moments, plane.sigma_ang, tau(plane.fit.centroid)},
-        {candidate.fit, candidate.moments, candidate.sigma_ang, tau(candidate.fit.centroid)});
+        {plane.fit, plane.moments, plane.sigma_ang, tau(plane.fit.centroid), plane.bounds},
+        {candidate.fit, candidate.moments, candidate.sigma_ang, tau(candidate.fit.centroid),
+         candidate.bounds});
   }
 
   void measure_noise() {
@@ -180,6 +189,7 @@ class Method {
       if (has(i, label)) c.points.push_back(i);
     c.fit = fit(c.points);
     c.moments = moments_of(c.points);
+    c.bounds = bounds_of(c.points);
     return c;
   }
 
@@ -245,7 +255,7 @@ class Method {
   }
 
   void found(const Candidate& c) {
-    planes_.push_back({c.label, c.points, c.fit, c.moments, c.sigma_ang, true});
+    planes_.push_back({c.label, c.points, c.fit, c.moments, c.bounds, c.sigma_ang, true});
     for (const int i : c.points) plane_of_[i] = static_cast<int>(planes_.size()) - 1;
   }
 
@@ -254,6 +264,7 @@ class Method {
     p.points.insert(p.points.end(), set.begin(), set.end());
     p.fit = fit(p.points);
     p.moments = moments_of(p.points);
+    p.bounds = bounds_of(p.points);
     p.sigma_ang = normal_uncertainty(p.fit, noise_.sigma(range(p.fit.centroid)));
     for (const int i : set) plane_of_[i] = plane;
   }
@@ -335,7 +346,8 @@ class Method {
       for (std::size_t i = 0; i < order.size() && !changed; ++i) {
         GrowingPlane& small = planes_[order[i]];
         if (!small.alive) continue;
-        const Candidate c{small.label, small.points, small.fit, small.moments, small.sigma_ang};
+        const Candidate c{small.label,   small.points, small.fit,
+                          small.moments, small.bounds, small.sigma_ang};
         int best = -1;
         double least = 0;
         for (std::size_t j = i + 1; j < order.size(); ++j) {

@@ -103,7 +103,7 @@ TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
                 flat = patch({3, 0, 0}, 0.5);
   const auto measured = [](const Moments& m, PlaneFit& fit) {
     fit = fit_plane(m);
-    return MeasuredPlane{fit, m, 0.001, 0.01};
+    return MeasuredPlane{fit, m, 0.001, 0.01, {}};
   };
   PlaneFit a, b, c;
   const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
@@ -120,11 +120,26 @@ TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
   const Moments own = patch({0, 0, 0}, 0.05);
   const auto bound = [&](const Moments& other) {
     const PlaneFit a = fit_plane(own), b = fit_plane(other);
-    return distance_terms({a, own, 0.02, 0.01}, {b, other, 0.05, 0.01}).bound2_m2;
+    return distance_terms({a, own, 0.02, 0.01, {}}, {b, other, 0.05, 0.01, {}}).bound2_m2;
   };
   EXPECT_NEAR(bound(near), 1e-4 + 9 * 4e-4 * 0.04, 1e-9);
   EXPECT_LT(bound(near), bound(far));
   EXPECT_NEAR(bound(far), bound(farther), 1e-12);
+}
+
+TEST(DistanceMerge, ReachesOverAGapOnlyAsFarAsTheNormalIsKnown) {
+  // Two treads' noses lie on one slope, 30 cm apart: nothing but chance makes them coplanar.
+  const Moments a = patch({0, 0, 0}, 0.05), b = patch({0.3, 0, 0}, 0.05);
+  const PlaneFit fit_a = fit_plane(a), fit_b = fit_plane(b);
+  const auto terms = [&](double sigma_ang, double gap) {
+    Bounds here, there;
+    here.add({0, 0, 0});
+    there.add({gap, 0, 0});
+    return distance_terms({fit_a, a, 0.001, 0.01, here}, {fit_b, b, sigma_ang, 0.01, there});
+  };
+  EXPECT_TRUE(terms(0.05, 0.05).passes()) << "neighbours may be unsure";
+  EXPECT_FALSE(terms(0.05, 0.25).passes()) << "3 * 0.05 * 0.25 m = 37 mm, more than tau";
+  EXPECT_TRUE(terms(0.005, 0.25).passes()) << "3 * 0.005 * 0.25 m = 4 mm, within tau";
 }
 
 TEST(Profiles, AreNamedAndUnknownNamesRefused) {
