@@ -39,16 +39,3 @@ function(planescope_test name)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${ARG_LABELS}")
 endfunction()
-
-# planescope_bench(NAME sources... [LIBS libs...]): one Google Benchmark executable; scripts/bench
-# runs all of them.
-function(planescope_bench name)
-  cmake_parse_arguments(ARG "" "" "LIBS" ${ARGN})
-  add_executable(${name} ${ARG_UNPARSED_ARGUMENTS})
-  planescope_target_defaults(${name})
-  target_link_libraries(${name} PRIVATE planescope::core ${ARG_LIBS}
-    benchmark::benchmark benchmark::benchmark_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests/bench)
-endfunction()

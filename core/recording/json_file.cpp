@@ -1,5 +1,7 @@
 #include "core/recording/json_file.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace planescope {
 
-/// Parses a JSON file of at most a few megabytes. Throws Error naming it. For .cpp files only.
+/// Parses a JSON file of at most a few megabytes. Throws Error naming it.
 nlohmann::json read_json_file(const std::filesystem::path& path);
 
 }  // namespace planescope

@@ -1,0 +1,98 @@
+// Runs the program on every recording that real_data.json names, with the command given there, and
+// checks the planes that it finds. The recordings are read from $PLANESCOPE_DATA.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "tests/real/expectations.hpp"
+#include "tests/real/frame_output.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Case {
+  std::string name;
+  Json json;
+};
+
+// CTest shows this beside the test's name.
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+std::vector<Case> read_cases() {
+  std::ifstream file(fs::path(PLANESCOPE_SOURCE_DIR) / "tests" / "real_data.json");
+  const Json list = Json::parse(file);
+  std::vector<Case> cases;
+  for (const Json& entry : list.at("recordings"))
+    cases.push_back({entry.at("name").get<std::string>(), entry});
+  return cases;
+}
+
+std::string read_text(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The command as it stands in the list, "planescope segment ...", run in the recordings' folder.
+struct Outcome {
+  int exit_code = -1;
+  std::string said;  // stderr
+};
+
+Outcome run_command(const std::string& command, const fs::path& data, const fs::path& out) {
+  const fs::path log = out.string() + ".log";
+  const std::string arguments = command.substr(std::string("planescope ").size());
+  const std::string line =
+      fmt::format("cd '{}' && '{}' {} -o '{}' >'{}' 2>&1 </dev/null", data.string(),
+                  PLANESCOPE_BINARY, arguments, out.string(), log.string());
+  const int status = std::system(line.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(log)};
+}
+
+class RealRecording : public testing::TestWithParam<Case> {};
+
+TEST_P(RealRecording, HasThePlanesExpected) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const Json& json = GetParam().json;
+  const fs::path out = fs::path(testing::TempDir()) / ("real_" + GetParam().name);
+  fs::remove_all(out);
+
+  const Outcome run = run_command(json.at("command").get<std::string>(), data, out);
+  const int expected_exit = json.value("exit", 0);
+  ASSERT_EQ(run.exit_code, expected_exit) << json.at("command") << "\n" << run.said;
+  if (expected_exit != 0) {
+    EXPECT_NE(run.said.find(json.at("says").get<std::string>()), std::string::npos) << run.said;
+    EXPECT_FALSE(fs::exists(out)) << "something was written to " << out;
+    return;
+  }
+
+  for (const auto& [frame, expectations] : json.at("frames").items()) {
+    const FrameOutput output =
+        read_frame_output(out / "frames" / fmt::format("{:06}", std::stoi(frame)));
+    std::vector<std::string> problems = check_consistency(output);
+    for (const Json& expectation : expectations)
+      for (std::string& problem : check_expectation(expectation, output))
+        problems.push_back(std::move(problem));
+    for (const std::string& problem : problems)
+      ADD_FAILURE() << "frame " << frame << ": " << problem;
+  }
+  if (!HasFailure()) fs::remove_all(out);
+}
+
+INSTANTIATE_TEST_SUITE_P(,
+                         RealRecording,
+                         testing::ValuesIn(read_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace planescope
