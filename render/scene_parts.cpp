@@ -47,8 +47,8 @@ Rgba color_of(int plane_id, std::span<const int> color_of_plane) {
   return plane_color(index < color_of_plane.size() ? color_of_plane[index] : plane_id);
 }
 
-Bounds robust_bounds(std::span<const Vec3f> points) {
-  Bounds bounds;
+RobustBounds robust_bounds(std::span<const Vec3f> points) {
+  RobustBounds bounds;
   if (points.empty()) return bounds;
   std::vector<float> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,7 +65,7 @@ Bounds robust_bounds(std::span<const Vec3f> points) {
 }
 
 void add_gravity(const FrameResult& result, DrawList& list) {
-  const Bounds bounds = robust_bounds(result.voxels.points);
+  const RobustBounds bounds = robust_bounds(result.voxels.points);
   const float extent = bounds.diagonal();
   const float length = std::clamp(0.12F * extent, 0.1F, 2.0F);
   const Vec3f from(bounds.low.x(), bounds.high.y(), bounds.high.z());

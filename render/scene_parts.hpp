@@ -21,11 +21,11 @@ Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 DrawPoints voxel_points(const FrameResult& result);
 
 /// Lowest and highest values of each axis, without the outermost percent.
-struct Bounds {
+struct RobustBounds {
   Vec3f low = Vec3f::Zero(), high = Vec3f::Zero();
   float diagonal() const { return (high - low).norm(); }
 };
-Bounds robust_bounds(std::span<const Vec3f> points);
+RobustBounds robust_bounds(std::span<const Vec3f> points);
 
 /// The arrow stands at the near left edge of the points, where it hides none of them; it says so
 /// where its direction is only estimated or assumed.

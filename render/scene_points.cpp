@@ -61,7 +61,7 @@ DrawList scene_leftovers(const FrameResult& result) {
 DrawList scene_heights(const FrameResult& result) {
   using Mark = LegendEntry::Mark;
   DrawList list;
-  const Bounds bounds = robust_bounds(result.voxels.points);
+  const RobustBounds bounds = robust_bounds(result.voxels.points);
   const double low = bounds.low.z(), high = std::max(bounds.high.z(), bounds.low.z() + 1e-3F);
   const auto color_at = [&](double z) {
     // The ramp keeps its own grey for 0, which means "not measured" there.
