@@ -1,7 +1,6 @@
 #include "core/synthetic/render_scene.hpp"
 
 #include <cmath>
-#include <span>
 
 #include "core/base/sha256.hpp"
 #include "core/synthetic/ray_cast.hpp"
@@ -42,6 +41,21 @@ TrueView look(const Scene& scene,
   return view;
 }
 
+/// Linear light along a ray. `near` is a hit close by, whose openness serves for its surface.
+Vec3d light_along(const Scene& scene,
+                  const CastScene& cast,
+                  const Vec3d& eye,
+                  const Vec3d& direction,
+                  const Hit& near,
+                  double near_open) {
+  const Hit hit = first_hit(cast, eye, direction);
+  if (hit.surface < 0) return {0.55, 0.68, 0.82};  // sky
+  const Vec3d point = eye + hit.t * direction;
+  const double open =
+      hit.surface == near.surface ? near_open : openness(scene, cast, hit.surface, point);
+  return shade(scene, cast, hit.surface, point, open);
+}
+
 /// Each pixel is the mean of four rays: edges and fine patterns come out smooth.
 Image8 paint(const Scene& scene,
              const CastScene& cast,
@@ -53,12 +67,14 @@ Image8 paint(const Scene& scene,
   const Vec3d eye = T_world_camera.translation();
   for (int y = 0; y < k.height; ++y) {
     for (int x = 0; x < k.width; ++x) {
+      const Vec3d center = ray(k, T_world_camera, x, y);
+      const Hit hit = first_hit(cast, eye, center);
+      const double open =
+          hit.surface < 0 ? 1 : openness(scene, cast, hit.surface, eye + hit.t * center);
       Vec3d sum = Vec3d::Zero();
       for (const auto& offset : kOffsets) {
         const Vec3d direction = ray(k, T_world_camera, x + offset[0], y + offset[1]);
-        const Hit hit = first_hit(cast, eye, direction);
-        if (hit.surface < 0) sum += Vec3d(0.55, 0.68, 0.82);  // sky
-        if (hit.surface >= 0) sum += shade(scene, cast, hit.surface, eye + hit.t * direction);
+        sum += light_along(scene, cast, eye, direction, hit, open);
       }
       const auto rgb = to_display(sum / 4);
       for (int c = 0; c < 3; ++c) image.at(x, y, c) = rgb[c];

@@ -137,13 +137,15 @@ void build_boxes(Scene& scene, Variation& vary) {
   add_level(scene, -1, wall, -2.5, 2.5, 0, kFloorboards);
   add_front(scene, wall, -2.5, 2.5, 0, 2.6, kPlaster);
   const auto box = [&](double x, double y, const Vec3d& size, double yaw_deg, const Material& m) {
-    add_box(scene, Vec3d(x, y, 0), vary.between(0.95, 1.05) * size, yaw_deg + vary.between(-5, 5),
-            m);
+    // Drawn in statements of their own: the order of arguments is the compiler's choice.
+    const double scale = vary.between(0.95, 1.05);
+    const double turn_deg = vary.between(-5, 5);
+    add_box(scene, Vec3d(x, y, 0), scale * size, yaw_deg + turn_deg, m);
   };
   box(0.86, 0.24, Vec3d(0.26, 0.36, 0.14), 18, kCardboard);
   box(1.20, 0.50, Vec3d(0.28, 0.30, 0.42), -8, kDarkCardboard);
   box(0.92, -0.28, Vec3d(0.22, 0.30, 0.26), -24, kTealBox);
-  box(1.28, -0.06, Vec3d(0.24, 0.34, 0.20), 4, kCardboard);
+  box(1.28, -0.06, Vec3d(0.24, 0.34, 0.20), 9, kCardboard);
   box(1.24, -0.62, Vec3d(0.30, 0.34, 0.34), 12, kDarkCardboard);
   scene.camera = vary.camera(0, 0.86, 0, 34);
 }

@@ -11,12 +11,14 @@ namespace {
 constexpr double kLampDistanceM = 20;
 constexpr double kContactM = 0.35;  // how far a neighbouring surface darkens
 
-/// Light that reaches a point from all around: less near surfaces that rise above it. One short
-/// ray along each of a few directions.
-double openness(const CastScene& cast, const Vec3d& point, const Vec3d& normal) {
+}  // namespace
+
+double openness(const Scene& scene, const CastScene& cast, int surface, const Vec3d& point) {
+  // One short ray along each of a few directions.
   static const Vec3d kDirections[] = {{0.8, 0, 0.6},    {-0.8, 0, 0.6},   {0, 0.8, 0.6},
                                       {0, -0.8, 0.6},   {0.7, 0.7, 0.1},  {-0.7, 0.7, 0.1},
                                       {0.7, -0.7, 0.1}, {-0.7, -0.7, 0.1}};
+  const Vec3d& normal = scene.surfaces[surface].normal;
   double open = 0, total = 0;
   for (const Vec3d& direction : kDirections) {
     const double weight = normal.dot(direction);
@@ -29,14 +31,13 @@ double openness(const CastScene& cast, const Vec3d& point, const Vec3d& normal) 
   return total > 0 ? open / total : 1;
 }
 
-}  // namespace
-
-Vec3d shade(const Scene& scene, const CastScene& cast, int surface, const Vec3d& point) {
+Vec3d shade(
+    const Scene& scene, const CastScene& cast, int surface, const Vec3d& point, double open) {
   const Surface& s = scene.surfaces[surface];
   const double facing = s.normal.dot(scene.light);
   const bool lit = facing > 0 && !is_blocked(cast, point, point + kLampDistanceM * scene.light);
   const double sky = 0.5 + 0.5 * s.normal.z();
-  const double ambient = (0.28 + 0.27 * sky) * (0.45 + 0.55 * openness(cast, point, s.normal));
+  const double ambient = (0.28 + 0.27 * sky) * (0.45 + 0.55 * open);
   const double lamp = lit ? 0.75 * facing : 0;
   const Vec3d light = ambient * Vec3d(0.94, 0.98, 1.06) + lamp * Vec3d(1.06, 1.0, 0.9);
   return textured_albedo(s, surface, point).cwiseProduct(light);

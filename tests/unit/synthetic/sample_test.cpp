@@ -9,6 +9,7 @@
 #include "core/base/file_bytes.hpp"
 #include "core/image/png.hpp"
 #include "core/labels/label_files.hpp"
+#include "core/recording/recording.hpp"
 #include "core/synthetic/render_scene.hpp"
 
 namespace planescope {
@@ -71,17 +72,23 @@ TEST(Sample, TheShippedSampleIsSmall) {
   EXPECT_LT(bytes, 3'000'000u);
 }
 
-TEST(Sample, TruthIsTiedToTheDepthThatWasWritten) {
+TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
   const fs::path dir = fresh_dir("truth");
   write_sample(dir, small());
+  const auto recording = open_recording(dir);
+  ASSERT_EQ(recording->frame_count(), 3);
   for (int i = 0; i < 3; ++i) {
-    const std::string name = "00000" + std::to_string(i) + ".png";
-    const Image16 depth = read_png_16(dir / "depth" / name);
-    const auto truth = read_frame_labels(default_label_dir(dir), i, depth_sha256(depth));
+    const Frame frame = recording->frame(i);
+    EXPECT_EQ(frame.depth.width, 64);
+    EXPECT_EQ(frame.color.height, 48);
+    EXPECT_TRUE(frame.color_aligned);
+    EXPECT_DOUBLE_EQ(frame.depth_unit_m, 0.001);
+    EXPECT_DOUBLE_EQ(frame.intrinsics.fx, 38.5);
+    EXPECT_FALSE(frame.gravity) << "the estimate has to find it";
+    EXPECT_EQ(recording->frame_hash(i), depth_sha256(frame.depth));
+    const auto truth = read_frame_labels(default_label_dir(dir), i, recording->frame_hash(i));
     ASSERT_TRUE(truth);
-    EXPECT_EQ(truth->plane.width, 64);
     EXPECT_GT(truth->planes.size(), 3u);
-    EXPECT_EQ(read_png_rgb(dir / "color" / name).height, 48);
   }
 }
 
@@ -100,18 +107,17 @@ TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
   EXPECT_GT((truth_one->gravity.direction - truth_two->gravity.direction).norm(), 1e-3);
 }
 
-TEST(Sample, GravityIsStatedOnlyWhenAskedFor) {
-  const auto text_of = [](const fs::path& dir) {
-    const auto bytes = read_file_bytes(dir / "planescope.json");
-    return std::string(bytes.begin(), bytes.end());
-  };
-  const fs::path silent = fresh_dir("silent"), stated = fresh_dir("stated");
+TEST(Sample, CanStateItsTrueGravity) {
+  const fs::path dir = fresh_dir("stated");
   SampleOptions options = small();
-  write_sample(silent, options);
   options.gravity = true;
-  write_sample(stated, options);
-  EXPECT_EQ(text_of(silent).find("gravity"), std::string::npos);
-  EXPECT_NE(text_of(stated).find("gravity"), std::string::npos);
+  write_sample(dir, options);
+  for (int i = 0; i < 3; ++i) {
+    const auto stated = open_recording(dir)->frame(i).gravity;
+    ASSERT_TRUE(stated);
+    const auto truth = read_frame_labels(default_label_dir(dir), i, "");
+    EXPECT_LT((stated->direction - truth->gravity.direction).norm(), 1e-8);
+  }
 }
 
 TEST(Sample, AnEarlierSampleIsOverwritten) {
