@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -49,22 +47,6 @@ std::string failed(const char* call) {
   return fmt::format("{}: {}", call, egl_error_name(eglGetError()));
 }
 
-// A display is one object per process, whoever asks for it, so that its end must be counted.
-std::mutex displays_mutex;
-std::map<EGLDisplay, int> display_users;
-
-bool acquire_display(EGLDisplay display) {
-  const std::lock_guard lock(displays_mutex);
-  if (display_users[display] == 0 && !eglInitialize(display, nullptr, nullptr)) return false;
-  ++display_users[display];
-  return true;
-}
-
-void release_display(EGLDisplay display) {
-  const std::lock_guard lock(displays_mutex);
-  if (--display_users[display] == 0) eglTerminate(display);
-}
-
 class EglContext : public GlContext {
  public:
   /// Empty `error` on success.
@@ -77,8 +59,8 @@ class EglContext : public GlContext {
     }
     if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
     if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-    release_display(display_);
-    eglReleaseThread();
+    // The display stays initialised: it is one object per process, whoever asks for it, so that
+    // others may still be drawing with it, and Mesa leaks a little when it is unloaded.
   }
   void make_current() override {
     if (!eglMakeCurrent(display_, surface_, surface_, context_)) {
@@ -106,7 +88,7 @@ std::unique_ptr<EglContext> EglContext::open(EGLDisplay display,
     error = "no display";
     return nullptr;
   }
-  if (!acquire_display(display)) {
+  if (!eglInitialize(display, nullptr, nullptr)) {
     error = failed("eglInitialize");
     return nullptr;
   }
