@@ -56,6 +56,20 @@ double normal_uncertainty(const PlaneFit& fit, double sigma_m) {
   return std::min(std::numbers::pi / 2, std::sqrt(noise / fit.eigenvalues[1]));
 }
 
+bool is_wider_than_noise(const PlaneFit& fit, double sigma_m) {
+  return std::sqrt(fit.eigenvalues[1] / fit.count) >= 2 * sigma_m;
+}
+
+double area_per_point(const PlaneFit& fit) {
+  // A rectangle's variances are its squared sides over 12.
+  return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
+}
+
+bool is_dense(const PlaneFit& fit, double typical_area_per_point) {
+  constexpr double kLeastShare = 0.12;
+  return kLeastShare * area_per_point(fit) <= typical_area_per_point;
+}
+
 DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b) {
   const MeasuredPlane& sure = b.sigma_ang < a.sigma_ang ? b : a;
   const MeasuredPlane& other = b.sigma_ang < a.sigma_ang ? a : b;

@@ -47,6 +47,15 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
 /// never better than noise sigma_m / 2 would allow.
 double normal_uncertainty(const PlaneFit& fit, double sigma_m);
 
+/// Is the region wider across its shorter axis than the noise alone could make it?
+bool is_wider_than_noise(const PlaneFit& fit, double sigma_m);
+
+/// Area of the rectangle with the fit's second moments, per point [m^2]: how thinly points are
+/// spread.
+double area_per_point(const PlaneFit& fit);
+/// Flying pixels along an edge lie on a plane too, but far more thinly than a surface's points.
+bool is_dense(const PlaneFit& fit, double typical_area_per_point);
+
 /// R1: coplanarity by distance. The surer of the two planes measures the other.
 struct DistanceTerms {
   double angle_deg = 0, max_angle_deg = 0;

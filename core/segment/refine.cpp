@@ -33,6 +33,22 @@ PlanePoints points_by_plane(const SegmentState& state) {
   return result;
 }
 
+/// area_per_point() of the plane that the median point of all planes belongs to.
+double typical_area_per_point(const SegmentState& state) {
+  std::vector<std::pair<double, double>> planes;  // area per point, points
+  double points = 0;
+  for (const GrowingPlane& plane : state.planes)
+    if (plane.alive) {
+      planes.emplace_back(area_per_point(plane.fit), plane.fit.count);
+      points += plane.fit.count;
+    }
+  std::sort(planes.begin(), planes.end());
+  double below = 0;
+  for (const auto& [area, count] : planes)
+    if ((below += count) >= points / 2) return area;
+  return 0;
+}
+
 bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
   const double na = state.planes[a].moments.count, nb = state.planes[b].moments.count;
   return na > nb || (na == nb && a < b);
@@ -42,7 +58,9 @@ bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
 
 void prune_explained_planes(SegmentState& state) {
   // R2: smallest first, a plane whose points nearly all lie on larger neighbours is an artefact of
-  // cells that straddle an edge. Its points are left over again.
+  // cells that straddle an edge, and one no wider than the noise, or far thinner than the others,
+  // is noise. Its points are left over again.
+  const double typical_area = typical_area_per_point(state);
   const CellGrid grid = make_cell_grid(state.octree);
   const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
   const PlanePoints members = points_by_plane(state);
@@ -63,8 +81,11 @@ void prune_explained_planes(SegmentState& state) {
       const auto candidates = near.near(grid.cell_of[i]);
       if (std::none_of(candidates.begin(), candidates.end(), explains)) ++unexplained;
     }
+    const PlaneFit& fit = state.planes[plane].fit;
     if (static_cast<double>(unexplained) >=
-        std::max(8.0, 0.25 * static_cast<double>(points.size())))
+            std::max(8.0, 0.25 * static_cast<double>(points.size())) &&
+        is_wider_than_noise(fit, state.noise.sigma(state.range(fit.centroid))) &&
+        is_dense(fit, typical_area))
       continue;
     state.planes[plane].alive = false;
     for (const std::uint32_t i : points) {

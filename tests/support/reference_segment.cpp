@@ -376,6 +376,17 @@ class Method {
     std::vector<int> order(planes_.size());
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int a, int b) { return larger(b, a); });
+    std::multimap<double, double> areas;
+    double points = 0, below = 0, typical_area = 0;
+    for (const GrowingPlane& plane : planes_)
+      if (plane.alive) {
+        areas.insert({area_per_point(plane.fit), plane.fit.count});
+        points += plane.fit.count;
+      }
+    for (const auto& [area, count] : areas) {
+      typical_area = area;
+      if ((below += count) >= points / 2) break;
+    }
     for (const int k : order) {
       if (!planes_[k].alive) continue;
       Points own;
@@ -389,7 +400,12 @@ class Method {
                        std::abs(planes_[other].fit.distance_m(at(i))) <= tau(at(i));
         unexplained += !explained;
       }
-      if (unexplained >= std::max(8.0, 0.25 * static_cast<double>(own.size()))) continue;
+      const PlaneFit& f = planes_[k].fit;
+      const bool wide =
+          std::sqrt(f.eigenvalues[1] / f.count) >= 2 * noise_.sigma(range(f.centroid));
+      const bool dense = 0.12 * area_per_point(f) <= typical_area;
+      if (wide && dense && unexplained >= std::max(8.0, 0.25 * static_cast<double>(own.size())))
+        continue;
       planes_[k].alive = false;
       for (const int i : own) {
         plane_of_[i] = -1;
