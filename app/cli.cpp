@@ -173,7 +173,6 @@ void define_segment(Line& line) {
   });
 }
 
-#ifdef PLANESCOPE_WITH_REPORT
 void define_report(Line& line) {
   CLI::App* report = line.app.add_subcommand(
       "report", "Write a report that opens in a browser: index.html, report.json, pictures");
@@ -187,7 +186,6 @@ void define_report(Line& line) {
     line.job = [args](std::stop_token stop) { return run_report(args, stop); };
   });
 }
-#endif
 
 void define_eval(Line& line) {
   CLI::App* eval = line.app.add_subcommand(
@@ -264,11 +262,13 @@ Job parse_command_line(int argc, char** argv) {
   app.set_version_flag("--version", "planescope " PLANESCOPE_VERSION);
   app.get_formatter()->column_width(34);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.footer(
+      "planescope COMMAND --help tells more. Exit codes: 0 fine, 1 a comparison failed, 2 bad "
+      "input "
+      "or\nusage, 3 rendering failed (the data files are written), 130 cancelled.\n");
   define_info(line);
   define_segment(line);
-#ifdef PLANESCOPE_WITH_REPORT
   define_report(line);
-#endif
   define_eval(line);
   define_options(line);
   define_synth(line);

@@ -74,6 +74,7 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   std::vector<Row> rows;
+  std::vector<std::string> refused;
   int without_truth = 0;
   {
     std::size_t total = 0;
@@ -84,23 +85,33 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
       for (const int index : input.frames) {
         if (stop.stop_requested()) throw Cancelled();
         progress.show(done++, fmt::format("{} frame {}", input.path.filename().string(), index));
-        const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, true);
-        if (!loaded.truth) {
+        if (!may_have_truth(input, index)) {
           ++without_truth;
           continue;
         }
-        const std::string name =
-            loaded.frame.name.empty() ? std::to_string(index) : loaded.frame.name;
-        rows.push_back(
-            {input.path.string(), index, name, score_frame(loaded.result, *loaded.truth)});
+        try {
+          const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, true);
+          if (!loaded.truth) {
+            ++without_truth;
+            continue;
+          }
+          const std::string name =
+              loaded.frame.name.empty() ? std::to_string(index) : loaded.frame.name;
+          rows.push_back(
+              {input.path.string(), index, name, score_frame(loaded.result, *loaded.truth)});
+        } catch (const FrameRefused& refusal) {
+          refused.push_back(refusal.what());
+        }
       }
     }
   }
+  if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
     throw Error(
         fmt::format("{}: no frame has ground truth, neither labels in {} nor a cloud's "
                     "label and instance fields",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
+  for (const std::string& why : refused) fmt::print(stderr, "planescope: refused: {}\n", why);
   std::vector<Metrics> all;
   for (const Row& row : rows) all.push_back(row.metrics);
   const Metrics mean = mean_of(all);
@@ -116,6 +127,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
     frame.update(to_json(row.metrics));
     json["frames"].push_back(frame);
   }
+  json["refused"] = refused;
   json["frames_without_truth"] = without_truth;
   json["mean"] = to_json(mean);
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));

@@ -105,7 +105,7 @@ Facts gather(const OpenInput& input, const PipelineOptions& options) {
   }
   facts.label_dir = input.label_dir.string();
   for (int i = 0; i < facts.frame_count; ++i)
-    facts.labelled += std::filesystem::exists(input.label_dir / fmt::format("{:06}.plane.png", i));
+    facts.labelled += facts.info.width > 0 && may_have_truth(input, i);
   return facts;
 }
 

@@ -97,6 +97,11 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   return inputs;
 }
 
+bool may_have_truth(const OpenInput& input, int index) {
+  const bool is_cloud = input.recording->info().width == 0;
+  return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
+}
+
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const PipelineOptions& options,
@@ -114,7 +119,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
   if (needs_truth && loaded.truth)
     on_points = truth_on_points(loaded.truth->values, measured_sources(loaded.frame));
   if (needs_truth && !loaded.truth)
-    throw Error(
+    throw FrameRefused(
         fmt::format("{}, frame {}: classifier truth needs labels, found none in {} and no "
                     "label field",
                     input.path.string(), index, input.label_dir.string()));
@@ -123,7 +128,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
   } catch (const Error& error) {
     const std::string what = error.what();
     const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
-    throw Error(fmt::format("{}, {}{}", input.path.string(), frame, what));
+    throw FrameRefused(fmt::format("{}, {}{}", input.path.string(), frame, what));
   }
   loaded.result.timings.load_ms = load.count();
   return loaded;

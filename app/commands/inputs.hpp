@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/truth.hpp"
 #include "core/recording/recording.hpp"
@@ -50,8 +51,16 @@ struct LoadedFrame {
   std::optional<SourceTruth> truth;
 };
 
-/// Reads frame `index` and runs it. Throws Error as run_frame does, with the recording and the
-/// frame before the message.
+/// False where frame `index` surely has no truth: no label file, and no cloud with fields.
+bool may_have_truth(const OpenInput& input, int index);
+
+/// A frame that was read but cannot be processed: no gravity, no truth. Others may do better.
+struct FrameRefused : Error {
+  using Error::Error;
+};
+
+/// Reads frame `index` and runs it. Throws Error where it cannot be read, FrameRefused where
+/// run_frame throws; the message begins with the recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const PipelineOptions& options,

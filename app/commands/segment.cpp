@@ -51,7 +51,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   const OpenInput& input = inputs.front();
 
-  std::vector<std::string> lines;
+  std::vector<std::string> lines, refused;
   nlohmann::ordered_json json;
   json["schema"] = "planescope/segment/1";
   json["input"] = input.path.string();
@@ -62,16 +62,22 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     int done = 0;
     for (const int index : input.frames) {
       if (stop.stop_requested()) break;
-      progress.show(done, fmt::format("frame {}", index));
-      const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, false);
-      const std::filesystem::path folder = frame_folder(index);
-      write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
-      lines.push_back(line_of((args.out / folder).string(), loaded.result));
-      json["frames"].push_back(json_of((args.out / folder).string(), loaded.result));
-      progress.show(++done, fmt::format("frame {}", index));
+      progress.show(done++, fmt::format("frame {}", index));
+      try {
+        const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, false);
+        const std::filesystem::path folder = frame_folder(index);
+        write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
+        lines.push_back(line_of((args.out / folder).string(), loaded.result));
+        json["frames"].push_back(json_of((args.out / folder).string(), loaded.result));
+      } catch (const FrameRefused& refusal) {
+        refused.push_back(refusal.what());
+      }
     }
   }
+  if (lines.empty() && !refused.empty()) throw Error(refused.front());
   output.commit();
+  json["refused"] = refused;
+  for (const std::string& why : refused) fmt::print(stderr, "planescope: refused: {}\n", why);
   if (args.json) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {

@@ -48,7 +48,7 @@ std::string empty_bag() {
 }
 
 // Commands that read a recording and write a folder.
-const std::vector<std::string> kWritingCommands = {"segment"};
+const std::vector<std::string> kWritingCommands = {"segment", "report"};
 
 std::vector<BadInput> bad_inputs() {
   std::vector<BadInput> cases;

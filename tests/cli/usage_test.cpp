@@ -9,8 +9,8 @@ using namespace planescope::testing_cli;
 namespace {
 
 const std::vector<std::vector<std::string>> kCommands = {
-    {"info"},  {"segment"},         {"eval"},           {"options"},
-    {"synth"}, {"synth", "sample"}, {"synth", "stairs"}};
+    {"info"},    {"segment"}, {"report"},          {"eval"},
+    {"options"}, {"synth"},   {"synth", "sample"}, {"synth", "stairs"}};
 
 }  // namespace
 
