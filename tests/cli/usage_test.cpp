@@ -99,7 +99,8 @@ TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
 TEST(Usage, EveryValueThatIsShownCanBeSet) {
   const Ran shown = run({"options", "--json"});
   std::vector<std::string> args = {"options", "--json"};
-  for (const auto& option : nlohmann::json::parse(shown.out)["options"]) {
+  const auto json = nlohmann::json::parse(shown.out);
+  for (const auto& option : json["options"]) {
     args.push_back("--set");
     args.push_back(option["name"].get<std::string>() + "=" + option["value"].get<std::string>());
   }
