@@ -6,7 +6,7 @@
 #include "core/base/error.hpp"
 #include "core/cloud/gravity.hpp"
 #include "core/recording/recording.hpp"
-#include "render_depth.hpp"
+#include "support/render_depth.hpp"
 
 namespace planescope {
 namespace {

@@ -11,25 +11,30 @@
 namespace planescope {
 namespace {
 
+/// Points on a lattice that keeps half a millimetre off every cell's border, so that rounding
+/// cannot tell on which side they are.
 Cloud random_cloud(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<float> at(-1.6f, 1.5999f);
+  std::uniform_int_distribution<int> at(0, 3199);
   Cloud cloud;
   cloud.cube.min_corner = Vec3d::Constant(-1.6);
+  Eigen::Vector3i lattice(0, 0, 0);
   for (int i = 0; i < count; ++i) {
     // Runs of near points, as in an image, and lone ones.
-    const Vec3f p = i % 7 == 0 ? Vec3f(at(random), at(random), at(random))
-                               : Vec3f(cloud.points.back() + Vec3f(0.004f, 0, 0.001f));
-    cloud.points.push_back(p.cwiseMin(1.5999f));
+    lattice = i % 7 == 0 ? Eigen::Vector3i(at(random), at(random), at(random))
+                         : Eigen::Vector3i(lattice + Eigen::Vector3i(4, 0, 1));
+    lattice = lattice.cwiseMin(3199);
+    const Vec3d p = (lattice.cast<double>().array() + 0.5) * 1e-3 - 1.6;
+    cloud.points.push_back(p.cast<float>());
     cloud.kept.push_back(random() % 10 != 0);
     cloud.source.push_back(static_cast<std::uint32_t>(i));
   }
   return cloud;
 }
 
-TEST(Voxels, EqualAPlainMapOfCells) {
+TEST(Voxels, EqualAPlainMapOfCells) {  // 300000 points: the hash grows on the way
   for (const double size_m : {0.02, 0.05, 0.4, 5.0}) {
-    const Cloud cloud = random_cloud(7, 20000);
+    const Cloud cloud = random_cloud(7, 300000);
     struct Reference {
       Vec3d sum = Vec3d::Zero();
       std::uint32_t count = 0, first = 0;
@@ -129,6 +134,36 @@ TEST(Voxels, LabelsGoByMajorityWithoutTheUnknownAndTiesToTheSmaller) {
   const VoxelCloud voxels = voxelize(cloud, 0.1);
   EXPECT_EQ(vote_labels(voxels, labels), (std::vector<std::uint8_t>{2, 1, 0}));
   EXPECT_EQ(vote_instances(voxels, ids), (std::vector<std::int32_t>{9, -1, 0}));
+}
+
+TEST(Voxels, AWholeFrameMayLieInOneVoxel) {
+  Cloud cloud;
+  cloud.cube.min_corner = Vec3d::Constant(-1.6);
+  Vec3d sum = Vec3d::Zero();
+  for (int i = 0; i < 100000; ++i) {
+    const Vec3d p(0.1 + 1e-6 * (i % 1000), -0.3, 0.7 + 1e-7 * i);
+    cloud.points.push_back(p.cast<float>());
+    cloud.kept.push_back(1);
+    sum += p;
+  }
+  const VoxelCloud voxels = voxelize(cloud, 0.4);
+  ASSERT_EQ(voxels.points.size(), 1u);
+  EXPECT_EQ(voxels.count[0], 100000u);
+  EXPECT_LT((voxels.points[0].cast<double>() - sum / 100000).norm(), 1e-6);
+}
+
+TEST(Voxels, FarApartPointsOfALargeCloudStayApart) {
+  Cloud cloud;
+  cloud.cube.min_corner = Vec3d::Constant(-13107.2);
+  cloud.cube.edge_m = 26214.4;
+  for (const float x : {-13107.f, -1.f, 0.01f, 13107.f})
+    for (const float y : {-13107.f, 0.01f, 13107.f})
+      for (const float z : {-13107.f, 0.01f, 13107.f}) cloud.points.emplace_back(x, y, z);
+  cloud.kept.assign(cloud.points.size(), 1);
+  const VoxelCloud voxels = voxelize(cloud, 0.02);
+  ASSERT_EQ(voxels.points.size(), cloud.points.size());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    EXPECT_LT((voxels.points[i] - cloud.points[i]).norm(), 0.02f);
 }
 
 TEST(Voxels, ASizeThatNoKeyCanHoldIsRefused) {

@@ -1,0 +1,94 @@
+// The voxel grid of a 640x480 frame against Open3D's VoxelDownSample. Each round runs both, one
+// after the other, so that both see the same machine, and takes the processor time of this thread,
+// so that others' work does not count; the counters give the medians and their ratio. With
+// PLANESCOPE_DATA set, a real frame too.
+
+#include <benchmark/benchmark.h>
+#include <open3d/geometry/PointCloud.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/cloud/cloud.hpp"
+#include "core/recording/recording.hpp"
+#include "support/render_depth.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kVoxel_m = 0.02;
+
+Frame stairs_frame() {
+  std::vector<test::Parallelogram> scene{{Vec3d(-5, -5, 0), Vec3d(10, 0, 0), Vec3d(0, 10, 0)},
+                                         {Vec3d(2.5, -5, 0), Vec3d(0, 10, 0), Vec3d(0, 0, 3)}};
+  for (int step = 0; step < 4; ++step)
+    test::add_box(scene, Vec3d(0.6 + 0.28 * step, -0.6, 0), Vec3d(0.28, 1.2, 0.16 * (step + 1)),
+                  0.1);
+  return test::render_depth(scene, {});
+}
+
+double thread_time_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
+double milliseconds(const auto& work) {
+  const double begin = thread_time_ms();
+  work();
+  return thread_time_ms() - begin;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void voxel_grid(benchmark::State& state, const Frame& frame, double max_range_m) {
+  CloudOptions options;
+  options.max_range_m = max_range_m;
+  Gravity gravity;
+  gravity.direction = Vec3d(0, 0.87, 0.5);
+  const Cloud cloud = make_cloud(frame, gravity, options);
+  open3d::geometry::PointCloud theirs;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.kept[i]) theirs.points_.push_back(cloud.points[i].cast<double>());
+  std::vector<double> ours_ms, open3d_ms;
+  for (auto _ : state) {
+    ours_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(voxelize(cloud, kVoxel_m)); }));
+    open3d_ms.push_back(
+        milliseconds([&] { benchmark::DoNotOptimize(theirs.VoxelDownSample(kVoxel_m)); }));
+  }
+  state.counters["points"] = static_cast<double>(cloud.counts.kept);
+  state.counters["ours_ms"] = median(ours_ms);
+  state.counters["open3d_ms"] = median(open3d_ms);
+  state.counters["ratio"] = median(open3d_ms) / median(ours_ms);
+}
+
+void add(const std::string& name, const Frame& frame) {
+  for (const double max_range_m : {1.5, 4.0})
+    benchmark::RegisterBenchmark(
+        ("voxel_grid/" + name + (max_range_m < 2 ? "/to_1.5m" : "/to_4m")).c_str(),
+        [frame, max_range_m](benchmark::State& state) { voxel_grid(state, frame, max_range_m); })
+        ->Unit(benchmark::kMillisecond);
+}
+
+}  // namespace
+}  // namespace planescope
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  planescope::add("stairs", planescope::stairs_frame());
+  if (const char* data = std::getenv("PLANESCOPE_DATA")) {
+    const auto recording =
+        planescope::open_recording(std::filesystem::path(data) / "felixchenfy_d4xx_640x480");
+    planescope::add("room", recording->frame(0));
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}
