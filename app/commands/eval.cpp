@@ -120,7 +120,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
     return 0;
   }
   Json json;
-  json["schema"] = "planescope/eval/1";
+  json["schema"] = "planescope.eval/1";
   json["frames"] = Json::array();
   for (const Row& row : rows) {
     Json frame = {{"input", row.input}, {"frame", row.frame}, {"name", row.name}};

@@ -245,7 +245,7 @@ void print_text(const Facts& f, double max_range_m) {
 
 int run_info(const InfoArgs& args) {
   Json json;
-  json["schema"] = "planescope/info/1";
+  json["schema"] = "planescope.info/1";
   json["recordings"] = Json::array();
   for (const OpenInput& input : open_inputs(args.input)) {
     const Facts facts = gather(input, args.input.pipeline);

@@ -12,7 +12,7 @@ namespace {
 
 void print_json(const PipelineOptions& options) {
   nlohmann::ordered_json json;
-  json["schema"] = "planescope/options/1";
+  json["schema"] = "planescope.options/1";
   json["options"] = nlohmann::ordered_json::array();
   for (const OptionInfo& info : option_table())
     json["options"].push_back({{"name", info.name},

@@ -53,7 +53,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
 
   std::vector<std::string> lines, refused;
   nlohmann::ordered_json json;
-  json["schema"] = "planescope/segment/1";
+  json["schema"] = "planescope.segment/1";
   json["input"] = input.path.string();
   json["out"] = args.out.string();
   json["frames"] = nlohmann::ordered_json::array();

@@ -135,7 +135,7 @@ std::string planes_json(const Frame& frame,
                         const FrameResult& result,
                         const PipelineOptions& options) {
   Json json;
-  json["schema"] = "planescope/planes/1";
+  json["schema"] = "planescope.planes/1";
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
@@ -167,7 +167,7 @@ std::string planes_json(const Frame& frame,
 
 std::string timings_json(const FrameTimings& t) {
   Json json;
-  json["schema"] = "planescope/timings/1";
+  json["schema"] = "planescope.timings/1";
   json["load_ms"] = t.load_ms;
   json["cloud_ms"] = t.cloud_ms;
   json["t_d_ms"] = t.t_d_ms;

@@ -14,7 +14,7 @@ namespace planescope {
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
-/// schema "planescope/planes/1".
+/// schema "planescope.planes/1".
 std::string planes_json(const Frame& frame,
                         const FrameResult& result,
                         const PipelineOptions& options);
