@@ -5,6 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/cloud/gravity.hpp"
+#include "core/labels/label_files.hpp"
 #include "core/recording/recording.hpp"
 #include "support/render_depth.hpp"
 
@@ -102,6 +103,19 @@ TEST(GravityEstimate, HolesAndNonsenseDoNotDisturb) {
   const auto gravity = estimate_gravity(frame, {});
   ASSERT_TRUE(gravity.has_value());
   EXPECT_LT(angle_between_deg(gravity->direction, true_gravity(camera)), 2);
+}
+
+TEST(GravityEstimate, IsWithinTwoDegreesOnEveryFrameOfTheSample) {
+  const std::filesystem::path path = PLANESCOPE_SOURCE_DIR "/assets/sample";
+  const auto sample = open_recording(path);
+  ASSERT_GT(sample->frame_count(), 0);
+  for (int i = 0; i < sample->frame_count(); ++i) {
+    const auto truth = read_frame_labels(default_label_dir(path), i, "");
+    ASSERT_TRUE(truth.has_value()) << i;
+    const auto estimate = estimate_gravity(sample->frame(i), {});
+    ASSERT_TRUE(estimate.has_value()) << i;
+    EXPECT_LT(angle_between_deg(estimate->direction, truth->gravity.direction), 2) << i;
+  }
 }
 
 struct Known {
