@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxSamples = 64;
 // Samples are spread over the recording, and each compressed chunk they lie in is unpacked.
-constexpr std::size_t kMaxUnpackedBytes = 8 << 20;
+constexpr std::size_t kMaxCost = 4 << 20;
 constexpr double kMinMean = 7;  // [m/s2]
 constexpr double kMaxMean = 13;
 
@@ -33,7 +33,7 @@ std::optional<Gravity> gravity_near(const rosbag1::Bag& bag,
                                accel.begin());
   std::size_t before = after;  // [before, after) are the samples taken
   std::set<std::uint32_t> chunks;
-  std::size_t unpacked_bytes = 0;
+  std::size_t cost = 0;
   Vec3d sum = Vec3d::Zero();
   std::uint64_t widest_ns = 0;
   std::size_t count = 0;
@@ -41,8 +41,8 @@ std::optional<Gravity> gravity_near(const rosbag1::Bag& bag,
     const bool earlier =
         before > 0 && (after == accel.size() || gap_ns(before - 1) <= gap_ns(after));
     const std::size_t i = earlier ? --before : after++;
-    if (chunks.insert(accel[i].chunk).second) unpacked_bytes += bag.unpacking_bytes(accel[i]);
-    if (count > 0 && unpacked_bytes > kMaxUnpackedBytes) break;
+    if (chunks.insert(accel[i].chunk).second) cost += bag.unpacking_cost(accel[i]);
+    if (count > 0 && cost > kMaxCost) break;
     try {
       const auto sample = ros::parse_imu(bag.read(accel[i]).bytes);
       if (!sample.meters_per_s2.allFinite()) continue;

@@ -29,4 +29,18 @@ MappedFile::~MappedFile() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
+// Both are hints: where the system does not follow them, reading is slower and no less right.
+void MappedFile::expect_hops() const {
+  if (!bytes_.empty()) {
+    ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_RANDOM);
+  }
+}
+
+void MappedFile::prefetch(Bytes part) const {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(part.data() + part.size());
+  if (end > start) ::madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
+}
+
 }  // namespace planescope

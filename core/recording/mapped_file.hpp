@@ -16,6 +16,11 @@ class MappedFile {
   MappedFile& operator=(const MappedFile&) = delete;
 
   Bytes bytes() const { return bytes_; }
+  /// Stops the system from reading around every byte that is looked at: for hopping through a
+  /// large file without loading it.
+  void expect_hops() const;
+  /// Lets the system read this part of bytes() in one go; worth it after expect_hops().
+  void prefetch(Bytes part) const;
 
  private:
   Bytes bytes_;

@@ -74,8 +74,8 @@ class Bag {
   std::vector<MessageRef> messages(const std::string& topic) const;
   /// Throws Error naming the file when the message is damaged.
   MessageBytes read(const MessageRef& message) const;
-  /// How much reading it may unpack: the size of its chunk, 0 where that is not compressed.
-  std::size_t unpacking_bytes(const MessageRef& message) const;
+  /// What unpacking its chunk costs, in bytes of LZ4; 0 where that is not compressed.
+  std::size_t unpacking_cost(const MessageRef& message) const;
 
  private:
   MessageBytes chunk_bytes(std::uint32_t chunk) const;

@@ -31,6 +31,7 @@ class BagWriter {
            const ByteVector& message);
   /// The whole file.
   ByteVector finish();
+  std::size_t bytes() const { return file_.size(); }
   /// For uncompressed bags: the byte behind each message on `topic`, in order.
   const std::vector<std::size_t>& ends_of(const std::string& topic) { return ends_[topic]; }
 
