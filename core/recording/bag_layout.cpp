@@ -98,6 +98,10 @@ std::optional<BagLayout> sdk_layout(const Bag& bag) {
   const std::string device = prefix.substr(0, prefix.find('/', 1));
   const std::string sensor = prefix.substr(0, prefix.rfind('/'));
   BagLayout layout;
+  if (depth.size() > 1) {
+    layout.warnings.push_back(std::to_string(depth.size()) + " depth streams, only " + prefix +
+                              " is read");
+  }
   layout.format = "RealSense SDK bag";
   layout.device = sdk_device_name(bag, device);
   layout.depth = prefix + "/image/data";

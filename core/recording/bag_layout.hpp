@@ -19,6 +19,7 @@ struct BagLayout {
   std::string depth_unit;  // SDK option topic
   std::string accel;
   Mat3d R_depth_accel = Mat3d::Identity();
+  std::vector<std::string> warnings;
 };
 
 /// Throws Error that lists the image topics found when there is none with depth.

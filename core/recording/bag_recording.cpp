@@ -101,6 +101,7 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
     info_.warnings.front() += ", among them " + std::to_string(depth_.size()) + " depth and " +
                               std::to_string(color_.size()) + " colour images";
   }
+  info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
 }

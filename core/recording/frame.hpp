@@ -54,8 +54,8 @@ struct Frame {
   double depth_unit_m = 0;  // metres per count
   Intrinsics intrinsics;    // of the depth image
 
-  Image8 color;  // RGB, empty where none
-  Intrinsics color_intrinsics;
+  Image8 color;                 // RGB, empty where none
+  Intrinsics color_intrinsics;  // fx 0 where unknown: colour can be shown, not projected
   Pose T_color_depth = Pose::Identity();
   bool color_aligned = false;  // colour is registered pixel by pixel to depth
 

@@ -196,6 +196,17 @@ TEST(Bag, SensorNumbersMayDiffer) {
   EXPECT_EQ(open_bytes(bag.finish())->frame_count(), 1);
 }
 
+TEST(Bag, OfSeveralDepthStreamsTheFirstIsReadAndTheOthersAreNamed) {
+  SdkBag options;
+  BagWriter bag = sdk_bag(options);
+  bag.add("/device_1/sensor_0/Depth_0/image/data", "sensor_msgs/Image", 11,
+          image_message(depth_message(7, 5)));
+  const auto recording = open_bytes(bag.finish());
+  EXPECT_EQ(recording->frame_count(), 6);
+  ASSERT_EQ(recording->info().warnings.size(), 1u);
+  expect_one_line_with(recording->info().warnings[0], {"2 depth streams", kSdkDepth.c_str()});
+}
+
 TEST(Bag, NonZeroDistortionIsKeptAndAnUnknownModelIsWarnedAbout) {
   const auto with_model = [&](const std::string& model) {
     BagWriter bag;
