@@ -18,7 +18,7 @@ namespace planescope {
 namespace {
 
 constexpr int kBitsPerAxis = 21;
-constexpr std::size_t kBlock = 256;  // points worked on at a time, all scratch within the L1 cache
+constexpr std::size_t kBlock = 128;  // points worked on at a time, all scratch within the L1 cache
 
 // Four lanes in one register (GCC and Clang, any processor): x, y, z and a spare one.
 using Float4 = float __attribute__((vector_size(16)));
