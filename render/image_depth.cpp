@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "render/paint.hpp"
 #include "render/palette.hpp"
@@ -21,33 +22,64 @@ constexpr int kBarRoom = 120;  // [px] right of the image
 constexpr int kNoteRoom = 44;  // [px] below the image
 constexpr int kHatchSpacing = 12;
 
-Rgba pixel_color(std::uint16_t count, double unit_m, double max_range_m, int x, int y) {
-  if (count == 0 || count == 65535) return on_hatch(x, y, kHatchSpacing) ? kHatch : kUnmeasured;
-  const double depth_m = count * unit_m;
-  return depth_m > max_range_m ? kBeyond : depth_color(depth_m, max_range_m);
+bool measured(std::uint16_t count) { return count != 0 && count != 65535; }
+
+/// The depths that the ramp spans: all but the outermost half percent of what is within range,
+/// rounded outward to 10 cm.
+struct Ramp {
+  double low_m = 0, high_m = 1;
+  Rgba color(double depth_m) const {
+    // depth_color() keeps its neutral grey for 0.
+    const double t = std::clamp((depth_m - low_m) / (high_m - low_m), 1e-6, 1.0);
+    return depth_color(t, 1);
+  }
+};
+Ramp ramp_of(const Frame& frame, double max_range_m) {
+  std::vector<double> depths;
+  for (const std::uint16_t count : frame.depth.data)
+    if (measured(count) && count * frame.depth_unit_m <= max_range_m)
+      depths.push_back(count * frame.depth_unit_m);
+  if (depths.empty()) return {0, max_range_m};
+  const auto at = [&](double share) {
+    const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
+    std::nth_element(depths.begin(), depths.begin() + k, depths.end());
+    return depths[static_cast<std::size_t>(k)];
+  };
+  Ramp ramp{std::floor(10 * at(0.005)) / 10, std::ceil(10 * at(0.995)) / 10};
+  if (ramp.high_m - ramp.low_m < 0.15) ramp.high_m = ramp.low_m + 0.2;
+  return ramp;
+}
+
+Rgba pixel_color(
+    std::uint16_t count, const Frame& frame, const Ramp& ramp, double max_range_m, int x, int y) {
+  if (!measured(count)) return on_hatch(x, y, kHatchSpacing) ? kHatch : kUnmeasured;
+  const double depth_m = count * frame.depth_unit_m;
+  return depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
 }
 
 /// A round step that gives between 4 and 8 marks.
-double tick_step(double max_m) {
-  const double base = std::pow(10, std::floor(std::log10(max_m)));
-  for (const double step : {0.1, 0.2, 0.25, 0.5, 1.0, 2.0})
-    if (max_m / (step * base) <= 8) return step * base;
+double tick_step(double span_m) {
+  const double base = std::pow(10, std::floor(std::log10(span_m)));
+  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0})
+    if (span_m / (step * base) <= 8) return step * base;
   return base;
 }
 
-void draw_bar(Image8& image, int left, int top, int height, double max_m) {
+void draw_bar(Image8& image, int left, int top, int height, const Ramp& ramp) {
   constexpr int kWidth = 22;
-  for (int y = 0; y < height; ++y) {
-    const double depth_m = max_m * (y + 0.5) / height;  // near at the top
-    fill_rect(image, left, top + y, kWidth, 1, depth_color(depth_m, max_m));
-  }
-  const double step = tick_step(max_m);
-  for (int k = 0; k * step <= max_m * 1.0001; ++k) {
-    const int y = top + static_cast<int>(std::lround(k * step / max_m * height));
+  const double span_m = ramp.high_m - ramp.low_m;
+  for (int y = 0; y < height; ++y)  // near at the top
+    fill_rect(image, left, top + y, kWidth, 1,
+              ramp.color(ramp.low_m + span_m * (y + 0.5) / height));
+  const double step = tick_step(span_m);
+  const auto first = static_cast<int>(std::ceil(ramp.low_m / step - 1e-6));
+  const auto last = static_cast<int>(std::floor(ramp.high_m / step + 1e-6));
+  for (int k = first; k <= last; ++k) {
+    const int y = top + static_cast<int>(std::lround((k * step - ramp.low_m) / span_m * height));
     fill_rect(image, left + kWidth, std::min(y, top + height - 1), 6, 1, kInk);
     char text[32];
-    std::snprintf(text, sizeof text, step < 0.1 ? "%.2f" : "%.1f", k * step);
-    const std::string unit = k == 0 ? " m" : "";
+    std::snprintf(text, sizeof text, step < 0.095 ? "%.2f" : "%.1f", k * step);
+    const std::string unit = k == first ? " m" : "";
     draw_text(image, left + kWidth + 11, y + 6, text + unit, 17, kInk);
   }
 }
@@ -75,13 +107,14 @@ void draw_notes(Image8& image, int bottom, double max_range_m) {
 Image8 image_depth(const Frame& frame, double max_range_m) {
   const int factor = enlargement(frame.depth.width);
   const int width = frame.depth.width * factor, height = frame.depth.height * factor;
+  const Ramp ramp = ramp_of(frame, max_range_m);
   Image8 image(width + kBarRoom, height + kNoteRoom, 3, 255);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      blend_pixel(image, x, y,
-                  pixel_color(frame.depth.at(x / factor, y / factor), frame.depth_unit_m,
-                              max_range_m, x, y));
-  draw_bar(image, width + 18, 16, height - 32, max_range_m);
+      blend_pixel(
+          image, x, y,
+          pixel_color(frame.depth.at(x / factor, y / factor), frame, ramp, max_range_m, x, y));
+  draw_bar(image, width + 18, 16, height - 32, ramp);
   draw_notes(image, image.height, max_range_m);
   return image;
 }

@@ -13,7 +13,7 @@
 namespace planescope {
 namespace {
 
-constexpr double kTint = 0.45;  // share of the plane's colour over the image
+constexpr double kTint = 0.40;  // share of the plane's colour over the image
 constexpr Rgba kOutlineShade{20, 22, 26, 255};
 
 /// Depth as a grey relief lit from the camera, so that surfaces can be told apart without colour.

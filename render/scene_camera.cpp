@@ -10,7 +10,6 @@ namespace planescope {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kFill = 0.90;       // share of the picture that the points may take
 constexpr double kOutliers = 0.005;  // share of points that may stick out on each side
 
 /// The value that all but `kOutliers` of `values` stay below.
@@ -21,44 +20,71 @@ double robust_max(std::vector<double>& values) {
   return values[static_cast<std::size_t>(k)];
 }
 
-/// One axis of a frustum around points given as (offset across, depth along the view): the eye as
-/// (across, along) such that |across - eye| <= slope (along - eye) just holds on both sides.
+/// One axis of a frustum around points given as (offset across, depth along the view). For an eye
+/// at (across, along), every point has -low (depth - along) <= offset - across <= high (...).
 struct AxisFit {
-  double across = 0;
-  double along = 0;
-};
-AxisFit fit_axis(std::span<const double> across, std::span<const double> along, double slope) {
-  std::vector<double> left(across.size()), right(across.size());
-  for (std::size_t i = 0; i < across.size(); ++i) {
-    right[i] = across[i] - slope * along[i];
-    left[i] = -across[i] - slope * along[i];
+  double largest = 0;   // of offset - high * depth
+  double smallest = 0;  // of offset + low * depth
+  double low = 0, high = 0;
+
+  /// The last place along the view from which all points are in.
+  double along() const { return (smallest - largest) / (low + high); }
+  /// From there or from farther back: across, so that as much room is left on both sides.
+  double across(double along) const {
+    return ((largest + high * along) + (smallest - low * along)) / 2;
   }
-  const double a = robust_max(right), b = robust_max(left);
-  return {(a - b) / 2, -(a + b) / (2 * slope)};
+};
+AxisFit fit_axis(std::span<const double> offset,
+                 std::span<const double> depth,
+                 double low,
+                 double high) {
+  std::vector<double> above(offset.size()), below(offset.size());
+  for (std::size_t i = 0; i < offset.size(); ++i) {
+    above[i] = offset[i] - high * depth[i];
+    below[i] = -offset[i] - low * depth[i];
+  }
+  return {robust_max(above), -robust_max(below), low, high};
 }
 
 struct View {
   double elevation_deg = 0;  // of the eye above the horizon, seen from the target
-  double yaw_deg = 0;        // of the eye to the right of the sensor's back
+  double yaw_deg = 0;        // of the line of sight, from world x towards y
 };
+
+Vec3d direction_of(const View& view) {
+  const double elevation = view.elevation_deg * kDegree, yaw = view.yaw_deg * kDegree;
+  return {std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
+          -std::sin(elevation)};
+}
+
+/// How much of the planes' surface faces a viewer.
+double facing(const FrameResult& result, const Vec3d& forward) {
+  double sum = 0;
+  for (const PlaneRegion& plane : result.segmentation.planes)
+    sum += plane.points * std::abs(plane.fit.normal.dot(forward));
+  return sum;
+}
+
 View view_of(const FrameResult& result) {
   // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
   const Vec3d forward = result.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
-  const bool depth_camera = forward.x() > 0.05;
-  if (!depth_camera) return {35, 35};
-  // A little above the sensor's own line of sight: far from it, its shadows open.
-  const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
-  return {std::clamp(pitch_deg + 10, 24.0, 55.0), 18};
+  const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
+  View left{35, 35};
+  if (depth_camera) {
+    // A little above the sensor's own line of sight: far from it, the sensor's shadows open.
+    const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
+    left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
+  }
+  // To the side from which more is seen.
+  const View right{left.elevation_deg, -left.yaw_deg};
+  return facing(result, direction_of(right)) > facing(result, direction_of(left)) ? right : left;
 }
 
 }  // namespace
 
 Camera frame_camera(const FrameResult& result, double aspect) {
   Camera camera;
-  const View view = view_of(result);
-  const double elevation = view.elevation_deg * kDegree, yaw = view.yaw_deg * kDegree;
-  const Vec3d forward(std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
-                      -std::sin(elevation));
+  const Vec3d forward = direction_of(view_of(result));
   const Vec3d right = forward.cross(Vec3d::UnitZ()).normalized();
   const Vec3d up = right.cross(forward);
 
@@ -73,14 +99,16 @@ Camera frame_camera(const FrameResult& result, double aspect) {
     camera.eye = -2 * forward;
     return camera;
   }
-  const double slope_y = kFill * std::tan(camera.fov_y_deg * kDegree / 2);
-  const AxisFit fit_x = fit_axis(x, z, slope_y * aspect);
-  const AxisFit fit_y = fit_axis(y, z, slope_y);
+  // The title stands above, the legend at the left.
+  constexpr double kLeft = 0.80, kRight = 0.93, kTop = 0.84, kBottom = 0.92;
+  const double slope = std::tan(camera.fov_y_deg * kDegree / 2);
+  const AxisFit fit_x = fit_axis(x, z, kLeft * slope * aspect, kRight * slope * aspect);
+  const AxisFit fit_y = fit_axis(y, z, kBottom * slope, kTop * slope);
   std::nth_element(z.begin(), z.begin() + z.size() / 2, z.end());
   const double middle = z[z.size() / 2];
-  const double along = std::min({fit_x.along, fit_y.along, middle - 0.2});
+  const double along = std::min({fit_x.along(), fit_y.along(), middle - 0.2});
 
-  camera.eye = fit_x.across * right + fit_y.across * up + along * forward;
+  camera.eye = fit_x.across(along) * right + fit_y.across(along) * up + along * forward;
   camera.target = camera.eye + (middle - along) * forward;
   camera.near_m = std::max(0.01, 0.02 * (middle - along));
   camera.far_m = std::max(200.0, 20 * (middle - along));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostNumerals = 60;
 
-DrawBox box_of(const Octree& octree, const OctreeNode& node) {
+DrawBox cell_of(const Octree& octree, const OctreeNode& node) {
   const Vec3d low = octree.node_min(node);
   DrawBox box;
   box.min = low.cast<float>();
@@ -22,10 +22,28 @@ DrawBox box_of(const Octree& octree, const OctreeNode& node) {
   return box;
 }
 
+/// The part of the node's cell that holds its points: on a plane, a tile.
+DrawBox points_box(const FrameResult& result, const OctreeNode& node) {
+  const Octree& octree = result.segmentation.octree;
+  DrawBox box = cell_of(octree, node);
+  Vec3f low = box.max, high = box.min;
+  for (std::uint32_t i = node.begin; i < node.end; ++i) {
+    const Vec3f& p = result.voxels.points[octree.order[i]];
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // Half a voxel around each point: neighbouring tiles meet.
+  const auto margin = static_cast<float>(result.voxels.size_m / 2);
+  box.min = box.min.cwiseMax(Vec3f(low.array() - margin));
+  box.max = box.max.cwiseMin(Vec3f(high.array() + margin));
+  return box;
+}
+
 bool divided(const OctreeNode& node) { return node.first_child >= 0; }
 
 /// Numerals on the largest settled nodes, so that cases need not be told by colour alone.
-void add_numerals(const Octree& octree, double least_edge_m, DrawList& list) {
+void add_numerals(const FrameResult& result, double least_edge_m, DrawList& list) {
+  const Octree& octree = result.segmentation.octree;
   std::vector<const OctreeNode*> nodes;
   for (const OctreeNode& node : octree.nodes)
     if (node.decided != Case::none && !divided(node) && octree.node_edge_m(node) >= least_edge_m)
@@ -35,8 +53,10 @@ void add_numerals(const Octree& octree, double least_edge_m, DrawList& list) {
   });
   if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
   for (const OctreeNode* node : nodes) {
-    const Vec3d center = octree.node_min(*node) + Vec3d::Constant(octree.node_edge_m(*node) / 2);
-    list.labels.push_back({center.cast<float>(), to_string(node->decided), kSceneText, 13, true});
+    const DrawBox box = points_box(result, *node);
+    list.labels.push_back({(box.min + box.max) / 2,
+                           std::string(to_string(node->decided)) + (node->impure_fit ? "*" : ""),
+                           kSceneText, 15, true});
   }
 }
 
@@ -46,49 +66,58 @@ DrawList scene_cases(const FrameResult& result) {
   using Mark = LegendEntry::Mark;
   const Octree& octree = result.segmentation.octree;
   DrawList list;
-  std::size_t count[5] = {}, hatched = 0;
+  std::size_t count[5] = {}, hatched = 0, label_fits = 0;
+  DrawPoints points = voxel_points(result);
+  points.colors.assign(points.positions.size(), case_color(Case::none));
   DrawPoints fitted;  // marks of nodes that R4 fitted label by label
   fitted.size_m = 0;
-  fitted.min_px = 4;
+  fitted.min_px = 6;
+  const double numeral_edge_m = 0.05 * robust_bounds(result.voxels.points).diagonal();
   for (const OctreeNode& node : octree.nodes) {
     if (node.decided == Case::none) continue;
     ++count[static_cast<int>(node.decided)];
-    DrawBox box = box_of(octree, node);
+    DrawBox box = cell_of(octree, node);
     if (divided(node)) {
-      box.style = BoxStyle::outline;
-      box.color.a = 70;  // the finer nodes inside are what matters
-    } else if (node.at_max_depth) {
-      box.style = BoxStyle::hatched;
-      ++hatched;
+      box.color.a = 40;  // the finer nodes inside are what matters
     } else {
-      box.style = BoxStyle::tinted;
+      box = points_box(result, node);
+      for (std::uint32_t i = node.begin; i < node.end; ++i)
+        points.colors[octree.order[i]] = box.color;
+      if (node.at_max_depth) {
+        box.style = BoxStyle::hatched;
+        ++hatched;
+      }
+      if (node.impure_fit) {
+        ++label_fits;
+        if (octree.node_edge_m(node) < numeral_edge_m)  // larger ones get a numeral with a star
+          fitted.positions.push_back((box.min + box.max) / 2);
+      }
     }
-    if (node.impure_fit) fitted.positions.push_back((box.min + box.max) / 2);
     list.boxes.push_back(box);
   }
-  add_numerals(octree, 0.04 * robust_bounds(result.voxels.points).diagonal(), list);
+  list.points.push_back(std::move(points));
+  add_numerals(result, numeral_edge_m, list);
 
   list.title = "Octree nodes by case";
-  list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) + " nodes visited";
+  list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +
+                  " nodes visited; voxels in the colour of the node that settled them";
   const auto entry = [&](Case c, const std::string& meaning) {
     list.legend.push_back({Mark::box, case_color(c),
                            std::string(to_string(c)) + "  " + meaning + "  " +
                                std::to_string(count[static_cast<int>(c)])});
   };
-  entry(Case::I, "impure: divided");
-  entry(Case::II, "too few points: left over");
-  entry(Case::III, "not planar: divided");
+  entry(Case::I, "impure");
+  entry(Case::II, "too few points");
+  entry(Case::III, "not planar");
   entry(Case::IV, "plane candidate");
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(Case::III),
-                           "of I and III, at full depth: left over  " + std::to_string(hatched)});
-  if (!fitted.positions.empty()) {
-    list.legend.push_back(
-        {Mark::dot, kSceneText,
-         "of I, fitted label by label (R4)  " + std::to_string(fitted.positions.size())});
-    fitted.colors.assign(fitted.positions.size(), kSceneText);
-    list.points.push_back(std::move(fitted));
-  }
+                           "I or III at full depth: left over  " + std::to_string(hatched)});
+  if (label_fits > 0)
+    list.legend.push_back({Mark::dot, kSceneText,
+                           "or I*: fitted label by label (R4)  " + std::to_string(label_fits)});
+  fitted.colors.assign(fitted.positions.size(), kSceneText);
+  list.points.push_back(std::move(fitted));
   add_gravity(result, list);
   return list;
 }

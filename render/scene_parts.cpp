@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "render/palette.hpp"
+#include "render/scenes.hpp"
 
 namespace planescope {
 namespace {
@@ -11,11 +13,10 @@ namespace {
 constexpr Rgba kGravity{90, 60, 140, 255};
 constexpr std::size_t kMostPlanesInLegend = 8;
 
-/// Splats as wide as the voxels they stand for.
+/// Splats a little wider than the voxels they stand for, so that surfaces close.
 float splat_size(const FrameResult& result) {
-  const std::size_t voxels = result.voxels.points.size();
-  const bool grid = voxels < result.cloud.counts.kept;
-  return grid ? 0.02F : 0.01F;
+  const double size_m = result.voxels.size_m;
+  return size_m > 0 ? static_cast<float>(1.4 * size_m) : 0.01F;
 }
 
 /// Indices of planes, those with most points first.
@@ -65,23 +66,30 @@ RobustBounds robust_bounds(std::span<const Vec3f> points) {
 }
 
 void add_gravity(const FrameResult& result, DrawList& list) {
-  const RobustBounds bounds = robust_bounds(result.voxels.points);
-  const float extent = bounds.diagonal();
-  const float length = std::clamp(0.12F * extent, 0.1F, 2.0F);
-  const Vec3f from(bounds.low.x(), bounds.high.y(), bounds.high.z());
-  const Vec3f to = from - Vec3f(0, 0, length);
-  list.arrows.push_back({from, to, kGravity, 3});
+  // At the left edge of the frame's picture, below the title.
+  const Camera camera = frame_camera(result, 4.0 / 3);
+  const Vec3d toward = camera.target - camera.eye;
+  const double distance = 0.6 * toward.norm();
+  const Vec3d forward = toward.normalized();
+  const Vec3d right = forward.cross(camera.up).normalized();
+  const double half_height = distance * std::tan(camera.fov_y_deg * std::numbers::pi / 360);
+  const Vec3d from = camera.eye + distance * forward - 1.12 * half_height * right +
+                     0.62 * half_height * right.cross(forward);
+  const Vec3d to = from - 0.25 * half_height * Vec3d::UnitZ();
+  list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
   const bool sure = result.gravity.source != GravitySource::estimate &&
                     result.gravity.source != GravitySource::assumed;
   std::string text = "gravity";
-  if (!sure) text += std::string(", ") + to_string(result.gravity.source);
-  list.labels.push_back({from + Vec3f(0, 0, 0.15F * length), text, kGravity, 13, true});
+  if (!sure) text += std::string(" (") + to_string(result.gravity.source) + ")";
+  const Vec3d below = to - 0.06 * half_height * Vec3d::UnitZ();
+  list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
 }
 
 DrawPoints voxel_points(const FrameResult& result) {
   DrawPoints points;
   points.positions = result.voxels.points;
   points.size_m = splat_size(result);
+  points.max_px = 40;
   return points;
 }
 

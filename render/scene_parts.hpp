@@ -17,7 +17,7 @@ Rgba with_alpha(Rgba color, std::uint8_t alpha);
 Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
 Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 
-/// The voxels as splats as wide as voxels, without colours yet.
+/// The voxels as splats that close the surface, without colours yet.
 DrawPoints voxel_points(const FrameResult& result);
 
 /// Lowest and highest values of each axis, without the outermost percent.
@@ -27,8 +27,8 @@ struct RobustBounds {
 };
 RobustBounds robust_bounds(std::span<const Vec3f> points);
 
-/// The arrow stands at the near left edge of the points, where it hides none of them; it says so
-/// where its direction is only estimated or assumed.
+/// The arrow stands at the left edge of the frame's own view; it says so where its direction is
+/// only estimated or assumed.
 void add_gravity(const FrameResult& result, DrawList& list);
 
 /// "12.3 %" of the whole.

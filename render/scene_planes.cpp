@@ -12,6 +12,12 @@
 namespace planescope {
 namespace {
 
+constexpr double kLeastShareNamed = 0.008;  // of the voxels: smaller planes get no arrow and id
+
+bool is_named(const PlaneRegion& plane, const FrameResult& result) {
+  return plane.points >= kLeastShareNamed * static_cast<double>(result.voxels.points.size());
+}
+
 /// Convex outline of the voxels of each plane, on the plane.
 std::vector<std::vector<Vec3f>> outlines(const FrameResult& result) {
   const auto& planes = result.segmentation.planes;
@@ -51,11 +57,12 @@ void add_plane_shapes(const FrameResult& result,
     polygon.id = static_cast<std::uint32_t>(plane.id);
     list.polygons.push_back(std::move(polygon));
 
+    if (!is_named(plane, result)) continue;
     const Vec3f from = plane.fit.centroid.cast<float>();
     const Vec3f normal = plane.fit.normal.cast<float>();
     list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
     list.labels.push_back(
-        {from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText, 15, true});
+        {from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText, 19, true});
   }
 }
 
@@ -91,7 +98,8 @@ DrawList scene_overlay(const Frame& frame,
                        std::span<const int> color_of_plane) {
   DrawList list;
   DrawPoints points;
-  points.size_m = 0.01F;
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
   const bool colored = frame.cloud && !frame.cloud->rgb.empty();
   for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
     if (!result.cloud.kept[i]) continue;
@@ -109,8 +117,10 @@ DrawList scene_overlay(const Frame& frame,
   list.subtitle = std::to_string(points.positions.size()) + " points";
   list.points.push_back(std::move(points));
   for (const PlaneRegion& plane : result.segmentation.planes)
-    list.labels.push_back(
-        {plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText, 15, true});
+    if (is_named(plane, result))
+      list.labels.push_back(
+          {plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText, 19, true});
+  add_gravity(result, list);
   add_plane_legend(result, color_of_plane, list);
   return list;
 }

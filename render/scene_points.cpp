@@ -10,6 +10,11 @@
 #include "render/scenes.hpp"
 
 namespace planescope {
+namespace {
+
+constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the picture is about
+
+}  // namespace
 
 DrawList scene_labels(const FrameResult& result) {
   using Mark = LegendEntry::Mark;
@@ -36,25 +41,24 @@ DrawList scene_labels(const FrameResult& result) {
   return list;
 }
 
-DrawList scene_leftovers(const FrameResult& result) {
+DrawList scene_leftovers(const FrameResult& result, std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
-  DrawPoints planes, left;
-  planes.size_m = left.size_m = voxel_points(result).size_m;
-  for (std::size_t i = 0; i < result.voxels.points.size(); ++i)
-    (result.segmentation.plane_of[i] > 0 ? planes : left)
-        .positions.push_back(result.voxels.points[i]);
-  planes.colors.assign(planes.positions.size(), kSceneFaded);
-  left.colors.assign(left.positions.size(), leftover_color());
-  const std::size_t n = result.voxels.points.size(), k = left.positions.size();
-  list.points.push_back(std::move(planes));
-  list.points.push_back(std::move(left));
+  DrawPoints points = voxel_points(result);
+  std::size_t left = 0;
+  for (const std::int32_t id : result.segmentation.plane_of) {
+    const Rgba faded = id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;
+    points.colors.push_back(faded);
+    left += id <= 0;
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
   add_gravity(result, list);
   list.title = "Points left over";
-  list.subtitle = std::to_string(k) + " of " + std::to_string(n) + " voxels are in no plane (" +
-                  percent(k, n) + ")";
-  list.legend.push_back({Mark::dot, leftover_color(), "in no plane  " + std::to_string(k)});
-  list.legend.push_back({Mark::dot, kSceneFaded, "in a plane  " + std::to_string(n - k)});
+  list.subtitle = std::to_string(left) + " of " + std::to_string(n) + " voxels are in no plane (" +
+                  percent(left, n) + ")";
+  list.legend.push_back({Mark::dot, kLeftOver, "in no plane  " + std::to_string(left)});
+  list.legend.push_back({Mark::dot, kSceneFaded, "in a plane  " + std::to_string(n - left)});
   return list;
 }
 
@@ -68,7 +72,8 @@ DrawList scene_heights(const FrameResult& result) {
     return depth_color(std::clamp((z - low) / (high - low), 0.001, 1.0), 1);
   };
   DrawPoints points;
-  points.size_m = 0.01F;
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
   for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
     if (!result.cloud.kept[i]) continue;
     points.positions.push_back(result.cloud.points[i]);

@@ -20,9 +20,12 @@ namespace planescope {
 Camera frame_camera(const FrameResult& result, double aspect);
 
 DrawList scene_labels(const FrameResult& result);  // cloud by h / v
-DrawList scene_cases(const FrameResult& result);   // octree nodes by case I-IV
+/// Octree nodes by case I-IV: voxels in the colour of the node that settled them, in the box of that
+/// node's points (never larger than its cell); divided nodes as the faint outline of their cell.
+DrawList scene_cases(const FrameResult& result);
 DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_plane);
-DrawList scene_leftovers(const FrameResult& result);  // points in no plane
+/// Points in no plane, the planes faded.
+DrawList scene_leftovers(const FrameResult& result, std::span<const int> color_of_plane);
 
 /// For clouds, what image_overlay and image_depth are for depth frames: every point of the file in
 /// its own colour (grey where it has none) with the planes' colours over it, and by height.

@@ -171,7 +171,7 @@ class ReportRun {
     LoadedFrame loaded;
     try {
       loaded = run_input_frame(inputs_[i], index, options, true);
-    } catch (const Error& refusal) {
+    } catch (const FrameRefused& refusal) {
       if (first_refusal_.empty()) first_refusal_ = refusal.what();
       ReportFrame refused;
       refused.index = index;

@@ -88,7 +88,7 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
                   counts.nodes_per_case[4]));
   draw(scene_planes(result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
-  draw(scene_leftovers(result), "leftovers", "Points left over",
+  draw(scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
        fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
   return pictures;
 }

@@ -55,6 +55,7 @@ struct VoxelCloud {
   std::vector<Vec3f> points;            // about the cloud's origin [m]
   std::vector<std::uint32_t> voxel_of;  // per cloud point: its voxel, kNoVoxel where cropped
   std::vector<std::uint32_t> count;     // cloud points per voxel
+  double size_m = 0;                    // edge of a voxel; 0 = every point is its own
 };
 
 /// Back-projects, crops and aligns a frame. Sec. III-A: depth beyond 1.5 m is discarded.

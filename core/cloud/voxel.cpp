@@ -246,6 +246,7 @@ VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
 
   const Grid grid = make_grid(cloud.cube, voxel_size_m);
   VoxelCloud result;
+  result.size_m = voxel_size_m;
   VoxelTable table;
   const auto block = std::make_unique<Block>();
   const Vec3f* points = cloud.points.data();

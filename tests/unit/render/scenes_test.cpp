@@ -1,0 +1,242 @@
+#include "render/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/palette.hpp"
+
+namespace planescope {
+namespace {
+
+// A floor and a wall behind it as a level depth camera half a metre above the floor sees them.
+Frame make_frame() {
+  Frame frame;
+  frame.depth = Image16(160, 120);
+  frame.depth_unit_m = 0.001;
+  frame.intrinsics = {160, 120, 100, 100, 80, 60};
+  for (int v = 0; v < 120; ++v) {
+    const double down = (v - 60) / 100.0;
+    const double wall_m = 1.4, floor_m = down > 0 ? 0.5 / down : 1e9;
+    for (int u = 0; u < 160; ++u)
+      frame.depth.at(u, v) =
+          static_cast<std::uint16_t>(std::lround(1000 * std::min(wall_m, floor_m)));
+  }
+  for (int v = 0; v < 10; ++v)
+    for (int u = 0; u < 10; ++u) frame.depth.at(u, v) = 0;
+  frame.depth.at(40, 20) = 3000;  // beyond the range
+  return frame;
+}
+
+FrameResult run_corner(Profile profile) {
+  PipelineOptions options;
+  options.gravity.mode = GravityMode::fixed;
+  options.gravity.direction = Vec3d(0, 1, 0);
+  options.segment = profile_options(profile);
+  return run_frame(make_frame(), options);
+}
+
+const FrameResult& corner() {
+  static const FrameResult result = run_corner(Profile::refined);
+  return result;
+}
+
+// Divided until nodes are pure: with nodes of several cases.
+const FrameResult& divided_corner() {
+  static const FrameResult result = run_corner(Profile::paper);
+  return result;
+}
+
+bool same_hue(Rgba a, Rgba b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+std::size_t boxes_of(const DrawList& list, Case c, BoxStyle style) {
+  std::size_t count = 0;
+  for (const DrawBox& box : list.boxes)
+    count += box.style == style && same_hue(box.color, case_color(c));
+  return count;
+}
+
+TEST(SceneCases, EverySettledNodeHasABoxInItsCasesColour) {
+  const DrawList list = scene_cases(divided_corner());
+  const SegmentCounts& counts = divided_corner().segmentation.counts;
+  EXPECT_EQ(list.boxes.size(), counts.nodes_visited);
+  EXPECT_GT(counts.nodes_per_case[4], 0u);
+  EXPECT_EQ(boxes_of(list, Case::IV, BoxStyle::outline), counts.nodes_per_case[4]);
+}
+
+TEST(SceneCases, ANodeFittedLabelByLabelIsMarked) {
+  const FrameResult& result = corner();  // R4: the root holds both planes
+  ASSERT_TRUE(result.segmentation.octree.nodes[0].impure_fit);
+  bool starred = false;
+  for (const DrawLabel& label : scene_cases(result).labels) starred = starred || label.text == "I*";
+  EXPECT_TRUE(starred);
+}
+
+TEST(SceneCases, BoxesHoldTheirPointsAndStayInTheirCells) {
+  const Octree& octree = divided_corner().segmentation.octree;
+  const DrawList list = scene_cases(divided_corner());
+  ASSERT_EQ(list.boxes.size(), octree.nodes.size());
+  for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
+    const OctreeNode& node = octree.nodes[i];
+    const Vec3f low = octree.node_min(node).cast<float>();
+    const auto edge = static_cast<float>(octree.node_edge_m(node));
+    EXPECT_GE((list.boxes[i].min - low).minCoeff(), -1e-5F);
+    EXPECT_LE((list.boxes[i].max - low).maxCoeff(), edge + 1e-5F);
+    for (std::uint32_t k = node.begin; k < node.end; ++k) {
+      const Vec3f& p = divided_corner().voxels.points[octree.order[k]];
+      ASSERT_GE((p - list.boxes[i].min).minCoeff(), -1e-5F);
+      ASSERT_LE((p - list.boxes[i].max).maxCoeff(), 1e-5F);
+    }
+  }
+}
+
+TEST(SceneCases, NodesAtFullDepthAreHatchedAndDividedOnesFaint) {
+  FrameResult result = divided_corner();
+  for (OctreeNode& node : result.segmentation.octree.nodes) {
+    if (node.first_child >= 0 || node.at_max_depth) continue;
+    node.decided = Case::III;
+    node.at_max_depth = true;
+    node.impure_fit = false;
+    break;
+  }
+  const DrawList list = scene_cases(result);
+  EXPECT_GE(boxes_of(list, Case::III, BoxStyle::hatched), 1u);
+  bool told = false;
+  for (const LegendEntry& entry : list.legend)
+    told = told || entry.mark == LegendEntry::Mark::hatched_box;
+  EXPECT_TRUE(told);
+  EXPECT_LT(list.boxes[0].color.a, 100);  // the root
+  EXPECT_EQ(list.boxes[0].style, BoxStyle::outline);
+}
+
+TEST(SceneCases, LargeNodesCarryTheirNumeralAndTheLegendTheCounts) {
+  const DrawList list = scene_cases(divided_corner());
+  std::size_t numerals = 0;
+  for (const DrawLabel& label : list.labels) numerals += label.text.substr(0, 2) == "IV";
+  EXPECT_GT(numerals, 0u);
+  ASSERT_GE(list.legend.size(), 4u);
+  for (int c = 1; c <= 4; ++c) {
+    const std::string& text = list.legend[static_cast<std::size_t>(c - 1)].text;
+    EXPECT_EQ(text.substr(0, text.find(' ')), to_string(static_cast<Case>(c)));
+    const std::string count =
+        std::to_string(divided_corner().segmentation.counts.nodes_per_case[c]);
+    EXPECT_EQ(text.substr(text.rfind(' ') + 1), count);
+  }
+}
+
+TEST(SceneLabels, EveryVoxelHasTheColourOfItsLabel) {
+  const DrawList list = scene_labels(corner());
+  ASSERT_EQ(list.points.size(), 1u);
+  ASSERT_EQ(list.points[0].colors.size(), corner().classification.labels.size());
+  for (std::size_t i = 0; i < list.points[0].colors.size(); ++i)
+    EXPECT_EQ(list.points[0].colors[i], label_color(corner().classification.labels[i]));
+}
+
+TEST(ScenePlanes, OutlinesLieOnTheirPlanesAndArrowsFollowTheNormals) {
+  const DrawList list = scene_planes(corner(), {});
+  const auto& planes = corner().segmentation.planes;
+  ASSERT_EQ(planes.size(), 2u);
+  ASSERT_EQ(list.polygons.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(list.polygons[k].id, static_cast<std::uint32_t>(planes[k].id));
+    EXPECT_TRUE(same_hue(list.polygons[k].fill, plane_color(planes[k].id)));
+    for (const Vec3f& outline : list.polygons[k].corners)
+      EXPECT_NEAR(planes[k].fit.distance_m(outline.cast<double>()), 0, 1e-4);
+    const Vec3d arrow = (list.arrows[k].to - list.arrows[k].from).cast<double>().normalized();
+    EXPECT_NEAR(arrow.dot(planes[k].fit.normal), 1, 1e-4);
+    EXPECT_EQ(list.labels[k].text, std::to_string(planes[k].id));
+  }
+}
+
+TEST(ScenePlanes, ColoursAreThoseAskedFor) {
+  const int colors[] = {7, 4};
+  const DrawList list = scene_planes(corner(), colors);
+  for (std::size_t i = 0; i < list.points[0].colors.size(); ++i) {
+    const std::int32_t id = corner().segmentation.plane_of[i];
+    EXPECT_EQ(list.points[0].ids[i], static_cast<std::uint32_t>(std::max(id, 0)));
+    if (id > 0) {
+      EXPECT_EQ(list.points[0].colors[i], plane_color(colors[id - 1]));
+    }
+  }
+}
+
+TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
+  FrameResult result = corner();
+  for (std::size_t i = 0; i < 5; ++i) result.segmentation.plane_of[10 * i] = 0;
+  const DrawList list = scene_leftovers(result, {});
+  const Rgba mark = list.legend[0].color;
+  std::size_t marked = 0, expected = 0;
+  for (std::size_t i = 0; i < result.segmentation.plane_of.size(); ++i) {
+    marked += list.points[0].colors[i] == mark;
+    expected += result.segmentation.plane_of[i] == 0;
+  }
+  EXPECT_EQ(marked, expected);
+  EXPECT_GE(expected, 5u);
+}
+
+TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
+  FrameResult result = corner();
+  for (const GravitySource source : {GravitySource::option, GravitySource::estimate}) {
+    result.gravity.source = source;
+    const DrawList list = scene_labels(result);
+    ASSERT_EQ(list.arrows.size(), 1u);
+    const Vec3f arrow = list.arrows[0].to - list.arrows[0].from;
+    EXPECT_NEAR(arrow.normalized().z(), -1, 1e-5);
+    EXPECT_EQ(list.labels.back().text.find("estimate") != std::string::npos,
+              source == GravitySource::estimate);
+  }
+}
+
+TEST(Scenes, EmptyFramesGiveEmptyPictures) {
+  const FrameResult nothing;
+  EXPECT_TRUE(scene_labels(nothing).points[0].positions.empty());
+  EXPECT_TRUE(scene_cases(nothing).boxes.empty());
+  EXPECT_TRUE(scene_planes(nothing, {}).polygons.empty());
+  EXPECT_TRUE(scene_leftovers(nothing, {}).points[0].positions.empty());
+  EXPECT_TRUE(scene_heights(nothing).points[0].positions.empty());
+  EXPECT_TRUE(std::isfinite(frame_camera(nothing, 1.5).eye.norm()));
+}
+
+TEST(FrameCamera, HoldsTheKeptPointsAndLooksTheWayTheSensorLooks) {
+  const double aspect = 4.0 / 3;
+  const Camera camera = frame_camera(corner(), aspect);
+  const Vec3d forward = (camera.target - camera.eye).normalized();
+  const Vec3d right = forward.cross(camera.up).normalized();
+  const Vec3d up = right.cross(forward);
+  const double slope = std::tan(camera.fov_y_deg * M_PI / 360);
+  double widest = 0;
+  std::size_t outside = 0;
+  for (const Vec3f& point : corner().voxels.points) {
+    const Vec3d d = point.cast<double>() - camera.eye;
+    const double depth = d.dot(forward);
+    const double x = d.dot(right) / (depth * slope * aspect), y = d.dot(up) / (depth * slope);
+    outside += depth < camera.near_m || std::abs(x) > 1 || std::abs(y) > 1;
+    widest = std::max({widest, std::abs(x), std::abs(y)});
+  }
+  EXPECT_LE(outside, corner().voxels.points.size() / 50);
+  EXPECT_GT(widest, 0.7);       // and the picture is filled
+  EXPECT_GT(forward.x(), 0.5);  // world x is where the sensor looks
+  EXPECT_LT(forward.z(), -0.3);
+}
+
+TEST(SceneCloud, CroppedPointsAreLeftOut) {
+  Frame frame;
+  frame.cloud.emplace();
+  for (int i = 0; i < 40; ++i) {
+    for (int j = 0; j < 40; ++j) {
+      frame.cloud->points.emplace_back(0.5F + 0.02F * static_cast<float>(i),
+                                       0.02F * static_cast<float>(j), 0.1F);
+      frame.cloud->rgb.insert(frame.cloud->rgb.end(), {10, 20, 30});
+    }
+  }
+  PipelineOptions options;
+  options.cloud.range_for_clouds = true;
+  options.cloud.max_range_m = 1;
+  const FrameResult result = run_frame(frame, options);
+  ASSERT_LT(result.cloud.counts.kept, 1600u);
+  EXPECT_EQ(scene_overlay(frame, result, {}).points[0].positions.size(), result.cloud.counts.kept);
+  EXPECT_EQ(scene_heights(result).points[0].positions.size(), result.cloud.counts.kept);
+}
+
+}  // namespace
+}  // namespace planescope
