@@ -18,6 +18,13 @@ bool is_named(const PlaneRegion& plane, const FrameResult& result) {
   return plane.points >= kLeastShareNamed * static_cast<double>(result.voxels.points.size());
 }
 
+/// Some files carry a colour field that was never filled: one value for all points.
+bool has_colors(std::span<const std::uint8_t> rgb) {
+  for (std::size_t i = 3; i < rgb.size(); ++i)
+    if (rgb[i] != rgb[i % 3]) return true;
+  return false;
+}
+
 /// Convex outline of the voxels of each plane, on the plane.
 std::vector<std::vector<Vec3f>> outlines(const FrameResult& result) {
   const auto& planes = result.segmentation.planes;
@@ -100,7 +107,7 @@ DrawList scene_overlay(const Frame& frame,
   DrawPoints points;
   points.size_m = 0.012F;
   points.min_px = 2.5F;
-  const bool colored = frame.cloud && !frame.cloud->rgb.empty();
+  const bool colored = frame.cloud && has_colors(frame.cloud->rgb);
   for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
     if (!result.cloud.kept[i]) continue;
     points.positions.push_back(result.cloud.points[i]);
