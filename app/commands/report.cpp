@@ -76,7 +76,7 @@ std::vector<int> next_colors(const FrameResult& result, std::vector<ColoredPlane
 }
 
 /// Smaller copies in the page of a long recording, so that a browser still opens it.
-int copy_width(int frames) { return frames <= 8 ? 1280 : frames <= 48 ? 800 : 480; }
+int copy_width(int frames) { return frames <= 8 ? 1280 : frames <= 24 ? 800 : 560; }
 
 Report start_report(const ReportArgs& args, const std::vector<OpenInput>& inputs) {
   Report report;

@@ -157,8 +157,8 @@ Data tiles(const Report& report, const ReportTotals& totals) {
   add("Voxel grid to planes", fmt::format("{:.1f}", median_pipeline_ms(report)),
       totals.frames_done == 1 ? "ms" : "ms, median");
   if (totals.metrics) {
-    add("Points on the right plane", fmt::format("{:.1f} %", totals.metrics->point_accuracy), "");
-    add("Angle to the true normal", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg), "");
+    add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy), "");
+    add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg), "");
   }
   return result;
 }

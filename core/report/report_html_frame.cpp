@@ -72,7 +72,7 @@ void set_counts(const ReportFrame& frame, Data& data) {
       {"to-crop", "beyond the range", c.beyond_range},
       {"to-crop", "outside the cube", c.outside_cube},
       {"to-none", "no measurement", c.no_measurement},
-      {"to-none", "invalid (65535, NaN, infinite)", c.invalid},
+      {"to-none", "invalid", c.invalid},
   };
   Data bar{Data::type::list}, counts{Data::type::list};
   std::string spoken;
@@ -132,8 +132,8 @@ void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
   data.set("depths", depths);
   data.set("cases", cases);
   std::string text = fmt::format(
-      "{} nodes visited, {} plane candidates, {} merges. The traversal left {} voxels over; {} of "
-      "them joined a plane afterwards, {} voxels are in no plane at the end.",
+      "{} nodes visited, {} plane candidates, {} merges. Voxels left over by the traversal: {}, of "
+      "them {} joined a plane afterwards; in no plane at the end: {}.",
       grouped(counts.nodes_visited), grouped(counts.candidates), grouped(counts.merges),
       grouped(counts.leftovers), grouped(counts.assigned), grouped(counts.unassigned));
   if (frame.noise.estimated) {
