@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "core/segment/cells.hpp"
 #include "core/segment/state.hpp"
@@ -121,11 +122,11 @@ void join_weak_candidates(SegmentState& state) {
       if (terms.passes() && (best.plane < 0 || terms.cost() < best.cost)) best = {k, terms.cost()};
     };
     const OctreeNode& node = state.octree.nodes[candidate.node];
-    std::uint32_t last_cell = kNoVoxel;
+    std::optional<std::uint32_t> last_cell;  // points of a cell stand side by side
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
       if (!has_label(state, i, candidate.label) || grid.cell_of[i] == last_cell) continue;
       last_cell = grid.cell_of[i];
-      for (const std::int32_t k : near.near(last_cell)) consider(k, true);
+      for (const std::int32_t k : near.near(*last_cell)) consider(k, true);
     }
     for (std::size_t k = strong; k < state.planes.size(); ++k)
       consider(static_cast<std::int32_t>(k), false);

@@ -56,7 +56,6 @@ void split_disconnected_planes(SegmentState& state) {
       }
       first = false;
     }
-    if (state.planes.size() == founded || plane_of_root.empty()) continue;
     for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
       if (state.plane_of[i] == static_cast<std::int32_t>(plane))
         state.plane_of[i] = plane_of_root[root_of(parent, grid.cell_of[i])];
@@ -68,6 +67,10 @@ void split_disconnected_planes(SegmentState& state) {
       state.planes[state.plane_of[i]].moments.add(state.octree.points[i].cast<double>());
   for (GrowingPlane& plane : state.planes)
     if (plane.alive) plane.fit = fit_plane(plane.moments);
+  // A part too small to be a candidate is none.
+  for (std::int32_t& plane : state.plane_of)
+    if (plane >= 0 && state.planes[plane].moments.count < std::max(3, state.options.theta_n_in))
+      plane = -1;
 }
 
 }  // namespace planescope

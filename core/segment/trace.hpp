@@ -21,7 +21,6 @@ struct TraceEvent {
   EventType type = EventType::visit;
   std::uint8_t node_case = 0;   // Case for `decide`
   std::uint8_t refinement = 0;  // 1..7 for `refine` and for what R1..R7 decided
-  std::uint8_t flags = 0;
   std::int32_t node = -1;
   std::int32_t plane = -1;  // index of the candidate plane, in order of founding
   std::int32_t other = -1;
