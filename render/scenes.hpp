@@ -20,8 +20,9 @@ namespace planescope {
 Camera frame_camera(const FrameResult& result, double aspect);
 
 DrawList scene_labels(const FrameResult& result);  // cloud by h / v
-/// Octree nodes by case I-IV: voxels in the colour of the node that settled them, in the box of that
-/// node's points (never larger than its cell); divided nodes as the faint outline of their cell.
+/// Octree nodes by case I-IV: voxels in the colour of the node that settled them, in the box of
+/// that node's points (never larger than its cell); divided nodes as the faint outline of their
+/// cell.
 DrawList scene_cases(const FrameResult& result);
 DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_plane);
 /// Points in no plane, the planes faded.
