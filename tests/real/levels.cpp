@@ -10,8 +10,10 @@ namespace planescope {
 namespace {
 
 constexpr double kSliceHalfWidth = 0.03;  // [m]
-constexpr double kMinNormalZ = 0.7071;    // horizontal: within 45 degrees, as the classifier says
-constexpr std::size_t kMinPoints = 20;    // fewer in the slice are a crumb at an edge
+// Horizontal: within 30 degrees. What is steeper is a riser, which leads from one level to the
+// next.
+constexpr double kMinNormalZ = 0.866;
+constexpr std::size_t kMinPoints = 20;  // fewer in the slice are a crumb at an edge
 
 // A horizontal plane where it crosses the slice.
 struct Crossing {
