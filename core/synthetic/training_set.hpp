@@ -1,0 +1,52 @@
+#pragma once
+
+// What the classifier learns from: the paper's staircases, boxes and planes (Sec. III), and views
+// of scenes made of the same shapes through the camera model.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/classify/classifier.hpp"
+#include "core/geometry/types.hpp"
+
+namespace planescope {
+
+struct LabelledCloud {
+  std::string kind;           // "stairs", "box", "plane", "scan"
+  std::vector<Vec3f> points;  // z up, metres, about a local origin
+  std::vector<Label> labels;  // Eq. (1) of the true normals
+};
+
+struct TrainingSetOptions {
+  std::uint64_t seed = 1;
+  int stairs = 200, boxes = 200, planes = 200;  // whole objects, the paper's ranges
+  int scans = 300;                              // views through the camera, on a voxel grid
+  int points = 8192;                            // of each object, evenly spread
+  double voxel_size_m = 0.02;                   // of the scans
+};
+
+/// Clean shapes and noisy scans. Shape i depends on the seed and i alone. `progress(done, all)` may
+/// be empty and may throw to stop.
+std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
+                                             int threads,
+                                             const std::function<void(int, int)>& progress = {});
+
+struct AugmentOptions {
+  double uniform_noise_m = 0.01;  // up to, on every coordinate; the paper's +-1 cm
+  double gaussian_noise_m = 0;    // standard deviation up to, drawn for each cloud
+  int clusters = 4;               // up to so many holes
+  double cluster_radius_m = 0.1;  // up to
+  double tilt_deg = 0;            // off level, up to
+  int points = 2048;              // kept at most: the nearest ones to a random point; 0 all
+  double thinning = 1;            // a random share of the points, down to this one, goes on
+  bool yaw = true;                // random rotation about z
+};
+
+/// A new version of a cloud for one step of training. The same for the same seed.
+LabelledCloud augment(const LabelledCloud& cloud,
+                      const AugmentOptions& options,
+                      std::uint64_t seed);
+
+}  // namespace planescope
