@@ -70,12 +70,4 @@ std::size_t parameter_count(const NetworkConfig& config) {
   return count;
 }
 
-NetworkWeights read_weights(const std::filesystem::path& path) {
-  throw Error(path.string() + ": not in this build");
-}
-
-void write_weights(const std::filesystem::path& path, const NetworkWeights&) {
-  throw Error(path.string() + ": not in this build");
-}
-
 }  // namespace planescope
