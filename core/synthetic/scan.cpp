@@ -1,0 +1,83 @@
+#include "core/synthetic/scan.hpp"
+
+#include <algorithm>
+
+#include "core/base/parallel.hpp"
+#include "core/cloud/cloud.hpp"
+#include "core/synthetic/composed_scene.hpp"
+#include "core/synthetic/counter_random.hpp"
+#include "core/synthetic/render_scene.hpp"
+#include "core/synthetic/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3 };
+
+bool is_worth_learning(const LabelledCloud& scan) {
+  constexpr std::size_t kLeastVoxels = 300;
+  const auto h = std::count(scan.labels.begin(), scan.labels.end(), Label::h);
+  return scan.labels.size() >= kLeastVoxels && h > 0 && h < std::ssize(scan.labels);
+}
+
+/// One in ten exact, the others with half to one and a half times the usual noise.
+D435Model varied_camera(std::uint64_t seed) {
+  D435Model model;
+  model.color = false;
+  model.noise = random_uniform(seed, kCamera, 0) >= 0.1;
+  model.disparity_sigma_px = 0.03 + 0.09 * random_uniform(seed, kCamera, 1);
+  return model;
+}
+
+}  // namespace
+
+LabelledCloud make_scan(const Scene& scene,
+                        const D435Model& model,
+                        double voxel_size_m,
+                        std::uint64_t seed) {
+  FrameLabels truth;
+  const Frame frame = render_scene(scene, scene.camera, model, seed, &truth);
+  const Cloud cloud = make_cloud(frame, truth.gravity, CloudOptions{});
+  const VoxelCloud voxels = voxelize(cloud, voxel_size_m);
+  std::vector<std::uint8_t> labels;
+  labels.reserve(cloud.source.size());
+  for (const std::uint32_t pixel : cloud.source) labels.push_back(truth.hv.data[pixel]);
+
+  LabelledCloud scan{"scan", {}, {}};
+  const std::vector<std::uint8_t> votes = vote_labels(voxels, labels);
+  for (std::size_t v = 0; v < votes.size(); ++v) {
+    if (votes[v] == 0) continue;
+    scan.points.push_back(voxels.points[v]);
+    scan.labels.push_back(static_cast<Label>(votes[v]));
+  }
+  return scan;
+}
+
+LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m) {
+  for (std::uint64_t view = 0;; ++view) {
+    const std::uint64_t view_seed = random_bits(seed, kView, view);
+    const Scene scene = compose_scene(view_seed);
+    LabelledCloud scan = make_scan(scene, varied_camera(view_seed), voxel_size_m, view_seed);
+    if (is_worth_learning(scan)) return scan;
+  }
+}
+
+std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
+                                           int count,
+                                           double voxel_size_m,
+                                           int threads) {
+  std::vector<LabelledCloud> scans(static_cast<std::size_t>(count));
+  D435Model model;
+  model.color = false;
+  const auto make = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
+      const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
+      scans[i] = make_scan(scene, model, voxel_size_m, scan_seed);
+    }
+  };
+  parallel_for(scans.size(), threads, make, 1);
+  return scans;
+}
+
+}  // namespace planescope

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/synthetic/d435.hpp"
+#include "core/synthetic/scene.hpp"
+#include "core/synthetic/training_set.hpp"
+
+namespace planescope {
+
+/// What the classifier is given of a scene: its view through the camera with the scene's pose,
+/// levelled by the true gravity, within 1.5 m of depth, on a voxel grid. A voxel has the label of
+/// most of its pixels; voxels of curved surfaces are left out. The seed drives the noise alone.
+LabelledCloud make_scan(const Scene& scene,
+                        const D435Model& model,
+                        double voxel_size_m,
+                        std::uint64_t seed);
+
+/// A view of a composed scene with a camera more or less noisy than the real one. What shows next
+/// to nothing or one label only is not taken.
+LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m);
+
+/// Held out from training: scans of the named scenes in turn, through the camera as it is.
+std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
+                                           int count,
+                                           double voxel_size_m = 0.02,
+                                           int threads = 1);
+
+}  // namespace planescope
