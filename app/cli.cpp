@@ -83,7 +83,10 @@ void add_method(CLI::App* command, Typed& t) {
          "Crop what is farther: depth z of depth frames (default 1.5), distance from the origin of "
          "clouds (default none)");
   option("--voxel", t.voxel, "M", "Edge of the voxel grid, default 0.02; 0 = none");
-  option("--classifier", t.classifier, "pca|truth", "What labels points h or v; default pca");
+  option(
+      "--classifier", t.classifier, "gcn|pca|truth|FILE",
+      "What labels points h or v: the network that comes with planescope, PCA normals (default), "
+      "ground truth, or a network of your own (.safetensors)");
   option("--method", t.method, "ours", "What finds the planes");
   option("--threads", t.threads, "N",
          "Default: all cores. The results are the same for any number");

@@ -73,6 +73,7 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
 
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
+  const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
@@ -90,7 +91,8 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
           continue;
         }
         try {
-          const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, true);
+          const LoadedFrame loaded =
+              run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), true);
           if (!loaded.truth) {
             ++without_truth;
             continue;

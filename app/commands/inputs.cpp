@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 
+#include "app/assets.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/labels/label_files.hpp"
@@ -48,30 +48,10 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count) {
   return frames;
 }
 
-fs::path sample_recording() {
-  std::vector<fs::path> places;
-  if (const char* assets = std::getenv("PLANESCOPE_ASSETS")) {
-    places.push_back(fs::path(assets) / "sample");
-  } else {
-    std::error_code failed;
-    const fs::path program = fs::read_symlink("/proc/self/exe", failed);
-    if (!failed)
-      places.push_back(program.parent_path().parent_path() / "share" / "planescope" / "sample");
-    places.push_back(fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample");
-  }
-  std::string tried;
-  for (const fs::path& place : places) {
-    std::error_code ignored;
-    if (fs::exists(place, ignored)) return place;
-    tried += (tried.empty() ? "" : " nor ") + place.string();
-  }
-  throw Error("no recording was given, and the sample is not in " + tried);
-}
-
 std::vector<OpenInput> open_inputs(const InputArgs& args) {
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
-    paths.push_back(sample_recording());
+    paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
     fmt::print(stderr, "planescope: no recording given, taking the sample, {}\n",
                paths[0].string());
   }
@@ -102,9 +82,17 @@ bool may_have_truth(const OpenInput& input, int index) {
   return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
 }
 
+ChosenClassifier choose_classifier(const PipelineOptions& options) {
+  fs::path shipped;
+  if (options.classifier == "gcn")
+    shipped = find_asset("classifier.safetensors", "the weights of classifier gcn are");
+  return make_classifier(options, shipped);
+}
+
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const PipelineOptions& options,
+                            const Classifier* classifier,
                             bool want_truth,
                             Trace* trace) {
   LoadedFrame loaded;
@@ -112,7 +100,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
   loaded.frame = input.recording->frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
-  const bool needs_truth = options.classifier == "truth";
+  const bool needs_truth = !classifier;
   std::optional<FrameTruth> on_points;
   if (needs_truth || want_truth)
     loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));
@@ -124,7 +112,8 @@ LoadedFrame run_input_frame(const OpenInput& input,
                     "label field",
                     input.path.string(), index, input.label_dir.string()));
   try {
-    loaded.result = run_frame(loaded.frame, options, on_points ? &*on_points : nullptr, trace);
+    loaded.result =
+        run_frame(loaded.frame, options, classifier, on_points ? &*on_points : nullptr, trace);
   } catch (const Error& error) {
     const std::string what = error.what();
     const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);

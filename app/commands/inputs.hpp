@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/error.hpp"
+#include "core/pipeline/classifiers.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/truth.hpp"
 #include "core/recording/recording.hpp"
@@ -59,16 +60,18 @@ struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// Reads frame `index` and runs it. Throws Error where it cannot be read, FrameRefused where
-/// run_frame throws; the message begins with the recording and the frame.
+/// The classifier of these options; gcn takes the weights that ship with us. Throws Error where
+/// weights are missing or cannot be read.
+ChosenClassifier choose_classifier(const PipelineOptions& options);
+
+/// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error
+/// where it cannot be read, FrameRefused where run_frame throws; the message begins with the
+/// recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
                             const PipelineOptions& options,
+                            const Classifier* classifier,
                             bool want_truth,
                             Trace* trace = nullptr);
-
-/// The sample recording: $PLANESCOPE_ASSETS/sample, ../share/planescope/sample beside the
-/// executable, or the source tree's. Throws Error naming those places if it is in none of them.
-std::filesystem::path sample_recording();
 
 }  // namespace planescope

@@ -106,7 +106,11 @@ Report start_report(const ReportArgs& args, const std::vector<OpenInput>& inputs
 class ReportRun {
  public:
   ReportRun(const ReportArgs& args, std::stop_token stop)
-      : args_(args), stop_(std::move(stop)), output_(args.out), inputs_(open_inputs(args.input)) {
+      : args_(args),
+        stop_(std::move(stop)),
+        output_(args.out),
+        inputs_(open_inputs(args.input)),
+        chosen_(choose_classifier(args.input.pipeline)) {
     for (const OpenInput& input : inputs_) total_ += static_cast<int>(input.frames.size());
   }
 
@@ -170,7 +174,7 @@ class ReportRun {
     const PipelineOptions& options = args_.input.pipeline;
     LoadedFrame loaded;
     try {
-      loaded = run_input_frame(inputs_[i], index, options, true);
+      loaded = run_input_frame(inputs_[i], index, options, chosen_.classifier.get(), true);
     } catch (const FrameRefused& refusal) {
       if (first_refusal_.empty()) first_refusal_ = refusal.what();
       ReportFrame refused;
@@ -238,6 +242,7 @@ class ReportRun {
   std::stop_token stop_;
   StagedOutput output_;
   std::vector<OpenInput> inputs_;
+  ChosenClassifier chosen_;
   int total_ = 0;  // frames asked for
   Painter painter_;
   Report report_;

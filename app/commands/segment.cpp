@@ -50,6 +50,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   StagedOutput output(args.out);
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   const OpenInput& input = inputs.front();
+  const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 
   std::vector<std::string> lines, refused;
   nlohmann::ordered_json json;
@@ -64,7 +65,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
       if (stop.stop_requested()) break;
       progress.show(done++, fmt::format("frame {}", index));
       try {
-        const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, false);
+        const LoadedFrame loaded =
+            run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), false);
         const std::filesystem::path folder = frame_folder(index);
         write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
         lines.push_back(line_of((args.out / folder).string(), loaded.result));

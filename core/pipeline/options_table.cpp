@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/pipeline/classifiers.hpp"
 
 namespace planescope {
 namespace {
@@ -177,14 +178,16 @@ void append_gravity(std::vector<OptionInfo>& table) {
 
 void append_classifier(std::vector<OptionInfo>& table) {
   const std::string s = "classifier";
-  table.push_back(
-      {"classifier", "pca/truth", "what labels points h or v: PCA normals, or the ground truth", s,
-       [](const PipelineOptions& o) { return o.classifier; },
-       [](PipelineOptions& o, const std::string& text) {
-         if (text != "pca" && text != "truth")
-           throw Error("classifier '" + text + "' does not exist, expected pca or truth");
-         o.classifier = text;
-       }});
+  table.push_back({"classifier", "gcn/pca/truth/FILE",
+                   "what labels points h or v: a network, PCA normals, or the ground truth", s,
+                   [](const PipelineOptions& o) { return o.classifier; },
+                   [](PipelineOptions& o, const std::string& text) {
+                     if (text != "gcn" && text != "pca" && text != "truth" &&
+                         !names_weights_file(text))
+                       throw Error("classifier '" + text +
+                                   "' does not exist, expected gcn, pca, truth or a weights file");
+                     o.classifier = text;
+                   }});
   table.push_back(whole(s, "pca_neighbours", "points",
                         "nearest points in each local plane fit, the point itself included",
                         member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),

@@ -22,12 +22,10 @@ class Stopwatch {
 };
 
 Classification classify(const FrameResult& result,
-                        const PipelineOptions& options,
-                        const FrameTruth* truth) {
-  if (options.classifier == "pca")
-    return make_pca_classifier(options.pca)->classify(result.voxels.points, options.threads);
-  if (options.classifier != "truth")
-    throw Error("classifier '" + options.classifier + "' is unknown, expected pca or truth");
+                        const Classifier* classifier,
+                        const FrameTruth* truth,
+                        int threads) {
+  if (classifier) return classifier->classify(result.voxels.points, threads);
   if (!truth || truth->label.empty())
     throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
   Classification known;
@@ -42,6 +40,7 @@ Classification classify(const FrameResult& result,
 
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
+                      const Classifier* classifier,
                       const FrameTruth* truth,
                       Trace* trace) {
   FrameResult result;
@@ -52,7 +51,7 @@ FrameResult run_frame(const Frame& frame,
   result.timings.cloud_ms = watch.lap_ms();
   result.voxels = voxelize(result.cloud, options.cloud.voxel_size_m);
   result.timings.t_d_ms = watch.lap_ms();
-  result.classification = classify(result, options, truth);
+  result.classification = classify(result, classifier, truth, options.threads);
   result.timings.t_c_ms = watch.lap_ms();
 
   // A cloud does not tell where its sensor stood: noise cannot be read against range.

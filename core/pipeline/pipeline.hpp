@@ -21,7 +21,7 @@ struct PipelineOptions {
   GravityOptions gravity;
   PcaClassifierOptions pca;
   SegmentOptions segment = profile_options(Profile::refined);
-  std::string classifier = "pca";  // pca | truth
+  std::string classifier = "pca";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };
 
@@ -51,10 +51,11 @@ struct FrameResult {
   FrameTimings timings;
 };
 
-/// Runs one frame. Throws Error where gravity cannot be found, or truth labels are asked for and
-/// `truth` is null. `trace` may be null.
+/// Runs one frame. `classifier`: of these options (classifiers.hpp), null to take the labels of
+/// `truth`. Throws Error where gravity cannot be found, or both are null. `trace` may be null.
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
+                      const Classifier* classifier,
                       const FrameTruth* truth = nullptr,
                       Trace* trace = nullptr);
 

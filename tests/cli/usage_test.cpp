@@ -54,7 +54,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"options", "--profile", "polished"}, "paper-closest"},
       {{"options", "--threads", "0"}, "--threads"},
       {{"options", "--threads", "two"}, "--threads"},
-      {{"options", "--classifier", "gcn"}, "expected pca or truth"},
+      {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth or a weights file"},
       {{"options", "--method", "ransac"}, "expected ours"},
       {{"options", "--gravity", "down"}, "down"},
       {{"options", "--gravity", "0,0,0"}, "0,0,0"},

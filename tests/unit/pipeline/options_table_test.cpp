@@ -57,7 +57,7 @@ TEST(OptionsTable, ABadValueChangesNothing) {
                                                         {"base_depth", "0"},
                                                         {"use_labels", "maybe"},
                                                         {"mse_normalization", "median"},
-                                                        {"classifier", "gcn"},
+                                                        {"classifier", "gcm"},
                                                         {"gravity", "1,2"},
                                                         {"profile", "best"}}) {
     EXPECT_THROW(set_option(options, name, value), Error) << name << "=" << value;

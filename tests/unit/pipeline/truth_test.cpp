@@ -65,10 +65,9 @@ TEST(Score, CroppedPointsAreNotScored) {
   const Frame frame = floor_and_far_wall();
   const SourceTruth truth = *truth_of_cloud(*frame.cloud);
   PipelineOptions options;
-  options.classifier = "truth";
   const auto score = [&] {
     const FrameTruth on_points = truth_on_points(truth.values, measured_sources(frame));
-    return score_frame(run_frame(frame, options, &on_points), truth);
+    return score_frame(run_frame(frame, options, nullptr, &on_points), truth);
   };
   const Metrics whole = score();
   EXPECT_EQ(whole.planes_truth, 2);

@@ -33,7 +33,7 @@ FrameResult run_corner(Profile profile) {
   options.gravity.mode = GravityMode::fixed;
   options.gravity.direction = Vec3d(0, 1, 0);
   options.segment = profile_options(profile);
-  return run_frame(make_frame(), options);
+  return run_frame(make_frame(), options, make_pca_classifier().get());
 }
 
 const FrameResult& corner() {
@@ -232,7 +232,7 @@ TEST(SceneCloud, CroppedPointsAreLeftOut) {
   PipelineOptions options;
   options.cloud.range_for_clouds = true;
   options.cloud.max_range_m = 1;
-  const FrameResult result = run_frame(frame, options);
+  const FrameResult result = run_frame(frame, options, make_pca_classifier().get());
   ASSERT_LT(result.cloud.counts.kept, 1600u);
   EXPECT_EQ(scene_overlay(frame, result, {}).points[0].positions.size(), result.cloud.counts.kept);
   EXPECT_EQ(scene_heights(result).points[0].positions.size(), result.cloud.counts.kept);
