@@ -247,6 +247,22 @@ void define_synth(Line& line) {
     const SynthStairsArgs args = stairs_args(line.typed);
     line.job = [args](std::stop_token stop) { return run_synth_stairs(args, stop); };
   });
+
+  CLI::App* training = synth->add_subcommand(
+      "training", "What the classifier learns from: labelled PLY clouds, and training.json");
+  add_out(training, t);
+  add(training, "--recipe", t.recipe, "NAME",
+      fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
+                  fmt::join(recipe_names(), " or "), t.recipe));
+  add(training, "--count", t.count, "N", "At most so many clouds of each kind; default all");
+  training->add_flag("--augmented", t.augmented,
+                     "Noise, turns and holes as one step of training adds them");
+  add(training, "--seed", t.seed, "N", "Another seed makes another set, default 1");
+  add(training, "--threads", t.threads, "N", "Default: all cores");
+  training->final_callback([&line] {
+    const SynthTrainingArgs args = training_args(line.typed);
+    line.job = [args](std::stop_token stop) { return run_synth_training(args, stop); };
+  });
 }
 
 Job print_job(const std::string& text) {

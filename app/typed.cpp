@@ -117,6 +117,22 @@ SynthStairsArgs stairs_args(const Typed& typed) {
   return args;
 }
 
+SynthTrainingArgs training_args(const Typed& typed) {
+  SynthTrainingArgs args;
+  args.out = required_out(typed, "synth training");
+  args.recipe = make_recipe(typed.recipe);
+  TrainingSetOptions& set = args.recipe.set;
+  if (!typed.seed.empty()) set.seed = seed(typed);
+  if (!typed.count.empty()) {
+    const int most = whole_at_least(typed.count, "--count", 1);
+    for (int* count : {&set.stairs, &set.boxes, &set.planes, &set.scans})
+      *count = std::min(*count, most);
+  }
+  args.augmented = typed.augmented;
+  args.threads = thread_count(typed);
+  return args;
+}
+
 std::string command_text(int argc, char** argv) {
   std::string text = "planescope";
   for (int i = 1; i < argc; ++i) {

@@ -5,6 +5,7 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/commands/synth.hpp"
+#include "app/commands/synth_training.hpp"
 
 namespace planescope {
 
@@ -16,8 +17,9 @@ struct Typed {
   std::vector<std::string> set;
   bool json = false;
 
-  std::string seed, count, points, noise, scenes, size;
-  bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false;
+  std::string seed, count, points, noise, scenes, size, recipe = "planescope";
+  bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
+       augmented = false;
 };
 
 // From text to values. All throw Error that names the option.
@@ -25,6 +27,7 @@ PipelineOptions pipeline_options(const Typed& typed);
 InputArgs input_args(const Typed& typed);
 SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
+SynthTrainingArgs training_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.

@@ -36,7 +36,7 @@ std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
                                              int threads,
                                              const std::function<void(int, int)>& progress) {
   assert(options.points > 0);
-  const int count = options.stairs + options.boxes + options.planes + options.scans;
+  const int count = options.count();
   std::vector<LabelledCloud> set(static_cast<std::size_t>(count));
   std::atomic<int> next = 0, done = 0;  // scans take longer: whoever is free takes the next one
   const auto work = [&](std::size_t first_worker, std::size_t) {

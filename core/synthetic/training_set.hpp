@@ -26,6 +26,8 @@ struct TrainingSetOptions {
   int scans = 300;                              // views through the camera, on a voxel grid
   int points = 8192;                            // of each object, evenly spread
   double voxel_size_m = 0.02;                   // of the scans
+
+  int count() const { return stairs + boxes + planes + scans; }
 };
 
 /// Clean axis-aligned objects, then noisy scans, in the order of the options: each depends on the

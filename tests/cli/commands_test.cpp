@@ -163,6 +163,59 @@ TEST(SynthStairs, BadNumbersAreRefused) {
   }
 }
 
+TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
+  const auto dir = scratch();
+  for (const char* name : {"a", "b"}) {
+    const Ran ran = run({"synth", "training", "-o", (dir / name).string(), "--count", "1", "--seed",
+                         "7", "--threads", name[0] == 'a' ? "1" : "3"});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  ASSERT_EQ(files_below(dir / "a"),
+            (std::vector<std::string>{"box_000.ply", "plane_000.ply", "scan_000.ply",
+                                      "stairs_000.ply", "training.json"}));
+  for (const std::string& file : files_below(dir / "a"))
+    EXPECT_TRUE(read_text(dir / "a" / file) == read_text(dir / "b" / file)) << file;
+
+  const Json json = Json::parse(read_text(dir / "a/training.json"));
+  EXPECT_EQ(json["schema"], "planescope.training_set/1");
+  EXPECT_EQ(json["recipe"], "planescope");
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_EQ(json["options"]["scans"], 1);
+  EXPECT_EQ(json["augmented"], nullptr);
+  ASSERT_EQ(json["clouds"].size(), 4u);
+  for (const Json& entry : json["clouds"]) {
+    const PointSet cloud = read_cloud_file(dir / "a" / entry["file"].get<std::string>());
+    EXPECT_EQ(cloud.points.size(), entry["points"]);
+    EXPECT_EQ(std::count(cloud.label.begin(), cloud.label.end(), 1), entry["h"]);
+    EXPECT_EQ(std::count(cloud.label.begin(), cloud.label.end(), 2), entry["v"]);
+  }
+
+  const Ran report = run({"report", (dir / "a/stairs_000.ply").string(),
+                          (dir / "a/scan_000.ply").string(), "-o", (dir / "report").string()});
+  EXPECT_EQ(report.code, 0) << report.err;
+}
+
+TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
+  const auto dir = scratch();
+  const Ran ran = run({"synth", "training", "-o", dir.string(), "--recipe", "paper", "--count", "1",
+                       "--augmented"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(dir), (std::vector<std::string>{"box_000.ply", "plane_000.ply",
+                                                        "stairs_000.ply", "training.json"}));
+  const Json json = Json::parse(read_text(dir / "training.json"));
+  EXPECT_EQ(json["augmented"]["objects"]["uniform_noise_m"], 0.01);
+  EXPECT_EQ(read_cloud_file(dir / "stairs_000.ply").points.size(), 2048u);
+}
+
+TEST(SynthTraining, AnUnknownRecipeIsRefusedWithTheNamesThereAre) {
+  const auto dir = scratch();
+  const Ran ran = run({"synth", "training", "-o", (dir / "out").string(), "--recipe", "cookies"});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  EXPECT_NE(ran.err.find("planescope or paper"), std::string::npos) << ran.err;
+  EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+}
+
 TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
   const auto dir = scratch();
   const std::string rec = (dir / "rec").string();

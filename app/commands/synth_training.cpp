@@ -1,0 +1,109 @@
+#include "app/commands/synth_training.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/base/file_bytes.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "core/synthetic/counter_random.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kShownStep = 0x57e9;  // a stream of random numbers for --augmented
+
+Json json_of(const TrainingSetOptions& set) {
+  return {{"stairs", set.stairs},
+          {"boxes", set.boxes},
+          {"planes", set.planes},
+          {"boxes_on_floor", set.boxes_on_floor},
+          {"scans", set.scans},
+          {"points", set.points},
+          {"voxel_size_m", set.voxel_size_m}};
+}
+
+Json json_of(const AugmentOptions& options) {
+  return {{"uniform_noise_m", options.uniform_noise_m},
+          {"gaussian_noise_m", options.gaussian_noise_m},
+          {"clusters", options.clusters},
+          {"cluster_radius_m", options.cluster_radius_m},
+          {"tilt_deg", options.tilt_deg},
+          {"points", options.points},
+          {"thinning", options.thinning},
+          {"yaw", options.yaw}};
+}
+
+Json header_of(const SynthTrainingArgs& args) {
+  const TrainingRecipe& recipe = args.recipe;
+  Json json = {{"schema", "planescope.training_set/1"},
+               {"made_by", "planescope synth training"},
+               {"recipe", recipe.name},
+               {"seed", recipe.set.seed},
+               {"options", json_of(recipe.set)}};
+  json["augmented"] = nullptr;
+  if (args.augmented)
+    json["augmented"] = {{"objects", json_of(recipe.objects)}, {"scans", json_of(recipe.scans)}};
+  return json;
+}
+
+std::vector<LabelledCloud> make_clouds(const SynthTrainingArgs& args, const std::stop_token& stop) {
+  Progress bar("synth training", args.recipe.set.count());
+  const auto show = [&](int done, int) {
+    if (stop.stop_requested()) throw Cancelled();
+    bar.show(done, "");
+  };
+  std::vector<LabelledCloud> clouds = make_training_set(args.recipe.set, args.threads, show);
+  if (!args.augmented) return clouds;
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    const std::uint64_t seed = random_bits(args.recipe.set.seed, kShownStep, i);
+    clouds[i] = augment(clouds[i], args.recipe.augmentation_of(clouds[i]), seed);
+  }
+  return clouds;
+}
+
+void write_cloud(const std::filesystem::path& path, const LabelledCloud& cloud) {
+  PointSet set;
+  set.points = cloud.points;
+  for (const Label label : cloud.labels) set.label.push_back(static_cast<std::uint8_t>(label));
+  write_ply(path, set);
+}
+
+}  // namespace
+
+int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  const std::vector<LabelledCloud> clouds = make_clouds(args, stop);
+  std::error_code failed;
+  std::filesystem::create_directories(args.out, failed);
+  if (failed) throw Error("output " + args.out.string() + ": " + failed.message());
+
+  Json json = header_of(args);
+  json["clouds"] = Json::array();
+  std::map<std::string, int> written;  // by kind
+  for (const LabelledCloud& cloud : clouds) {
+    if (stop.stop_requested()) throw Cancelled();
+    const std::string name = fmt::format("{}_{:03}.ply", cloud.kind, written[cloud.kind]++);
+    write_cloud(args.out / name, cloud);
+    const auto h = std::count(cloud.labels.begin(), cloud.labels.end(), Label::h);
+    json["clouds"].push_back({{"file", name},
+                              {"kind", cloud.kind},
+                              {"points", cloud.points.size()},
+                              {"h", h},
+                              {"v", std::ssize(cloud.labels) - h}});
+  }
+  const std::string text = json.dump(1) + "\n";
+  write_file_bytes(args.out / "training.json",
+                   std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()));
+  fmt::print("{}: {} clouds\n", args.out.string(), clouds.size());
+  return 0;
+}
+
+}  // namespace planescope
