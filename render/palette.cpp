@@ -13,6 +13,13 @@ constexpr Rgba rgb(std::uint32_t hex) {
           static_cast<std::uint8_t>(hex & 0xFF)};
 }
 
+Rgba mixed(Rgba a, Rgba b, double share_b) {
+  const auto mix = [share_b](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(from + share_b * (to - from)));
+  };
+  return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
+}
+
 // Chosen greedily in OKLab from a grid of hues, chromas and lightnesses that show on both themes:
 // each the farthest from the eight before it, as seen by normal, protanopic and deuteranopic eyes
 // (Machado et al. 2009), and unlike any earlier one.
@@ -69,6 +76,11 @@ Rgba label_color(Label label) {
   return rgb(0x9A9DA3);
 }
 
+Rgba margin_color(Label label, double margin) {
+  if (label == Label::unknown) return label_color(label);
+  return mixed(rgb(0x3E3E3E), label_color(label), std::clamp(margin, 0.0, 1.0));
+}
+
 Rgba leftover_color() { return rgb(0x8A8F98); }
 
 Rgba plane_color(int plane_id) {
@@ -114,11 +126,7 @@ Rgba depth_color(double depth_m, double max_m) {
   const auto i = std::min(static_cast<std::size_t>(t), kViridis.size() - 2);
   const Rgba low = rgb(kViridis[i]);
   const Rgba high = rgb(kViridis[i + 1]);
-  const double f = t - static_cast<double>(i);
-  const auto mix = [f](std::uint8_t a, std::uint8_t b) {
-    return static_cast<std::uint8_t>(std::lround(a + f * (b - a)));
-  };
-  return {mix(low.r, high.r), mix(low.g, high.g), mix(low.b, high.b)};
+  return mixed(low, high, t - static_cast<double>(i));
 }
 
 }  // namespace planescope

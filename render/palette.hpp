@@ -10,6 +10,9 @@ namespace planescope {
 /// in every picture, report and window.
 Rgba case_color(Case c);
 Rgba label_color(Label label);  // h, v, unknown
+/// How sure a label is: from a dark grey that h and v share at margin 0 to the label's own colour
+/// at 1, lighter and more saturated all the way.
+Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
 /// A colour per plane, by its id from 1 on: neighbours in id are far apart in hue and lightness.
 /// They repeat after 32.

@@ -1,4 +1,4 @@
-// The points of a frame: by h / v, left over, by height.
+// The points of a frame: by h / v, by margin, left over, by height.
 
 #include <algorithm>
 #include <cstdio>
@@ -12,6 +12,7 @@
 namespace planescope {
 namespace {
 
+constexpr float kUnsure = 0.5F;              // margins below this are told as unsure
 constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the picture is about
 
 }  // namespace
@@ -38,6 +39,37 @@ DrawList scene_labels(const FrameResult& result) {
   entry(Label::h, "h  level, up to 45\u00b0");
   entry(Label::v, "v  upright");
   if (count[0] > 0) entry(Label::unknown, "unknown");
+  return list;
+}
+
+DrawList scene_margins(const FrameResult& result) {
+  using Mark = LegendEntry::Mark;
+  const Classification& classified = result.classification;
+  DrawList list;
+  DrawPoints points = voxel_points(result);
+  std::size_t unsure = 0, unknown = 0;
+  for (std::size_t i = 0; i < points.positions.size(); ++i) {
+    points.colors.push_back(margin_color(classified.labels[i], classified.margins[i]));
+    if (classified.labels[i] == Label::unknown)
+      ++unknown;
+    else
+      unsure += classified.margins[i] < kUnsure;
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
+  add_gravity(result, list);
+  list.title = "Sureness of the classification";
+  list.subtitle = std::to_string(unsure) + " of " + std::to_string(n) +
+                  " voxels have a margin below 0.5 (" + percent(unsure, n) + ")";
+  const auto entry = [&](Label label, double margin, const std::string& text) {
+    list.legend.push_back({Mark::dot, margin_color(label, margin), text});
+  };
+  entry(Label::h, 1, "h  sure (margin 1)");
+  entry(Label::h, 0.5, "h  margin 0.5");
+  entry(Label::h, 0, "on the boundary (margin 0)");
+  entry(Label::v, 0.5, "v  margin 0.5");
+  entry(Label::v, 1, "v  sure (margin 1)");
+  if (unknown > 0) entry(Label::unknown, 0, "unknown  " + std::to_string(unknown));
   return list;
 }
 

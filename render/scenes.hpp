@@ -20,6 +20,8 @@ namespace planescope {
 Camera frame_camera(const FrameResult& result, double aspect);
 
 DrawList scene_labels(const FrameResult& result);  // cloud by h / v
+/// Cloud by how sure the classifier is of h / v: the label's colour where it is, dark where not.
+DrawList scene_margins(const FrameResult& result);
 /// Octree nodes by case I-IV: voxels in the colour of the node that settled them, in the box of
 /// that node's points (never larger than its cell); divided nodes as the faint outline of their
 /// cell.

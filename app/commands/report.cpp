@@ -78,7 +78,9 @@ std::vector<int> next_colors(const FrameResult& result, std::vector<ColoredPlane
 /// Smaller copies in the page of a long recording, so that a browser still opens it.
 int copy_width(int frames) { return frames <= 8 ? 1280 : frames <= 24 ? 800 : 560; }
 
-Report start_report(const ReportArgs& args, const std::vector<OpenInput>& inputs) {
+Report start_report(const ReportArgs& args,
+                    const std::vector<OpenInput>& inputs,
+                    const ChosenClassifier& chosen) {
   Report report;
   const BuildInfo build = build_info();
   report.version = build.version;
@@ -87,6 +89,7 @@ Report start_report(const ReportArgs& args, const std::vector<OpenInput>& inputs
   report.command = args.command;
   report.created_utc = now_utc();
   report.classifier = args.input.pipeline.classifier;
+  report.weights = chosen.weights;
   report.options = make_report_options(args.input.pipeline);
   for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
     report.case_colors[static_cast<int>(c)] = css_color(case_color(c));
@@ -117,7 +120,7 @@ class ReportRun {
   int run() {
     // Damaged input is found before anything is written.
     std::vector<std::vector<std::string>> hashes = read_all_once();
-    report_ = start_report(args_, inputs_);
+    report_ = start_report(args_, inputs_, chosen_);
     {
       Progress progress("report", total_);
       int done = 0;

@@ -80,6 +80,10 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
 
   draw(scene_labels(result), "labels", "Voxels by h and v",
        fmt::format("{} voxels coloured as h, level, or v, upright.", result.voxels.points.size()));
+  draw(scene_margins(result), "margins", "How sure the classifier is",
+       "The same voxels, dark on the boundary between h and v and in the colour of their class "
+       "where "
+       "it is sure.");
   draw(
       scene_cases(result), "cases", "Octree nodes by case",
       fmt::format("The octree's nodes as boxes: {} of case I, {} of case II, {} of case III, {} of "

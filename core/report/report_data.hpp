@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/evaluate/metrics.hpp"
+#include "core/pipeline/classifiers.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/recording/recording.hpp"
 #include "core/report/plane_summary.hpp"
@@ -25,7 +26,7 @@ struct ReportPlane {
 
 /// One picture of a stage: a PNG beside the page, and a smaller copy inside it.
 struct ReportPicture {
-  std::string name;                 // "overlay", "depth", "labels", "cases", "planes", "leftovers"
+  std::string name;                 // "overlay", "depth", "labels", "margins", "cases", ...
   std::string title;                // for people
   std::string alt;                  // what is to be seen, for those who cannot see it
   std::string file;                 // of the PNG, relative to the report
@@ -71,15 +72,15 @@ struct ReportOption {
 };
 
 struct Report {
-  std::string version, commit;  // of planescope
-  bool modified = false;        // built from a tree that differs from the commit
-  std::string command;          // as it was typed
-  std::string created_utc;      // ISO 8601
-  std::string renderer;         // which GL drew; empty where none could
-  std::string renderer_error;   // why none could
-  std::string classifier;
-  std::string weights;   // file and hash of a network's weights; empty where there are none
-  bool partial = false;  // stopped before the end
+  std::string version, commit;           // of planescope
+  bool modified = false;                 // built from a tree that differs from the commit
+  std::string command;                   // as it was typed
+  std::string created_utc;               // ISO 8601
+  std::string renderer;                  // which GL drew; empty where none could
+  std::string renderer_error;            // why none could
+  std::string classifier;                // as --classifier named it
+  std::optional<WeightsRecord> weights;  // where it is a network
+  bool partial = false;                  // stopped before the end
   std::vector<ReportOption> options;
   std::string case_colors[5];  // "#rrggbb", by Case
   std::vector<ReportRecording> recordings;

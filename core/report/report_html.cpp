@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
 #include "core/report/report_files.hpp"
@@ -110,13 +111,37 @@ std::string range_text(int fewest, int most) {
   return fewest == most ? std::to_string(most) : fmt::format("{}\u2013{}", fewest, most);
 }
 
+/// What told h from v, as HTML.
+std::string classifier_text(const Report& report) {
+  if (report.weights)
+    return fmt::format("the network <code>{}</code> ({})", html::escaped(report.weights->file),
+                       html::escaped(report.weights->network));
+  if (report.classifier == "pca") return "PCA normals";
+  return "the ground truth";
+}
+
+/// File, hash and the training record's plain facts, as HTML.
+std::string weights_text(const WeightsRecord& weights) {
+  std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", html::escaped(weights.file),
+                                 html::escaped(weights.network), weights.sha256);
+  std::string facts;
+  for (const auto& [name, value] : nlohmann::ordered_json::parse(weights.training).items()) {
+    if (value.is_structured()) continue;
+    facts += facts.empty() ? ", trained with " : ", ";
+    facts += name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return text + html::escaped(facts);
+}
+
 std::string verdict(const Report& report, const ReportTotals& totals) {
   if (totals.frames_done == 0) return "No frame was processed.";
   std::string text = fmt::format(
-      "{} plane{} found in {}, holding {} of the measured points within range. Gravity was {}.",
+      "{} plane{} found in {}, holding {} of the measured points within range. Gravity was {}; h "
+      "and v were told apart by {}.",
       range_text(totals.fewest_planes, totals.most_planes), totals.most_planes == 1 ? "" : "s",
       totals.frames_done == 1 ? "one frame" : fmt::format("each of {} frames", totals.frames_done),
-      html::share(totals.points_on_planes, totals.points), gravity_summary(report.recordings));
+      html::share(totals.points_on_planes, totals.points), gravity_summary(report.recordings),
+      classifier_text(report));
   if (totals.frames_refused > 0)
     text += fmt::format(" {} frame{} refused.", totals.frames_refused,
                         totals.frames_refused == 1 ? " was" : "s were");
@@ -158,6 +183,7 @@ Data tiles(const Report& report, const ReportTotals& totals) {
       totals.frames_done == 1 ? "ms" : "ms, median");
   if (totals.metrics) {
     add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy), "");
+    add("h / v right", fmt::format("{:.1f} %", totals.metrics->label_accuracy_edge), "near edges");
     add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg), "");
   }
   return result;
@@ -248,7 +274,7 @@ void set_record(const Report& report, Data& page) {
   page.set("commit", report.commit);
   page.set("modified", report.modified);
   page.set("classifier", report.classifier);
-  page.set("weights", report.weights.empty() ? "none" : report.weights);
+  page.set("weights", report.weights ? weights_text(*report.weights) : "none");
   page.set("renderer", report.renderer.empty() ? "none" : report.renderer);
   Data hashes{Data::type::list}, options{Data::type::list};
   const auto add_hash = [&](const std::string& name, const std::string& sha256) {

@@ -174,6 +174,13 @@ Json to_json(const ReportRecording& recording) {
   return json;
 }
 
+Json to_json(const WeightsRecord& weights) {
+  return {{"file", weights.file},
+          {"sha256", weights.sha256},
+          {"network", weights.network},
+          {"training", Json::parse(weights.training)}};
+}
+
 Json record_json(const Report& report) {
   Json json;
   json["version"] = report.version;
@@ -181,7 +188,7 @@ Json record_json(const Report& report) {
   json["modified"] = report.modified;
   json["command"] = report.command;
   json["classifier"] = report.classifier;
-  json["weights"] = text_or_null(report.weights);
+  json["weights"] = report.weights ? to_json(*report.weights) : Json();
   json["renderer"] = text_or_null(report.renderer);
   json["renderer_error"] = text_or_null(report.renderer_error);
   json["options"] = Json::array();

@@ -62,7 +62,7 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
   for (const Json& recording : report["recordings"]) {
     const Json& frame = recording["frames"][0];
     EXPECT_EQ(frame["planes"].size(), 2u);
-    EXPECT_EQ(frame["pictures"].size(), 6u);
+    EXPECT_EQ(frame["pictures"].size(), 7u);
     for (const Json& picture : frame["pictures"]) {
       const auto info = png_info(dir / "out" / picture["file"].get<std::string>());
       EXPECT_EQ(info.width, picture["width"]);

@@ -86,6 +86,24 @@ TEST(Palette, LabelsStayApartForColorBlindEyes) {
   EXPECT_GT(worst_distance(label_color(Label::v), label_color(Label::unknown)), 11);
 }
 
+TEST(Palette, MarginsGetLighterAndMoreSaturatedUpToTheLabelsColour) {
+  for (const Label label : {Label::h, Label::v}) {
+    double lightness_before = 0, chroma_before = 0;
+    for (int i = 0; i <= 20; ++i) {
+      const Linear c = oklab(seen(margin_color(label, i / 20.0), Eye::normal));
+      const double chroma = std::hypot(c[1], c[2]);
+      EXPECT_GT(c[0], lightness_before) << i;
+      EXPECT_GT(chroma, chroma_before) << i;
+      lightness_before = c[0];
+      chroma_before = chroma;
+    }
+    EXPECT_EQ(margin_color(label, 1), label_color(label));
+  }
+  EXPECT_EQ(margin_color(Label::h, 0), margin_color(Label::v, 0));
+  EXPECT_EQ(margin_color(Label::unknown, 0.5), label_color(Label::unknown));
+  EXPECT_GT(worst_distance(margin_color(Label::h, 0.5), margin_color(Label::v, 0.5)), 11);
+}
+
 TEST(Palette, CasesAndLabelsShowOnBothThemes) {
   std::vector<Rgba> colors = {leftover_color(), label_color(Label::h), label_color(Label::v)};
   for (const Case c : {Case::I, Case::II, Case::III, Case::IV}) colors.push_back(case_color(c));

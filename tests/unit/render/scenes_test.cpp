@@ -174,6 +174,27 @@ TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
   EXPECT_GE(expected, 5u);
 }
 
+TEST(SceneMargins, VoxelsWearTheirLabelsColourByHowSureItIs) {
+  FrameResult result = corner();
+  Classification& classified = result.classification;
+  const std::size_t n = classified.labels.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    classified.margins[i] = static_cast<float>(i) / static_cast<float>(n - 1);
+    classified.labels[i] = i % 2 ? Label::h : Label::v;
+  }
+  classified.labels[0] = Label::unknown;
+  const DrawList list = scene_margins(result);
+  ASSERT_EQ(list.points[0].colors.size(), n);
+  for (std::size_t i = 0; i < n; ++i)
+    EXPECT_EQ(list.points[0].colors[i], margin_color(classified.labels[i], classified.margins[i]));
+  EXPECT_EQ(list.points[0].colors[n - 1], label_color(classified.labels[n - 1]));
+  EXPECT_NE(list.subtitle.find(std::to_string((n - 1) / 2) + " of " + std::to_string(n)),
+            std::string::npos)
+      << list.subtitle;
+  EXPECT_EQ(list.legend.front().color, label_color(Label::h));
+  EXPECT_EQ(list.legend.back().text, "unknown  1");
+}
+
 TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
   FrameResult result = corner();
   for (const GravitySource source : {GravitySource::option, GravitySource::estimate}) {
@@ -190,6 +211,7 @@ TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
 TEST(Scenes, EmptyFramesGiveEmptyPictures) {
   const FrameResult nothing;
   EXPECT_TRUE(scene_labels(nothing).points[0].positions.empty());
+  EXPECT_TRUE(scene_margins(nothing).points[0].positions.empty());
   EXPECT_TRUE(scene_cases(nothing).boxes.empty());
   EXPECT_TRUE(scene_planes(nothing, {}).polygons.empty());
   EXPECT_TRUE(scene_leftovers(nothing, {}).points[0].positions.empty());

@@ -49,6 +49,11 @@ ReportFrame make_frame(int index) {
   return frame;
 }
 
+WeightsRecord make_weights_record() {
+  return {"n<e>t.safetensors", std::string(64, 'f'), "compact, 27714 parameters",
+          R"({"recipe":"planes<cope>","seed":7,"losses":[3,2,1]})"};
+}
+
 Report make_report() {
   Report report;
   report.version = "1.2.3";
@@ -91,6 +96,7 @@ TEST(ReportJson, FollowsItsSchema) {
   report.recordings[0].frames[0].metrics = Metrics{};
   report.recordings[0].info.width = 0;  // a cloud
   report.recordings[0].info.has_color = true;
+  report.weights = make_weights_record();
   EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
 }
 
@@ -175,6 +181,19 @@ TEST(ReportHtml, ShowsThatGravityIsEstimatedAndWhatWasRefused) {
   EXPECT_NE(page.find("<em>estimated</em>"), std::string::npos);
   EXPECT_NE(page.find("gravity is not known, give --gravity"), std::string::npos);
   EXPECT_NE(page.find("alt=\"One plane.\""), std::string::npos);
+}
+
+TEST(ReportHtml, NamesTheNetworkAtItsTopAndHowItWasTrainedInTheRecord) {
+  Report report = make_report();
+  EXPECT_NE(report_html(report).find("told apart by PCA normals"), std::string::npos);
+  report.classifier = "gcn";
+  report.weights = make_weights_record();
+  const std::string page = report_html(report);
+  const std::string top = page.substr(0, page.find("</header>"));
+  EXPECT_NE(top.find("n&lt;e&gt;t.safetensors</code> (compact, 27714 parameters)"),
+            std::string::npos);
+  EXPECT_NE(page.find(std::string(64, 'f')), std::string::npos);
+  EXPECT_NE(page.find("trained with recipe planes&lt;cope&gt;, seed 7<"), std::string::npos);
 }
 
 TEST(ReportHtml, LeavesNoTemplateTagUnfilled) {
