@@ -18,7 +18,7 @@ struct Prism {
   double right = 0, left = 0;
 };
 
-/// Turns what is added after its making about the z axis through a point.
+/// Adds surfaces to a scene, turned about the vertical through a point.
 class Turned {
  public:
   Turned(Scene& scene, const Vec3d& center, double angle_deg)
@@ -53,10 +53,10 @@ class Turned {
   double sine_, cosine_;
 };
 
-/// Where something of this width stands, its front in the middle of the view or beside it.
 struct Place {
   double right = 0, left = 0;
 };
+/// Something of this width stands more or less in the middle of the view.
 Place place(double width, Random& random) {
   const double middle = random.uniform(-0.3, 0.3);
   return {middle - width / 2, middle + width / 2};
@@ -67,7 +67,7 @@ void add_stairs(Turned& to, double front, Random& random) {
   const double going = random.uniform(0.2, 0.4), rise = random.uniform(0.08, 0.3);
   const Place across = place(random.uniform(0.2, 1.5), random);
   for (int i = 0; i < steps; ++i) {
-    // Only a step's tread, riser and flanks can be seen: strips on the floor as high as itself.
+    // Riser, tread, and the strips of the flanks below the tread.
     const double x = front + i * going, end = front + (i + 1) * going;
     const double low = i * rise, z = low + rise;
     to.add(
@@ -117,7 +117,8 @@ void add_walls(Scene& scene, double front, Random& random) {
     wall.add({{x, kFarM, 0}, {x, -kFarM, 0}, {x, -kFarM, height}, {x, kFarM, height}});
   }
   if (random.uniform() < 0.5) {
-    const double y = (random.uniform() < 0.5 ? 1 : -1) * random.uniform(0.3, 1);
+    const bool left = random.uniform() < 0.5;
+    const double distance = random.uniform(0.3, 1), y = left ? distance : -distance;
     Turned wall(scene, {0, y, 0}, random.uniform(-10, 10));
     wall.add({{-kFarM, y, 0}, {kFarM, y, 0}, {kFarM, y, height}, {-kFarM, y, height}});
   }
