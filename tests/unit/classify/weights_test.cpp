@@ -134,6 +134,7 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST(NetworkConfigs, HaveTheParameterCountsOfTheOfficialCodeAndOfOurs) {
   EXPECT_EQ(parameter_count(network_config("official")), 1679362U);
+  EXPECT_EQ(parameter_count(network_config("small")), 106498U);
   EXPECT_EQ(parameter_count(network_config("compact")), 27714U);
   EXPECT_THROW(network_config("huge"), Error);
 }
