@@ -9,7 +9,8 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/classify/classifier.hpp"
-#include "core/classify/neighbours.hpp"
+#include "core/classify/finite.hpp"
+#include "core/classify/neighbour_grid.hpp"
 #include "core/geometry/plane.hpp"
 
 namespace planescope {
@@ -52,26 +53,34 @@ class PcaClassifier final : public Classifier {
   std::string name() const override { return "pca"; }
 
   Classification classify(std::span<const Vec3f> points, int threads) const override {
+    return classify_finite(points,
+                           [&](std::span<const Vec3f> finite) { return label(finite, threads); });
+  }
+
+ private:
+  Classification label(std::span<const Vec3f> input, int threads) const {
+    const NeighbourGrid grid(input, options_.neighbours);
+    const std::span<const Vec3f> points = grid.points();
     Classification result;
     result.labels.resize(points.size());
     result.margins.resize(points.size());
     const auto k = static_cast<std::size_t>(options_.neighbours);
-    const std::vector<std::uint32_t> rows =
-        nearest_neighbours(points, options_.neighbours, threads);
     parallel_for(points.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
+      std::vector<std::uint32_t> rows((end - begin) * k);
+      grid.nearest(options_.neighbours, begin, end, rows.data());
+      const std::uint32_t* row = rows.data();
+      for (std::size_t i = begin; i < end; ++i, row += k) {
         Moments moments;
-        for (std::size_t j = 0; j < k && rows[i * k + j] != kNoNeighbour; ++j)
-          moments.add((points[rows[i * k + j]] - points[i]).cast<double>());
+        for (std::size_t j = 0; j < k && row[j] != kNoNeighbour; ++j)
+          moments.add((points[row[j]] - points[i]).cast<double>());
         const Verdict verdict = judge(moments, options_.max_angle_deg);
-        result.labels[i] = verdict.label;
-        result.margins[i] = verdict.margin;
+        result.labels[grid.order()[i]] = verdict.label;
+        result.margins[grid.order()[i]] = verdict.margin;
       }
     });
     return result;
   }
 
- private:
   PcaClassifierOptions options_;
 };
 

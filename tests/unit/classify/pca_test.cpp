@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -86,6 +87,25 @@ TEST(Pca, PointsWithoutANormalGetAnUnsureLabel) {
   const auto result = classifier->classify(pole, 1);
   EXPECT_EQ(result.labels, std::vector<Label>(20, Label::v));
   EXPECT_TRUE(margins_are_zero(result));
+}
+
+TEST(Pca, PointsThatAreNotFiniteAreUnknownAndDoNotCount) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<Vec3f> finite = tilted(30, 5);
+  std::vector<Vec3f> points = finite;
+  points.insert(points.begin() + 1000, {Vec3f(nan, 0, 0), Vec3f(0, 0, -inf)});
+  const auto classifier = make_pca_classifier();
+  const auto alone = classifier->classify(finite, 1);
+  auto result = classifier->classify(points, 1);
+  for (int bad = 0; bad < 2; ++bad) {
+    EXPECT_EQ(result.labels[1000], Label::unknown);
+    EXPECT_EQ(result.margins[1000], 0);
+    result.labels.erase(result.labels.begin() + 1000);
+    result.margins.erase(result.margins.begin() + 1000);
+  }
+  EXPECT_EQ(result.labels, alone.labels);
+  EXPECT_EQ(result.margins, alone.margins);
 }
 
 TEST(Pca, OptionsOutOfRangeAreRefused) {
