@@ -125,7 +125,8 @@ std::string weights_text(const WeightsRecord& weights) {
   std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", html::escaped(weights.file),
                                  html::escaped(weights.network), weights.sha256);
   std::string facts;
-  for (const auto& [name, value] : nlohmann::ordered_json::parse(weights.training).items()) {
+  const auto training = nlohmann::ordered_json::parse(weights.training);
+  for (const auto& [name, value] : training.items()) {
     if (value.is_structured()) continue;
     facts += facts.empty() ? ", trained with " : ", ";
     facts += name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
