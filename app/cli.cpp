@@ -265,6 +265,30 @@ void define_synth(Line& line) {
   });
 }
 
+void define_train(Line& line) {
+  Typed& t = line.typed;
+  CLI::App* train = line.app.add_subcommand(
+      "train",
+      "Train the classifier: on synthetic clouds, and on the labelled recordings that are given.\n"
+      "Beside FILE: its curves as .html, and while it is not done a .checkpoint.");
+  add_inputs(train, t, "Labelled bags, folders or clouds to learn from as well");
+  add(train, "-o,--out", t.out, "FILE.safetensors", "The weights");
+  add(train, "--recipe", t.recipe, "NAME",
+      fmt::format("{}, or recordings: those that are given alone; default {}",
+                  fmt::join(recipe_names(), ", "), t.recipe));
+  add(train, "--network", t.network, "compact|small|official", "Default compact");
+  add(train, "--from", t.from, "FILE", "Weights to begin with, to teach them more");
+  add(train, "--steps", t.steps, "N", "Default: as the recipe has it");
+  add(train, "--seed", t.seed, "N", "Another seed makes other clouds and weights, default 1");
+  train->add_flag("--resume", t.resume, "Go on from FILE's checkpoint, to the same bytes");
+  add_method(train, t);
+  train->final_callback([&line] {
+    TrainArgs args = train_args(line.typed);
+    args.command = line.command;
+    line.job = [args](std::stop_token stop) { return run_train(args, stop); };
+  });
+}
+
 Job print_job(const std::string& text) {
   return [text](std::stop_token) {
     fmt::print("{}", text);
@@ -291,6 +315,7 @@ Job parse_command_line(int argc, char** argv) {
   define_eval(line);
   define_options(line);
   define_synth(line);
+  define_train(line);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     command->group("Commands");
 

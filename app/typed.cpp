@@ -133,6 +133,30 @@ SynthTrainingArgs training_args(const Typed& typed) {
   return args;
 }
 
+TrainArgs train_args(const Typed& typed) {
+  TrainArgs args;
+  args.out = typed.out;
+  if (args.out.extension() != ".safetensors")
+    throw Error("train: -o '" + typed.out + "' is not the name of a .safetensors file");
+  args.input = input_args(typed);
+  args.synthetic = typed.recipe != "recordings";
+  args.recipe = make_recipe(args.synthetic ? typed.recipe : "planescope");
+  if (!args.synthetic && args.input.inputs.empty())
+    throw Error("train: --recipe recordings needs labelled recordings to learn from");
+  if (args.input.label_dir && args.input.inputs.empty())
+    throw Error("train: --labels needs the recording that the labels are of");
+  TrainOptions& train = args.recipe.train;
+  if (!typed.seed.empty()) args.recipe.set.seed = train.seed = seed(typed);
+  if (!typed.steps.empty()) train.steps = whole_at_least(typed.steps, "--steps", 1);
+  if (!typed.from.empty()) {
+    args.from = typed.from;
+    train.network = read_weights(args.from).config;
+  }
+  if (!typed.network.empty()) train.network = network_config(typed.network);
+  args.resume = typed.resume;
+  return args;
+}
+
 std::string command_text(int argc, char** argv) {
   std::string text = "planescope";
   for (int i = 1; i < argc; ++i) {

@@ -6,6 +6,7 @@
 #include "app/commands/inputs.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
+#include "app/commands/train.hpp"
 
 namespace planescope {
 
@@ -18,8 +19,9 @@ struct Typed {
   bool json = false;
 
   std::string seed, count, points, noise, scenes, size, recipe = "planescope";
+  std::string network, steps, from;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
-       augmented = false;
+       augmented = false, resume = false;
 };
 
 // From text to values. All throw Error that names the option.
@@ -28,6 +30,7 @@ InputArgs input_args(const Typed& typed);
 SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
 SynthTrainingArgs training_args(const Typed& typed);
+TrainArgs train_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.

@@ -4,15 +4,14 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
-#include <unordered_map>
 
 #include "core/evaluate/assignment.hpp"
+#include "core/evaluate/label_accuracy.hpp"
 #include "core/geometry/plane.hpp"
 
 namespace planescope {
 namespace {
 
-constexpr double kEdge = 0.02;    // [m]: "near an edge"
 constexpr double kOverlap = 0.8;  // SegComp (Hoover et al. 1996): a match is 80 % of the points
 
 /// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
@@ -144,44 +143,12 @@ void classify_regions(const Overlap& o, Metrics& m) {
   for (int f = 1; f <= o.found; ++f) m.noise += o.found_size[f] > 0 && !found_done[f];
 }
 
-/// Which points have a point of another label within 2 cm.
-std::vector<bool> near_edges(std::span<const Vec3f> points, std::span<const Label> labels) {
-  const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
-    return (x & 0x1fffff) | (y & 0x1fffff) << 21 | (z & 0x1fffff) << 42;
-  };
-  const auto cell = [](float v) { return static_cast<std::int64_t>(std::floor(v / kEdge)); };
-  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> grid;
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    grid[key(cell(points[i].x()), cell(points[i].y()), cell(points[i].z()))].push_back(i);
-  std::vector<bool> near(points.size(), false);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto x = cell(points[i].x()), y = cell(points[i].y()), z = cell(points[i].z());
-    for (int d = 0; d < 27 && !near[i]; ++d) {
-      const auto found = grid.find(key(x + d % 3 - 1, y + d / 3 % 3 - 1, z + d / 9 - 1));
-      if (found == grid.end()) continue;
-      for (const std::uint32_t j : found->second)
-        if (labels[j] != labels[i] && labels[j] != Label::unknown &&
-            (points[j] - points[i]).squaredNorm() < static_cast<float>(kEdge * kEdge))
-          near[i] = true;
-    }
-  }
-  return near;
-}
-
 void score_labels(const MetricsInput& input, Metrics& m) {
   if (input.truth_labels.empty() || input.found_labels.empty()) return;
-  const std::vector<bool> near = near_edges(input.points, input.truth_labels);
-  std::uint64_t right[2] = {}, all[2] = {};
-  for (std::size_t i = 0; i < input.points.size(); ++i) {
-    if (input.truth_labels[i] == Label::unknown) continue;
-    ++all[near[i]];
-    right[near[i]] += input.truth_labels[i] == input.found_labels[i];
-  }
-  const auto percent = [](std::uint64_t part, std::uint64_t whole) {
-    return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 100.0;
-  };
-  m.label_accuracy_inner = percent(right[0], all[0]);
-  m.label_accuracy_edge = percent(right[1], all[1]);
+  const LabelAccuracy accuracy =
+      label_accuracy(input.points, input.truth_labels, input.found_labels);
+  m.label_accuracy_inner = accuracy.inner_percent();
+  m.label_accuracy_edge = accuracy.edge_percent();
 }
 
 }  // namespace

@@ -1,20 +1,30 @@
 #include "core/synthetic/training_recipe.hpp"
 
+#include <fmt/format.h>
+
 #include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
+#include "core/synthetic/counter_random.hpp"
+#include "core/synthetic/scan.hpp"
+#include "core/synthetic/stairs.hpp"
 
 namespace planescope {
 namespace {
 
+enum Stream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUniform };
+
 TrainingRecipe planescope_recipe() {
   TrainingRecipe recipe;
   // 1 cm would hide the smallest objects altogether: what they are could not be learnt.
-  recipe.objects.uniform_noise_m = 0;
+  recipe.objects.uniform_noise_m = 0.004;
   recipe.objects.gaussian_noise_m = 0.004;
   recipe.objects.tilt_deg = 3;
   recipe.objects.thinning = 0.25;
   recipe.scans = recipe.objects;
-  recipe.scans.gaussian_noise_m = 0;  // the camera's own is in them
+  recipe.scans.uniform_noise_m = recipe.scans.gaussian_noise_m = 0;  // the camera's own is in them
   recipe.scans.thinning = 0.7;
+  recipe.scan_share = 0.5;
+  recipe.uniform_share = 0.2;
   return recipe;
 }
 
@@ -22,6 +32,8 @@ TrainingRecipe paper_recipe() {
   TrainingRecipe recipe;
   recipe.set.boxes_on_floor = 0;
   recipe.set.scans = 0;
+  recipe.train.balance_classes = false;
+  recipe.train.edge_weight = 1;
   return recipe;
 }
 
@@ -43,6 +55,42 @@ TrainingRecipe make_recipe(const std::string& name) {
   }
   recipe.name = name;
   return recipe;
+}
+
+LabelledCloud draw_cloud(const TrainingRecipe& recipe,
+                         const std::vector<LabelledCloud>& set,
+                         std::uint64_t number) {
+  const std::uint64_t seed = recipe.train.seed;
+  const auto objects =
+      static_cast<std::uint64_t>(recipe.set.stairs + recipe.set.boxes + recipe.set.planes);
+  const bool scan = random_uniform(seed, kIsScan, number) < recipe.scan_share;
+  const std::uint64_t first = scan ? objects : 0, count = scan ? set.size() - objects : objects;
+  const LabelledCloud& cloud = set[first + random_bits(seed, kWhich, number) % count];
+  AugmentOptions options = recipe.augmentation_of(cloud);
+  const bool uniform = random_uniform(seed, kIsUniform, number) < recipe.uniform_share;
+  (uniform ? options.gaussian_noise_m : options.uniform_noise_m) = 0;
+  return augment(cloud, options, random_bits(seed, kVariation, number));
+}
+
+std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, int threads) {
+  std::vector<ValidationSet> sets;
+  for (const double noise_cm : {0.0, 0.1, 0.2, 0.3}) {
+    ValidationSet& set = sets.emplace_back();
+    set.name = fmt::format("stairs {} cm", noise_cm);
+    set.clouds.resize(static_cast<std::size_t>(count));
+    const StairsOptions options{.seed = seed, .noise_m = noise_cm / 100};
+    const auto make = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        PointSet cloud = make_stairs(static_cast<int>(i), options).cloud;
+        set.clouds[i] = {"stairs", std::move(cloud.points), {}};
+        for (const std::uint8_t label : cloud.label)
+          set.clouds[i].labels.push_back(static_cast<Label>(label));
+      }
+    };
+    parallel_for(set.clouds.size(), threads, make, 1);
+  }
+  sets.push_back({"scans", make_test_scans(seed, count, 0.02, threads)});
+  return sets;
 }
 
 }  // namespace planescope

@@ -5,19 +5,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
-#include "core/classify/classifier.hpp"
-#include "core/geometry/types.hpp"
+#include "core/classify/labelled_cloud.hpp"
 
 namespace planescope {
-
-struct LabelledCloud {
-  std::string kind;           // "stairs", "box", "plane", "scan"
-  std::vector<Vec3f> points;  // z up, metres, about a local origin
-  std::vector<Label> labels;  // Eq. (1) of the true normals
-};
 
 struct TrainingSetOptions {
   std::uint64_t seed = 1;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+#include "app/commands/inputs.hpp"
+#include "core/synthetic/training_recipe.hpp"
+
+namespace planescope {
+
+struct TrainArgs {
+  std::filesystem::path out;   // -o FILE.safetensors; the page and the checkpoint lie beside it
+  InputArgs input;             // labelled recordings to learn from as well; none: no recordings
+  TrainingRecipe recipe;       // with seed, steps and network as asked for
+  bool synthetic = true;       // false: the recordings alone
+  std::filesystem::path from;  // weights to begin with; empty: random ones
+  bool resume = false;         // go on from the checkpoint
+  std::string command;         // as it was typed
+};
+
+/// Trains a classifier. Stopped, it leaves a checkpoint to resume from. Returns the exit code.
+int run_train(const TrainArgs& args, std::stop_token stop);
+
+}  // namespace planescope

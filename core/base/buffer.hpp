@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <new>
+
+namespace planescope {
+
+/// Floats on a cache line's boundary; not initialised unless asked for. Move-only.
+class Buffer {
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t size)
+      : values_(static_cast<float*>(::operator new(size * sizeof(float), kAlignment))),
+        size_(size) {}
+  Buffer(std::size_t size, float value) : Buffer(size) { fill(value); }
+
+  void fill(float value) { std::fill_n(data(), size_, value); }
+  float* data() { return values_.get(); }
+  const float* data() const { return values_.get(); }
+  std::size_t size() const { return size_; }
+  float& operator[](std::size_t i) { return values_.get()[i]; }
+  float operator[](std::size_t i) const { return values_.get()[i]; }
+
+ private:
+  static constexpr std::align_val_t kAlignment{64};
+  struct Free {
+    void operator()(float* p) const { ::operator delete(p, kAlignment); }
+  };
+  std::unique_ptr<float, Free> values_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace planescope

@@ -1,0 +1,118 @@
+// A checkpoint is a safetensors file: of each tensor its value and Adam's two moments, the rest as
+// JSON in its metadata.
+
+#include "core/classify/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.hpp"
+#include "core/classify/json_text.hpp"
+#include "core/classify/safetensors.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kFormat = "planescope-training";
+
+struct Group {
+  const char* name;
+  std::vector<std::vector<float>>& tensors;
+};
+std::vector<Group> groups(TrainState& state) {
+  return {{"value", state.weights.tensors}, {"mean", state.mean}, {"variance", state.variance}};
+}
+
+/// What has to be the same for a training to go on.
+std::string fingerprint(const TrainOptions& o, const std::string& purpose) {
+  return Json{{"network", o.network.name},
+              {"parameters", parameter_count(o.network)},
+              {"seed", o.seed},
+              {"steps", o.steps},
+              {"batch", o.batch},
+              {"learning_rate", o.learning_rate},
+              {"warm_up_steps", o.warm_up_steps},
+              {"balance_classes", o.balance_classes},
+              {"edge_weight", o.edge_weight},
+              {"epoch_steps", o.epoch_steps},
+              {"purpose", purpose}}
+      .dump();
+}
+
+Json progress_of(const TrainState& state) {
+  Json epochs = Json::array();
+  for (const Epoch& epoch : state.epochs) {
+    Json sets = Json::array();
+    for (const LabelAccuracy& a : epoch.validation)
+      sets.push_back({a.edge_right, a.edge, a.inner_right, a.inner});
+    epochs.push_back({{"step", epoch.step}, {"loss", epoch.train_loss}, {"validation", sets}});
+  }
+  return {{"step", state.step}, {"loss_sum", state.loss_sum}, {"epochs", epochs}};
+}
+
+void read_progress(const nlohmann::json& json, TrainState& state) {
+  state.step = json.at("step").get<int>();
+  state.loss_sum = json.at("loss_sum").get<double>();
+  for (const auto& entry : json.at("epochs")) {
+    Epoch& epoch = state.epochs.emplace_back();
+    epoch.step = entry.at("step").get<int>();
+    epoch.train_loss = entry.at("loss").get<double>();
+    for (const auto& set : entry.at("validation"))
+      epoch.validation.push_back({set.at(0).get<std::uint64_t>(), set.at(1).get<std::uint64_t>(),
+                                  set.at(2).get<std::uint64_t>(), set.at(3).get<std::uint64_t>()});
+  }
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path,
+                      const TrainState& state,
+                      const TrainOptions& options,
+                      const std::string& purpose) {
+  TensorFile file;
+  file.metadata = {{"format", kFormat},
+                   {"options", fingerprint(options, purpose)},
+                   {"progress", progress_of(state).dump()}};
+  TrainState copy = state;
+  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  for (const Group& group : groups(copy))
+    for (std::size_t t = 0; t < specs.size(); ++t)
+      file.tensors.push_back({fmt::format("{}/{}", group.name, specs[t].name),
+                              {specs[t].shape.begin(), specs[t].shape.end()},
+                              std::move(group.tensors[t])});
+  write_safetensors(path, file);
+}
+
+TrainState read_checkpoint(const std::filesystem::path& path,
+                           const TrainOptions& options,
+                           const std::string& purpose) {
+  TensorFile file = read_safetensors(path);
+  if (file.metadata["format"] != kFormat)
+    throw Error(path.string() + ": is no checkpoint of a training");
+  const std::string wanted = fingerprint(options, purpose);
+  if (file.metadata["options"] != wanted)
+    throw Error(fmt::format("{}: belongs to another training, {}, expected {}", path.string(),
+                            file.metadata["options"], wanted));
+  TrainState state = begin_training(options);
+  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  for (const Group& group : groups(state))
+    for (std::size_t t = 0; t < specs.size(); ++t) {
+      const std::string name = fmt::format("{}/{}", group.name, specs[t].name);
+      const auto found = std::find_if(file.tensors.begin(), file.tensors.end(),
+                                      [&](const Tensor& tensor) { return tensor.name == name; });
+      if (found == file.tensors.end() || found->values.size() != group.tensors[t].size())
+        throw Error(
+            fmt::format("{}: tensor {} is missing or of another size", path.string(), name));
+      group.tensors[t] = std::move(found->values);
+    }
+  try {
+    read_progress(parse_json(file.metadata["progress"], path.string()), state);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
+  }
+  return state;
+}
+
+}  // namespace planescope

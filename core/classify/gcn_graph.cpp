@@ -1,0 +1,136 @@
+#include "core/classify/gcn_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/team.hpp"
+#include "core/classify/neighbour_grid.hpp"
+
+namespace planescope::gcn {
+namespace {
+
+constexpr std::size_t kTile = 128;  // points whose neighbours are looked for at once
+
+float squared_distance(const Vec3f& a, const Vec3f& b) {
+  const float x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();
+  return x * x + y * y + z * z;
+}
+
+/// The row of a point without the point itself; where more equal points than fit left it out of its
+/// own row, any of them goes instead.
+void drop_self(std::span<const std::uint32_t> found, std::uint32_t self, std::uint32_t* row) {
+  const auto own = std::find(found.begin(), found.end(), self);
+  const auto gone = own == found.end() ? found.end() - 1 : own;
+  std::copy(gone + 1, found.end(), std::copy(found.begin(), gone, row));
+}
+
+void direct(std::span<const Vec3f> points,
+            std::size_t i,
+            std::span<const std::uint32_t> row,
+            float* directions) {
+  for (const std::uint32_t j : row) {
+    const Vec3f d = points[j] - points[i];
+    const float length = std::sqrt(squared_distance(points[j], points[i]));
+    for (int axis = 0; axis < 3; ++axis) *directions++ = length > 0 ? d[axis] / length : 0.0f;
+  }
+}
+
+/// The nearest `count` of a row, the first ones where several are as near.
+void choose_nearest(std::span<const Vec3f> points,
+                    std::size_t i,
+                    std::span<const std::uint32_t> row,
+                    int count,
+                    std::uint32_t* chosen) {
+  std::vector<float> distance;
+  for (const std::uint32_t j : row) distance.push_back(squared_distance(points[j], points[i]));
+  for (int c = 0; c < count; ++c) {
+    const auto nearest = std::min_element(distance.begin(), distance.end());
+    *chosen++ = row[nearest - distance.begin()];
+    *nearest = std::numeric_limits<float>::infinity();
+  }
+}
+
+/// For points begin..end of level 0 the nearest of `pool`, whose points are every `rate`-th of
+/// level 0. Where one of them is among a point's neighbours, the nearest of all is.
+void find_nearest(const NeighbourGrid& grid,
+                  const GraphLevel& level,
+                  const NeighbourGrid& pool,
+                  std::uint32_t rate,
+                  std::size_t begin,
+                  std::size_t end,
+                  std::uint32_t* nearest) {
+  const auto points = grid.points();
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i % rate == 0) {
+      nearest[i] = static_cast<std::uint32_t>(i / rate);
+      continue;
+    }
+    float smallest = std::numeric_limits<float>::infinity();
+    for (int k = 0; k < level.neighbours; ++k) {
+      const std::uint32_t j = level.rows[i * level.neighbours + k];
+      if (j % rate != 0) continue;
+      const float distance = squared_distance(points[j], points[i]);
+      if (distance >= smallest) continue;
+      smallest = distance;
+      nearest[i] = j / rate;
+    }
+    if (std::isinf(smallest)) pool.nearest_to(points.subspan(i, 1), nearest + i);
+  }
+}
+
+}  // namespace
+
+Graph make_graph(std::span<const Vec3f> points,
+                 const NetworkConfig& config,
+                 int threads,
+                 Simd simd) {
+  std::vector<NeighbourGrid> grids;
+  grids.emplace_back(points, config.neighbours + 1, simd);
+  while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
+
+  Graph graph;
+  graph.order.assign(grids[0].order().begin(), grids[0].order().end());
+  for (std::size_t l = 0; l < grids.size(); ++l) {
+    GraphLevel& level = graph.levels.emplace_back();
+    level.n = grids[l].size();
+    level.neighbours = std::min(config.neighbours, static_cast<int>(level.n) - 1);
+    level.rows.resize(level.n * level.neighbours);
+    level.directions = Buffer(level.n * level.neighbours * 3);
+    if (l > 0) level.nearest.resize(grids[0].size());
+    if (l + 1 == grids.size()) continue;
+    level.pool_neighbours = std::min(config.pool_neighbours, level.neighbours);
+    level.pool_rows.resize(grids[l + 1].size() * level.pool_neighbours);
+  }
+
+  run_team(std::min<int>(threads, static_cast<int>(points.size() / 256)), [&](TeamMember& member) {
+    std::vector<std::uint32_t> found;
+    for (std::size_t l = 0; l < grids.size(); ++l) {
+      GraphLevel& level = graph.levels[l];
+      const auto [first, last] = member.share(level.n);
+      const auto k = static_cast<std::size_t>(level.neighbours);
+      for (std::size_t begin = first; begin < last && k > 0; begin += kTile) {
+        const std::size_t end = std::min(last, begin + kTile);
+        found.resize((end - begin) * (k + 1));
+        grids[l].nearest(level.neighbours + 1, begin, end, found.data());
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::span row(level.rows.data() + i * k, k);
+          drop_self({found.data() + (i - begin) * (k + 1), k + 1}, static_cast<std::uint32_t>(i),
+                    row.data());
+          direct(grids[l].points(), i, row, level.directions.data() + i * k * 3);
+          if (level.pool_neighbours > 0 && i % config.pool_rate == 0)
+            choose_nearest(grids[l].points(), i, row, level.pool_neighbours,
+                           level.pool_rows.data() + i / config.pool_rate * level.pool_neighbours);
+        }
+      }
+      std::uint32_t rate = 1;
+      for (std::size_t m = 1; m <= l; ++m) rate *= static_cast<std::uint32_t>(config.pool_rate);
+      const auto [begin, end] = member.share(grids[0].size());
+      if (l > 0)
+        find_nearest(grids[0], graph.levels[0], grids[l], rate, begin, end, level.nearest.data());
+    }
+  });
+  return graph;
+}
+
+}  // namespace planescope::gcn

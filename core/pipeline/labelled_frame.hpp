@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/classify/labelled_cloud.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/pipeline/truth.hpp"
+
+namespace planescope {
+
+/// What the classifier is given of a frame, its voxels, and what it should answer, `unknown` where
+/// there is no truth. Throws Error where gravity cannot be found.
+LabelledCloud labelled_frame(const Frame& frame,
+                             const PipelineOptions& options,
+                             const SourceTruth& truth);
+
+}  // namespace planescope
