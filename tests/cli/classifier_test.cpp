@@ -4,15 +4,18 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
 #include "core/base/file_bytes.hpp"
+#include "core/base/sha256.hpp"
 #include "core/classify/weights.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 namespace {
 
@@ -25,21 +28,17 @@ class Assets {
   Assets& operator=(const Assets&) = delete;
 };
 
-/// A network that has learned nothing, but labels.
-NetworkWeights untrained() {
+/// A network made by hand: v where a point has neighbours right above or below it, which are the
+/// first two channels of the surface convolution.
+NetworkWeights hand_made() {
   NetworkWeights weights;
-  weights.training = R"({"recipe":"none","seed":7})";
-  std::uint32_t state = 1;
-  for (const TensorSpec& spec : tensor_specs(weights.config)) {
-    std::size_t size = 1;
-    for (const int extent : spec.shape) size *= static_cast<std::size_t>(extent);
-    auto& tensor = weights.tensors.emplace_back(size);
-    for (float& value : tensor) {
-      state = state * 1664525 + 1013904223;
-      value = static_cast<float>(state >> 8) / (1 << 23) - 1;
-      value *= 0.2F;
-    }
-  }
+  weights.config = {.name = "by hand", .levels = {{2}}, .neighbours = 16, .head = {1}};
+  weights.training = R"({"recipe":"by hand"})";
+  weights.tensors = {{0, 0, 0, 0, 1, -1},  // conv_0.directions: +z and -z, column by column
+                     {1, 1},               // conv1d_block.0.weight: their sum
+                     {0},                  // conv1d_block.0.bias
+                     {0, 8},               // conv1d_block.2.weight: the more, the more v
+                     {8, 0}};              // conv1d_block.2.bias: h below 1
   return weights;
 }
 
@@ -67,6 +66,33 @@ struct Commands {
 
 }  // namespace
 
+TEST(Classifier, AWeightsFileLabelsEveryFrame) {
+  const Commands commands;
+  const fs::path file = commands.dir / "own.safetensors";
+  write_weights(file, hand_made());
+  const Ran ran = commands.with("segment", file.string());
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(read_text(commands.dir / "out/frames/000000/planes.json"));
+  EXPECT_EQ(json["options"]["classifier"], file.string());
+  ASSERT_EQ(json["planes"].size(), 2u);
+  EXPECT_NE(json["planes"][0]["label"], json["planes"][1]["label"]);
+}
+
+TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
+  const Commands commands;
+  write_weights(commands.dir / "classifier.safetensors", hand_made());
+  const Assets assets(commands.dir);
+  const Ran ran = commands.with("report", "gcn");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json record = Json::parse(read_text(commands.dir / "out/report.json"))["record"];
+  EXPECT_EQ(record["classifier"], "gcn");
+  const Json& weights = record["weights"];
+  EXPECT_EQ(weights["file"], "classifier.safetensors");
+  EXPECT_EQ(weights["sha256"], sha256_hex_of_file(commands.dir / "classifier.safetensors"));
+  EXPECT_EQ(weights["network"], "by hand, 13 parameters");
+  EXPECT_EQ(weights["training"]["recipe"], "by hand");
+}
+
 TEST(Classifier, AMissingWeightsFileIsNamed) {
   const Commands commands;
   const std::string file = (commands.dir / "none.safetensors").string();
@@ -76,7 +102,7 @@ TEST(Classifier, AMissingWeightsFileIsNamed) {
 TEST(Classifier, ACutWeightsFileIsRefused) {
   const Commands commands;
   const fs::path file = commands.dir / "cut.safetensors";
-  write_weights(file, untrained());
+  write_weights(file, hand_made());
   fs::resize_file(file, fs::file_size(file) - 4);
   commands.expect_refused(file.string(), file.string() + ": tensor");
 }
@@ -84,7 +110,7 @@ TEST(Classifier, ACutWeightsFileIsRefused) {
 TEST(Classifier, AWeightsFileWithALyingHeaderIsRefused) {
   const Commands commands;
   const fs::path file = commands.dir / "lie.safetensors";
-  write_weights(file, untrained());
+  write_weights(file, hand_made());
   std::vector<unsigned char> bytes = read_file_bytes(file);
   bytes[5] = 1;  // a header of a terabyte
   write_file_bytes(file, bytes);
