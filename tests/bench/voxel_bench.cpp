@@ -1,13 +1,9 @@
-// The voxel grid of a 640x480 frame against Open3D's VoxelDownSample. Each round runs both, one
-// after the other, so that both see the same machine, and takes the processor time of this thread,
-// so that others' work does not count; the counters give the medians and their ratio. With
-// PLANESCOPE_DATA set, a real frame too.
+// The voxel grid of a 640x480 frame against Open3D's VoxelDownSample. Each round runs both; the
+// counters give the medians and their ratio. With PLANESCOPE_DATA set, a real frame too.
 
 #include <benchmark/benchmark.h>
 #include <open3d/geometry/PointCloud.h>
-#include <time.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -16,6 +12,7 @@
 #include "core/cloud/cloud.hpp"
 #include "core/recording/recording.hpp"
 #include "support/render_depth.hpp"
+#include "timing.hpp"
 
 namespace planescope {
 namespace {
@@ -29,24 +26,6 @@ Frame stairs_frame() {
     test::add_box(scene, Vec3d(0.6 + 0.28 * step, -0.6, 0), Vec3d(0.28, 1.2, 0.16 * (step + 1)),
                   0.1);
   return test::render_depth(scene, {});
-}
-
-double thread_time_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
-}
-
-double milliseconds(const auto& work) {
-  const double begin = thread_time_ms();
-  work();
-  return thread_time_ms() - begin;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void voxel_grid(benchmark::State& state, const Frame& frame, double max_range_m) {

@@ -1,0 +1,82 @@
+// The k = 16 nearest neighbours of every point of a staircase, index included, against nanoflann's
+// k-d tree, and what the PCA classifier makes of them; one thread. Each round runs all of them; the
+// counters give the medians and nanoflann's share of ours.
+
+#include <benchmark/benchmark.h>
+
+#include <map>
+#include <nanoflann.hpp>
+#include <string>
+
+#include "core/classify/neighbour_grid.hpp"
+#include "core/synthetic/stairs.hpp"
+#include "timing.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr int kNeighbours = 16;
+
+std::vector<Vec3f> staircase(int points) {
+  StairsOptions options;
+  options.points = points;
+  options.noise_m = 0.002;
+  return make_stairs(0, options).cloud.points;
+}
+
+std::vector<std::uint32_t> by_grid(std::span<const Vec3f> points, Simd simd) {
+  const NeighbourGrid grid(points, kNeighbours, simd);
+  std::vector<std::uint32_t> rows(points.size() * kNeighbours);
+  grid.nearest(kNeighbours, 0, points.size(), rows.data());
+  return rows;
+}
+
+struct Adaptor {
+  std::span<const Vec3f> points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][axis]; }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+std::vector<std::uint32_t> by_nanoflann(std::span<const Vec3f> points) {
+  using Distance = nanoflann::L2_Simple_Adaptor<float, Adaptor, float, std::uint32_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<Distance, Adaptor, 3, std::uint32_t>;
+  const Adaptor adaptor{points};
+  Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  tree.buildIndex();
+  std::vector<std::uint32_t> rows(points.size() * kNeighbours);
+  std::vector<float> squared(kNeighbours);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    tree.knnSearch(points[i].data(), kNeighbours, rows.data() + i * kNeighbours, squared.data());
+  return rows;
+}
+
+void neighbours(benchmark::State& state) {
+  const std::vector<Vec3f> points = staircase(static_cast<int>(state.range(0)));
+  const auto pca = make_pca_classifier({.neighbours = kNeighbours});
+  std::map<Simd, std::vector<double>> grid_ms;
+  std::vector<double> nanoflann_ms, pca_ms;
+  for (auto _ : state) {
+    for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512})
+      if (simd <= best_simd())
+        grid_ms[simd].push_back(
+            milliseconds([&] { benchmark::DoNotOptimize(by_grid(points, simd)); }));
+    nanoflann_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(by_nanoflann(points)); }));
+    pca_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(pca->classify(points, 1)); }));
+  }
+  state.counters["nanoflann_ms"] = median(nanoflann_ms);
+  for (const auto& [simd, ms] : grid_ms) {
+    state.counters[to_string(simd) + "_ms"] = median(ms);
+    state.counters[to_string(simd) + "_ratio"] = median(nanoflann_ms) / median(ms);
+  }
+  state.counters["pca_ms"] = median(pca_ms);
+}
+BENCHMARK(neighbours)->RangeMultiplier(2)->Range(2048, 16384)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace planescope
+
+BENCHMARK_MAIN();
