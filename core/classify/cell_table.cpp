@@ -1,55 +1,83 @@
 #include "core/classify/cell_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace planescope {
+namespace {
+
+/// Unique among all levels: the code behind a leading one.
+std::uint64_t make_key(std::uint64_t parent, int level) {
+  return parent | std::uint64_t{1} << 3 * (kZBits - 1 - level);
+}
+
+/// The highest level at which a cell begins with point i; -1 for none.
+int highest_begun(std::span<const std::uint64_t> codes, std::size_t i) {
+  if (i == 0) return kZBits;
+  const std::uint64_t differs = codes[i] ^ codes[i - 1];
+  return differs != 0 ? (63 - std::countl_zero(differs)) / 3 : -1;
+}
+
+Siblings search(std::span<const std::uint64_t> codes, std::uint64_t parent, int level) {
+  Siblings found;
+  for (std::uint64_t i = 0; i <= 8; ++i) {
+    const auto at = std::lower_bound(codes.begin() + found.begin[i > 0 ? i - 1 : 0], codes.end(),
+                                     (parent * 8 + i) << 3 * level);
+    found.begin[i] = static_cast<std::uint32_t>(at - codes.begin());
+    if (i > 0 && found.begin[i] > found.begin[i - 1])
+      found.occupied = static_cast<std::uint8_t>(found.occupied | 1 << (i - 1));
+  }
+  return found;
+}
+
+}  // namespace
 
 CellTable::CellTable(std::span<const std::uint64_t> codes, int level) : level_(level) {
-  // The highest level, counted from 0, at which a cell begins with point i; -1 for none.
-  const auto opens = [&](std::size_t i) {
-    if (i == 0) return kZBits;
-    const std::uint64_t differs = codes[i] ^ codes[i - 1];
-    return differs ? (63 - std::countl_zero(differs)) / 3 : -1;
-  };
-  std::size_t cells = 0;
+  std::size_t parents = 0;
   for (std::size_t i = 0; i < codes.size(); ++i)
-    cells += static_cast<std::size_t>(std::max(0, opens(i) - level + 1));
-  const std::size_t capacity = std::bit_ceil(2 * cells + 1);
+    parents += static_cast<std::size_t>(std::max(0, highest_begun(codes, i) - level));
+  const std::size_t capacity = std::bit_ceil(2 * parents + 2);
   shift_ = 64 - std::countr_zero(capacity);
   slots_.resize(capacity);
 
-  std::array<std::uint32_t, kZBits + 1> begins{};  // of the cell that is open at each level
-  const auto close = [&](std::size_t end, int up_to) {
-    for (int l = level; l <= up_to; ++l) {
-      insert(key(codes[begins[l]] >> 3 * l, l), {begins[l], static_cast<std::uint32_t>(end)});
-      begins[l] = static_cast<std::uint32_t>(end);
+  struct Open {
+    Siblings siblings;
+    std::uint32_t known = 0;  // how many of siblings.begin
+    void know(std::uint32_t up_to, std::size_t point) {
+      while (known <= up_to) siblings.begin[known++] = static_cast<std::uint32_t>(point);
     }
   };
-  for (std::size_t i = 1; i < codes.size(); ++i) close(i, opens(i));
-  if (!codes.empty()) close(codes.size(), kZBits);
+  std::array<Open, kZBits> open;  // by level of the siblings
+  for (std::size_t i = 0; i <= codes.size() && !codes.empty(); ++i) {
+    const bool end = i == codes.size();
+    const int begun = end ? kZBits : highest_begun(codes, i);
+    for (int l = level; l < kZBits && l <= begun; ++l) {
+      if (i > 0 && begun > l) {  // their parent ends here
+        open[l].know(8, i);
+        insert(make_key(codes[i - 1] >> 3 * (l + 1), l), open[l].siblings);
+        open[l] = {};
+      }
+      if (end) continue;
+      const auto child = static_cast<std::uint32_t>(codes[i] >> 3 * l & 7);
+      open[l].know(child, i);
+      open[l].siblings.occupied = static_cast<std::uint8_t>(open[l].siblings.occupied | 1 << child);
+    }
+  }
 }
 
-void CellTable::insert(std::uint64_t key, Range range) {
+void CellTable::insert(std::uint64_t key, const Siblings& siblings) {
   std::size_t i = home(key);
   while (slots_[i].key != 0) i = (i + 1) & (slots_.size() - 1);
-  slots_[i] = {key, range};
+  slots_[i] = {key, siblings};
 }
 
-CellTable::Range CellTable::find(std::span<const std::uint64_t> codes,
-                                 std::uint64_t code,
-                                 int level) const {
-  if (level < level_) {
-    const auto first_at = [&](std::uint64_t value) {
-      const auto it = std::lower_bound(codes.begin(), codes.end(), value);
-      return static_cast<std::uint32_t>(it - codes.begin());
-    };
-    return {first_at(code << 3 * level), first_at((code + 1) << 3 * level)};
-  }
-  const std::uint64_t wanted = key(code, level);
-  for (std::size_t i = home(wanted);; i = (i + 1) & (slots_.size() - 1)) {
-    if (slots_[i].key == wanted) return slots_[i].range;
+Siblings CellTable::find(std::span<const std::uint64_t> codes,
+                         std::uint64_t parent,
+                         int level) const {
+  if (level < level_) return search(codes, parent, level);
+  const std::uint64_t key = make_key(parent, level);
+  for (std::size_t i = home(key);; i = (i + 1) & (slots_.size() - 1)) {
+    if (slots_[i].key == key) return slots_[i].siblings;
     if (slots_[i].key == 0) return {};
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,36 +9,35 @@
 
 namespace planescope {
 
-/// Finds the points of a cell: a hash table of the occupied cells from some level upwards.
+/// The eight cells that make up a cell of the level above, in Z-order.
+struct Siblings {
+  std::array<std::uint32_t, 9> begin{};  // points begin[i]..begin[i + 1] lie in cell i
+  std::uint8_t occupied = 0;             // bit i: cell i holds points
+};
+
+/// Finds the points of cells: a hash table of all that are occupied, from some level upwards.
 class CellTable {
  public:
-  struct Range {
-    std::uint32_t begin = 0, end = 0;  // in Z-order
-  };
-
   CellTable() = default;
-  /// `codes`: ascending; must outlive the table's use below `level`, see find().
+  /// `codes`: ascending; `level`: of the finest cells in the table.
   CellTable(std::span<const std::uint64_t> codes, int level);
 
-  /// The points of the cell with this code (those of level 0 shifted right by 3 * level). Levels
-  /// below that of the table are looked up in `codes` itself: the same answer, but slower.
-  Range find(std::span<const std::uint64_t> codes, std::uint64_t code, int level) const;
+  /// The cells of `level` (below kZBits) in the cell of the level above that has this code, which
+  /// is that of its points shifted right by 3 * (level + 1). Below the table's own level they are
+  /// searched for in the codes it was made from: the same answer, but slower.
+  Siblings find(std::span<const std::uint64_t> codes, std::uint64_t parent, int level) const;
 
  private:
   struct Slot {
     std::uint64_t key = 0;  // 0: free
-    Range range;
+    Siblings siblings;
   };
-  /// Unique among all levels: the code behind a leading one.
-  static std::uint64_t key(std::uint64_t code, int level) {
-    return code | std::uint64_t{1} << 3 * (kZBits - level);
-  }
   std::size_t home(std::uint64_t key) const {
     return static_cast<std::size_t>(key * 0x9e3779b97f4a7c15 >> shift_);
   }
-  void insert(std::uint64_t key, Range range);
+  void insert(std::uint64_t key, const Siblings& siblings);
 
-  int level_ = kZBits + 1;
+  int level_ = kZBits;
   int shift_ = 0;
   std::vector<Slot> slots_;
 };

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
-#include <cmath>
+#include <cstring>
 
 #include "core/classify/neighbour_kernels.hpp"
 
@@ -14,7 +15,7 @@ namespace planescope {
 namespace {
 
 /// On a surface the k nearest fill a disc; such a share of them in a cell lets 3x3 cells hold it.
-double points_per_cell(int k) { return std::max(1.0, k / 3.0); }
+double points_per_cell(int k) { return std::max(1.0, k / 3.5); }
 
 constexpr std::int32_t kCells = 1 << kZBits;
 
@@ -33,27 +34,23 @@ struct Place {
 
   ZCell cell_at(int level) const { return {cell[0] >> level, cell[1] >> level, cell[2] >> level}; }
 
-  /// The squared distance in cells within which no point lies outside the 3x3x3 cells around.
-  double reach_squared(int level) const {
-    const double edge = static_cast<double>(1 << level);
+  /// The squared distance within which no point lies outside the 3x3x3 cells around, as the limit
+  /// of float distances: those of farther points surely round to more.
+  float limit(int level, double cell_m2) const {
+    if (level == kZBits) return std::numeric_limits<float>::infinity();
+    const double edge = 1 << level;
     double reach = 2 * edge;
     for (int axis = 0; axis < 3; ++axis) {
       const double into_cell = at[axis] - static_cast<double>(cell[axis] >> level << level);
       reach = std::min({reach, edge + into_cell, 2 * edge - into_cell});
     }
-    return reach * reach + gap_squared;  // points lie in the cube, so the angle there is obtuse
+    // Points lie in the cube, so that the angle at the place moved to is obtuse.
+    const double squared_m2 = (reach * reach + gap_squared) * cell_m2 * (1 - 2e-5);
+    constexpr double kUnderflow = 1e-30;  // squares below have fewer digits
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    return squared_m2 > kUnderflow ? static_cast<float>(std::min(squared_m2, kLargest)) : -1.f;
   }
 };
-
-/// As the limit of squared float distances: those of farther points surely round to more.
-float limit(const ZFrame& frame, const Place& place, int level) {
-  if (level == kZBits) return std::numeric_limits<float>::infinity();
-  const double squared =
-      place.reach_squared(level) / frame.cells_per_m / frame.cells_per_m * (1 - 2e-5);
-  constexpr double kUnderflow = 1e-30;  // squares below have fewer digits
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  return squared > kUnderflow ? static_cast<float>(std::min(squared, kLargest)) : -1.f;
-}
 
 }  // namespace
 
@@ -61,100 +58,146 @@ float limit(const ZFrame& frame, const Place& place, int level) {
 /// queries come along the curve, so that most find theirs here.
 class NeighbourGrid::Surroundings {
  public:
-  struct Block {
-    ZCell center{-1, -1, -1};
-    std::array<CellTable::Range, 27> ranges;
-    int range_count = 0;
-    std::size_t size = 0;
-    bool gathered = false;
-    std::vector<CandidateGroup> groups;
-  };
-
-  Surroundings(const NeighbourGrid& grid, std::size_t k) : grid_(grid), k_(k) {}
+  /// `k`: equal points beyond so many may be left out.
+  Surroundings(const NeighbourGrid& grid, std::size_t k)
+      : grid_(grid), k_(k), crowd_(64 + 16 * std::max(k, static_cast<std::size_t>(grid.k_))) {}
 
   /// The level to begin at: below the usual one where points crowd.
   int first_level(const Place& place) {
-    const std::size_t crowd = 64 + 16 * k_;
     int level = grid_.level_;
-    while (level > 0 && find(place, level).size > crowd) --level;
+    while (level > 0 && find(place, level).size > crowd_) --level;
     return level;
   }
 
-  const Block& around(const Place& place, int level) {
+  Candidates around(const Place& place, int level) {
     Block& block = find(place, level);
     if (!block.gathered) gather(block);
-    return block;
+    return {block.x.data(), block.y.data(), block.z.data(), block.index.data(), block.groups};
   }
 
-  std::vector<DistanceGroup> distances;
+  /// Room for a float for each candidate.
+  FloatGroup* scratch() { return scratch_.data(); }
 
  private:
+  struct Range {
+    std::uint32_t begin, end;
+  };
+  struct Block {
+    ZCell center{-1, -1, -1};
+    std::vector<Range> ranges;  // ascending
+    std::size_t size = 0;
+    bool gathered = false;
+    std::size_t groups = 0;
+    std::vector<FloatGroup> x, y, z;
+    std::vector<IndexGroup> index;
+  };
+
   Block& find(const Place& place, int level) {
     Block& block = blocks_[level];
     const ZCell center = place.cell_at(level);
     if (block.center == center) return block;
     block.center = center;
     block.gathered = false;
-    block.range_count = 0;
     block.size = 0;
-    std::array<std::array<std::uint64_t, 3>, 3> spread;  // by axis and neighbour
-    for (int axis = 0; axis < 3; ++axis)
-      for (int i = 0; i < 3; ++i) spread[axis][i] = z_spread(center[axis] + i - 1) << axis;
-    const std::int32_t cells = kCells >> level;
-    const auto inside = [&](int axis, int i) {
-      return center[axis] + i - 1 >= 0 && center[axis] + i - 1 < cells;
-    };
-    for (int z = 0; z < 3; ++z) {
-      if (!inside(2, z)) continue;
-      for (int y = 0; y < 3; ++y) {
-        if (!inside(1, y)) continue;
-        for (int x = 0; x < 3; ++x)
-          if (inside(0, x)) add(block, spread[0][x] | spread[1][y] | spread[2][z], level);
-      }
-    }
+    block.ranges.clear();
+    if (level == kZBits)
+      add(block, {0, static_cast<std::uint32_t>(grid_.size())});
+    else
+      find_ranges(block, level);
     return block;
   }
 
-  void add(Block& block, std::uint64_t code, int level) {
-    const CellTable::Range range = grid_.cells_.find(grid_.z_.codes, code, level);
-    if (range.begin == range.end) return;
-    int at = block.range_count++;
-    for (; at > 0 && block.ranges[at - 1].begin > range.begin; --at)
-      block.ranges[at] = block.ranges[at - 1];
-    block.ranges[at] = range;
+  /// The 3x3x3 cells lie in 2x2x2 cells of the level above.
+  void find_ranges(Block& block, int level) {
+    constexpr std::array<std::uint8_t, 3> kLower{0x55, 0x33, 0x0f};  // of eight siblings, by axis
+    struct Part {
+      Siblings siblings;
+      unsigned wanted;
+    };
+    std::array<Part, 8> parts;
+    std::size_t count = 0;
+    std::array<std::array<std::uint64_t, 2>, 3> code;  // by axis, of the lower and the upper parent
+    std::array<std::array<unsigned, 2>, 3> wanted;     // siblings in it
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t c = block.center[axis], parents = kCells >> (level + 1);
+      const bool odd = (c & 1) != 0;
+      const std::int32_t lower = (c + 1) / 2 - 1, upper = lower + 1;
+      code[axis] = {z_spread(std::max(lower, 0)) << axis, z_spread(upper) << axis};
+      wanted[axis] = {lower < 0 ? 0
+                      : odd     ? 0xffU
+                                : 0xffU & ~kLower[axis],
+                      upper >= parents ? 0
+                      : odd            ? kLower[axis]
+                                       : 0xffU};
+    }
+    for (int z = 0; z < 2; ++z)
+      for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 2; ++x) {
+          const unsigned mask = wanted[0][x] & wanted[1][y] & wanted[2][z];
+          if (mask == 0) continue;
+          Part part{grid_.cells_.find(grid_.z_.codes, code[0][x] | code[1][y] | code[2][z], level),
+                    mask};
+          part.wanted &= part.siblings.occupied;
+          if (part.wanted == 0) continue;
+          std::size_t at = count++;
+          for (; at > 0 && parts[at - 1].siblings.begin[0] > part.siblings.begin[0]; --at)
+            parts[at] = parts[at - 1];
+          parts[at] = part;
+        }
+    for (std::size_t i = 0; i < count; ++i)
+      for (unsigned rest = parts[i].wanted; rest != 0; rest &= rest - 1) {
+        const int cell = std::countr_zero(rest);
+        add(block, {parts[i].siblings.begin[cell], parts[i].siblings.begin[cell + 1]});
+      }
+  }
+
+  static void add(Block& block, Range range) {
     block.size += range.end - range.begin;
+    if (!block.ranges.empty() && block.ranges.back().end == range.begin)
+      block.ranges.back().end = range.end;
+    else
+      block.ranges.push_back(range);
   }
 
   void gather(Block& block) {
     block.gathered = true;
-    block.groups.resize((block.size + kGroup - 1) / kGroup);
-    const std::vector<Vec3f>& points = grid_.points_;
-    const bool crowded = block.size > 64 + 16 * k_;
-    std::size_t n = 0;
-    for (int r = 0; r < block.range_count; ++r)
-      for (std::uint32_t i = block.ranges[r].begin; i < block.ranges[r].end; ++i) {
-        // Of equal points, which lie in a run, only the first k can be anybody's neighbours.
-        if (crowded && i >= k_ && points[i] == points[i - k_]) continue;
-        CandidateGroup& group = block.groups[n / kGroup];
-        const std::size_t lane = n++ % kGroup;
-        group.x[lane] = points[i].x();
-        group.y[lane] = points[i].y();
-        group.z[lane] = points[i].z();
-        group.index[lane] = i;
-      }
-    block.groups.resize((n + kGroup - 1) / kGroup);
-    for (; n % kGroup != 0; ++n) {
-      CandidateGroup& group = block.groups[n / kGroup];
-      group.x[n % kGroup] = std::numeric_limits<float>::quiet_NaN();
-      group.y[n % kGroup] = group.z[n % kGroup] = 0;
-      group.index[n % kGroup] = kNoNeighbour;
+    if (block.size > crowd_) leave_out_equals(block);
+    block.groups = (block.size + kGroup - 1) / kGroup;
+    if (block.x.size() < block.groups + 1) {  // a group more, for copies go by groups
+      for (auto* lanes : {&block.x, &block.y, &block.z}) lanes->resize(block.groups + 1);
+      block.index.resize(block.groups + 1);
     }
-    if (distances.size() < block.groups.size()) distances.resize(block.groups.size());
+    if (scratch_.size() < block.groups) scratch_.resize(block.groups);
+    float *x = block.x[0].lane, *y = block.y[0].lane, *z = block.z[0].lane;
+    std::uint32_t* index = block.index[0].lane;
+    std::size_t to = 0;
+    for (const Range& range : block.ranges) {
+      for (std::uint32_t from = range.begin; from < range.end; from += kGroup) {
+        const std::size_t at = to + (from - range.begin);
+        std::memcpy(x + at, grid_.axes_[0].data() + from, sizeof(FloatGroup));
+        std::memcpy(y + at, grid_.axes_[1].data() + from, sizeof(FloatGroup));
+        std::memcpy(z + at, grid_.axes_[2].data() + from, sizeof(FloatGroup));
+        for (std::uint32_t i = 0; i < kGroup; ++i) index[at + i] = from + i;
+      }
+      to += range.end - range.begin;
+    }
+    std::fill(x + block.size, x + block.groups * kGroup, std::numeric_limits<float>::quiet_NaN());
+  }
+
+  /// Of equal points, which lie in a run, only the first k can be anybody's neighbours.
+  void leave_out_equals(Block& block) {
+    const std::vector<Range> ranges = std::move(block.ranges);
+    block.ranges.clear();
+    block.size = 0;
+    for (const Range& range : ranges)
+      for (std::uint32_t i = range.begin; i < range.end; ++i)
+        if (i < k_ || grid_.points_[i] != grid_.points_[i - k_]) add(block, {i, i + 1});
   }
 
   const NeighbourGrid& grid_;
-  std::size_t k_;
+  std::size_t k_, crowd_;
   std::array<Block, kZBits + 1> blocks_;
+  std::vector<FloatGroup> scratch_;
 };
 
 NeighbourGrid::NeighbourGrid(std::span<const Vec3f> points, int k, Simd simd)
@@ -181,6 +224,10 @@ NeighbourGrid NeighbourGrid::every(int rate) const {
 }
 
 void NeighbourGrid::make_cells() {
+  for (int axis = 0; axis < 3; ++axis) {
+    axes_[axis].resize(size() + kGroup);
+    for (std::size_t i = 0; i < size(); ++i) axes_[axis][i] = points_[i][axis];
+  }
   level_ = z_level(z_.codes, points_per_cell(k_));
   cells_ = CellTable(z_.codes, level_);
 }
@@ -189,6 +236,7 @@ void NeighbourGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint
   assert(k >= 0 && begin <= end && end <= size());
   if (k == 0 || begin == end) return;
   const auto& kernels = neighbour_kernels(simd_);
+  const double cell_m2 = 1 / z_.frame.cells_per_m / z_.frame.cells_per_m;
   const auto width = static_cast<std::size_t>(k), wanted = std::min(width, size());
   Surroundings surroundings(*this, wanted);
   std::vector<std::uint32_t> row(wanted + kGroup);
@@ -197,10 +245,9 @@ void NeighbourGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint
     if (i == begin || p != points_[i - 1]) {
       const Place place(z_.frame, p);
       for (int level = surroundings.first_level(place);; ++level) {
-        const auto& groups = surroundings.around(place, level).groups;
-        if (kernels.nearest(groups.data(), groups.size(), p.data(), wanted,
-                            limit(z_.frame, place, level), surroundings.distances.data(),
-                            row.data()))
+        const Candidates candidates = surroundings.around(place, level);
+        if (kernels.nearest(candidates, p.data(), wanted, place.limit(level, cell_m2),
+                            surroundings.scratch(), row.data()))
           break;
       }
     }
@@ -211,6 +258,7 @@ void NeighbourGrid::nearest(int k, std::size_t begin, std::size_t end, std::uint
 
 void NeighbourGrid::nearest_to(std::span<const Vec3f> queries, std::uint32_t* found) const {
   const auto& kernels = neighbour_kernels(simd_);
+  const double cell_m2 = 1 / z_.frame.cells_per_m / z_.frame.cells_per_m;
   Surroundings surroundings(*this, 1);
   for (std::size_t i = 0; i < queries.size(); ++i) {
     found[i] = kNoNeighbour;
@@ -218,9 +266,9 @@ void NeighbourGrid::nearest_to(std::span<const Vec3f> queries, std::uint32_t* fo
     const Vec3f& q = queries[i];
     const Place place(z_.frame, q);
     for (int level = surroundings.first_level(place);; ++level) {
-      const auto& groups = surroundings.around(place, level).groups;
-      if (!groups.empty() && kernels.nearest_one(groups.data(), groups.size(), q.data(),
-                                                 &found[i]) <= limit(z_.frame, place, level))
+      const Candidates candidates = surroundings.around(place, level);
+      if (candidates.groups > 0 &&
+          kernels.nearest_one(candidates, q.data(), &found[i]) <= place.limit(level, cell_m2))
         break;
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -48,6 +49,7 @@ class NeighbourGrid {
   int k_ = 1;
   Simd simd_ = Simd::plain;
   std::vector<Vec3f> points_;
+  std::array<std::vector<float>, 3> axes_;  // the same; longer, so that groups may be read
   ZOrder z_;
   int level_ = 0;  // where searches begin
   CellTable cells_;

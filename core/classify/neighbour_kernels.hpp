@@ -12,31 +12,33 @@
 namespace planescope {
 
 inline constexpr std::size_t kGroup = 16;
-
-/// Candidates, ascending by grid index. Unused lanes, at the end, have x = NaN.
-struct alignas(64) CandidateGroup {
-  float x[kGroup], y[kGroup], z[kGroup];
-  std::uint32_t index[kGroup];
+struct alignas(64) FloatGroup {
+  float lane[kGroup];
 };
-struct alignas(64) DistanceGroup {
-  float squared[kGroup];
+struct alignas(64) IndexGroup {
+  std::uint32_t lane[kGroup];
+};
+
+/// Points ascending by grid index, in groups; unused lanes, at the end, have x = NaN.
+struct Candidates {
+  const FloatGroup* x;
+  const FloatGroup* y;
+  const FloatGroup* z;
+  const IndexGroup* index;
+  std::size_t groups;
 };
 
 struct NeighbourKernels {
   /// The k candidates nearest to p: their indices into row (with room for k + kGroup), ascending.
   /// False if fewer than k have a squared distance <= `within`. `scratch`: one for each group.
-  bool (*nearest)(const CandidateGroup* groups,
-                  std::size_t group_count,
+  bool (*nearest)(const Candidates& candidates,
                   const float* p,
                   std::size_t k,
                   float within,
-                  DistanceGroup* scratch,
+                  FloatGroup* scratch,
                   std::uint32_t* row);
   /// The squared distance of the nearest of one or more candidates, and its index.
-  float (*nearest_one)(const CandidateGroup* groups,
-                       std::size_t group_count,
-                       const float* p,
-                       std::uint32_t* found);
+  float (*nearest_one)(const Candidates& candidates, const float* p, std::uint32_t* found);
 };
 const NeighbourKernels& neighbour_kernels(Simd simd);
 

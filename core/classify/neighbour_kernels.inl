@@ -1,17 +1,17 @@
 // Selection by threshold: instead of sorting the candidates by distance, find a distance that so
-// many of them do not exceed. Each source that includes this brings its own
-//   std::size_t count_within(const DistanceGroup* d, std::size_t groups, float limit);
-//   void take_within(const DistanceGroup* d, const CandidateGroup* c, std::size_t groups,
-//                    float limit, std::uint32_t* row);  // may write up to kGroup beyond the last
+// many of them do not exceed. Each source that includes this brings its own count_within() and
+// take_within().
 
 #include "core/classify/neighbour_kernels.hpp"
 
 namespace planescope {
 namespace {
 
-std::size_t count_within(const DistanceGroup* d, std::size_t groups, float limit);
-void take_within(const DistanceGroup* d,
-                 const CandidateGroup* c,
+/// How many are <= limit.
+std::size_t count_within(const FloatGroup* squared, std::size_t groups, float limit);
+/// The index of each that is <= limit; may write up to kGroup beyond the last.
+void take_within(const FloatGroup* squared,
+                 const IndexGroup* index,
                  std::size_t groups,
                  float limit,
                  std::uint32_t* row);
@@ -28,40 +28,48 @@ float to_float(std::int32_t bits) {
   return v;
 }
 
-void measure(const CandidateGroup& c, const float* p, DistanceGroup& d) {
-  for (std::size_t lane = 0; lane < kGroup; ++lane) {
-    const float dx = c.x[lane] - p[0], dy = c.y[lane] - p[1], dz = c.z[lane] - p[2];
-    d.squared[lane] = dx * dx + dy * dy + dz * dz;
-  }
+// As wide as the registers; not left to the compiler, which would rather shuffle whole groups.
+using Floats [[gnu::vector_size(4 * PLANESCOPE_LANES), gnu::may_alias]] = float;
+using Ints [[gnu::vector_size(4 * PLANESCOPE_LANES)]] = std::int32_t;
+
+const Floats& lanes(const FloatGroup& group, std::size_t from) {
+  return *reinterpret_cast<const Floats*>(group.lane + from);
 }
 
-/// All that are nearer than `tie`, and the first `ties` of those exactly there.
-void take_with_ties(const DistanceGroup* d,
-                    const CandidateGroup* c,
+Floats squared_distances(const Candidates& c, std::size_t g, std::size_t from, const float* p) {
+  const Floats dx = lanes(c.x[g], from) - p[0];
+  const Floats dy = lanes(c.y[g], from) - p[1];
+  const Floats dz = lanes(c.z[g], from) - p[2];
+  return dx * dx + dy * dy + dz * dz;
+}
+
+/// The index of each that is < tie, and of the first `ties` that are equal to it.
+void take_with_ties(const FloatGroup* squared,
+                    const IndexGroup* index,
                     std::size_t groups,
                     float tie,
                     std::size_t ties,
                     std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
-    for (std::size_t lane = 0; lane < kGroup; ++lane) {
-      const float squared = d[g].squared[lane];
-      const bool tied = squared == tie && ties > 0;
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const bool tied = squared[g].lane[i] == tie && ties > 0;
       ties -= tied;
-      *row = c[g].index[lane];
-      row += squared < tie || tied;
+      *row = index[g].lane[i];
+      row += squared[g].lane[i] < tie || tied;
     }
 }
 
-bool nearest(const CandidateGroup* groups,
-             std::size_t group_count,
+bool nearest(const Candidates& c,
              const float* p,
              std::size_t k,
              float within,
-             DistanceGroup* scratch,
+             FloatGroup* squared,
              std::uint32_t* row) {
-  for (std::size_t g = 0; g < group_count; ++g) measure(groups[g], p, scratch[g]);
-  std::int32_t low = -1, high = to_bits(within);  // fewer than k are within low, k or more in high
-  std::size_t in_low = 0, in_high = count_within(scratch, group_count, within);
+  for (std::size_t g = 0; g < c.groups; ++g)
+    for (std::size_t i = 0; i < kGroup; i += PLANESCOPE_LANES)
+      *reinterpret_cast<Floats*>(squared[g].lane + i) = squared_distances(c, g, i, p);
+  std::int32_t low = -1, high = to_bits(within);  // fewer than k are <= low, k or more <= high
+  std::size_t in_low = 0, in_high = count_within(squared, c.groups, within);
   if (in_high < k) return false;
   for (int step = 0; in_high > k && high - low > 1; ++step) {
     // The count grows about linearly with the square of the distance, for points lie on surfaces:
@@ -75,7 +83,7 @@ bool nearest(const CandidateGroup* groups,
       const std::int32_t bits = to_bits(from + (to - from) * share);
       if (bits > low && bits < high) guess = bits;
     }
-    const std::size_t count = count_within(scratch, group_count, to_float(guess));
+    const std::size_t count = count_within(squared, c.groups, to_float(guess));
     if (count < k) {
       low = guess;
       in_low = count;
@@ -85,31 +93,32 @@ bool nearest(const CandidateGroup* groups,
     }
   }
   if (in_high == k)
-    take_within(scratch, groups, group_count, to_float(high), row);
+    take_within(squared, c.index, c.groups, to_float(high), row);
   else
-    take_with_ties(scratch, groups, group_count, to_float(high), k - in_low, row);
+    take_with_ties(squared, c.index, c.groups, to_float(high), k - in_low, row);
   return true;
 }
 
-float nearest_one(const CandidateGroup* groups,
-                  std::size_t group_count,
-                  const float* p,
-                  std::uint32_t* found) {
-  float best = __builtin_inff();
-  *found = groups[0].index[0];  // stays where all distances overflow
-  for (std::size_t g = 0; g < group_count; ++g) {
-    DistanceGroup d;
-    measure(groups[g], p, d);
-    float least = best;  // NaN is never less
-    for (std::size_t lane = 0; lane < kGroup; ++lane)
-      least = d.squared[lane] < least ? d.squared[lane] : least;
-    if (!(least < best)) continue;
-    best = least;
-    std::size_t lane = 0;
-    while (d.squared[lane] != best) ++lane;
-    *found = groups[g].index[lane];
+float nearest_one(const Candidates& c, const float* p, std::uint32_t* found) {
+  Floats least = Floats{} + __builtin_inff();  // of each lane, and where; there from the start in
+  Ints where = {};                             // case all distances overflow
+  for (std::size_t g = 0; g < c.groups; ++g)
+    for (std::size_t i = 0; i < kGroup; i += PLANESCOPE_LANES) {
+      const Floats squared = squared_distances(c, g, i, p);
+      const Ints at = Ints{} + static_cast<std::int32_t>(g * kGroup + i);
+      const Ints less = squared < least;
+      least = less ? squared : least;
+      where = less ? at : where;
+    }
+  std::uint64_t best = ~std::uint64_t{0};  // the distance, then the first place
+  for (std::uint32_t i = 0; i < PLANESCOPE_LANES; ++i) {
+    const std::uint64_t lane = static_cast<std::uint64_t>(to_bits(least[i])) << 32 |
+                               (static_cast<std::uint32_t>(where[i]) + i);
+    best = lane < best ? lane : best;
   }
-  return best;
+  const auto at = static_cast<std::uint32_t>(best);
+  *found = c.index[at / kGroup].lane[at % kGroup];
+  return to_float(static_cast<std::int32_t>(best >> 32));
 }
 
 }  // namespace

@@ -1,25 +1,26 @@
+#define PLANESCOPE_LANES 4
 #include "core/classify/neighbour_kernels.inl"
 
 namespace planescope {
 namespace {
 
-std::size_t count_within(const DistanceGroup* d, std::size_t groups, float limit) {
+std::size_t count_within(const FloatGroup* squared, std::size_t groups, float limit) {
   std::int32_t counts[4] = {};  // as wide as the registers that every processor has
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t lane = 0; lane < kGroup; lane += 4)
-      for (std::size_t i = 0; i < 4; ++i) counts[i] += d[g].squared[lane + i] <= limit;
+      for (std::size_t i = 0; i < 4; ++i) counts[i] += squared[g].lane[lane + i] <= limit;
   return static_cast<std::size_t>(counts[0] + counts[1] + counts[2] + counts[3]);
 }
 
-void take_within(const DistanceGroup* d,
-                 const CandidateGroup* c,
+void take_within(const FloatGroup* squared,
+                 const IndexGroup* index,
                  std::size_t groups,
                  float limit,
                  std::uint32_t* row) {
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t lane = 0; lane < kGroup; ++lane) {
-      *row = c[g].index[lane];  // no branch: half of them would be mispredicted
-      row += d[g].squared[lane] <= limit;
+      *row = index[g].lane[lane];  // no branch: half of them would be mispredicted
+      row += squared[g].lane[lane] <= limit;
     }
 }
 
