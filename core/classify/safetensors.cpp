@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
