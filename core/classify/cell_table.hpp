@@ -42,4 +42,14 @@ class CellTable {
   std::vector<Slot> slots_;
 };
 
+/// Points in Z-order and the way to those of any cell.
+struct CellIndex {
+  ZOrder z;
+  std::vector<Vec3f> points;
+  std::array<std::vector<float>, 3> axes;  // the same; longer, so that whole groups may be read
+  std::size_t crowd = 0;                   // candidates that are too many: a smaller cell will do
+  int level = 0;                           // where searches begin
+  CellTable cells;                         // from there upwards
+};
+
 }  // namespace planescope

@@ -1,14 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include "core/base/simd.hpp"
 #include "core/classify/cell_table.hpp"
-#include "core/classify/z_order.hpp"
 #include "core/geometry/types.hpp"
 
 namespace planescope {
@@ -26,10 +23,10 @@ class NeighbourGrid {
   /// The grid of points 0, rate, 2 rate, ... of this one, in the same order.
   NeighbourGrid every(int rate) const;
 
-  std::size_t size() const { return points_.size(); }
-  std::span<const Vec3f> points() const { return points_; }  // in grid order
+  std::size_t size() const { return index_.points.size(); }
+  std::span<const Vec3f> points() const { return index_.points; }  // in grid order
   /// order()[i]: where points()[i] was in the input, that of the whole cloud for a grid of every().
-  std::span<const std::uint32_t> order() const { return z_.order; }
+  std::span<const std::uint32_t> order() const { return index_.z.order; }
 
   /// For points begin..end of the grid the k nearest, themselves included: [(end - begin) x k]
   /// grid indices, ascending in each row, kNoNeighbour at its end where size() < k. Of several at
@@ -41,18 +38,12 @@ class NeighbourGrid {
   void nearest_to(std::span<const Vec3f> queries, std::uint32_t* found) const;
 
  private:
-  class Surroundings;
-
   NeighbourGrid() = default;
   void make_cells();
 
   int k_ = 1;
   Simd simd_ = Simd::plain;
-  std::vector<Vec3f> points_;
-  std::array<std::vector<float>, 3> axes_;  // the same; longer, so that groups may be read
-  ZOrder z_;
-  int level_ = 0;  // where searches begin
-  CellTable cells_;
+  CellIndex index_;
 };
 
 }  // namespace planescope
