@@ -183,14 +183,15 @@ struct Backward {
       for (int sc = 0; sc < kernels_count; ++sc) {
         const float g = dy[sc % layer.out];
         if (g == 0) continue;
-        const std::size_t edge = i * level.neighbours + winners[sc];
-        const float* d = level.directions.data() + 3 * edge;
+        const std::size_t k = static_cast<std::size_t>(level.neighbours);
+        const float* to = level.directions.data() + 3 * i * k + winners[sc];
+        const float d[3] = {to[0], to[k], to[2 * k]};
         const float along =
             d[0] * u[sc] + d[1] * u[kernels_count + sc] + d[2] * u[2 * kernels_count + sc];
         if (along <= 0) continue;
         float slope = g;
         if (layer.in > 0) {
-          const std::size_t value = level.rows[edge] * columns + layer.out + sc;
+          const std::size_t value = level.rows[i * k + winners[sc]] * columns + layer.out + sc;
           products[value] += g * along;
           slope *= a.convolutions[c].products[value];
         }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/team.hpp"
+#include "core/classify/gcn_kernels.hpp"
 #include "core/classify/neighbour_grid.hpp"
 
 namespace planescope::gcn {
@@ -25,24 +26,14 @@ void drop_self(std::span<const std::uint32_t> found, std::uint32_t self, std::ui
   std::copy(gone + 1, found.end(), std::copy(found.begin(), gone, row));
 }
 
-void direct(std::span<const Vec3f> points,
-            std::size_t i,
-            std::span<const std::uint32_t> row,
-            float* directions) {
-  for (const std::uint32_t j : row) {
-    const Vec3f d = points[j] - points[i];
-    const float length = std::sqrt(squared_distance(points[j], points[i]));
-    for (int axis = 0; axis < 3; ++axis) *directions++ = length > 0 ? d[axis] / length : 0.0f;
-  }
-}
-
 /// The nearest `count` of a row, the first ones where several are as near.
 void choose_nearest(std::span<const Vec3f> points,
                     std::size_t i,
                     std::span<const std::uint32_t> row,
                     int count,
+                    std::vector<float>& distance,
                     std::uint32_t* chosen) {
-  std::vector<float> distance;
+  distance.clear();
   for (const std::uint32_t j : row) distance.push_back(squared_distance(points[j], points[i]));
   for (int c = 0; c < count; ++c) {
     const auto nearest = std::min_element(distance.begin(), distance.end());
@@ -51,31 +42,29 @@ void choose_nearest(std::span<const Vec3f> points,
   }
 }
 
-/// For points begin..end of level 0 the nearest of `pool`, whose points are every `rate`-th of
-/// level 0. Where one of them is among a point's neighbours, the nearest of all is.
+/// For points begin..end of level 0 the nearest of `pool`; `in_pool`: of each point of level 0 its
+/// index there, or none. Where one of the pool is among a point's neighbours, so is the nearest.
 void find_nearest(const NeighbourGrid& grid,
                   const GraphLevel& level,
                   const NeighbourGrid& pool,
-                  std::uint32_t rate,
+                  const std::vector<std::uint32_t>& in_pool,
                   std::size_t begin,
                   std::size_t end,
                   std::uint32_t* nearest) {
   const auto points = grid.points();
   for (std::size_t i = begin; i < end; ++i) {
-    if (i % rate == 0) {
-      nearest[i] = static_cast<std::uint32_t>(i / rate);
-      continue;
-    }
+    nearest[i] = in_pool[i];
+    if (nearest[i] != kNoNeighbour) continue;
     float smallest = std::numeric_limits<float>::infinity();
     for (int k = 0; k < level.neighbours; ++k) {
       const std::uint32_t j = level.rows[i * level.neighbours + k];
-      if (j % rate != 0) continue;
+      if (in_pool[j] == kNoNeighbour) continue;
       const float distance = squared_distance(points[j], points[i]);
       if (distance >= smallest) continue;
       smallest = distance;
-      nearest[i] = j / rate;
+      nearest[i] = in_pool[j];
     }
-    if (std::isinf(smallest)) pool.nearest_to(points.subspan(i, 1), nearest + i);
+    if (nearest[i] == kNoNeighbour) pool.nearest_to(points.subspan(i, 1), nearest + i);
   }
 }
 
@@ -88,6 +77,15 @@ Graph make_graph(std::span<const Vec3f> points,
   std::vector<NeighbourGrid> grids;
   grids.emplace_back(points, config.neighbours + 1, simd);
   while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
+
+  // Of each point of level 0 its index in each level, or none.
+  std::vector<std::vector<std::uint32_t>> in_level(grids.size());
+  std::size_t rate = 1;
+  for (std::vector<std::uint32_t>& in : in_level) {
+    in.assign(points.size(), kNoNeighbour);
+    for (std::size_t i = 0; i < in.size(); i += rate) in[i] = static_cast<std::uint32_t>(i / rate);
+    rate *= static_cast<std::size_t>(config.pool_rate);
+  }
 
   Graph graph;
   graph.order.assign(grids[0].order().begin(), grids[0].order().end());
@@ -105,6 +103,7 @@ Graph make_graph(std::span<const Vec3f> points,
 
   run_team(std::min<int>(threads, static_cast<int>(points.size() / 256)), [&](TeamMember& member) {
     std::vector<std::uint32_t> found;
+    std::vector<float> distance;
     for (std::size_t l = 0; l < grids.size(); ++l) {
       GraphLevel& level = graph.levels[l];
       const auto [first, last] = member.share(level.n);
@@ -117,17 +116,21 @@ Graph make_graph(std::span<const Vec3f> points,
           const std::span row(level.rows.data() + i * k, k);
           drop_self({found.data() + (i - begin) * (k + 1), k + 1}, static_cast<std::uint32_t>(i),
                     row.data());
-          direct(grids[l].points(), i, row, level.directions.data() + i * k * 3);
           if (level.pool_neighbours > 0 && i % config.pool_rate == 0)
-            choose_nearest(grids[l].points(), i, row, level.pool_neighbours,
+            choose_nearest(grids[l].points(), i, row, level.pool_neighbours, distance,
                            level.pool_rows.data() + i / config.pool_rate * level.pool_neighbours);
         }
+        kernels(simd).direct({.begin = begin,
+                              .end = end,
+                              .neighbours = level.neighbours,
+                              .points = grids[l].points()[0].data(),
+                              .rows = level.rows.data(),
+                              .directions = level.directions.data()});
       }
-      std::uint32_t rate = 1;
-      for (std::size_t m = 1; m <= l; ++m) rate *= static_cast<std::uint32_t>(config.pool_rate);
-      const auto [begin, end] = member.share(grids[0].size());
+      const auto [begin, end] = member.share(points.size());
       if (l > 0)
-        find_nearest(grids[0], graph.levels[0], grids[l], rate, begin, end, level.nearest.data());
+        find_nearest(grids[0], graph.levels[0], grids[l], in_level[l], begin, end,
+                     level.nearest.data());
     }
   });
   return graph;

@@ -18,7 +18,7 @@ struct GraphLevel {
   std::size_t n = 0;
   int neighbours = 0;               // k, fewer where there are not so many other points
   std::vector<std::uint32_t> rows;  // [n x k] the nearest other points
-  Buffer directions;                // [n x k x 3] unit vectors to them; zero to an equal point
+  Buffer directions;                // [n x 3 x k] unit vectors to them; zero to an equal point
   // The pooling that leads to the next level, which keeps points 0, rate, 2 rate, ...
   int pool_neighbours = 0;
   std::vector<std::uint32_t> pool_rows;  // [n of the next level x pool_neighbours]

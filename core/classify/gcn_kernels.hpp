@@ -14,6 +14,15 @@ namespace planescope::gcn {
 /// Channel counts are padded with zeros to multiples of this.
 inline constexpr int kLanes = 16;
 
+/// Unit vectors from each point to its neighbours, zero to an equal point.
+struct DirectionArgs {
+  std::size_t begin = 0, end = 0;
+  int neighbours = 0;
+  const float* points = nullptr;        // [n x 3]
+  const std::uint32_t* rows = nullptr;  // [n x k]
+  float* directions = nullptr;          // [n x 3 x k]
+};
+
 /// Graph convolution (Lin et al. 2020, Sec. 3.2-3.3), without its products with the weights:
 /// out[i][c] = centre[i][c] + sum over s of max over j of relu(directions[i][j] . kernels[s][c])
 ///             * features[rows[i][j]][s][c].
@@ -60,6 +69,7 @@ struct OuterArgs {
 };
 
 struct Kernels {
+  void (*direct)(const DirectionArgs&);
   void (*support)(const SupportArgs&);
   void (*product)(const ProductArgs&);
   void (*outer)(const OuterArgs&);

@@ -18,11 +18,35 @@ inline Lanes all(float v) { return Lanes{} + v; }
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes relu(Lanes v) { return larger(v, Lanes{}); }
 
+void direct(const DirectionArgs& a) {
+  const int k = a.neighbours;
+  for (std::size_t i = a.begin; i < a.end; ++i) {
+    const float* p = a.points + 3 * i;
+    const std::uint32_t* row = a.rows + i * k;
+    float* out = a.directions + i * 3 * k;
+    for (int j = 0; j < k; ++j)
+      for (int axis = 0; axis < 3; ++axis)
+        out[axis * k + j] = a.points[3 * std::size_t{row[j]} + axis] - p[axis];
+    float* x = out;
+    float* y = out + k;
+    float* z = out + 2 * k;
+    for (int j = 0; j < k; ++j) {
+      const float length = __builtin_sqrtf(x[j] * x[j] + y[j] * y[j] + z[j] * z[j]);
+      const float scale = length > 0 ? 1 / length : 0.0f;
+      x[j] *= scale;
+      y[j] *= scale;
+      z[j] *= scale;
+    }
+  }
+}
+
 // kGroup registers of channels at a time, from channel c.
 template <int kGroup, bool kSurface, bool kWinners>
 inline void support_group(const SupportArgs& a, std::size_t i, int c) {
   const int all_channels = a.supports * a.channels;
-  const float* direction = a.directions + i * a.neighbours * 3;
+  const float* x_to = a.directions + i * a.neighbours * 3;
+  const float* y_to = x_to + a.neighbours;
+  const float* z_to = y_to + a.neighbours;
   const std::uint32_t* row = a.rows + i * a.neighbours;
   Lanes sum[kGroup];
   for (int g = 0; g < kGroup; ++g)
@@ -39,8 +63,7 @@ inline void support_group(const SupportArgs& a, std::size_t i, int c) {
       winner[g] = LanesI{};
     }
     for (int j = 0; j < a.neighbours; ++j) {
-      const Lanes dx = all(direction[3 * j]), dy = all(direction[3 * j + 1]),
-                  dz = all(direction[3 * j + 2]);
+      const Lanes dx = all(x_to[j]), dy = all(y_to[j]), dz = all(z_to[j]);
       const float* feature = kSurface ? nullptr : a.features + row[j] * a.stride + first;
       for (int g = 0; g < kGroup; ++g) {
         Lanes value = relu(dx * x[g] + dy * y[g] + dz * z[g]);

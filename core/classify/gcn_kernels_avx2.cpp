@@ -4,6 +4,6 @@
 
 namespace planescope::gcn {
 
-const Kernels kKernelsAvx2{support, product, outer};
+const Kernels kKernelsAvx2{direct, support, product, outer};
 
 }  // namespace planescope::gcn

@@ -4,6 +4,6 @@
 
 namespace planescope::gcn {
 
-const Kernels kKernelsAvx512{support, product, outer};
+const Kernels kKernelsAvx512{direct, support, product, outer};
 
 }  // namespace planescope::gcn

@@ -4,6 +4,6 @@
 
 namespace planescope::gcn {
 
-const Kernels kKernelsPlain{support, product, outer};
+const Kernels kKernelsPlain{direct, support, product, outer};
 
 }  // namespace planescope::gcn
