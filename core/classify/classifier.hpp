@@ -30,6 +30,11 @@ class Classifier {
   virtual Classification classify(std::span<const Vec3f> points, int threads) const = 0;
 };
 
+/// The same for a cloud wherever it stands: its coordinates are taken from its lower corner on.
+Classification classify_about_origin(const Classifier& classifier,
+                                     std::span<const Vec3d> points,
+                                     int threads);
+
 struct PcaClassifierOptions {
   int neighbours = 16;        // points in each local fit, itself included
   double max_angle_deg = 45;  // Eq. (1): h up to pi/4 from gravity
