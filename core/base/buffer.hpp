@@ -11,10 +11,17 @@ namespace planescope {
 class Buffer {
  public:
   Buffer() = default;
-  explicit Buffer(std::size_t size)
-      : values_(static_cast<float*>(::operator new(size * sizeof(float), kAlignment))),
-        size_(size) {}
+  explicit Buffer(std::size_t size) { resize(size); }
   Buffer(std::size_t size, float value) : Buffer(size) { fill(value); }
+
+  /// Values are lost, memory is kept where it suffices.
+  void resize(std::size_t size) {
+    if (size > capacity_) {
+      values_.reset(static_cast<float*>(::operator new(size * sizeof(float), kAlignment)));
+      capacity_ = size;
+    }
+    size_ = size;
+  }
 
   void fill(float value) { std::fill_n(data(), size_, value); }
   float* data() { return values_.get(); }
@@ -29,7 +36,7 @@ class Buffer {
     void operator()(float* p) const { ::operator delete(p, kAlignment); }
   };
   std::unique_ptr<float, Free> values_;
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, capacity_ = 0;
 };
 
 }  // namespace planescope

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "core/classify/finite.hpp"
 #include "core/classify/gcn_forward.hpp"
@@ -11,10 +12,31 @@ namespace planescope {
 struct Gcn::Layers {
   gcn::Layers layers;
   Simd simd;
+
+  // The memory of earlier calls, one for each that ran at the same time: a cloud's features are
+  // megabytes, which would be mapped and cleared anew every time.
+  struct Workspace {
+    gcn::Graph graph;
+    gcn::Activations activations;
+  };
+  mutable std::mutex mutex;
+  mutable std::vector<std::unique_ptr<Workspace>> idle;
+
+  std::unique_ptr<Workspace> take() const {
+    const std::lock_guard lock(mutex);
+    if (idle.empty()) return std::make_unique<Workspace>();
+    std::unique_ptr<Workspace> workspace = std::move(idle.back());
+    idle.pop_back();
+    return workspace;
+  }
+  void give_back(std::unique_ptr<Workspace> workspace) const {
+    const std::lock_guard lock(mutex);
+    idle.push_back(std::move(workspace));
+  }
 };
 
 Gcn::Gcn(const NetworkWeights& weights, Simd simd)
-    : layers_(new Layers{gcn::make_layers(weights), simd}) {}
+    : layers_(new Layers{gcn::make_layers(weights), simd, {}, {}}) {}
 Gcn::~Gcn() = default;
 Gcn::Gcn(Gcn&&) noexcept = default;
 
@@ -23,12 +45,16 @@ const NetworkConfig& Gcn::config() const { return layers_->layers.config; }
 std::vector<float> Gcn::forward(std::span<const Vec3f> points, int threads) const {
   std::vector<float> logits(2 * points.size());
   if (points.empty()) return logits;
-  const gcn::Graph graph = gcn::make_graph(points, config(), threads, layers_->simd);
-  const gcn::Activations a = gcn::forward(graph, layers_->layers, gcn::kernels(layers_->simd),
-                                          threads, /*keep_winners=*/false);
-  const auto width = static_cast<std::size_t>(layers_->layers.head.back().out);
+  auto workspace = layers_->take();
+  auto& [graph, activations] = *workspace;
+  const gcn::Layers& layers = layers_->layers;
+  const Simd simd = layers_->simd;
+  gcn::make_graph(points, layers.config, threads, simd, graph);
+  gcn::forward(graph, layers, gcn::kernels(simd), threads, /*keep_winners=*/false, activations);
+  const auto width = static_cast<std::size_t>(layers.head.back().out);
   for (std::size_t i = 0; i < points.size(); ++i)
-    std::copy_n(a.head.back().data() + i * width, 2, logits.data() + 2 * graph.order[i]);
+    std::copy_n(activations.head.back().data() + i * width, 2, logits.data() + 2 * graph.order[i]);
+  layers_->give_back(std::move(workspace));
   return logits;
 }
 

@@ -13,27 +13,28 @@ namespace {
 
 constexpr std::size_t kTile = 64;  // points that go through two steps while they are in cache
 
-Activations allocate(const Graph& graph, const Layers& layers, bool keep_winners) {
-  Activations a;
+void allocate(const Graph& graph, const Layers& layers, bool keep_winners, Activations& a) {
   a.levels.resize(graph.levels.size());
   for (std::size_t l = 0; l < graph.levels.size(); ++l) {
     const std::size_t n = graph.levels[l].n;
-    a.levels[l].features = Buffer(n * layers.widths[l]);
-    if (l > 0) a.levels[l].fused = Buffer(n * layers.head[0].out);
+    a.levels[l].features.resize(n * layers.widths[l]);
+    if (l > 0) a.levels[l].fused.resize(n * layers.head[0].out);
   }
+  a.convolutions.resize(layers.convolutions.size());
   for (std::size_t c = 0; c < layers.convolutions.size(); ++c) {
     const ConvolutionLayer& layer = layers.convolutions[c];
     const std::size_t n = graph.levels[layer.level].n;
     const std::size_t supports = static_cast<std::size_t>(layers.config.supports);
-    Activations::Convolution& kept = a.convolutions.emplace_back();
-    if (layer.in > 0) kept.products = Buffer(n * (supports + 1) * layer.out);
+    Activations::Convolution& kept = a.convolutions[c];
+    if (layer.in > 0) kept.products.resize(n * (supports + 1) * layer.out);
     if (keep_winners) kept.winners.resize(n * supports * layer.out);
     if (layer.column > 0 || layer.level == 0) continue;
-    a.levels[layer.level].pooled = Buffer(n * layer.in);
+    a.levels[layer.level].pooled.resize(n * layer.in);
     if (keep_winners) a.levels[layer.level].winners.resize(n * layer.in);
   }
-  for (const HeadLayer& layer : layers.head) a.head.emplace_back(graph.levels[0].n * layer.out);
-  return a;
+  a.head.resize(layers.head.size());
+  for (std::size_t h = 0; h < layers.head.size(); ++h)
+    a.head[h].resize(graph.levels[0].n * layers.head[h].out);
 }
 
 struct Pass {
@@ -194,12 +195,13 @@ struct Pass {
 
 }  // namespace
 
-Activations forward(const Graph& graph,
-                    const Layers& layers,
-                    const Kernels& kernels,
-                    int threads,
-                    bool keep_winners) {
-  Activations a = allocate(graph, layers, keep_winners);
+void forward(const Graph& graph,
+             const Layers& layers,
+             const Kernels& kernels,
+             int threads,
+             bool keep_winners,
+             Activations& a) {
+  allocate(graph, layers, keep_winners, a);
   const Pass pass{graph, layers, kernels, a};
   const std::size_t n = graph.levels[0].n;
   std::vector<float> global;
@@ -232,7 +234,6 @@ Activations forward(const Graph& graph,
     member.meet();
     tiles(n, [&](std::size_t begin, std::size_t end) { pass.conclude(global, begin, end); });
   });
-  return a;
 }
 
 }  // namespace planescope::gcn

@@ -30,11 +30,13 @@ struct Activations {
   std::vector<Buffer> head;                   // [n x out] of each layer; the last one's are logits
 };
 
-/// The network on a graph. With `keep_winners` what the backward pass needs is kept.
-Activations forward(const Graph& graph,
-                    const Layers& layers,
-                    const Kernels& kernels,
-                    int threads,
-                    bool keep_winners);
+/// The network on a graph. With `keep_winners` what the backward pass needs is kept. `activations`
+/// may hold those of another graph, whose memory is used.
+void forward(const Graph& graph,
+             const Layers& layers,
+             const Kernels& kernels,
+             int threads,
+             bool keep_winners,
+             Activations& activations);
 
 }  // namespace planescope::gcn

@@ -70,10 +70,11 @@ void find_nearest(const NeighbourGrid& grid,
 
 }  // namespace
 
-Graph make_graph(std::span<const Vec3f> points,
-                 const NetworkConfig& config,
-                 int threads,
-                 Simd simd) {
+void make_graph(std::span<const Vec3f> points,
+                const NetworkConfig& config,
+                int threads,
+                Simd simd,
+                Graph& graph) {
   std::vector<NeighbourGrid> grids;
   grids.emplace_back(points, config.neighbours + 1, simd);
   while (grids.size() < config.levels.size()) grids.push_back(grids.back().every(config.pool_rate));
@@ -87,14 +88,14 @@ Graph make_graph(std::span<const Vec3f> points,
     rate *= static_cast<std::size_t>(config.pool_rate);
   }
 
-  Graph graph;
   graph.order.assign(grids[0].order().begin(), grids[0].order().end());
+  graph.levels.resize(grids.size());
   for (std::size_t l = 0; l < grids.size(); ++l) {
-    GraphLevel& level = graph.levels.emplace_back();
+    GraphLevel& level = graph.levels[l];
     level.n = grids[l].size();
     level.neighbours = std::min(config.neighbours, static_cast<int>(level.n) - 1);
     level.rows.resize(level.n * level.neighbours);
-    level.directions = Buffer(level.n * level.neighbours * 3);
+    level.directions.resize(level.n * level.neighbours * 3);
     if (l > 0) level.nearest.resize(grids[0].size());
     if (l + 1 == grids.size()) continue;
     level.pool_neighbours = std::min(config.pool_neighbours, level.neighbours);
@@ -133,7 +134,6 @@ Graph make_graph(std::span<const Vec3f> points,
                      level.nearest.data());
     }
   });
-  return graph;
 }
 
 }  // namespace planescope::gcn

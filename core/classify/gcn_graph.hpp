@@ -32,10 +32,11 @@ struct Graph {
   std::vector<GraphLevel> levels;
 };
 
-/// `points` must be finite, and at least one.
-Graph make_graph(std::span<const Vec3f> points,
-                 const NetworkConfig& config,
-                 int threads,
-                 Simd simd);
+/// `points` must be finite, and at least one. `graph` may hold an older one, whose memory is used.
+void make_graph(std::span<const Vec3f> points,
+                const NetworkConfig& config,
+                int threads,
+                Simd simd,
+                Graph& graph);
 
 }  // namespace planescope::gcn

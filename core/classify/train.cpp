@@ -60,8 +60,10 @@ CloudGradient cloud_gradient(const LabelledCloud& cloud,
                              Simd simd) {
   CloudGradient result;
   const gcn::Kernels& kernels = gcn::kernels(simd);
-  const gcn::Graph graph = gcn::make_graph(cloud.points, weights.config, 1, simd);
-  const gcn::Activations a = gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true);
+  gcn::Graph graph;
+  gcn::make_graph(cloud.points, weights.config, 1, simd, graph);
+  gcn::Activations a;
+  gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
 
   const Buffer& logits = a.head.back();
   const auto width = static_cast<std::size_t>(layers.head.back().out);

@@ -26,7 +26,8 @@ std::vector<Vec3f> sheet(int count) {
 void expect_gradients(const NetworkConfig& config, int points_count) {
   const std::vector<Vec3f> points = sheet(points_count);
   const NetworkWeights weights = random_weights(config, 5);
-  const gcn::Graph graph = gcn::make_graph(points, config, 1, best_simd());
+  gcn::Graph graph;
+  gcn::make_graph(points, config, 1, best_simd(), graph);
   std::vector<Vec3f> sorted;
   for (const std::uint32_t i : graph.order) sorted.push_back(points[i]);
 
@@ -40,7 +41,8 @@ void expect_gradients(const NetworkConfig& config, int points_count) {
       slopes[i * width + c] = static_cast<float>(random.uniform(-1, 1));
 
   const gcn::Kernels& kernels = gcn::kernels(best_simd());
-  const gcn::Activations a = gcn::forward(graph, layers, kernels, 1, true);
+  gcn::Activations a;
+  gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
   const auto gradients =
       gcn::tensor_gradients(weights, gcn::backward(graph, layers, a, kernels, slopes));
 
