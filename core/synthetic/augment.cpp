@@ -4,6 +4,7 @@
 
 #include "core/synthetic/counter_random.hpp"
 #include "core/synthetic/random.hpp"
+#include "core/synthetic/rotation.hpp"
 #include "core/synthetic/training_set.hpp"
 #include "core/synthetic/trigonometry.hpp"
 
@@ -56,13 +57,6 @@ void crop(Indices& kept, const LabelledCloud& cloud, std::size_t count, Random& 
   for (std::size_t k = 0; k < kept.size(); ++k)
     if (distance2[k] < limit || (distance2[k] == limit && at_limit-- > 0)) kept[out++] = kept[k];
   kept.resize(out);
-}
-
-/// Rotation by `angle_deg` about a unit axis (Rodrigues), the same on every machine.
-Mat3d rotation(const Vec3d& axis, double angle_deg) {
-  Mat3d cross;
-  cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
-  return Mat3d::Identity() + sin_deg(angle_deg) * cross + (1 - cos_deg(angle_deg)) * cross * cross;
 }
 
 Mat3d random_turn(const AugmentOptions& options, Random& random) {

@@ -12,7 +12,7 @@
 namespace planescope {
 namespace {
 
-enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3 };
+enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 4 };
 
 bool is_worth_learning(const LabelledCloud& scan) {
   constexpr std::size_t kLeastVoxels = 300;
@@ -20,13 +20,30 @@ bool is_worth_learning(const LabelledCloud& scan) {
   return scan.labels.size() >= kLeastVoxels && h > 0 && h < std::ssize(scan.labels);
 }
 
-/// One in ten exact, the others with half to one and a half times the usual noise.
-D435Model varied_camera(std::uint64_t seed) {
+D435Model usual_camera() {
   D435Model model;
   model.color = false;
+  return model;
+}
+
+/// One in ten exact, the others with half to one and a half times the usual noise.
+D435Model varied_camera(std::uint64_t seed) {
+  D435Model model = usual_camera();
   model.noise = random_uniform(seed, kCamera, 0) >= 0.1;
   model.disparity_sigma_px = 0.03 + 0.09 * random_uniform(seed, kCamera, 1);
   return model;
+}
+
+/// The first view of a composed scene that is worth learning.
+LabelledCloud scan_composed_scene(std::uint64_t seed,
+                                  double voxel_size_m,
+                                  D435Model (*camera)(std::uint64_t)) {
+  for (std::uint64_t view = 0;; ++view) {
+    const std::uint64_t view_seed = random_bits(seed, kView, view);
+    const Scene scene = compose_scene(view_seed);
+    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed);
+    if (is_worth_learning(scan)) return scan;
+  }
 }
 
 }  // namespace
@@ -54,12 +71,20 @@ LabelledCloud make_scan(const Scene& scene,
 }
 
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m) {
-  for (std::uint64_t view = 0;; ++view) {
-    const std::uint64_t view_seed = random_bits(seed, kView, view);
-    const Scene scene = compose_scene(view_seed);
-    LabelledCloud scan = make_scan(scene, varied_camera(view_seed), voxel_size_m, view_seed);
-    if (is_worth_learning(scan)) return scan;
-  }
+  return scan_composed_scene(seed, voxel_size_m, varied_camera);
+}
+
+LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+  const std::uint64_t scan_seed =
+      random_bits(seed, kComposedTest, static_cast<std::uint64_t>(index));
+  return scan_composed_scene(scan_seed, voxel_size_m, [](std::uint64_t) { return usual_camera(); });
+}
+
+LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+  const auto i = static_cast<std::uint64_t>(index);
+  const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
+  const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
+  return make_scan(scene, usual_camera(), voxel_size_m, scan_seed);
 }
 
 std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
@@ -67,14 +92,9 @@ std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
                                            double voxel_size_m,
                                            int threads) {
   std::vector<LabelledCloud> scans(static_cast<std::size_t>(count));
-  D435Model model;
-  model.color = false;
   const auto make = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
-      const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
-      scans[i] = make_scan(scene, model, voxel_size_m, scan_seed);
-    }
+    for (std::size_t i = begin; i < end; ++i)
+      scans[i] = make_test_scan(seed, static_cast<int>(i), voxel_size_m);
   };
   parallel_for(scans.size(), threads, make, 1);
   return scans;

@@ -21,7 +21,12 @@ LabelledCloud make_scan(const Scene& scene,
 /// to nothing or one label only is not taken.
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m);
 
-/// Held out from training: scans of the named scenes in turn, through the camera as it is.
+/// Held out from training, through the camera as it is: a view of a composed scene such as training
+/// has them, and one of the named scenes, in turn by `index`.
+LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m = 0.02);
+LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m = 0.02);
+
+/// make_test_scan() of 0 to count - 1.
 std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
                                            int count,
                                            double voxel_size_m = 0.02,

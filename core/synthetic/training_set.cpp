@@ -1,10 +1,8 @@
 #include "core/synthetic/training_set.hpp"
 
-#include <algorithm>
-#include <atomic>
 #include <cassert>
 
-#include "core/base/parallel.hpp"
+#include "core/base/work_list.hpp"
 #include "core/synthetic/counter_random.hpp"
 #include "core/synthetic/scan.hpp"
 #include "core/synthetic/training_shapes.hpp"
@@ -38,21 +36,10 @@ std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
   assert(options.points > 0);
   const int count = options.count();
   std::vector<LabelledCloud> set(static_cast<std::size_t>(count));
-  std::atomic<int> next = 0, done = 0;  // scans take longer: whoever is free takes the next one
-  const auto work = [&](std::size_t first_worker, std::size_t) {
-    try {
-      for (int i = next++; i < count; i = next++) {
-        set[static_cast<std::size_t>(i)] = make_cloud_of_set(options, i);
-        ++done;
-        if (progress && first_worker == 0) progress(done, count);
-      }
-    } catch (...) {
-      next = count;
-      throw;
-    }
+  const auto make = [&](int i) {
+    set[static_cast<std::size_t>(i)] = make_cloud_of_set(options, i);
   };
-  const auto workers = static_cast<std::size_t>(std::clamp(threads, 1, std::max(1, count)));
-  parallel_for(workers, static_cast<int>(workers), work, 1);
+  work_through(count, threads, make, progress);
   return set;
 }
 
