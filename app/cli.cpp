@@ -6,6 +6,7 @@
 #include <memory>
 #include <sstream>
 
+#include "app/commands/bench_classifier.hpp"
 #include "app/commands/eval.hpp"
 #include "app/commands/info.hpp"
 #include "app/commands/options.hpp"
@@ -106,6 +107,13 @@ const CLI::App* innermost(const CLI::App* app) {
   return app;
 }
 
+std::vector<std::string> subcommand_names(const CLI::App* app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app->get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
 // One line for what CLI11 did not understand, with the name that was probably meant.
 std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = innermost(&app);
@@ -121,8 +129,7 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::Option* option : command->get_options())
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   } else {
-    for (const CLI::App* sub : command->get_subcommands([](const CLI::App*) { return true; }))
-      names.push_back(sub->get_name());
+    names = subcommand_names(command);
   }
   const std::string given = word.substr(0, word.find('='));
   const std::string near = nearest_name(given, names);
@@ -289,6 +296,40 @@ void define_train(Line& line) {
   });
 }
 
+void define_bench(Line& line) {
+  Typed& t = line.typed;
+  CLI::App* bench =
+      line.app.add_subcommand("bench", "Measure what planescope can do, and how fast");
+
+  CLI::App* classifier = bench->add_subcommand(
+      "classifier",
+      "Labels, planes and speed of networks against PCA normals, on synthetic clouds that no\n"
+      "training has seen; and how long frames of the given recordings take.");
+  add_inputs(classifier, t, "Bags, folders, .raw, .ply or .pcd files whose frames are timed");
+  add_out(classifier, t);
+  add_json(classifier, t);
+  classifier
+      ->add_option("--weights", t.weights,
+                   wrapped("Networks to measure, side by side: gcn, the one that comes with "
+                           "planescope (default), or files. May be given many times"))
+      ->type_name("gcn|FILE")
+      ->allow_extra_args(false);
+  add(classifier, "--only", t.only, "PART,...",
+      fmt::format("Of {}; default: all, frames where recordings are given",
+                  fmt::join(bench_classifier_parts(), ", ")));
+  add(classifier, "--seed", t.seed, "N", "Another seed makes other clouds");
+  add(classifier, "--count", t.count, "N", "Clouds of each kind, default 100");
+  add(classifier, "--rounds", t.rounds, "N", "How often speed is measured, default 20");
+  add_method(classifier, t);
+  for (const char* name : {"--labels", "--classifier", "--method"})
+    classifier->remove_option(classifier->get_option(name));
+  classifier->final_callback([&line] {
+    BenchClassifierArgs args = bench_classifier_args(line.typed);
+    args.command = line.command;
+    line.job = [args](std::stop_token stop) { return run_bench_classifier(args, stop); };
+  });
+}
+
 Job print_job(const std::string& text) {
   return [text](std::stop_token) {
     fmt::print("{}", text);
@@ -316,6 +357,7 @@ Job parse_command_line(int argc, char** argv) {
   define_options(line);
   define_synth(line);
   define_train(line);
+  define_bench(line);
   for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     command->group("Commands");
 
@@ -329,7 +371,9 @@ Job parse_command_line(int argc, char** argv) {
     throw Error(message_of(app, error));
   }
   if (line.job) return line.job;
-  if (innermost(&app) != &app) throw Error("synth needs one of: sample, stairs");
+  if (const CLI::App* group = innermost(&app); group != &app)
+    throw Error(fmt::format("{} needs one of: {}", group->get_name(),
+                            fmt::join(subcommand_names(group), ", ")));
   return print_job(app.help());
 }
 

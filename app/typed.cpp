@@ -1,6 +1,7 @@
 #include "app/typed.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <thread>
@@ -154,6 +155,28 @@ TrainArgs train_args(const Typed& typed) {
   }
   if (!typed.network.empty()) train.network = network_config(typed.network);
   args.resume = typed.resume;
+  return args;
+}
+
+BenchClassifierArgs bench_classifier_args(const Typed& typed) {
+  BenchClassifierArgs args;
+  args.input = input_args(typed);
+  args.out = typed.out;
+  args.json = typed.json;
+  if (!typed.weights.empty()) args.weights = typed.weights;
+  if (!typed.seed.empty()) args.seed = seed(typed);
+  if (!typed.count.empty()) args.count = whole_at_least(typed.count, "--count", 1);
+  if (!typed.rounds.empty()) args.rounds = whole_at_least(typed.rounds, "--rounds", 1);
+  args.parts = {"accuracy", "gravity", "chain", "speed"};
+  if (!typed.inputs.empty()) args.parts.insert("frames");
+  if (!typed.only.empty()) {
+    const std::vector<std::string> parts = split(typed.only, ',');
+    args.parts = {parts.begin(), parts.end()};
+  }
+  for (const std::string& part : args.parts)
+    if (std::ranges::find(bench_classifier_parts(), part) == bench_classifier_parts().end())
+      throw Error(fmt::format("--only: '{}' is not a part, expected some of {}", part,
+                              fmt::join(bench_classifier_parts(), ", ")));
   return args;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "app/commands/bench_classifier.hpp"
 #include "app/commands/inputs.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
@@ -20,6 +21,8 @@ struct Typed {
 
   std::string seed, count, points, noise, scenes, size, recipe = "planescope";
   std::string network, steps, from;
+  std::vector<std::string> weights;
+  std::string only, rounds;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
        augmented = false, resume = false;
 };
@@ -31,6 +34,7 @@ SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
 SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
+BenchClassifierArgs bench_classifier_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.

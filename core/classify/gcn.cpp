@@ -62,8 +62,8 @@ namespace {
 
 class GcnClassifier final : public Classifier {
  public:
-  GcnClassifier(const NetworkWeights& weights, std::string name)
-      : network_(weights), name_(std::move(name)) {}
+  GcnClassifier(const NetworkWeights& weights, std::string name, Simd simd)
+      : network_(weights, simd), name_(std::move(name)) {}
 
   std::string name() const override { return name_; }
 
@@ -88,8 +88,9 @@ class GcnClassifier final : public Classifier {
 }  // namespace
 
 std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
-                                                const std::string& name) {
-  return std::make_unique<GcnClassifier>(weights, name);
+                                                const std::string& name,
+                                                Simd simd) {
+  return std::make_unique<GcnClassifier>(weights, name, simd);
 }
 
 }  // namespace planescope

@@ -32,6 +32,7 @@ class Gcn {
 /// Labels by the larger logit; margin |p(h) - p(v)|. Points that are not finite are `unknown` and
 /// do not count. `name`: as --classifier called it.
 std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
-                                                const std::string& name = "gcn");
+                                                const std::string& name = "gcn",
+                                                Simd simd = best_simd());
 
 }  // namespace planescope

@@ -9,8 +9,8 @@ using namespace planescope::testing_cli;
 namespace {
 
 const std::vector<std::vector<std::string>> kCommands = {
-    {"info"},    {"segment"}, {"report"},          {"eval"},
-    {"options"}, {"synth"},   {"synth", "sample"}, {"synth", "stairs"}};
+    {"info"},  {"segment"},         {"report"},          {"eval"},  {"options"},
+    {"synth"}, {"synth", "sample"}, {"synth", "stairs"}, {"bench"}, {"bench", "classifier"}};
 
 }  // namespace
 
@@ -67,6 +67,10 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"segment", "-o"}, "out"},
       {{"synth"}, "sample, stairs"},
       {{"synth", "sample"}, "-o DIR"},
+      {{"bench"}, "bench needs one of: classifier"},
+      {{"bench", "classifier", "--only", "spede"}, "accuracy, gravity, chain, speed, frames"},
+      {{"bench", "classifier", "--count", "0"}, "--count"},
+      {{"bench", "classifier", "--weights", "pca"}, "not a network"},
   };
   for (const auto& [args, expected] : cases) {
     const Ran ran = run(args);

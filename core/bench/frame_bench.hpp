@@ -1,0 +1,35 @@
+#pragma once
+
+// How long whole frames of a recording take, as in the paper's table IV.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/pipeline.hpp"
+#include "core/recording/recording.hpp"
+
+namespace planescope {
+
+/// Medians over runs of frames.
+struct FrameRow {
+  std::string recording, classifier;  // for the tables, left to the caller
+  int threads = 1;
+  int frames = 0, runs = 0;  // different frames, and how often one was run
+  double points = 0, voxels = 0, planes = 0;
+  FrameTimings ms;
+  double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s
+  double whole_fps = 0;  // of these, back-projection and cropping; not of loading
+};
+
+/// Up to 30 of `frames`, evenly spread; fewer are run repeatedly, to 30 runs, after some that do
+/// not count. Frames are loaded anew for each run. `options.threads` as given. Throws Error where
+/// a frame cannot be read or has no gravity. `progress` is called before each run with its number
+/// and that of all; it may be empty and may throw to stop.
+FrameRow measure_frames(const Recording& recording,
+                        const std::vector<int>& frames,
+                        const PipelineOptions& options,
+                        const Classifier& classifier,
+                        const std::function<void(int, int)>& progress = {});
+
+}  // namespace planescope

@@ -1,0 +1,24 @@
+#include "core/bench/statistics.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace planescope {
+
+double median(std::vector<double> values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*std::max_element(values.begin(), middle) + *middle) / 2;
+}
+
+double median_ratio(std::span<const double> numerators, std::span<const double> denominators) {
+  assert(numerators.size() == denominators.size());
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < numerators.size(); ++i)
+    ratios.push_back(numerators[i] / denominators[i]);
+  return median(std::move(ratios));
+}
+
+}  // namespace planescope
