@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
@@ -26,19 +28,32 @@ std::vector<Group> groups(TrainState& state) {
 }
 
 /// What has to be the same for a training to go on.
-std::string fingerprint(const TrainOptions& o, const std::string& purpose) {
-  return Json{{"network", o.network.name},
-              {"parameters", parameter_count(o.network)},
-              {"seed", o.seed},
-              {"steps", o.steps},
-              {"batch", o.batch},
-              {"learning_rate", o.learning_rate},
-              {"warm_up_steps", o.warm_up_steps},
-              {"balance_classes", o.balance_classes},
-              {"edge_weight", o.edge_weight},
-              {"epoch_steps", o.epoch_steps},
-              {"purpose", purpose}}
-      .dump();
+Json identity(const TrainOptions& o, const TrainingPurpose& purpose) {
+  Json json = {{"network", o.network.name},
+               {"parameters", parameter_count(o.network)},
+               {"seed", o.seed},
+               {"steps", o.steps},
+               {"batch", o.batch},
+               {"learning rate", o.learning_rate},
+               {"warm-up steps", o.warm_up_steps},
+               {"balance of classes", o.balance_classes},
+               {"edge weight", o.edge_weight},
+               {"steps of an epoch", o.epoch_steps}};
+  for (const auto& [name, value] : purpose) json[name] = value;
+  return json;
+}
+
+void expect_identity(const nlohmann::json& found, const Json& expected, const std::string& what) {
+  const auto shown = [](const auto& json) {
+    return json.is_string() ? json.template get<std::string>() : json.dump();
+  };
+  for (const auto& [name, value] : expected.items()) {
+    const auto there = found.is_object() ? found.find(name) : found.end();
+    if (there == found.end()) throw Error(fmt::format("{}: does not say its {}", what, name));
+    if (const std::string is = shown(*there), wanted = shown(value); is != wanted)
+      throw Error(fmt::format("{}: belongs to another training: {} {}, expected {}", what, name, is,
+                              wanted));
+  }
 }
 
 Json progress_of(const TrainState& state) {
@@ -65,15 +80,26 @@ void read_progress(const nlohmann::json& json, TrainState& state) {
   }
 }
 
+/// Whether the counts can be those of a training of so many steps.
+bool is_possible(const TrainState& state, int steps) {
+  int last = 0;
+  for (const Epoch& epoch : state.epochs) {
+    if (epoch.step <= last || epoch.validation.size() != state.epochs[0].validation.size())
+      return false;
+    last = epoch.step;
+  }
+  return last <= state.step && state.step <= steps;
+}
+
 }  // namespace
 
 void write_checkpoint(const std::filesystem::path& path,
                       const TrainState& state,
                       const TrainOptions& options,
-                      const std::string& purpose) {
+                      const TrainingPurpose& purpose) {
   TensorFile file;
   file.metadata = {{"format", kFormat},
-                   {"options", fingerprint(options, purpose)},
+                   {"options", identity(options, purpose).dump()},
                    {"progress", progress_of(state).dump()}};
   TrainState copy = state;
   const std::vector<TensorSpec> specs = tensor_specs(options.network);
@@ -87,14 +113,12 @@ void write_checkpoint(const std::filesystem::path& path,
 
 TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainOptions& options,
-                           const std::string& purpose) {
+                           const TrainingPurpose& purpose) {
   TensorFile file = read_safetensors(path);
   if (file.metadata["format"] != kFormat)
     throw Error(path.string() + ": is no checkpoint of a training");
-  const std::string wanted = fingerprint(options, purpose);
-  if (file.metadata["options"] != wanted)
-    throw Error(fmt::format("{}: belongs to another training, {}, expected {}", path.string(),
-                            file.metadata["options"], wanted));
+  expect_identity(parse_json(file.metadata["options"], path.string()), identity(options, purpose),
+                  path.string());
   TrainState state = begin_training(options);
   const std::vector<TensorSpec> specs = tensor_specs(options.network);
   for (const Group& group : groups(state))
@@ -105,6 +129,10 @@ TrainState read_checkpoint(const std::filesystem::path& path,
       if (found == file.tensors.end() || found->values.size() != group.tensors[t].size())
         throw Error(
             fmt::format("{}: tensor {} is missing or of another size", path.string(), name));
+      if (!std::all_of(found->values.begin(), found->values.end(),
+                       [](float value) { return std::isfinite(value); }))
+        throw Error(
+            fmt::format("{}: tensor {} has a value that is not finite", path.string(), name));
       group.tensors[t] = std::move(found->values);
     }
   try {
@@ -112,6 +140,9 @@ TrainState read_checkpoint(const std::filesystem::path& path,
   } catch (const nlohmann::json::exception& error) {
     throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
   }
+  if (!is_possible(state, options.steps))
+    throw Error(fmt::format("{}: its progress is damaged: step {} of {} after {} epochs",
+                            path.string(), state.step, options.steps, state.epochs.size()));
   return state;
 }
 

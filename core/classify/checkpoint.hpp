@@ -1,22 +1,27 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "core/classify/train.hpp"
 
 namespace planescope {
 
+/// What a training was asked to do beyond its options, by name: it goes on only with the same.
+using TrainingPurpose = std::map<std::string, std::string>;
+
 /// All of a training's state, so that it can go on where it was stopped and end in the same bytes.
-/// Replaces the file as a whole or not at all. `purpose`: what the training was asked to do, which
-/// a checkpoint can be continued with only.
+/// Replaces the file as a whole or not at all.
 void write_checkpoint(const std::filesystem::path& path,
                       const TrainState& state,
                       const TrainOptions& options,
-                      const std::string& purpose);
+                      const TrainingPurpose& purpose);
 
-/// Throws Error where the file is damaged, or belongs to a training with other options.
+/// Throws Error where the file is damaged, or belongs to a training with other options or another
+/// purpose: the message names the first that differs.
 TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainOptions& options,
-                           const std::string& purpose);
+                           const TrainingPurpose& purpose);
 
 }  // namespace planescope

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/classify/checkpoint.hpp"
@@ -75,8 +75,8 @@ TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
   const auto path = temporary_file("resume");
   TrainState first = train(options, 7, 2);
   first.epochs.push_back({.step = 7, .train_loss = 1.0 / 3, .validation = {{1, 2, 3, 4}}});
-  write_checkpoint(path, first, options, "a test");
-  TrainState resumed = read_checkpoint(path, options, "a test");
+  write_checkpoint(path, first, options, {{"recipe", "a test"}});
+  TrainState resumed = read_checkpoint(path, options, {{"recipe", "a test"}});
   EXPECT_EQ(resumed.step, 7);
   EXPECT_EQ(resumed.loss_sum, first.loss_sum);
   ASSERT_EQ(resumed.epochs.size(), 1u);
@@ -91,14 +91,44 @@ TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
 TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
   const auto path = temporary_file("other");
   const TrainOptions options = quick_options();
-  write_checkpoint(path, begin_training(options), options, "a test");
+  const TrainingPurpose purpose = {{"recipe", "a test"}};
+  write_checkpoint(path, begin_training(options), options, purpose);
+  const auto message = [&](const TrainOptions& wanted, const TrainingPurpose& wanted_purpose) {
+    try {
+      read_checkpoint(path, wanted, wanted_purpose);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("was taken");
+  };
+  EXPECT_EQ(message(options, purpose), "was taken");
   TrainOptions longer = options;
   longer.steps = 61;
-  EXPECT_THROW(read_checkpoint(path, longer, "a test"), Error);
-  EXPECT_THROW(read_checkpoint(path, options, "another test"), Error);
-  EXPECT_THROW(read_checkpoint(temporary_file("nowhere"), options, "a test"), Error);
+  EXPECT_EQ(message(longer, purpose),
+            path.string() + ": belongs to another training: steps 60, expected 61");
+  EXPECT_EQ(message(options, {{"recipe", "another"}}),
+            path.string() + ": belongs to another training: recipe a test, expected another");
+}
+
+TEST(Training, RefusesADamagedCheckpoint) {
+  const auto path = temporary_file("damaged");
+  const TrainOptions options = quick_options();
+  EXPECT_THROW(read_checkpoint(temporary_file("nowhere"), options, {}), Error);
+  TrainState state = begin_training(options);
+  state.step = options.steps + 1;
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "more steps than there are";
+  state.step = 2;
+  state.epochs = {{.step = 1, .train_loss = 1, .validation = {{}}},
+                  {.step = 2, .train_loss = 1, .validation = {}}};
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not all epochs have the same sets";
+  state.epochs.clear();
+  state.mean[0][0] = std::numeric_limits<float>::infinity();
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not finite";
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
-  EXPECT_THROW(read_checkpoint(path, options, "a test"), Error);
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "cut";
 }
 
 TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
