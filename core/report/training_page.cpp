@@ -2,86 +2,57 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <kainjow/mustache.hpp>
+
+#include "core/report/line_chart.hpp"
 
 namespace planescope {
 namespace {
 
 using kainjow::mustache::html_escape;
 
-// Distinct for all kinds of colour vision (Okabe and Ito).
-constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                   "#e69f00", "#56b4e9", "#555555"};
+constexpr const char* kStyle =
+    ":root{color-scheme:light dark;--page:#f7f7f5;--ink:#1d2127;--soft:#5a626d;--line:#e2e3e1}\n"
+    "@media (prefers-color-scheme:dark){"
+    ":root{--page:#131519;--ink:#e5e7ea;--soft:#9aa2ad;--line:#2c3037}}\n"
+    "body{margin:2.5rem auto;max-width:56rem;padding:0 1.5rem;background:var(--page);"
+    "color:var(--ink);font:15px/1.55 system-ui,sans-serif;font-variant-numeric:tabular-nums}\n"
+    "h1{font-size:1.7rem;line-height:1.2;overflow-wrap:anywhere}h2{font-size:1.2rem;margin:2rem 0 "
+    ".6rem}\n"
+    "dl{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:.2rem 1.4rem}"
+    "dt,.soft{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}\n"
+    ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%}"
+    "td,th{padding:.2rem .6rem;text-align:right;border-bottom:1px solid var(--line)}"
+    "th{font-weight:600;vertical-align:bottom}\n";
 
-struct Curve {
-  std::string name;
-  std::vector<double> values;  // by epoch
-};
-
-constexpr int kWidth = 720, kHeight = 300, kLeft = 56, kRight = 150, kTop = 16, kBottom = 36;
-
-/// A step of 1, 2 or 5 times a power of ten that cuts `span` into at most five.
-double tick_step(double span) {
-  const double power = std::pow(10, std::floor(std::log10(std::max(span, 1e-9) / 5)));
-  for (const double factor : {1, 2, 5, 10})
-    if (span / (factor * power) <= 5) return factor * power;
-  return 10 * power;
+LineChart chart_over(const std::vector<Epoch>& epochs, const std::string& title) {
+  LineChart chart{.title = title, .x_name = "steps", .x = {}, .curves = {}};
+  for (const Epoch& epoch : epochs) chart.x.push_back(epoch.step);
+  return chart;
 }
 
-std::string chart(const std::string& unit,
-                  const std::vector<Epoch>& epochs,
-                  const std::vector<Curve>& curves) {
-  double low = 1e300, high = -1e300;
-  for (const Curve& curve : curves)
-    for (const double value : curve.values) {
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  const double step = tick_step(high - low);
-  low = std::floor(low / step) * step;
-  high = std::max(low + step, std::ceil(high / step) * step);
-  const int last = std::max(1, epochs.back().step);
-  const auto x = [&](int at) {
-    return kLeft + static_cast<double>(at) / last * (kWidth - kLeft - kRight);
-  };
-  const auto y = [&](double value) {
-    return kTop + (high - value) / (high - low) * (kHeight - kTop - kBottom);
-  };
-  std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{} over training steps\">\n", kWidth,
-      kHeight, html_escape(unit));
-  for (double tick = low; tick < high + step / 2; tick += step)
-    svg += fmt::format(
-        "<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
-        "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.4g}</text>\n",
-        kLeft, kWidth - kRight, y(tick), y(tick), kLeft - 6, y(tick) + 4, tick);
-  for (int part = 0; part <= 4; ++part)
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                       x(last * part / 4), kHeight - kBottom + 18, last * part / 4);
-  svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">steps</text>\n",
-                     x(last / 2), kHeight - 4);
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    const char* color = kColors[c % std::size(kColors)];
-    std::string path;
-    for (std::size_t e = 0; e < epochs.size(); ++e)
-      path += fmt::format("{}{:.1f} {:.1f}", e == 0 ? "M" : "L", x(epochs[e].step),
-                          y(curves[c].values[e]));
-    const double legend = kTop + 12 + 18.0 * static_cast<double>(c);
-    svg += fmt::format(
-        "<path d=\"{}\" stroke=\"{}\"/>"
-        "<path d=\"M{} {}h16\" stroke=\"{}\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
-        path, color, kWidth - kRight + 10, legend - 4, color, kWidth - kRight + 32, legend,
-        html_escape(curves[c].name));
+std::string loss_chart(const TrainingSummary& summary) {
+  LineChart chart = chart_over(summary.epochs, "Loss over the steps of training");
+  chart.from_zero = true;
+  Curve& loss = chart.curves.emplace_back(Curve{"training", {}});
+  for (const Epoch& epoch : summary.epochs) loss.values.push_back(epoch.train_loss);
+  return line_chart(chart);
+}
+
+std::string edge_chart(const TrainingSummary& summary) {
+  LineChart chart = chart_over(summary.epochs, "Right labels near edges over the steps, per cent");
+  for (std::size_t s = 0; s < summary.validation_sets.size(); ++s) {
+    Curve& curve = chart.curves.emplace_back(Curve{summary.validation_sets[s], {}});
+    for (const Epoch& epoch : summary.epochs)
+      curve.values.push_back(epoch.validation[s].edge_percent());
   }
-  return svg + "</svg>\n";
+  return line_chart(chart);
 }
 
 std::string table(const TrainingSummary& summary) {
   std::string rows = "<tr><th>steps</th><th>loss</th>";
   for (const std::string& name : summary.validation_sets)
-    rows += fmt::format("<th>{}<br>edge / inner %</th>", html_escape(name));
+    rows += fmt::format("<th>{}</th>", html_escape(name));
   rows += "</tr>\n";
   for (const Epoch& epoch : summary.epochs) {
     rows += fmt::format("<tr><td>{}</td><td>{:.4f}</td>", epoch.step, epoch.train_loss);
@@ -89,40 +60,32 @@ std::string table(const TrainingSummary& summary) {
       rows += fmt::format("<td>{:.2f} / {:.2f}</td>", a.edge_percent(), a.inner_percent());
     rows += "</tr>\n";
   }
-  return "<table>" + rows + "</table>\n";
+  return "<div class=\"wide\"><table>\n" + rows + "</table></div>\n";
 }
-
-constexpr const char* kStyle =
-    "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;"
-    "color:#222}table{border-collapse:collapse;font-variant-numeric:tabular-nums}"
-    "td,th{padding:.15rem .7rem;text-align:right;border-bottom:1px solid #ddd}"
-    ".facts td,.facts th{text-align:left}svg{width:100%;height:auto}svg text{font-size:12px}"
-    "svg path{fill:none;stroke-width:2}.grid{stroke:#ddd}";
 
 }  // namespace
 
 std::string training_page(const TrainingSummary& summary) {
+  const std::string title = html_escape(summary.title);
   std::string page = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width\"><title>{0}</title>\n"
-      "<style>{1}</style>\n<h1>{0}</h1>\n<table class=\"facts\">",
-      html_escape(summary.title), kStyle);
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<title>{0}</title>\n<style>\n{1}{2}</style></head><body>\n<h1>{0}</h1>\n<dl>\n",
+      title, kStyle, line_chart_style());
   for (const auto& [name, value] : summary.facts)
-    page += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", html_escape(name), html_escape(value));
-  page += "</table>\n";
-  if (summary.epochs.empty()) return page + "<p>No epoch is complete yet.</p></html>\n";
-  Curve loss{"training", {}};
-  std::vector<Curve> edges;
-  for (const std::string& name : summary.validation_sets) edges.push_back({name, {}});
-  for (const Epoch& epoch : summary.epochs) {
-    loss.values.push_back(epoch.train_loss);
-    for (std::size_t s = 0; s < edges.size(); ++s)
-      edges[s].values.push_back(epoch.validation[s].edge_percent());
+    page += fmt::format("<dt>{}</dt><dd>{}</dd>\n", html_escape(name), html_escape(value));
+  page += "</dl>\n";
+  if (summary.epochs.empty()) {
+    page += "<p>No epoch is complete yet.</p>\n";
+  } else {
+    page += "<h2>Loss</h2>\n" + loss_chart(summary);
+    page += "<h2>Right labels within 2 cm of another label [%]</h2>\n" + edge_chart(summary);
+    page +=
+        "<h2>Epochs</h2>\n<p class=\"soft\">Right labels within 2 cm of another label / elsewhere "
+        "[%]</p>\n" +
+        table(summary);
   }
-  page += "<h2>Loss</h2>\n" + chart("loss", summary.epochs, {loss});
-  page += "<h2>Label accuracy within 2 cm of another label [%]</h2>\n" +
-          chart("edge accuracy in per cent", summary.epochs, edges);
-  return page + "<h2>Epochs</h2>\n" + table(summary) + "</html>\n";
+  return page + "</body></html>\n";
 }
 
 }  // namespace planescope

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace planescope {
+
+struct Curve {
+  std::string name;
+  std::vector<double> values;  // one for each of the chart's x
+};
+
+struct LineChart {
+  std::string title;  // read out where the chart is not seen
+  std::string x_name;
+  std::vector<double> x;      // ascending, from above 0; the axis begins at 0
+  std::vector<Curve> curves;  // at least one
+  bool from_zero = false;     // else the y axis spans the values alone
+};
+
+/// The chart as an SVG element, its names beside the curves' colours. Colours and text follow the
+/// page: it defines line_chart_style().
+std::string line_chart(const LineChart& chart);
+
+/// CSS for a page with charts, light and dark as the reader's system is.
+std::string line_chart_style();
+
+}  // namespace planescope
