@@ -62,7 +62,8 @@ void add_inputs(CLI::App* command, Typed& t, const std::string& what) {
   option("--labels", t.labels, "DIR", "Ground truth; otherwise <recording>.labels beside it");
 }
 
-void add_method(CLI::App* command, Typed& t) {
+// What becomes of a frame before its points are labelled.
+void add_clouds(CLI::App* command, Typed& t) {
   const auto option = [&](const char* name, std::string& value, const char* type,
                           const char* help) {
     add(command, name, value, type, help)->group("Method");
@@ -84,13 +85,21 @@ void add_method(CLI::App* command, Typed& t) {
          "Crop what is farther: depth z of depth frames (default 1.5), distance from the origin of "
          "clouds (default none)");
   option("--voxel", t.voxel, "M", "Edge of the voxel grid, default 0.02; 0 = none");
+  option("--threads", t.threads, "N",
+         "Default: all cores. The results are the same for any number");
+}
+
+void add_method(CLI::App* command, Typed& t) {
+  add_clouds(command, t);
+  const auto option = [&](const char* name, std::string& value, const char* type,
+                          const char* help) {
+    add(command, name, value, type, help)->group("Method");
+  };
   option(
       "--classifier", t.classifier, "gcn|pca|truth|FILE",
       "What labels points h or v: the network that comes with planescope, PCA normals (default), "
       "ground truth, or a network of your own (.safetensors)");
   option("--method", t.method, "ours", "What finds the planes");
-  option("--threads", t.threads, "N",
-         "Default: all cores. The results are the same for any number");
 }
 
 void add_json(CLI::App* command, Typed& t) {
@@ -285,10 +294,14 @@ void define_train(Line& line) {
                   fmt::join(recipe_names(), ", "), t.recipe));
   add(train, "--network", t.network, "compact|small|official", "Default compact");
   add(train, "--from", t.from, "FILE", "Weights to begin with, to teach them more");
+  add(train, "--baseline", t.baseline, "FILE",
+      "Weights to compare with in the end; exit code 1 where they are better by 0.3 points");
   add(train, "--steps", t.steps, "N", "Default: as the recipe has it");
+  add(train, "--epoch", t.epoch, "N", "Steps between validations and checkpoints, default 250");
+  add(train, "--count", t.count, "N", "At most so many clouds of each kind; default all");
   add(train, "--seed", t.seed, "N", "Another seed makes other clouds and weights, default 1");
   train->add_flag("--resume", t.resume, "Go on from FILE's checkpoint, to the same bytes");
-  add_method(train, t);
+  add_clouds(train, t);
   train->final_callback([&line] {
     TrainArgs args = train_args(line.typed);
     args.command = line.command;

@@ -24,4 +24,8 @@ void Progress::show(int done, const std::string& now) {
   std::fflush(stderr);
 }
 
+void Progress::print(const std::string& line) {
+  fmt::print(stderr, "{}{}\n", visible_ ? "\r\033[K" : "", line);
+}
+
 }  // namespace planescope

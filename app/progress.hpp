@@ -13,6 +13,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(int done, const std::string& now);
+  /// A line that stays, above the bar; without a terminal too.
+  void print(const std::string& line);
 
  private:
   std::string what_;

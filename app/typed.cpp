@@ -13,6 +13,11 @@
 namespace planescope {
 namespace {
 
+// Of the learning rate, where trained weights learn on. 200 steps on five frames of another camera
+// resolution beside the synthetic set: new frames of that camera gain 0.7 points near edges and the
+// validation sets lose nothing; at the full rate the frames gain nothing and the stairs lose 0.4.
+constexpr double kFineTuningRate = 0.25;
+
 int thread_count(const Typed& typed) {
   if (typed.threads.empty())
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -31,6 +36,12 @@ int whole_at_least(const std::string& text, const std::string& name, int least) 
 
 std::uint64_t seed(const Typed& typed) {
   return static_cast<std::uint64_t>(whole_at_least(typed.seed, "--seed", 0));
+}
+
+void limit(const Typed& typed, std::initializer_list<int*> counts) {
+  if (typed.count.empty()) return;
+  const int most = whole_at_least(typed.count, "--count", 1);
+  for (int* count : counts) *count = std::min(*count, most);
 }
 
 }  // namespace
@@ -124,11 +135,7 @@ SynthTrainingArgs training_args(const Typed& typed) {
   args.recipe = make_recipe(typed.recipe);
   TrainingSetOptions& set = args.recipe.set;
   if (!typed.seed.empty()) set.seed = seed(typed);
-  if (!typed.count.empty()) {
-    const int most = whole_at_least(typed.count, "--count", 1);
-    for (int* count : {&set.stairs, &set.boxes, &set.planes, &set.scans})
-      *count = std::min(*count, most);
-  }
+  limit(typed, {&set.stairs, &set.boxes, &set.planes, &set.scans});
   args.augmented = typed.augmented;
   args.threads = thread_count(typed);
   return args;
@@ -137,23 +144,34 @@ SynthTrainingArgs training_args(const Typed& typed) {
 TrainArgs train_args(const Typed& typed) {
   TrainArgs args;
   args.out = typed.out;
+  if (typed.out.empty()) throw Error("train needs an output file, -o FILE.safetensors");
   if (args.out.extension() != ".safetensors")
     throw Error("train: -o '" + typed.out + "' is not the name of a .safetensors file");
   args.input = input_args(typed);
   args.synthetic = typed.recipe != "recordings";
+  const std::vector<std::string>& names = recipe_names();
+  if (args.synthetic && std::find(names.begin(), names.end(), typed.recipe) == names.end())
+    throw Error(fmt::format("recipe \"{}\" is not known, expected {} or recordings", typed.recipe,
+                            fmt::join(names, ", ")));
   args.recipe = make_recipe(args.synthetic ? typed.recipe : "planescope");
+  args.recipe.name = typed.recipe;
   if (!args.synthetic && args.input.inputs.empty())
     throw Error("train: --recipe recordings needs labelled recordings to learn from");
   if (args.input.label_dir && args.input.inputs.empty())
     throw Error("train: --labels needs the recording that the labels are of");
   TrainOptions& train = args.recipe.train;
-  if (!typed.seed.empty()) args.recipe.set.seed = train.seed = seed(typed);
+  TrainingSetOptions& set = args.recipe.set;
+  if (!typed.seed.empty()) set.seed = train.seed = seed(typed);
+  limit(typed, {&set.stairs, &set.boxes, &set.planes, &set.scans, &args.validation_clouds});
   if (!typed.steps.empty()) train.steps = whole_at_least(typed.steps, "--steps", 1);
+  if (!typed.epoch.empty()) train.epoch_steps = whole_at_least(typed.epoch, "--epoch", 1);
   if (!typed.from.empty()) {
     args.from = typed.from;
     train.network = read_weights(args.from).config;
+    train.learning_rate *= kFineTuningRate;
   }
   if (!typed.network.empty()) train.network = network_config(typed.network);
+  args.baseline = typed.baseline;
   args.resume = typed.resume;
   return args;
 }

@@ -20,7 +20,7 @@ struct Typed {
   bool json = false;
 
   std::string seed, count, points, noise, scenes, size, recipe = "planescope";
-  std::string network, steps, from;
+  std::string network, steps, epoch, from, baseline;
   std::vector<std::string> weights;
   std::string only, rounds;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/recipe_json.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
 #include "core/base/error.hpp"
@@ -19,27 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kShownStep = 0x57e9;  // a stream of random numbers for --augmented
-
-Json json_of(const TrainingSetOptions& set) {
-  return {{"stairs", set.stairs},
-          {"boxes", set.boxes},
-          {"planes", set.planes},
-          {"boxes_on_floor", set.boxes_on_floor},
-          {"scans", set.scans},
-          {"points", set.points},
-          {"voxel_size_m", set.voxel_size_m}};
-}
-
-Json json_of(const AugmentOptions& options) {
-  return {{"uniform_noise_m", options.uniform_noise_m},
-          {"gaussian_noise_m", options.gaussian_noise_m},
-          {"clusters", options.clusters},
-          {"cluster_radius_m", options.cluster_radius_m},
-          {"tilt_deg", options.tilt_deg},
-          {"points", options.points},
-          {"thinning", options.thinning},
-          {"yaw", options.yaw}};
-}
 
 Json header_of(const SynthTrainingArgs& args) {
   const TrainingRecipe& recipe = args.recipe;

@@ -1,0 +1,30 @@
+#include "app/commands/recipe_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace planescope {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const TrainingSetOptions& set) {
+  return {{"stairs", set.stairs},
+          {"boxes", set.boxes},
+          {"planes", set.planes},
+          {"boxes_on_floor", set.boxes_on_floor},
+          {"scans", set.scans},
+          {"points", set.points},
+          {"voxel_size_m", set.voxel_size_m}};
+}
+
+Json json_of(const AugmentOptions& options) {
+  return {{"uniform_noise_m", options.uniform_noise_m},
+          {"gaussian_noise_m", options.gaussian_noise_m},
+          {"clusters", options.clusters},
+          {"cluster_radius_m", options.cluster_radius_m},
+          {"tilt_deg", options.tilt_deg},
+          {"points", options.points},
+          {"thinning", options.thinning},
+          {"yaw", options.yaw}};
+}
+
+}  // namespace planescope

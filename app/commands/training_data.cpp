@@ -1,0 +1,109 @@
+#include "app/commands/training_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/pipeline/labelled_frame.hpp"
+#include "core/synthetic/counter_random.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr int kValidationEvery = 5;                // labelled frames
+constexpr std::uint64_t kValidationSeed = 900001;  // no set that is trained on has it
+constexpr double kRecordingShare = 0.5;            // of the clouds seen, where there are both
+enum Stream : std::uint64_t { kFromRecording = 201, kWhich, kVariation };
+
+bool has_label(const LabelledCloud& cloud) {
+  return std::any_of(cloud.labels.begin(), cloud.labels.end(),
+                     [](Label label) { return label != Label::unknown; });
+}
+
+/// The frame's voxels with their labels; empty where it has no truth.
+LabelledCloud load_frame(const OpenInput& input, int index, const PipelineOptions& options) {
+  const Frame frame = input.recording->frame(index);
+  const auto truth = frame_truth(frame, input.label_dir, input.recording->frame_hash(index));
+  if (!truth) return {};
+  try {
+    return labelled_frame(frame, options, *truth);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
+  }
+}
+
+std::string hash_of(const std::vector<LabelledCloud>& clouds) {
+  std::vector<std::byte> bytes;
+  const auto append = [&](const auto& values) {
+    const auto raw = std::as_bytes(std::span(values));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+  };
+  for (const LabelledCloud& cloud : clouds) {
+    append(cloud.points);
+    append(cloud.labels);
+  }
+  return sha256_hex(bytes);
+}
+
+}  // namespace
+
+LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop) {
+  LabelledRecordings recordings;
+  if (args.inputs.empty()) return recordings;
+  std::vector<LabelledCloud> clouds;
+  for (const OpenInput& input : open_inputs(args)) {
+    Progress bar("recordings", static_cast<int>(input.frames.size()));
+    int done = 0;
+    for (const int index : input.frames) {
+      if (stop.stop_requested()) throw Cancelled();
+      bar.show(done++, input.path.string());
+      if (!may_have_truth(input, index)) continue;
+      LabelledCloud cloud = load_frame(input, index, args.pipeline);
+      if (has_label(cloud)) clouds.push_back(std::move(cloud));
+    }
+  }
+  if (clouds.empty())
+    throw Error(args.inputs[0].string() +
+                ": no labelled frame to learn from, expected label files beside it or in --labels "
+                "DIR, or a cloud's label field");
+  recordings.sha256 = hash_of(clouds);
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    const bool keep = i % kValidationEvery == kValidationEvery - 1;
+    (keep ? recordings.validation : recordings.train).push_back(std::move(clouds[i]));
+  }
+  return recordings;
+}
+
+LabelledCloud TrainingData::draw(std::uint64_t number) const {
+  const std::uint64_t seed = recipe.train.seed;
+  const double share = synthetic.empty() ? 1 : recordings.empty() ? 0 : kRecordingShare;
+  if (random_uniform(seed, kFromRecording, number) >= share)
+    return draw_cloud(recipe, synthetic, number);
+  const std::uint64_t which = random_bits(seed, kWhich, number) % recordings.size();
+  return augment(recordings[which], recipe.scans, random_bits(seed, kVariation, number));
+}
+
+TrainingData make_training_data(const TrainingRecipe& recipe,
+                                const TrainingDataOptions& options,
+                                LabelledRecordings recordings,
+                                const std::stop_token& stop) {
+  TrainingData data{recipe, {}, std::move(recordings.train), {}};
+  if (options.synthetic) {
+    Progress bar("training set", recipe.set.count());
+    data.synthetic = make_training_set(recipe.set, options.threads, [&](int done, int) {
+      if (stop.stop_requested()) throw Cancelled();
+      bar.show(done, "clouds");
+    });
+  }
+  data.validation =
+      make_validation_sets(kValidationSeed, options.validation_clouds, options.threads);
+  if (!recordings.validation.empty())
+    data.validation.push_back({"recordings", std::move(recordings.validation)});
+  if (stop.stop_requested()) throw Cancelled();
+  return data;
+}
+
+}  // namespace planescope

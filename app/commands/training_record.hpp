@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "app/commands/train.hpp"
+#include "app/commands/training_data.hpp"
+#include "core/classify/checkpoint.hpp"
+
+namespace planescope {
+
+/// How weights came about, as a JSON object for their file: nothing in it depends on where, when or
+/// with how many threads that was.
+std::string training_record(const TrainArgs& args,
+                            const TrainingData& data,
+                            const TrainState& state,
+                            const TrainingPurpose& purpose);
+
+/// What a checkpoint must agree with beyond the trainer's own options.
+TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings);
+
+}  // namespace planescope

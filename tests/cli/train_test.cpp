@@ -1,0 +1,197 @@
+// planescope train, with networks and training sets that are tiny.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/base/file_bytes.hpp"
+#include "core/classify/random_weights.hpp"
+#include "core/classify/weights.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+struct Training {
+  fs::path dir = scratch();
+  fs::path start = dir / "start.safetensors";  // an untrained tiny network
+  fs::path out = dir / "out.safetensors", page = dir / "out.html",
+           checkpoint = dir / "out.checkpoint";
+
+  Training() {
+    write_weights(start, random_weights({.name = "tiny", .levels = {{4}, {4}}, .head = {4}}, 1));
+  }
+
+  std::vector<std::string> command(std::vector<std::string> more) const {
+    std::vector<std::string> args = {"train", "--count", "1", "--from", start.string()};
+    args.insert(args.end(), more.begin(), more.end());
+    if (std::find(args.begin(), args.end(), "-o") == args.end())
+      args.insert(args.end(), {"-o", out.string()});
+    return args;
+  }
+  Ran with(const std::vector<std::string>& more) const { return run(command(more)); }
+
+  std::string bytes_with(const std::vector<std::string>& more) const {
+    const Ran ran = with(more);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return read_text(out);
+  }
+
+  /// Interrupted after its first epoch of many.
+  void stop(const std::vector<std::string>& more) const {
+    const Ran ran = run_and_signal(command(more), SIGINT, checkpoint);
+    ASSERT_EQ(ran.code, 130) << ran.err;
+    ASSERT_NE(ran.err.find("--resume"), std::string::npos) << ran.err;
+    ASSERT_TRUE(fs::exists(checkpoint));
+  }
+
+  void expect_refused(const std::vector<std::string>& more, const std::string& told) const {
+    const Ran ran = with(more);
+    EXPECT_EQ(ran.code, 2) << ran.err;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(told), std::string::npos) << "no '" << told << "' in: " << ran.err;
+  }
+};
+
+Json training_record(const fs::path& weights) {
+  return Json::parse(read_weights(weights).training);
+}
+
+/// A labelled recording of a staircase.
+fs::path write_recording(const fs::path& dir, int seed) {
+  const fs::path path = dir / ("recording_" + std::to_string(seed));
+  const Ran ran = run({"synth", "sample", "-o", path.string(), "--size", "160x120", "--scenes",
+                       "stairs", "--depth-only", "--seed", std::to_string(seed)});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  return path;
+}
+
+double edge_accuracy(const fs::path& recording, const fs::path& weights) {
+  const Ran ran = run({"eval", recording.string(), "--json", "--classifier", weights.string()});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  return Json::parse(ran.out)["mean"]["label_accuracy_edge"].get<double>();
+}
+
+}  // namespace
+
+TEST(Train, WritesWeightsTheirRecordAndAPageAndNothingElse) {
+  const Training training;
+  const Ran ran = training.with({"--steps", "4", "--epoch", "2", "--seed", "5"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("scans"), std::string::npos) << "names what it was validated with";
+  EXPECT_EQ(ran.err.find('\r'), std::string::npos) << "no bar without a terminal";
+  EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 2) << "a line for each epoch";
+  EXPECT_EQ(files_below(training.dir),
+            (std::vector<std::string>{"out.html", "out.safetensors", "start.safetensors"}));
+  const Json record = training_record(training.out);
+  EXPECT_EQ(record["recipe"], "planescope");
+  EXPECT_EQ(record["seed"], 5);
+  EXPECT_EQ(record["steps"], 4);
+  EXPECT_EQ(record["synthetic_clouds"], 4);
+  EXPECT_TRUE(record["validation"].contains("scans"));
+  EXPECT_EQ(record.dump().find(training.dir.string()), std::string::npos) << "holds no path";
+  EXPECT_NE(read_text(training.page).find("<svg"), std::string::npos);
+}
+
+TEST(Train, TheSameSeedGivesTheSameBytesOnAnyMachine) {
+  const Training training;
+  const std::string bytes = training.bytes_with({"--steps", "4", "--threads", "1"});
+  setenv("PLANESCOPE_SIMD", "plain", 1);
+  EXPECT_EQ(training.bytes_with({"--steps", "4", "--threads", "3"}), bytes);
+  unsetenv("PLANESCOPE_SIMD");
+  EXPECT_NE(training.bytes_with({"--steps", "4", "--seed", "2"}), bytes);
+}
+
+TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
+  const Training training;
+  const std::vector<std::string> args = {"--steps", "60", "--epoch", "20", "--recipe", "paper"};
+  const std::string bytes = training.bytes_with(args);
+  training.stop(args);
+  EXPECT_EQ(read_text(training.out), bytes) << "stopped, it leaves the weights of before";
+  std::vector<std::string> resume = args;
+  resume.insert(resume.end(), {"--resume", "--threads", "1"});
+  EXPECT_EQ(training.bytes_with(resume), bytes);
+  EXPECT_FALSE(fs::exists(training.checkpoint));
+}
+
+TEST(Train, ACheckpointIsLostToNothingButItsOwnTraining) {
+  const Training training;
+  const std::vector<std::string> args = {"--steps", "4000", "--epoch", "1"};
+  training.stop(args);
+  const std::string checkpoint = read_text(training.checkpoint);
+  training.expect_refused({"--steps", "4000", "--epoch", "1"}, "--resume, or remove it");
+  training.expect_refused({"--steps", "4001", "--epoch", "1", "--resume"},
+                          "out.checkpoint: belongs to another training: steps 4000, expected 4001");
+  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume", "--recipe", "paper"},
+                          "belongs to another training");
+  EXPECT_EQ(read_text(training.checkpoint), checkpoint);
+
+  fs::resize_file(training.checkpoint, checkpoint.size() - 100);
+  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "out.checkpoint: ");
+  fs::copy_file(training.start, training.checkpoint, fs::copy_options::overwrite_existing);
+  training.expect_refused({"--steps", "4000", "--epoch", "1", "--resume"}, "is no checkpoint");
+  EXPECT_FALSE(fs::exists(training.out));
+}
+
+TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
+  const Training training;
+  const fs::path recording = write_recording(training.dir, 1);
+  fs::remove_all(recording.string() + ".labels");
+  write_text(training.out, "weights of before");
+  const std::string out = training.out.string(), dir = training.dir.string();
+  fs::create_directories(training.dir / "folder.safetensors");
+  training.expect_refused({"--resume"}, "out.checkpoint: no such file");
+  training.expect_refused({"-o", dir + "/none/out.safetensors"},
+                          "there is no folder " + dir + "/none");
+  training.expect_refused({"-o", dir + "/folder.safetensors"}, "is a folder");
+  training.expect_refused({"-o", dir + "/start.safetensors/out.safetensors"}, "is not a folder");
+  training.expect_refused({"-o", dir + "/out.bin"}, "not the name of a .safetensors file");
+  training.expect_refused({"--network", "official"}, "is a tiny network, expected official");
+  training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
+  training.expect_refused({"--recipe", "cookies"}, "expected planescope, paper or recordings");
+  training.expect_refused({"--recipe", "recordings"}, "needs labelled recordings");
+  training.expect_refused({"--labels", dir}, "needs the recording");
+  training.expect_refused({recording.string()}, "no labelled frame");
+  training.expect_refused({"--steps", "0"}, "--steps");
+  training.expect_refused({"--epoch", "0"}, "--epoch");
+  training.expect_refused({"--classifier", "pca"}, "unknown option");
+  EXPECT_EQ(read_text(training.out), "weights of before");
+  EXPECT_FALSE(fs::exists(training.checkpoint));
+  EXPECT_FALSE(fs::exists(training.page));
+}
+
+TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
+  const Training training;
+  const fs::path recording = write_recording(training.dir, 1),
+                 other = write_recording(training.dir, 2);
+  const fs::path labels = training.dir / "labels";
+  fs::rename(recording.string() + ".labels", labels);
+  const Ran ran =
+      training.with({recording.string(), "--labels", labels.string(), "--recipe", "recordings",
+                     "--steps", "150", "--baseline", training.start.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_GT(edge_accuracy(other, training.out), edge_accuracy(other, training.start) + 5);
+  const Json record = training_record(training.out);
+  EXPECT_EQ(record["recipe"], "recordings");
+  EXPECT_EQ(record["synthetic_clouds"], 0);
+  EXPECT_EQ(record["recorded_clouds"], 1);
+}
+
+TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
+  const Training training;
+  ASSERT_EQ(
+      training.with({"--steps", "80", "-o", (training.dir / "good.safetensors").string()}).code, 0);
+  const Ran ran =
+      training.with({"--steps", "1", "--baseline", (training.dir / "good.safetensors").string()});
+  EXPECT_EQ(ran.code, 1) << ran.out;
+  EXPECT_NE(ran.out.find("worse"), std::string::npos) << ran.out;
+  EXPECT_TRUE(fs::exists(training.out)) << "the weights are kept all the same";
+}
