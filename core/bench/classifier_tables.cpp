@@ -108,9 +108,12 @@ Table reference_table(const ClassifierBench& bench) {
   return table;
 }
 
+/// Nothing to do is no speed.
+std::string speed(double fps) { return fps > 0 ? fixed(fps, 1) : "-"; }
+
 Table frames_table(const ClassifierBench& bench) {
   Table table{"Whole frames",
-              fmt::format("As in the paper's table IV: N_m points within range, N_d voxels, t_d "
+              fmt::format("As in the paper's table IV: N_m points, N_d voxels within range, t_d "
                           "voxel grid, t_c labels, t_b octree, t_s planes, FPS of these four. "
                           "cloud: back-projection and cropping, and FPS with it; load: reading the "
                           "frame. Medians over {} runs, in ms. {}.",
@@ -124,7 +127,7 @@ Table frames_table(const ClassifierBench& bench) {
                           std::to_string(row.frames), fixed(row.points, 0), fixed(row.voxels, 0),
                           fixed(row.planes, 0), fixed(row.ms.load_ms, 2), fixed(row.ms.cloud_ms, 2),
                           fixed(row.ms.t_d_ms, 2), fixed(row.ms.t_c_ms, 2), fixed(row.ms.t_b_ms, 2),
-                          fixed(row.ms.t_s_ms, 2), fixed(row.fps, 1), fixed(row.whole_fps, 1)});
+                          fixed(row.ms.t_s_ms, 2), speed(row.fps), speed(row.whole_fps)});
   return table;
 }
 

@@ -62,6 +62,7 @@ FrameRow measure_frames(const Recording& recording,
        {&FrameTimings::load_ms, &FrameTimings::cloud_ms, &FrameTimings::t_d_ms,
         &FrameTimings::t_c_ms, &FrameTimings::t_b_ms, &FrameTimings::t_s_ms})
     medians.ms.*stage = median_of(runs, [&](const FrameRow& run) { return run.ms.*stage; });
+  if (medians.voxels == 0) return medians;
   medians.fps = 1000 / median_of(runs, [](const FrameRow& run) { return paper_ms(run.ms); });
   medians.whole_fps = 1000 / median_of(runs, [](const FrameRow& run) {
                         return run.ms.cloud_ms + paper_ms(run.ms);

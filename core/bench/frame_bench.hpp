@@ -16,9 +16,10 @@ struct FrameRow {
   std::string recording, classifier;  // for the tables, left to the caller
   int threads = 1;
   int frames = 0, runs = 0;  // different frames, and how often one was run
-  double points = 0, voxels = 0, planes = 0;
+  double points = 0;         // measured, within range or not
+  double voxels = 0, planes = 0;
   FrameTimings ms;
-  double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s
+  double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s; 0 if nothing is within range
   double whole_fps = 0;  // of these, back-projection and cropping; not of loading
 };
 
