@@ -1,6 +1,7 @@
 #include "app/commands/train.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 
@@ -101,6 +102,14 @@ std::vector<LabelAccuracy> scores(const Session& session, const NetworkWeights& 
   return scores;
 }
 
+/// Tells what the numbers of every epoch's line are.
+void explain_epochs(const Session& session) {
+  std::vector<std::string> sets;
+  for (const ValidationSet& set : session.data.validation) sets.push_back(set.name);
+  fmt::print(stderr, "edge: % of right labels within 2 cm of another label, on {}\n",
+             fmt::join(sets, ", "));
+}
+
 /// Ends an epoch; returns a line about it.
 std::string end_epoch(const Session& session, TrainState& state) {
   const int begun = state.epochs.empty() ? 0 : state.epochs.back().step;
@@ -108,7 +117,7 @@ std::string end_epoch(const Session& session, TrainState& state) {
   epoch.step = state.step;
   epoch.train_loss = state.loss_sum / (state.step - begun);
   epoch.validation = scores(session, state.weights);
-  std::string line = fmt::format("step {:>6} of {}, loss {:.4f}, right near edges [%]", state.step,
+  std::string line = fmt::format("step {:>6} of {}, loss {:.4f}, edge", state.step,
                                  session.options().steps, epoch.train_loss);
   for (const LabelAccuracy& a : epoch.validation) line += fmt::format("  {:.1f}", a.edge_percent());
   state.loss_sum = 0;
@@ -182,6 +191,7 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   if (!state.epochs.empty() && state.epochs[0].validation.size() != session.data.validation.size())
     throw Error(files.checkpoint.string() + ": is damaged: its epochs have other validation sets");
 
+  explain_epochs(session);
   train(session, state, stop);
   const TrainOptions& options = args.recipe.train;
   if (state.step < options.steps) {

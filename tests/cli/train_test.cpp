@@ -88,7 +88,8 @@ TEST(Train, WritesWeightsTheirRecordAndAPageAndNothingElse) {
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_NE(ran.out.find("scans"), std::string::npos) << "names what it was validated with";
   EXPECT_EQ(ran.err.find('\r'), std::string::npos) << "no bar without a terminal";
-  EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 2) << "a line for each epoch";
+  EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 3)
+      << "a line for each epoch, and what they mean";
   EXPECT_EQ(files_below(training.dir),
             (std::vector<std::string>{"out.html", "out.safetensors", "start.safetensors"}));
   const Json record = training_record(training.out);
