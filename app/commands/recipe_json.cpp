@@ -24,7 +24,7 @@ Json json_of(const AugmentOptions& options) {
           {"tilt_deg", options.tilt_deg},
           {"points", options.points},
           {"thinning", options.thinning},
-          {"yaw", options.yaw}};
+          {"yaw_deg", options.yaw_deg}};
 }
 
 }  // namespace planescope

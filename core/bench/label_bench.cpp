@@ -19,10 +19,7 @@ struct Set {
 };
 
 LabelledCloud stairs(double noise_m, std::uint64_t seed, int index) {
-  PointSet set = make_stairs(index, {.seed = seed, .noise_m = noise_m}).cloud;
-  LabelledCloud cloud{"stairs", std::move(set.points), {}};
-  for (const std::uint8_t label : set.label) cloud.labels.push_back(static_cast<Label>(label));
-  return cloud;
+  return labelled(make_stairs(index, {.seed = seed, .noise_m = noise_m}));
 }
 
 const std::array<Set, 6> kSets = {{
@@ -37,7 +34,7 @@ const std::array<Set, 6> kSets = {{
 }};
 
 LabelAccuracy accuracy_on(const LabelledCloud& cloud, const Classifier& classifier) {
-  return label_accuracy(cloud.points, cloud.labels, classifier.classify(cloud.points, 1).labels);
+  return label_accuracy(cloud, classifier.classify(cloud.points, 1).labels);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct LabelledCloud {
   std::string kind;           // where it came from: "stairs", "scan", ...
   std::vector<Vec3f> points;  // z up, metres, about a local origin
   std::vector<Label> labels;
+  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of a surface with the other label;
+                                             // empty where the surfaces are not known
 };
 
 }  // namespace planescope

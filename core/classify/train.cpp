@@ -153,7 +153,7 @@ LabelAccuracy score_network(const NetworkWeights& weights,
           std::vector<Label> found(cloud.points.size());
           for (std::size_t i = 0; i < found.size(); ++i)
             found[i] = logits[2 * i + 1] > logits[2 * i] ? Label::v : Label::h;
-          accuracies[c] = label_accuracy(cloud.points, cloud.labels, found);
+          accuracies[c] = label_accuracy(cloud, found);
         }
       },
       1);

@@ -4,13 +4,15 @@
 #include <span>
 #include <vector>
 
-#include "core/classify/classifier.hpp"
+#include "core/classify/labelled_cloud.hpp"
 #include "core/geometry/types.hpp"
 
 namespace planescope {
 
-/// How many labels are right, apart for points within 2 cm of a point with another true label and
-/// for all others. Points of unknown truth do not count.
+inline constexpr double kEdgeDistanceM = 0.02;  // "near an edge"
+
+/// How many labels are right, apart for points within 2 cm of another true label and for all
+/// others. Points of unknown truth do not count.
 struct LabelAccuracy {
   std::uint64_t edge_right = 0, edge = 0;
   std::uint64_t inner_right = 0, inner = 0;
@@ -19,8 +21,19 @@ struct LabelAccuracy {
   double inner_percent() const;
   LabelAccuracy& operator+=(const LabelAccuracy& other);
 };
-LabelAccuracy label_accuracy(std::span<const Vec3f> points,
-                             std::span<const Label> truth,
-                             std::span<const Label> found);
+
+/// Which points lie within 2 cm of a reference point with another label than theirs: 1, else 0.
+std::vector<std::uint8_t> near_other_label(std::span<const Vec3f> points,
+                                           std::span<const Label> labels,
+                                           std::span<const Vec3f> reference_points,
+                                           std::span<const Label> reference_labels);
+
+/// `near_edge` by near_other_label().
+LabelAccuracy label_accuracy(std::span<const Label> truth,
+                             std::span<const Label> found,
+                             std::span<const std::uint8_t> near_edge);
+
+/// Near an edge is what the cloud says is, or else what lies near its own points of another label.
+LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found);
 
 }  // namespace planescope

@@ -145,8 +145,9 @@ void classify_regions(const Overlap& o, Metrics& m) {
 
 void score_labels(const MetricsInput& input, Metrics& m) {
   if (input.truth_labels.empty() || input.found_labels.empty()) return;
-  const LabelAccuracy accuracy =
-      label_accuracy(input.points, input.truth_labels, input.found_labels);
+  const LabelAccuracy accuracy = label_accuracy(
+      input.truth_labels, input.found_labels,
+      near_other_label(input.points, input.truth_labels, input.points, input.truth_labels));
   m.label_accuracy_inner = accuracy.inner_percent();
   m.label_accuracy_edge = accuracy.edge_percent();
 }

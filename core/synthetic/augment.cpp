@@ -60,10 +60,10 @@ void crop(Indices& kept, const LabelledCloud& cloud, std::size_t count, Random& 
 }
 
 Mat3d random_turn(const AugmentOptions& options, Random& random) {
-  const double yaw_deg = random.uniform(0, 360), azimuth_deg = random.uniform(0, 360);
+  const double yaw_deg = random.uniform(-options.yaw_deg, options.yaw_deg);
+  const double azimuth_deg = random.uniform(0, 360);
   const Vec3d axis(cos_deg(azimuth_deg), sin_deg(azimuth_deg), 0);
-  const Mat3d tilt = rotation(axis, random.uniform(0, options.tilt_deg));
-  return options.yaw ? tilt * rotation(Vec3d::UnitZ(), yaw_deg) : tilt;
+  return rotation(axis, random.uniform(0, options.tilt_deg)) * rotation(Vec3d::UnitZ(), yaw_deg);
 }
 
 }  // namespace
@@ -75,7 +75,8 @@ LabelledCloud augment(const LabelledCloud& cloud,
   Indices kept(cloud.points.size());
   std::iota(kept.begin(), kept.end(), 0u);
   if (options.thinning < 1) thin(kept, options.thinning, seed, random);
-  LabelledCloud result{cloud.kind, {}, {}};
+  LabelledCloud result;
+  result.kind = cloud.kind;
   if (kept.empty()) return result;
   remove_clusters(kept, cloud, options, random);
   crop(kept, cloud, static_cast<std::size_t>(options.points), random);

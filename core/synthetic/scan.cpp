@@ -4,6 +4,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/cloud/cloud.hpp"
+#include "core/evaluate/label_accuracy.hpp"
 #include "core/synthetic/composed_scene.hpp"
 #include "core/synthetic/counter_random.hpp"
 #include "core/synthetic/render_scene.hpp"
@@ -37,11 +38,12 @@ D435Model varied_camera(std::uint64_t seed) {
 /// The first view of a composed scene that is worth learning.
 LabelledCloud scan_composed_scene(std::uint64_t seed,
                                   double voxel_size_m,
-                                  D435Model (*camera)(std::uint64_t)) {
+                                  D435Model (*camera)(std::uint64_t),
+                                  bool mark_edges) {
   for (std::uint64_t view = 0;; ++view) {
     const std::uint64_t view_seed = random_bits(seed, kView, view);
     const Scene scene = compose_scene(view_seed);
-    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed);
+    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed, mark_edges);
     if (is_worth_learning(scan)) return scan;
   }
 }
@@ -51,7 +53,8 @@ LabelledCloud scan_composed_scene(std::uint64_t seed,
 LabelledCloud make_scan(const Scene& scene,
                         const D435Model& model,
                         double voxel_size_m,
-                        std::uint64_t seed) {
+                        std::uint64_t seed,
+                        bool mark_edges) {
   FrameLabels truth;
   const Frame frame = render_scene(scene, scene.camera, model, seed, &truth);
   const Cloud cloud = make_cloud(frame, truth.gravity, CloudOptions{});
@@ -60,31 +63,38 @@ LabelledCloud make_scan(const Scene& scene,
   labels.reserve(cloud.source.size());
   for (const std::uint32_t pixel : cloud.source) labels.push_back(truth.hv.data[pixel]);
 
-  LabelledCloud scan{"scan", {}, {}};
+  LabelledCloud scan;
+  scan.kind = "scan";
   const std::vector<std::uint8_t> votes = vote_labels(voxels, labels);
   for (std::size_t v = 0; v < votes.size(); ++v) {
     if (votes[v] == 0) continue;
     scan.points.push_back(voxels.points[v]);
     scan.labels.push_back(static_cast<Label>(votes[v]));
   }
+  if (!mark_edges) return scan;
+  std::vector<Label> measured;
+  for (const std::uint8_t label : labels)
+    measured.push_back(label <= 2 ? static_cast<Label>(label) : Label::unknown);
+  scan.near_edge = near_other_label(scan.points, scan.labels, cloud.points, measured);
   return scan;
 }
 
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m) {
-  return scan_composed_scene(seed, voxel_size_m, varied_camera);
+  return scan_composed_scene(seed, voxel_size_m, varied_camera, /*mark_edges=*/false);
 }
 
 LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const std::uint64_t scan_seed =
       random_bits(seed, kComposedTest, static_cast<std::uint64_t>(index));
-  return scan_composed_scene(scan_seed, voxel_size_m, [](std::uint64_t) { return usual_camera(); });
+  return scan_composed_scene(
+      scan_seed, voxel_size_m, [](std::uint64_t) { return usual_camera(); }, /*mark_edges=*/true);
 }
 
 LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const auto i = static_cast<std::uint64_t>(index);
   const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
   const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
-  return make_scan(scene, usual_camera(), voxel_size_m, scan_seed);
+  return make_scan(scene, usual_camera(), voxel_size_m, scan_seed, /*mark_edges=*/true);
 }
 
 std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,

@@ -11,11 +11,14 @@ namespace planescope {
 
 /// What the classifier is given of a scene: its view through the camera with the scene's pose,
 /// levelled by the true gravity, within 1.5 m of depth, on a voxel grid. A voxel has the label of
-/// most of its pixels; voxels of curved surfaces are left out. The seed drives the noise alone.
+/// most of its pixels; voxels of curved surfaces are left out. With `mark_edges` it is also known
+/// which lie near an edge: within 2 cm of a measured pixel of the other label. The seed drives the
+/// noise alone.
 LabelledCloud make_scan(const Scene& scene,
                         const D435Model& model,
                         double voxel_size_m,
-                        std::uint64_t seed);
+                        std::uint64_t seed,
+                        bool mark_edges = false);
 
 /// A view of a composed scene with a camera more or less noisy than the real one. What shows next
 /// to nothing or one label only is not taken.

@@ -1,12 +1,41 @@
 #include "core/synthetic/stairs.hpp"
 
+#include <algorithm>
 #include <numbers>
 
+#include "core/evaluate/label_accuracy.hpp"
 #include "core/synthetic/random.hpp"
 #include "core/synthetic/rectangles.hpp"
 #include "core/synthetic/truth.hpp"
 
 namespace planescope {
+namespace {
+
+Mat3d turn_of(const Stairs& stairs) {
+  return Eigen::AngleAxisd(stairs.yaw_rad, Vec3d::UnitZ()).toRotationMatrix();
+}
+
+/// Riser, tread, riser, ... before the staircase is turned.
+std::vector<Rectangle> faces_of(const Stairs& stairs) {
+  std::vector<Rectangle> faces;
+  for (int s = 0; s < stairs.steps; ++s) {
+    const double x = s * stairs.length_m, z = s * stairs.height_m;
+    const Vec3d across(0, stairs.width_m, 0);
+    faces.push_back({{x, 0, z}, across, {0, 0, stairs.height_m}, {-1, 0, 0}});
+    faces.push_back({{x, 0, z + stairs.height_m}, {stairs.length_m, 0, 0}, across, {0, 0, 1}});
+  }
+  return faces;
+}
+
+double distance(const Vec3d& p, const Rectangle& face) {
+  const Vec3d d = p - face.corner;
+  const double u = face.side_u.squaredNorm(), v = face.side_v.squaredNorm();
+  return (d - std::clamp(d.dot(face.side_u) / u, 0.0, 1.0) * face.side_u -
+          std::clamp(d.dot(face.side_v) / v, 0.0, 1.0) * face.side_v)
+      .norm();
+}
+
+}  // namespace
 
 Stairs make_stairs(int index, const StairsOptions& options) {
   Random random(options.seed * 0x9e3779b97f4a7c15ULL +
@@ -18,15 +47,8 @@ Stairs make_stairs(int index, const StairsOptions& options) {
   stairs.height_m = random.uniform(options.min_height_m, options.max_height_m);
   const double yaw = random.uniform(0, 2 * std::numbers::pi);
   stairs.yaw_rad = options.random_yaw ? yaw : 0;
-  const Mat3d turn = Eigen::AngleAxisd(stairs.yaw_rad, Vec3d::UnitZ()).toRotationMatrix();
-
-  std::vector<Rectangle> faces;
-  for (int s = 0; s < stairs.steps; ++s) {
-    const double x = s * stairs.length_m, z = s * stairs.height_m;
-    const Vec3d across(0, stairs.width_m, 0);
-    faces.push_back({{x, 0, z}, across, {0, 0, stairs.height_m}, {-1, 0, 0}});
-    faces.push_back({{x, 0, z + stairs.height_m}, {stairs.length_m, 0, 0}, across, {0, 0, 1}});
-  }
+  const Mat3d turn = turn_of(stairs);
+  const std::vector<Rectangle> faces = faces_of(stairs);
   for (const Rectangle& f : faces) stairs.normals.push_back(turn * f.normal);
 
   const SurfacePoints surface =
@@ -41,6 +63,22 @@ Stairs make_stairs(int index, const StairsOptions& options) {
     stairs.cloud.label.push_back(static_cast<std::uint8_t>(true_label(faces[face].normal)));
   }
   return stairs;
+}
+
+LabelledCloud labelled(const Stairs& stairs) {
+  LabelledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
+  const Mat3d turn_back = turn_of(stairs).transpose();
+  const std::vector<Rectangle> faces = faces_of(stairs);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const auto label = static_cast<Label>(stairs.cloud.label[i]);
+    const Vec3d p = turn_back * cloud.points[i].cast<double>();
+    const bool near = std::any_of(faces.begin(), faces.end(), [&](const Rectangle& face) {
+      return true_label(face.normal) != label && distance(p, face) < kEdgeDistanceM;
+    });
+    cloud.labels.push_back(label);
+    cloud.near_edge.push_back(near);
+  }
+  return cloud;
 }
 
 }  // namespace planescope

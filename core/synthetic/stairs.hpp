@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/classify/classifier.hpp"
+#include "core/classify/labelled_cloud.hpp"
 #include "core/recording/frame.hpp"
 
 namespace planescope {
@@ -32,5 +32,9 @@ struct Stairs {
 
 /// Staircase `index` of the set: the same for any other index asked for before.
 Stairs make_stairs(int index, const StairsOptions& options);
+
+/// Its points and labels; near an edge is what lies within 2 cm of a tread or riser, whichever it
+/// is not on itself.
+LabelledCloud labelled(const Stairs& stairs);
 
 }  // namespace planescope

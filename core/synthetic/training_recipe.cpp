@@ -18,13 +18,21 @@ TrainingRecipe planescope_recipe() {
   // 1 cm would hide the smallest objects altogether: what they are could not be learnt.
   recipe.objects.uniform_noise_m = 0.004;
   recipe.objects.gaussian_noise_m = 0.004;
-  recipe.objects.tilt_deg = 3;
-  recipe.objects.thinning = 0.25;
+  recipe.objects.tilt_deg = 2;
+  recipe.objects.thinning = 0.5;
   recipe.scans = recipe.objects;
-  recipe.scans.uniform_noise_m = recipe.scans.gaussian_noise_m = 0;  // the camera's own is in them
-  recipe.scans.thinning = 0.7;
+  // Scans keep what the app will see: the camera's own noise, the grid's density, and the world's x
+  // axis where the camera looks.
+  recipe.scans.uniform_noise_m = recipe.scans.gaussian_noise_m = 0;
+  recipe.scans.thinning = 1;
+  recipe.scans.yaw_deg = 15;
+  recipe.set.planes = 50;  // a plane of any slope teaches next to nothing about edges
+  recipe.set.scans = 900;
   recipe.scan_share = 0.5;
-  recipe.uniform_share = 0.2;
+  recipe.uniform_share = 0.15;
+  recipe.train.steps = 30000;
+  recipe.train.epoch_steps = 2500;
+  recipe.train.balance_classes = false;
   return recipe;
 }
 
@@ -80,12 +88,8 @@ std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, i
     set.clouds.resize(static_cast<std::size_t>(count));
     const StairsOptions options{.seed = seed, .noise_m = noise_cm / 100};
     const auto make = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        PointSet cloud = make_stairs(static_cast<int>(i), options).cloud;
-        set.clouds[i] = {"stairs", std::move(cloud.points), {}};
-        for (const std::uint8_t label : cloud.label)
-          set.clouds[i].labels.push_back(static_cast<Label>(label));
-      }
+      for (std::size_t i = begin; i < end; ++i)
+        set.clouds[i] = labelled(make_stairs(static_cast<int>(i), options));
     };
     parallel_for(set.clouds.size(), threads, make, 1);
   }

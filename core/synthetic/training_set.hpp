@@ -37,7 +37,7 @@ struct AugmentOptions {
   double tilt_deg = 0;            // off level, up to, about a random horizontal axis
   int points = 2048;              // kept at most: the nearest ones to a random point; 0 all
   double thinning = 1;            // a random share of the points, down to this one, goes on
-  bool yaw = true;                // random rotation about z
+  double yaw_deg = 180;           // turned about z, up to, either way
 };
 
 /// A new version of a cloud for one step of training, in its order; every point keeps its label.

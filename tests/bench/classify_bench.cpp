@@ -47,7 +47,6 @@ std::vector<std::uint32_t> by_nanoflann(std::span<const Vec3f> points) {
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<Distance, Adaptor, 3, std::uint32_t>;
   const Adaptor adaptor{points};
   Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  tree.buildIndex();
   std::vector<std::uint32_t> rows(points.size() * kNeighbours);
   std::vector<float> squared(kNeighbours);
   for (std::size_t i = 0; i < points.size(); ++i)

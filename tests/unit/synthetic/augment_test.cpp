@@ -25,7 +25,7 @@ AugmentOptions nothing() {
   options.uniform_noise_m = 0;
   options.clusters = 0;
   options.points = 0;
-  options.yaw = false;
+  options.yaw_deg = 0;
   return options;
 }
 
@@ -82,7 +82,7 @@ TEST(Augment, GaussianNoiseVariesAmongCloudsUpToItsDeviation) {
 
 TEST(Augment, YawTurnsAboutTheVerticalOnly) {
   AugmentOptions options = nothing();
-  options.yaw = true;
+  options.yaw_deg = 180;
   const LabelledCloud cloud = board(), turned = augment(cloud, options, 5);
   double moved = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
