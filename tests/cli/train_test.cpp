@@ -74,10 +74,11 @@ fs::path write_recording(const fs::path& dir, int seed) {
   return path;
 }
 
-double edge_accuracy(const fs::path& recording, const fs::path& weights) {
+/// In per cent, away from edges.
+double label_accuracy(const fs::path& recording, const fs::path& weights) {
   const Ran ran = run({"eval", recording.string(), "--json", "--classifier", weights.string()});
   EXPECT_EQ(ran.code, 0) << ran.err;
-  return Json::parse(ran.out)["mean"]["label_accuracy_edge"].get<double>();
+  return Json::parse(ran.out)["mean"]["label_accuracy_inner"].get<double>();
 }
 
 }  // namespace
@@ -113,7 +114,7 @@ TEST(Train, TheSameSeedGivesTheSameBytesOnAnyMachine) {
 
 TEST(Train, StoppedAndResumedItEndsInTheSameBytes) {
   const Training training;
-  const std::vector<std::string> args = {"--steps", "60", "--epoch", "20", "--recipe", "paper"};
+  const std::vector<std::string> args = {"--steps", "40", "--epoch", "20", "--recipe", "paper"};
   const std::string bytes = training.bytes_with(args);
   training.stop(args);
   EXPECT_EQ(read_text(training.out), bytes) << "stopped, it leaves the weights of before";
@@ -177,9 +178,9 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
   fs::rename(recording.string() + ".labels", labels);
   const Ran ran =
       training.with({recording.string(), "--labels", labels.string(), "--recipe", "recordings",
-                     "--steps", "150", "--baseline", training.start.string()});
+                     "--steps", "130", "--baseline", training.start.string()});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_GT(edge_accuracy(other, training.out), edge_accuracy(other, training.start) + 5);
+  EXPECT_GT(label_accuracy(other, training.out), label_accuracy(other, training.start) + 10);
   const Json record = training_record(training.out);
   EXPECT_EQ(record["recipe"], "recordings");
   EXPECT_EQ(record["synthetic_clouds"], 0);
@@ -188,10 +189,13 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
 
 TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
   const Training training;
-  ASSERT_EQ(
-      training.with({"--steps", "80", "-o", (training.dir / "good.safetensors").string()}).code, 0);
-  const Ran ran =
-      training.with({"--steps", "1", "--baseline", (training.dir / "good.safetensors").string()});
+  // Made by hand: v where a point has neighbours right above or below it.
+  NetworkWeights good;
+  good.config = {.name = "by hand", .levels = {{2}}, .head = {1}};
+  good.tensors = {{0, 0, 0, 0, 1, -1}, {1, 1}, {0}, {0, 8}, {8, 0}};
+  const fs::path baseline = training.dir / "good.safetensors";
+  write_weights(baseline, good);
+  const Ran ran = training.with({"--steps", "1", "--baseline", baseline.string()});
   EXPECT_EQ(ran.code, 1) << ran.out;
   EXPECT_NE(ran.out.find("worse"), std::string::npos) << ran.out;
   EXPECT_TRUE(fs::exists(training.out)) << "the weights are kept all the same";
