@@ -27,10 +27,10 @@ TrainingRecipe planescope_recipe() {
   recipe.scans.thinning = 1;
   recipe.scans.yaw_deg = 15;
   recipe.set.planes = 50;  // a plane of any slope teaches next to nothing about edges
-  recipe.set.scans = 900;
-  recipe.scan_share = 0.5;
+  recipe.set.scans = 1400;
+  recipe.scan_share = 0.6;
   recipe.uniform_share = 0.15;
-  recipe.train.steps = 30000;
+  recipe.train.steps = 45000;
   recipe.train.epoch_steps = 2500;
   recipe.train.balance_classes = false;
   return recipe;

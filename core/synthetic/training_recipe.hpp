@@ -25,7 +25,7 @@ struct TrainingRecipe {
   }
 };
 
-/// "planescope", the default: half of it scans, mixed noise, a loss that minds the edges.
+/// "planescope", the default: more than half of it scans, mixed noise, a loss that minds the edges.
 /// "paper": the text of Sec. III, objects alone, plain cross-entropy.
 const std::vector<std::string>& recipe_names();
 
