@@ -97,7 +97,7 @@ void add_method(CLI::App* command, Typed& t) {
   };
   option(
       "--classifier", t.classifier, "gcn|pca|truth|FILE",
-      "What labels points h or v: the network that comes with planescope, PCA normals (default), "
+      "What labels points h or v: the network that comes with planescope (default), PCA normals, "
       "ground truth, or a network of your own (.safetensors)");
   option("--method", t.method, "ours", "What finds the planes");
 }

@@ -21,7 +21,7 @@ struct PipelineOptions {
   GravityOptions gravity;
   PcaClassifierOptions pca;
   SegmentOptions segment = profile_options(Profile::refined);
-  std::string classifier = "pca";  // gcn | pca | truth | path of a weights file
+  std::string classifier = "gcn";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };
 

@@ -77,7 +77,7 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   const Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth, 2);
   write_frame_labels(dir / "rec.labels", 0, truth_of(depth, *open_recording(dir / "rec")));
-  for (const char* classifier : {"pca", "truth"}) {
+  for (const char* classifier : {"gcn", "pca", "truth"}) {
     const Ran ran = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
                          "--classifier", classifier, "--frames", "0"});
     ASSERT_EQ(ran.code, 0) << ran.err;

@@ -189,7 +189,8 @@ TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
   const Json record = read_report(dir / "out")["record"];
   EXPECT_NE(record["command"].get<std::string>().find("my rec' -o"), std::string::npos)
       << record["command"];
-  EXPECT_TRUE(record["weights"].is_null());
+  EXPECT_EQ(record["classifier"], "gcn");
+  EXPECT_EQ(record["weights"]["file"], "classifier.safetensors");
   for (const Json& option : record["options"]) {
     if (option["name"] == "theta_n_in") {
       EXPECT_EQ(option["value"], "7");
