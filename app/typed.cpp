@@ -172,6 +172,7 @@ TrainArgs train_args(const Typed& typed) {
   }
   if (!typed.network.empty()) train.network = network_config(typed.network);
   args.baseline = typed.baseline;
+  train.balance_classes = typed.balance_classes;
   args.resume = typed.resume;
   return args;
 }

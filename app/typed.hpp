@@ -24,7 +24,7 @@ struct Typed {
   std::vector<std::string> weights;
   std::string only, rounds;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
-       augmented = false, resume = false;
+       augmented = false, resume = false, balance_classes = false;
 };
 
 // From text to values. All throw Error that names the option.

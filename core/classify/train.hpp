@@ -18,13 +18,13 @@ namespace planescope {
 struct TrainOptions {
   NetworkConfig network;
   std::uint64_t seed = 1;
-  int steps = 5000;
+  int steps = 45000;
   int batch = 4;                // clouds in a step
   double learning_rate = 2e-3;  // of Adam; warms up, then falls to 0 along a cosine
   int warm_up_steps = 50;
-  bool balance_classes = true;  // h and v weigh the same in each cloud
-  double edge_weight = 4;       // of a point that has a neighbour of the other label
-  int epoch_steps = 250;        // steps between validations
+  bool balance_classes = false;  // h and v weigh the same in each cloud
+  double edge_weight = 4;        // of a point that has a neighbour of the other label
+  int epoch_steps = 2500;        // steps between validations
 };
 
 struct Epoch {

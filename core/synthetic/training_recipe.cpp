@@ -30,9 +30,6 @@ TrainingRecipe planescope_recipe() {
   recipe.set.scans = 1400;
   recipe.scan_share = 0.6;
   recipe.uniform_share = 0.15;
-  recipe.train.steps = 45000;
-  recipe.train.epoch_steps = 2500;
-  recipe.train.balance_classes = false;
   return recipe;
 }
 
@@ -40,7 +37,6 @@ TrainingRecipe paper_recipe() {
   TrainingRecipe recipe;
   recipe.set.boxes_on_floor = 0;
   recipe.set.scans = 0;
-  recipe.train.balance_classes = false;
   recipe.train.edge_weight = 1;
   return recipe;
 }
