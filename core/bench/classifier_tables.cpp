@@ -12,13 +12,15 @@ std::string clouds_of(const ClassifierBench& bench) {
 }
 
 Table accuracy_table(const ClassifierBench& bench) {
-  Table table{"Labels that are right",
-              fmt::format("Percent of the points within 2 cm of a point of the other label (edge), "
-                          "and of all others (inner). {}.",
-                          clouds_of(bench)),
-              {"clouds", "labels by", "edge %", "inner %"},
-              {},
-              2};
+  Table table{
+      "Labels that are right",
+      fmt::format(
+          "Percent of the points within 2 cm of a tread, riser or pixel of the other label (edge), "
+          "and of all others (inner). {}.",
+          clouds_of(bench)),
+      {"clouds", "labels by", "edge %", "inner %"},
+      {},
+      2};
   for (const LabelRow& row : bench.label_rows)
     table.rows.push_back({row.set, row.classifier, fixed(row.level.edge_percent(), 2),
                           fixed(row.level.inner_percent(), 2)});

@@ -20,10 +20,14 @@ float squared_distance(const Vec3f& a, const Vec3f& b) {
 
 /// The row of a point without the point itself; where more equal points than fit left it out of its
 /// own row, any of them goes instead.
-void drop_self(std::span<const std::uint32_t> found, std::uint32_t self, std::uint32_t* row) {
-  const auto own = std::find(found.begin(), found.end(), self);
-  const auto gone = own == found.end() ? found.end() - 1 : own;
-  std::copy(gone + 1, found.end(), std::copy(found.begin(), gone, row));
+void drop_self(std::span<const std::uint32_t> found,
+               std::uint32_t self,
+               std::span<std::uint32_t> row) {
+  std::size_t kept = 0;
+  for (std::size_t j = 0; kept < row.size(); ++j) {
+    row[kept] = found[j];
+    kept += found[j] != self;
+  }
 }
 
 /// The nearest `count` of a row, the first ones where several are as near.
@@ -116,7 +120,7 @@ void make_graph(std::span<const Vec3f> points,
         for (std::size_t i = begin; i < end; ++i) {
           const std::span row(level.rows.data() + i * k, k);
           drop_self({found.data() + (i - begin) * (k + 1), k + 1}, static_cast<std::uint32_t>(i),
-                    row.data());
+                    row);
           if (level.pool_neighbours > 0 && i % config.pool_rate == 0)
             choose_nearest(grids[l].points(), i, row, level.pool_neighbours, distance,
                            level.pool_rows.data() + i / config.pool_rate * level.pool_neighbours);
