@@ -134,7 +134,7 @@ SynthTrainingArgs training_args(const Typed& typed) {
   args.out = required_out(typed, "synth training");
   args.recipe = make_recipe(typed.recipe);
   TrainingSetOptions& set = args.recipe.set;
-  if (!typed.seed.empty()) set.seed = seed(typed);
+  if (!typed.seed.empty()) args.recipe.train.seed = set.seed = seed(typed);
   limit(typed, {&set.stairs, &set.boxes, &set.planes, &set.scans});
   args.augmented = typed.augmented;
   args.threads = thread_count(typed);

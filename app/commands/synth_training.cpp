@@ -12,14 +12,11 @@
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/recording/cloud_file.hpp"
-#include "core/synthetic/counter_random.hpp"
 
 namespace planescope {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::uint64_t kShownStep = 0x57e9;  // a stream of random numbers for --augmented
 
 Json header_of(const SynthTrainingArgs& args) {
   const TrainingRecipe& recipe = args.recipe;
@@ -42,10 +39,7 @@ std::vector<LabelledCloud> make_clouds(const SynthTrainingArgs& args, const std:
   };
   std::vector<LabelledCloud> clouds = make_training_set(args.recipe.set, args.threads, show);
   if (!args.augmented) return clouds;
-  for (std::size_t i = 0; i < clouds.size(); ++i) {
-    const std::uint64_t seed = random_bits(args.recipe.set.seed, kShownStep, i);
-    clouds[i] = augment(clouds[i], args.recipe.augmentation_of(clouds[i]), seed);
-  }
+  for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i] = vary(args.recipe, clouds[i], i);
   return clouds;
 }
 

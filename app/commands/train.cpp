@@ -52,8 +52,8 @@ TrainState first_state(const TrainArgs& args, const Files& files, const Training
   if (args.from.empty()) return state;
   NetworkWeights from = read_weights(args.from);
   if (!(from.config == options.network))
-    throw Error(fmt::format("{}: is a {} network, expected {} (--network)", args.from.string(),
-                            from.config.name, options.network.name));
+    throw Error(fmt::format("{}: is not the network that is asked for, {} (--network)",
+                            args.from.string(), options.network.name));
   state.weights.tensors = std::move(from.tensors);
   return state;
 }

@@ -27,7 +27,8 @@ class TeamMember {
 };
 
 /// Calls body on `threads` threads, this one among them, and waits for all. Quicker than one
-/// parallel_for per phase where phases are short. `body` must not throw.
+/// parallel_for per phase where phases are short. An exception of `body` is rethrown here, when the
+/// others have gone through without that member.
 void run_team(int threads, const std::function<void(TeamMember&)>& body);
 
 }  // namespace planescope

@@ -61,10 +61,11 @@ SpeedRow race(const BenchNetwork& network,
   classifiers.push_back(make_nanoflann_pca_classifier(pca));
   classifiers.push_back(make_pca_classifier(pca));
 
-  const auto ms = interleaved_ms(classifiers.size(), rounds, [&](std::size_t who, int round) {
-    turns.next();
-    classifiers[who]->classify(clouds[static_cast<std::size_t>(round % kStairs)], threads);
-  });
+  const auto ms = interleaved_ms(
+      classifiers.size(), rounds, [&] { turns.next(); },
+      [&](std::size_t who, int round) {
+        classifiers[who]->classify(clouds[static_cast<std::size_t>(round % kStairs)], threads);
+      });
   SpeedRow row{network.name, static_cast<int>(clouds[0].size()), threads, {}};
   for (std::size_t s = 0; s < sets.size(); ++s) row.network_ms.emplace_back(sets[s], median(ms[s]));
   const auto &best = ms[sets.size() - 1], &nanoflann = ms[sets.size()], &ours = ms[sets.size() + 1];
@@ -81,7 +82,7 @@ ReferenceRow race_reference(const BenchNetwork& network,
                             Turns& turns) {
   const NetworkConfig& config = network.weights.config;
   const Simd simd = best_simd();
-  const NeighbourGrid grid(cloud, config.neighbours, simd);
+  const NeighbourGrid grid(cloud, config.neighbours + 1, simd);
   const std::span<const Vec3f> points = grid.points();  // the order in which pooling counts
   const PlainGraph plain_graph = make_plain_graph(points, config);
   const PlainNetwork<float> plain{config, network.weights.tensors};
@@ -92,12 +93,13 @@ ReferenceRow race_reference(const BenchNetwork& network,
   const Gcn whole(network.weights, simd);
 
   enum { kWhole, kForward, kPlain, kCount };
-  const auto ms = interleaved_ms(kCount, rounds, [&](std::size_t who, int) {
-    turns.next();
-    if (who == kWhole) whole.forward(points, 1);
-    if (who == kForward) gcn::forward(graph, layers, gcn::kernels(simd), 1, false, activations);
-    if (who == kPlain) plain_forward(plain, plain_graph, points);
-  });
+  const auto ms = interleaved_ms(
+      kCount, rounds, [&] { turns.next(); },
+      [&](std::size_t who, int) {
+        if (who == kWhole) whole.forward(points, 1);
+        if (who == kForward) gcn::forward(graph, layers, gcn::kernels(simd), 1, false, activations);
+        if (who == kPlain) plain_forward(plain, plain_graph, points);
+      });
   return {network.name,
           static_cast<int>(points.size()),
           median(ms[kWhole]),

@@ -88,7 +88,8 @@ bool is_possible(const TrainState& state, int steps) {
       return false;
     last = epoch.step;
   }
-  return last <= state.step && state.step <= steps;
+  // What has taken all its steps has ended its last epoch too.
+  return last <= state.step && state.step <= steps && (state.step < steps || last == steps);
 }
 
 }  // namespace

@@ -38,9 +38,6 @@ struct Gcn::Layers {
 Gcn::Gcn(const NetworkWeights& weights, Simd simd)
     : layers_(new Layers{gcn::make_layers(weights), simd, {}, {}}) {}
 Gcn::~Gcn() = default;
-Gcn::Gcn(Gcn&&) noexcept = default;
-
-const NetworkConfig& Gcn::config() const { return layers_->layers.config; }
 
 std::vector<float> Gcn::forward(std::span<const Vec3f> points, int threads) const {
   std::vector<float> logits(2 * points.size());

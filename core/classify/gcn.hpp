@@ -17,12 +17,10 @@ class Gcn {
  public:
   explicit Gcn(const NetworkWeights& weights, Simd simd = best_simd());
   ~Gcn();
-  Gcn(Gcn&&) noexcept;
 
   /// Logits [n x 2], h then v, for finite points in any order. The same bits for any thread count
   /// and instruction set; a permuted cloud gives permuted rows.
   std::vector<float> forward(std::span<const Vec3f> points, int threads) const;
-  const NetworkConfig& config() const;
 
  private:
   struct Layers;

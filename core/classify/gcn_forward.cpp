@@ -27,10 +27,10 @@ void allocate(const Graph& graph, const Layers& layers, bool keep_winners, Activ
     const std::size_t supports = static_cast<std::size_t>(layers.config.supports);
     Activations::Convolution& kept = a.convolutions[c];
     if (layer.in > 0) kept.products.resize(n * (supports + 1) * layer.out);
-    if (keep_winners) kept.winners.resize(n * supports * layer.out);
+    kept.winners.resize(keep_winners ? n * supports * layer.out : 0);
     if (layer.column > 0 || layer.level == 0) continue;
     a.levels[layer.level].pooled.resize(n * layer.in);
-    if (keep_winners) a.levels[layer.level].winners.resize(n * layer.in);
+    a.levels[layer.level].winners.resize(keep_winners ? n * layer.in : 0);
   }
   a.head.resize(layers.head.size());
   for (std::size_t h = 0; h < layers.head.size(); ++h)

@@ -101,6 +101,7 @@ void make_graph(std::span<const Vec3f> points,
     level.rows.resize(level.n * level.neighbours);
     level.directions.resize(level.n * level.neighbours * 3);
     if (l > 0) level.nearest.resize(grids[0].size());
+    level.pool_neighbours = 0;
     if (l + 1 == grids.size()) continue;
     level.pool_neighbours = std::min(config.pool_neighbours, level.neighbours);
     level.pool_rows.resize(grids[l + 1].size() * level.pool_neighbours);

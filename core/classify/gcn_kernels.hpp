@@ -30,7 +30,7 @@ struct DirectionArgs {
 struct SupportArgs {
   std::size_t begin = 0, end = 0;       // points i
   int neighbours = 0;                   // k; with 0 the maximum is 0
-  const float* directions = nullptr;    // [n x k x 3] unit vectors to the neighbours, or zero
+  const float* directions = nullptr;    // [n x 3 x k] unit vectors to the neighbours, or zero
   const std::uint32_t* rows = nullptr;  // [n x k]
   int supports = 1, channels = 0;
   const float* kernels = nullptr;   // [3 x supports x channels] unit columns

@@ -14,7 +14,8 @@ struct LabelledCloud {
   std::string kind;           // where it came from: "stairs", "scan", ...
   std::vector<Vec3f> points;  // z up, metres, about a local origin
   std::vector<Label> labels;
-  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of a surface with the other label;
+  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of the other label's surface, or a
+                                             // measured pixel of it;
                                              // empty where the surfaces are not known
 };
 

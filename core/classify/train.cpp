@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/classify/gcn.hpp"
 #include "core/classify/gcn_backward.hpp"
@@ -114,6 +115,13 @@ double train_step(
       },
       1);
 
+  double loss = 0;
+  for (const CloudGradient& gradient : gradients) loss += gradient.loss;
+  loss /= static_cast<double>(batch);
+  if (!std::isfinite(loss))
+    throw Error("training: the loss of step " + std::to_string(state.step) +
+                " is not a finite number, expected a smaller learning rate or other weights");
+
   const double rate = learning_rate(options, state.step);
   const double correction1 = 1 - std::pow(kBeta1, state.step + 1);
   const double correction2 = 1 - std::pow(kBeta2, state.step + 1);
@@ -131,9 +139,6 @@ double train_step(
           step_size * m / (std::sqrt(double{v}) + kEpsilon * std::sqrt(correction2)));
     }
   ++state.step;
-  double loss = 0;
-  for (const CloudGradient& gradient : gradients) loss += gradient.loss;
-  loss /= static_cast<double>(batch);
   state.loss_sum += loss;
   return loss;
 }

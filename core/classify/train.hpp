@@ -1,7 +1,7 @@
 #pragma once
 
-// Training of a 3D-GCN: Adam on a class-balanced cross-entropy that counts points beside another
-// label more.
+// Training of a 3D-GCN: Adam on a cross-entropy that counts points beside another label more, and
+// if asked both labels alike.
 
 #include <cstdint>
 #include <functional>

@@ -26,7 +26,7 @@ constexpr const char* kVersion = "1";
 struct Range {
   int min = 1, max = 1;
 };
-constexpr Range kChannels{1, 4096}, kLevels{1, 8}, kLayers{1, 8}, kSupports{1, 16},
+constexpr Range kChannels{1, 4096}, kLevels{1, 8}, kLayers{1, 8}, kHidden{0, 8}, kSupports{1, 16},
     kNeighbours{1, 1024}, kPoolRate{2, 64};
 
 int count_of(const Json& json, const Range& range, const std::string& what) {
@@ -43,9 +43,9 @@ const Json& list_of(const Json& json, const Range& size, const std::string& what
   return json;
 }
 
-std::vector<int> channels_of(const Json& json, const std::string& what) {
+std::vector<int> channels_of(const Json& json, const Range& layers, const std::string& what) {
   std::vector<int> channels;
-  for (const Json& value : list_of(json, kLayers, what))
+  for (const Json& value : list_of(json, layers, what))
     channels.push_back(count_of(value, kChannels, what + ": a channel count"));
   return channels;
 }
@@ -69,16 +69,16 @@ NetworkConfig config_of(const Json& json, const std::string& what) {
     throw Error(what + ": name is no text");
   config.levels.clear();
   for (const Json& level : list_of(field("levels"), kLevels, what + ": levels"))
-    config.levels.push_back(channels_of(level, what + ": levels"));
+    config.levels.push_back(channels_of(level, kLayers, what + ": levels"));
   config.supports = count("supports", kSupports);
   config.neighbours = count("neighbours", kNeighbours);
   config.pool_rate = count("pool_rate", kPoolRate);
-  config.pool_neighbours = count("pool_neighbours", kNeighbours);
+  config.pool_neighbours = count("pool_neighbours", {1, config.neighbours});
   if (const Json& global = field("global_feature"); global.is_boolean())
     config.global_feature = global.get<bool>();
   else
     throw Error(what + ": global_feature is neither true nor false");
-  config.head = channels_of(field("head"), what + ": head");
+  config.head = channels_of(field("head"), kHidden, what + ": head");
   if (used != json.size())
     throw Error(fmt::format("{} has {} fields, expected {}", what, json.size(), used));
   return config;

@@ -10,7 +10,6 @@ double percent(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 100.0;
 }
 
-/// Which points have a point of another label within 2 cm.
 }  // namespace
 
 double LabelAccuracy::edge_percent() const { return percent(edge_right, edge); }

@@ -13,7 +13,7 @@
 namespace planescope {
 namespace {
 
-enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 4 };
+enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 104 };
 
 bool is_worth_learning(const LabelledCloud& scan) {
   constexpr std::size_t kLeastVoxels = 300;

@@ -61,6 +61,14 @@ TrainingRecipe make_recipe(const std::string& name) {
   return recipe;
 }
 
+LabelledCloud vary(const TrainingRecipe& recipe, const LabelledCloud& cloud, std::uint64_t number) {
+  const std::uint64_t seed = recipe.train.seed;
+  AugmentOptions options = recipe.augmentation_of(cloud);
+  const bool uniform = random_uniform(seed, kIsUniform, number) < recipe.uniform_share;
+  (uniform ? options.gaussian_noise_m : options.uniform_noise_m) = 0;
+  return augment(cloud, options, random_bits(seed, kVariation, number));
+}
+
 LabelledCloud draw_cloud(const TrainingRecipe& recipe,
                          const std::vector<LabelledCloud>& set,
                          std::uint64_t number) {
@@ -69,11 +77,7 @@ LabelledCloud draw_cloud(const TrainingRecipe& recipe,
       static_cast<std::uint64_t>(recipe.set.stairs + recipe.set.boxes + recipe.set.planes);
   const bool scan = random_uniform(seed, kIsScan, number) < recipe.scan_share;
   const std::uint64_t first = scan ? objects : 0, count = scan ? set.size() - objects : objects;
-  const LabelledCloud& cloud = set[first + random_bits(seed, kWhich, number) % count];
-  AugmentOptions options = recipe.augmentation_of(cloud);
-  const bool uniform = random_uniform(seed, kIsUniform, number) < recipe.uniform_share;
-  (uniform ? options.gaussian_noise_m : options.uniform_noise_m) = 0;
-  return augment(cloud, options, random_bits(seed, kVariation, number));
+  return vary(recipe, set[first + random_bits(seed, kWhich, number) % count], number);
 }
 
 std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, int threads) {

@@ -32,6 +32,9 @@ const std::vector<std::string>& recipe_names();
 /// Throws Error naming the recipes there are.
 TrainingRecipe make_recipe(const std::string& name);
 
+/// A cloud of the recipe's set as the step that draws cloud `number` sees it.
+LabelledCloud vary(const TrainingRecipe& recipe, const LabelledCloud& cloud, std::uint64_t number);
+
 /// Cloud `number` of a training with this recipe: one of its set, varied.
 LabelledCloud draw_cloud(const TrainingRecipe& recipe,
                          const std::vector<LabelledCloud>& set,

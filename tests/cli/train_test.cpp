@@ -103,7 +103,7 @@ TEST(Train, WritesWeightsTheirRecordAndAPageAndNothingElse) {
   EXPECT_NE(read_text(training.page).find("<svg"), std::string::npos);
 }
 
-TEST(Train, TheSameSeedGivesTheSameBytesOnAnyMachine) {
+TEST(Train, TheSameSeedGivesTheSameBytesForAnyThreadsAndInstructionSet) {
   const Training training;
   const std::string bytes = training.bytes_with({"--steps", "4", "--threads", "1"});
   setenv("PLANESCOPE_SIMD", "plain", 1);

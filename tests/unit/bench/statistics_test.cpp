@@ -22,10 +22,12 @@ TEST(Statistics, RatiosAreTakenBetweenWhatWasMeasuredSideBySide) {
 TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {
   std::vector<int> runs(3), first_of_round;
   int turn = 0;
-  const auto ms = interleaved_ms(3, 5, [&](std::size_t who, int) {
-    ++runs[who];
-    if (turn++ % 3 == 0) first_of_round.push_back(static_cast<int>(who));
-  });
+  const auto ms = interleaved_ms(
+      3, 5, [] {},
+      [&](std::size_t who, int) {
+        ++runs[who];
+        if (turn++ % 3 == 0) first_of_round.push_back(static_cast<int>(who));
+      });
   EXPECT_EQ(runs, (std::vector{6, 6, 6}));
   EXPECT_EQ(first_of_round, (std::vector{0, 1, 2, 0, 1, 2}));
   ASSERT_EQ(ms.size(), 3u);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/parallel.hpp"
 #include "core/baselines/plain_gcn.hpp"
 #include "core/classify/neighbour_grid.hpp"
 #include "core/classify/random_weights.hpp"
@@ -128,6 +129,46 @@ TEST(Gcn, LabelsAPermutedCloudAsItLabelsTheCloud) {
       ASSERT_EQ(of_permuted[2 * i + 1], logits[2 * order[i] + 1]);
     }
   }
+}
+
+TEST(Gcn, LabelsAPermutedGridWithEqualDistancesAndEqualPointsAlike) {
+  std::vector<Vec3f> points;
+  for (int x = 0; x < 24; ++x)
+    for (int y = 0; y < 24; ++y) {
+      points.emplace_back(0.02f * static_cast<float>(x), 0.02f * static_cast<float>(y), 0);
+      points.emplace_back(0, 0.02f * static_cast<float>(x), 0.02f * static_cast<float>(y));
+    }
+  for (int i = 0; i < 40; ++i) points.push_back(points[3]);
+  const Gcn network(random_weights(network_config("small"), 4));
+  const std::vector<float> logits = network.forward(points, 1);
+  const std::vector<std::size_t> order = shuffled_order(points.size(), 5);
+  std::vector<Vec3f> permuted;
+  for (const std::size_t i : order) permuted.push_back(points[i]);
+  const std::vector<float> of_permuted = network.forward(permuted, 2);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    ASSERT_EQ(of_permuted[2 * i], logits[2 * order[i]]) << "point " << order[i];
+}
+
+TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
+  const NetworkWeights weights = random_weights(network_config("small"), 4);
+  const Gcn network(weights);
+  for (const int count : {3000, 40, 1, 900, 3000}) {
+    const std::vector<Vec3f> points = stairs_points(count);
+    EXPECT_EQ(network.forward(points, 1), Gcn(weights).forward(points, 1)) << count << " points";
+  }
+}
+
+TEST(Gcn, AnswersSeveralThreadsAtOnce) {
+  const Gcn network(random_weights(network_config("compact"), 4));
+  const std::vector<Vec3f> a = stairs_points(1500), b = stairs_points(700, 0);
+  const std::vector<float> of_a = network.forward(a, 1), of_b = network.forward(b, 1);
+  parallel_for(
+      4, 4,
+      [&](std::size_t begin, std::size_t) {
+        for (int i = 0; i < 5; ++i)
+          EXPECT_EQ(network.forward(begin % 2 == 0 ? a : b, 2), begin % 2 == 0 ? of_a : of_b);
+      },
+      1);
 }
 
 TEST(Gcn, LabelsACloudFarFromTheOriginAlike) {

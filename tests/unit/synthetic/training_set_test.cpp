@@ -260,5 +260,15 @@ TEST(TestScans, AreTheNamedScenesInTurnForAnyNumberOfThreads) {
   EXPECT_FALSE(same(scans[0], scans[5])) << "the same scene, another seed";
 }
 
+TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
+  TrainingSetOptions options;
+  options.seed = 5;
+  options.stairs = options.boxes = options.planes = 0;
+  options.scans = 1;
+  const LabelledCloud trained = make_training_set(options, 1)[0];
+  EXPECT_NE(make_composed_test_scan(5, 0).points.size(), trained.points.size());
+  EXPECT_NE(make_test_scan(5, 0).points.size(), trained.points.size());
+}
+
 }  // namespace
 }  // namespace planescope
