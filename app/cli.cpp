@@ -300,8 +300,7 @@ void define_train(Line& line) {
   add(train, "--epoch", t.epoch, "N", "Steps between validations and checkpoints, default 2500");
   add(train, "--count", t.count, "N", "At most so many clouds of each kind; default all");
   add(train, "--seed", t.seed, "N", "Another seed makes other clouds and weights, default 1");
-  train->add_flag("--balance-classes", t.balance_classes,
-                  "Let h and v weigh the same in each cloud, however many points they have");
+  train->add_flag("--balance-classes", t.balance_classes, "h and v weigh the same in each cloud");
   train->add_flag("--resume", t.resume, "Go on from FILE's checkpoint, to the same bytes");
   add_clouds(train, t);
   train->final_callback([&line] {

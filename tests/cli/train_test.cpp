@@ -156,7 +156,8 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
   training.expect_refused({"-o", dir + "/folder.safetensors"}, "is a folder");
   training.expect_refused({"-o", dir + "/start.safetensors/out.safetensors"}, "is not a folder");
   training.expect_refused({"-o", dir + "/out.bin"}, "not the name of a .safetensors file");
-  training.expect_refused({"--network", "official"}, "is a tiny network, expected official");
+  training.expect_refused({"--network", "official"},
+                          "is not the network that is asked for, official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"}, "expected planescope, paper or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labelled recordings");
