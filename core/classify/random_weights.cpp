@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/synthetic/random.hpp"
+#include "core/base/random.hpp"
 
 namespace planescope {
 

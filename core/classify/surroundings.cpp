@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/geometry/morton.hpp"
+
 namespace planescope {
 namespace {
 
@@ -76,7 +78,8 @@ void Surroundings::find_ranges(Block& block, int level) const {
     const std::int32_t c = block.center[axis], parents = kCells >> (level + 1);
     const bool odd = (c & 1) != 0;
     const std::int32_t lower = (c + 1) / 2 - 1, upper = lower + 1;
-    code[axis] = {z_spread(std::max(lower, 0)) << axis, z_spread(upper) << axis};
+    code[axis] = {morton_spread(static_cast<std::uint64_t>(std::max(lower, 0))) << axis,
+                  morton_spread(static_cast<std::uint64_t>(upper)) << axis};
     wanted[axis] = {odd ? 0xffU : 0xffU & ~kLower[axis], odd ? kLower[axis] : 0xffU};
     if (lower < 0) wanted[axis][0] = 0;
     if (upper >= parents) wanted[axis][1] = 0;

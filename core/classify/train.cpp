@@ -147,19 +147,14 @@ LabelAccuracy score_network(const NetworkWeights& weights,
                             std::span<const LabelledCloud> clouds,
                             int threads,
                             Simd simd) {
-  const Gcn network(weights, simd);
+  const auto classifier = make_gcn_classifier(weights, weights.config.name, simd);
   std::vector<LabelAccuracy> accuracies(clouds.size());
   parallel_for(
       clouds.size(), threads,
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-          const LabelledCloud& cloud = clouds[c];
-          const std::vector<float> logits = network.forward(cloud.points, 1);
-          std::vector<Label> found(cloud.points.size());
-          for (std::size_t i = 0; i < found.size(); ++i)
-            found[i] = logits[2 * i + 1] > logits[2 * i] ? Label::v : Label::h;
-          accuracies[c] = label_accuracy(cloud, found);
-        }
+        for (std::size_t c = begin; c < end; ++c)
+          accuracies[c] =
+              label_accuracy(clouds[c], classifier->classify(clouds[c].points, 1).labels);
       },
       1);
   LabelAccuracy sum;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
+
+#include "core/geometry/morton.hpp"
 
 namespace planescope {
 namespace {
@@ -23,42 +24,14 @@ std::array<double, kZBits + 1> occupancy(std::span<const std::uint64_t> codes) {
   return points_per_cell;
 }
 
-/// Sorts codes, and the order with them, by their 11-bit digits; stable.
-void radix_sort(std::vector<std::uint64_t>& codes, std::vector<std::uint32_t>& order) {
-  constexpr int kDigitBits = 11, kDigits = (3 * kZBits + kDigitBits - 1) / kDigitBits;
-  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;
-  std::array<std::array<std::uint32_t, kMask + 1>, kDigits> starts{};
-  for (const std::uint64_t code : codes)
-    for (int digit = 0; digit < kDigits; ++digit)
-      ++starts[digit][code >> digit * kDigitBits & kMask];
-  std::vector<std::uint64_t> sorted_codes(codes.size());
-  std::vector<std::uint32_t> sorted_order(codes.size());
-  for (int digit = 0; digit < kDigits; ++digit) {
-    const int shift = digit * kDigitBits;
-    auto& start = starts[digit];
-    if (!codes.empty() && start[codes[0] >> shift & kMask] == codes.size()) continue;
-    std::exclusive_scan(start.begin(), start.end(), start.begin(), 0U);
-    for (std::size_t i = 0; i < codes.size(); ++i) {
-      const std::uint32_t to = start[codes[i] >> shift & kMask]++;
-      sorted_codes[to] = codes[i];
-      sorted_order[to] = order[i];
-    }
-    codes.swap(sorted_codes);
-    order.swap(sorted_order);
-  }
-}
-
 ZOrder order_in(const ZFrame& frame, std::span<const Vec3f> points) {
-  ZOrder z{frame, std::vector<std::uint64_t>(points.size()),
-           std::vector<std::uint32_t>(points.size())};
+  ZOrder z{frame, std::vector<std::uint64_t>(points.size()), {}};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3d q = frame.in_cells(points[i]);
-    z.codes[i] = z_spread(static_cast<std::int32_t>(q.x())) |
-                 z_spread(static_cast<std::int32_t>(q.y())) << 1 |
-                 z_spread(static_cast<std::int32_t>(q.z())) << 2;
+    z.codes[i] = morton_code(static_cast<std::uint32_t>(q.x()), static_cast<std::uint32_t>(q.y()),
+                             static_cast<std::uint32_t>(q.z()));
   }
-  std::iota(z.order.begin(), z.order.end(), 0U);
-  radix_sort(z.codes, z.order);
+  sort_codes(z.codes, z.order, 3 * kZBits);
   return z;
 }
 
@@ -79,15 +52,6 @@ void break_ties(std::span<const Vec3f> points, ZOrder& z) {
 }
 
 }  // namespace
-
-std::uint64_t z_spread(std::int32_t value) {
-  auto v = static_cast<std::uint64_t>(value);
-  v = (v | v << 32) & 0x1f00000000ffff;
-  v = (v | v << 16) & 0x1f0000ff0000ff;
-  v = (v | v << 8) & 0x100f00f00f00f00f;
-  v = (v | v << 4) & 0x10c30c30c30c30c3;
-  return (v | v << 2) & 0x1249249249249249;
-}
 
 int z_level(std::span<const std::uint64_t> codes, double per_cell) {
   const auto points_per_cell = occupancy(codes);

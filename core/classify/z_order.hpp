@@ -15,9 +15,6 @@ inline constexpr int kZBits = 21;  // per axis, at level 0 (the finest); level k
 
 using ZCell = std::array<std::int32_t, 3>;  // integer coordinates at some level
 
-/// The bits of `v` three apart: the code of a cell is spread(x) | spread(y) << 1 | spread(z) << 2.
-std::uint64_t z_spread(std::int32_t v);
-
 /// The cube of 2^kZBits cells per axis at level 0 in which the points lie.
 struct ZFrame {
   Vec3d min_corner = Vec3d::Zero();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/geometry/morton.hpp"
+
 namespace planescope {
 namespace {
 

@@ -1,68 +1,14 @@
 #include "core/segment/octree.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <utility>
+
+#include "core/geometry/morton.hpp"
 
 namespace planescope {
-namespace {
-
-/// Puts two zero bits between the lower 21 bits of x.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffULL;
-  x = (x | x << 16) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  x = (x | x << 2) & 0x1249249249249249ULL;
-  return x;
-}
-
-std::uint64_t gather(std::uint64_t x) {
-  x &= 0x1249249249249249ULL;
-  x = (x | x >> 2) & 0x10c30c30c30c30c3ULL;
-  x = (x | x >> 4) & 0x100f00f00f00f00fULL;
-  x = (x | x >> 8) & 0x1f0000ff0000ffULL;
-  x = (x | x >> 16) & 0x1f00000000ffffULL;
-  x = (x | x >> 32) & 0x1fffff;
-  return x;
-}
-
-struct Entry {
-  std::uint64_t key;
-  std::uint32_t index;
-};
-
-/// Stable least-significant-digit radix sort on the lower `bits` of the keys.
-void radix_sort(std::vector<Entry>& entries, int bits) {
-  constexpr int kDigit = 8;
-  std::vector<Entry> other(entries.size());
-  for (int shift = 0; shift < bits; shift += kDigit) {
-    std::array<std::uint32_t, 1 << kDigit> start{};
-    const auto digit = [shift](const Entry& e) { return (e.key >> shift) & ((1 << kDigit) - 1); };
-    for (const Entry& e : entries) ++start[digit(e)];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& s : start) sum += std::exchange(s, sum);
-    for (const Entry& e : entries) other[start[digit(e)]++] = e;
-    entries.swap(other);
-  }
-}
-
-}  // namespace
-
 const char* to_string(Case c) {
   constexpr const char* kNames[] = {"-", "I", "II", "III", "IV"};
   return kNames[static_cast<int>(c)];
-}
-
-std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
-
-std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
-  return {static_cast<std::uint32_t>(gather(code)), static_cast<std::uint32_t>(gather(code >> 1)),
-          static_cast<std::uint32_t>(gather(code >> 2))};
 }
 
 Vec3d Octree::node_min(const OctreeNode& node) const {
@@ -88,28 +34,22 @@ Octree build_octree(std::span<const Vec3f> points,
     return std::min(cells - 1, static_cast<std::uint32_t>(std::max(0.0, c)));
   };
 
-  std::vector<Entry> entries(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3f& p = points[i];
-    entries[i] = {
-        morton_code(cell_of(p.x(), cube.min_corner.x()), cell_of(p.y(), cube.min_corner.y()),
-                    cell_of(p.z(), cube.min_corner.z())),
-        static_cast<std::uint32_t>(i)};
-  }
-  radix_sort(entries, 3 * cube.max_depth);
-
   Octree octree;
   octree.cube = cube;
   octree.keys.resize(n);
-  octree.order.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3f& p = points[i];
+    octree.keys[i] =
+        morton_code(cell_of(p.x(), cube.min_corner.x()), cell_of(p.y(), cube.min_corner.y()),
+                    cell_of(p.z(), cube.min_corner.z()));
+  }
+  sort_codes(octree.keys, octree.order, 3 * cube.max_depth);
   octree.points.resize(n);
   octree.labels.resize(n);
   octree.h_before.resize(n + 1);
   octree.h_before[0] = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t from = entries[i].index;
-    octree.keys[i] = entries[i].key;
-    octree.order[i] = from;
+    const std::uint32_t from = octree.order[i];
     octree.points[i] = points[from];
     octree.labels[i] = labels[from];
     octree.h_before[i + 1] = octree.h_before[i] + (labels[from] == Label::h ? 1 : 0);

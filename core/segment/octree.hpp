@@ -48,10 +48,6 @@ struct Octree {
   double node_edge_m(const OctreeNode& node) const;  // [m]
 };
 
-/// Interleaves three cell numbers of at most 21 bits each, x in the lowest bit; and back.
-std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
-std::array<std::uint32_t, 3> morton_cell(std::uint64_t code);
-
 /// Sorts the points into the cube's cells and makes the root. All points must lie in the cube.
 Octree build_octree(std::span<const Vec3f> points, std::span<const Label> labels, const Cube& cube);
 

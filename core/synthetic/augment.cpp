@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/random.hpp"
 #include "core/synthetic/counter_random.hpp"
-#include "core/synthetic/random.hpp"
 #include "core/synthetic/rotation.hpp"
 #include "core/synthetic/training_set.hpp"
 #include "core/synthetic/trigonometry.hpp"

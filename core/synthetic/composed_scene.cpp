@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/synthetic/random.hpp"
+#include "core/base/random.hpp"
 #include "core/synthetic/trigonometry.hpp"
 
 namespace planescope {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/random.hpp"
 #include "core/geometry/types.hpp"
-#include "core/synthetic/random.hpp"
 
 namespace planescope {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/base/random.hpp"
 #include "core/evaluate/label_accuracy.hpp"
-#include "core/synthetic/random.hpp"
 #include "core/synthetic/rectangles.hpp"
 #include "core/synthetic/truth.hpp"
 

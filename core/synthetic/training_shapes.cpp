@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/synthetic/random.hpp"
+#include "core/base/random.hpp"
 #include "core/synthetic/rectangles.hpp"
 #include "core/synthetic/stairs.hpp"
 #include "core/synthetic/trigonometry.hpp"

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "core/base/random.hpp"
 #include "core/segment/segment.hpp"
-#include "core/synthetic/random.hpp"
 
 namespace planescope::test {
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "core/base/random.hpp"
 #include "core/baselines/plain_gcn.hpp"
 #include "core/classify/gcn_backward.hpp"
 #include "core/classify/random_weights.hpp"
-#include "core/synthetic/random.hpp"
 
 namespace planescope {
 namespace {

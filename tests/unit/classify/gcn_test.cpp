@@ -8,10 +8,10 @@
 #include <numeric>
 
 #include "core/base/parallel.hpp"
+#include "core/base/random.hpp"
 #include "core/baselines/plain_gcn.hpp"
 #include "core/classify/neighbour_grid.hpp"
 #include "core/classify/random_weights.hpp"
-#include "core/synthetic/random.hpp"
 #include "core/synthetic/stairs.hpp"
 
 namespace planescope {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/random.hpp"
 #include "core/evaluate/assignment.hpp"
-#include "core/synthetic/random.hpp"
 
 namespace planescope {
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/geometry/morton.hpp"
 #include "core/segment/cells.hpp"
 #include "support/scenes.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/synthetic/random.hpp"
+#include "core/base/random.hpp"
 
 namespace planescope {
 namespace {
