@@ -21,15 +21,15 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-Classification classify(const FrameResult& result,
+Classification classify(const VoxelCloud& voxels,
                         const Classifier* classifier,
                         const FrameTruth* truth,
                         int threads) {
-  if (classifier) return classifier->classify(result.voxels.points, threads);
+  if (classifier) return classifier->classify(voxels.points, threads);
   if (!truth || truth->label.empty())
     throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
   Classification known;
-  for (const std::uint8_t label : vote_labels(result.voxels, truth->label))
+  for (const std::uint8_t label : vote_labels(voxels, truth->label))
     // A voxel without truth still needs a class: h, like the ground that most of a frame is.
     known.labels.push_back(label == 2 ? Label::v : Label::h);
   known.margins.assign(known.labels.size(), 1.0f);
@@ -38,28 +38,39 @@ Classification classify(const FrameResult& result,
 
 }  // namespace
 
+PreparedFrame prepare_frame(const Frame& frame,
+                            const PipelineOptions& options,
+                            const Classifier* classifier,
+                            const FrameTruth* truth) {
+  PreparedFrame prepared;
+  prepared.from_cloud = frame.is_cloud();
+  prepared.gravity = resolve_gravity(frame, options.gravity);
+
+  Stopwatch watch;
+  prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);
+  prepared.timings.cloud_ms = watch.lap_ms();
+  prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
+  prepared.timings.t_d_ms = watch.lap_ms();
+  prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
+  prepared.timings.t_c_ms = watch.lap_ms();
+  return prepared;
+}
+
+SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
+  SegmentOptions result = options.segment;
+  if (prepared.from_cloud) result.sigma_by_range = false;
+  return result;
+}
+
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth,
                       Trace* trace) {
-  FrameResult result;
-  result.gravity = resolve_gravity(frame, options.gravity);
-
-  Stopwatch watch;
-  result.cloud = make_cloud(frame, result.gravity, options.cloud);
-  result.timings.cloud_ms = watch.lap_ms();
-  result.voxels = voxelize(result.cloud, options.cloud.voxel_size_m);
-  result.timings.t_d_ms = watch.lap_ms();
-  result.classification = classify(result, classifier, truth, options.threads);
-  result.timings.t_c_ms = watch.lap_ms();
-
-  // A cloud does not tell where its sensor stood: noise cannot be read against range.
-  SegmentOptions segment_options = options.segment;
-  if (frame.is_cloud()) segment_options.sigma_by_range = false;
-  const Vec3d sensor = result.cloud.T_world_sensor.translation() - result.cloud.origin;
-  result.segmentation = segment(result.voxels.points, result.classification.labels,
-                                result.cloud.cube, sensor, segment_options, trace);
+  FrameResult result{prepare_frame(frame, options, classifier, truth), {}, {}};
+  result.segmentation =
+      segment(result.voxels.points, result.classification.labels, result.cloud.cube,
+              result.sensor(), segment_options(result, options), trace);
   result.timings.t_b_ms = result.segmentation.timings.build_ms;
   result.timings.t_s_ms = result.segmentation.timings.traverse_ms;
 

@@ -41,18 +41,35 @@ struct FrameTruth {
   std::vector<std::int32_t> instance;  // per cloud point: plane id, 0 none, -1 not scored
 };
 
-struct FrameResult {
+/// A frame up to what the segmentation takes: voxels and their labels.
+struct PreparedFrame {
   Gravity gravity;
   Cloud cloud;
-  VoxelCloud voxels;                   // N_d = voxels.points.size()
-  Classification classification;       // per voxel
-  Segmentation segmentation;           // per voxel
-  std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
+  VoxelCloud voxels;              // N_d = voxels.points.size()
+  Classification classification;  // per voxel
+  bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
   FrameTimings timings;
+
+  Vec3d sensor() const { return cloud.T_world_sensor.translation() - cloud.origin; }
 };
 
-/// Runs one frame. `classifier`: of these options (classifiers.hpp), null to take the labels of
-/// `truth`. Throws Error where gravity cannot be found, or both are null. `trace` may be null.
+struct FrameResult : PreparedFrame {
+  Segmentation segmentation;           // per voxel
+  std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
+};
+
+/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Throws
+/// Error where gravity cannot be found, or both are null.
+PreparedFrame prepare_frame(const Frame& frame,
+                            const PipelineOptions& options,
+                            const Classifier* classifier,
+                            const FrameTruth* truth = nullptr);
+
+/// The segment options as they hold for this frame: noise is read against range only where the
+/// sensor's place is known.
+SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
+
+/// Runs one frame: prepare_frame() and segment(). `trace` may be null.
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,

@@ -1,0 +1,60 @@
+#pragma once
+
+// What would fix this? The smallest change of one option that recovers a plane on this frame, and
+// what that change breaks on the labelled frames of the recording.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/explain/score.hpp"
+#include "core/replay/run.hpp"
+
+namespace planescope {
+
+/// What is to come out: these voxels as one plane, IoU >= 0.8.
+struct FixTarget {
+  std::vector<std::uint32_t> voxels;
+  std::string name;  // "truth plane 4", "marked region"
+};
+FixTarget target_of_truth(const Run& run, std::int32_t truth_plane);
+
+struct Fix {
+  std::string option;
+  std::string before, after;  // as --set takes them
+  double change = 0;          // |log ratio| of numbers, or share of the range; 1 for switches
+  double iou = 0;             // of the target with it
+  QuickScore score;           // of this frame with it; empty without truth
+};
+
+using FixProgress = std::function<void(int done, int total)>;
+
+/// Every single change that recovers the target, smallest first; empty where none does. Numbers are
+/// searched outwards from where they are and bisected to 1 %; switches are flipped.
+std::vector<Fix> find_fixes(const Run& run,
+                            const FixTarget& target,
+                            std::stop_token stop,
+                            const FixProgress& progress = {});
+
+/// What a change does to one frame.
+struct FixEffect {
+  int frame = 0;
+  int detected_before = 0, detected_after = 0, planes_truth = 0;
+  double iou_before = 0, iou_after = 0;
+  std::vector<std::int32_t> recovered, broken;  // truth plane ids
+};
+FixEffect effect_of(const Run& before, const PipelineOptions& after);
+
+/// Score against value, for the strip under a slider.
+struct Sensitivity {
+  std::string option;
+  std::vector<double> values;  // ascending, the current one among them
+  std::vector<double> scores;  // mean IoU with truth, planes found without
+  bool against_truth = false;
+};
+Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop);
+
+}  // namespace planescope

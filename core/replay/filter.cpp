@@ -1,0 +1,1 @@
+#include "core/replay/filter.hpp"

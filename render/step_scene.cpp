@@ -1,0 +1,1 @@
+#include "render/step_scene.hpp"

@@ -1,0 +1,52 @@
+#pragma once
+
+// What one step of a run looks like, in space and on the camera's image: pure functions, no GL.
+// Only what the step knows is drawn: its queue, what is settled, planes as they are at that moment.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/image/image.hpp"
+#include "core/replay/run.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope {
+
+enum class ColorBy : std::uint8_t { cases, planes, labels, margins, truth, camera };
+
+/// What is drawn and what stands out. -1: nothing.
+struct StepLook {
+  std::int32_t step = 0;
+  ColorBy color_by = ColorBy::cases;
+  bool show_queue = true;    // outlines of the nodes that wait
+  bool show_settled = true;  // boxes of settled nodes, coloured by case, with numerals
+  bool show_planes = true;   // outlines, normals and names of the planes at this moment
+  std::int32_t node = -1;    // selected
+  std::int32_t plane = -1;   // of the trace
+  std::int32_t voxel = -1;
+  std::span<const std::uint32_t> marked;  // voxels of a region that the user marked
+  Theme theme = Theme::dark;              // colours of what is no data
+};
+
+DrawList scene_step(const Run& run, const StepLook& look);
+
+/// What an id of Renderer::render_ids() stands for in a scene_step().
+struct Picked {
+  enum class Kind : std::uint8_t { nothing, voxel, node, plane };
+  Kind kind = Kind::nothing;
+  std::int32_t index = -1;
+};
+Picked picked(std::uint32_t id);
+
+enum class Backdrop : std::uint8_t { color, depth };
+/// The depth camera's image with the same colours over it, each pixel in that of its voxel; one
+/// picture pixel per depth pixel. Colour is the colour image where it is aligned, shaded depth
+/// otherwise. Empty for cloud recordings.
+Image8 image_step(const Run& run, const StepLook& look, Backdrop backdrop, double opacity);
+
+/// A camera that holds the node's box, seen from where `camera` looks.
+Camera camera_on_node(const Run& run, std::int32_t node, const Camera& camera);
+
+}  // namespace planescope
