@@ -55,7 +55,7 @@ struct MergeReport {
   PlaneFit candidate;
   std::vector<PartnerReport> partners;  // the chosen one first, then coplanar ones by cost, then
                                         // the nearest misses
-  std::string outcome;  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
+  std::string outcome;                  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
 };
 /// Of a found or merge event (also R3's and R7's); an empty report for others.
 MergeReport explain_merge(const Run& run, std::int32_t step);
