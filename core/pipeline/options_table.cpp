@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "core/base/error.hpp"
@@ -11,22 +14,13 @@
 namespace planescope {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-
-// Smallest and largest value allowed.
-struct Range {
-  double min = 0;
-  double max = kUnbounded;
-  bool min_excluded = false;
-};
-
-void check_range(double value, const Range& range, const std::string& name) {
+void check_range(double value, const OptionRange& range, const std::string& name) {
   const bool low = range.min_excluded ? value <= range.min : value < range.min;
   if (!low && value <= range.max) return;
   const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
   throw Error(fmt::format(
       "option {}: {} is out of range, expected {}", name, value,
-      range.max == kUnbounded ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
 }
 
 // `field` takes PipelineOptions, const or not, and returns a reference to the member.
@@ -36,7 +30,7 @@ OptionInfo real(std::string section,
                 std::string unit,
                 std::string meaning,
                 Field field,
-                Range range = {}) {
+                OptionRange range = {}) {
   return {name,
           std::move(unit),
           std::move(meaning),
@@ -46,7 +40,9 @@ OptionInfo real(std::string section,
             const double value = parse_number(text, "option " + name);
             check_range(value, range, name);
             field(o) = value;
-          }};
+          },
+          OptionKind::number,
+          range};
 }
 
 template <typename Field>
@@ -55,7 +51,7 @@ OptionInfo whole(std::string section,
                  std::string unit,
                  std::string meaning,
                  Field field,
-                 Range range = {}) {
+                 OptionRange range = {}) {
   return {name,
           std::move(unit),
           std::move(meaning),
@@ -65,7 +61,9 @@ OptionInfo whole(std::string section,
             const int value = parse_integer(text, "option " + name);
             check_range(value, range, name);
             field(o) = value;
-          }};
+          },
+          OptionKind::whole,
+          range};
 }
 
 template <typename Field>
@@ -83,7 +81,8 @@ OptionInfo flag(std::string section, std::string name, std::string meaning, Fiel
             } else {
               throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
             }
-          }};
+          },
+          OptionKind::on_off};
 }
 
 // `values[i]` is the text of the enum's i-th value.
@@ -109,7 +108,10 @@ OptionInfo choice(std::string section,
             }
             throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
                                     fmt::join(values, " or ")));
-          }};
+          },
+          OptionKind::choice,
+          {},
+          values};
 }
 
 // The member that a row reads and writes, by its path from PipelineOptions.
@@ -139,6 +141,17 @@ std::string gravity_text(const GravityOptions& gravity) {
   }
   const Vec3d& d = gravity.direction;
   return fmt::format("{},{},{}", d.x(), d.y(), d.z());
+}
+
+/// The paper's symbols, for whoever shows an option beside its equation.
+void name_symbols(std::vector<OptionInfo>& table) {
+  const std::pair<const char*, const char*> symbols[] = {
+      {"theta_n_out", "θ_Nout"}, {"theta_r_out", "θ_rout"},      {"theta_n_in", "θ_Nin"},
+      {"theta_e_n_m2", "θ_en"},  {"theta_coplane", "θ_coplane"}, {"fixed_rms_m", "θ_rms"},
+      {"fixed_tau_m", "τ"}};
+  for (const auto& [name, symbol] : symbols)
+    for (OptionInfo& info : table)
+      if (info.name == name) info.symbol = symbol;
 }
 
 void append_cloud(std::vector<OptionInfo>& table) {
@@ -199,12 +212,17 @@ void append_classifier(std::vector<OptionInfo>& table) {
 
 void append_criteria(std::vector<OptionInfo>& table) {
   const std::string s = "criteria";
-  table.push_back({"profile", "paper/paper-closest/refined",
-                   "sets everything below to the defaults of a profile", s,
+  table.push_back({"profile",
+                   "paper/paper-closest/refined",
+                   "sets everything below to the defaults of a profile",
+                   s,
                    [](const PipelineOptions& o) { return to_string(o.segment.profile); },
                    [](PipelineOptions& o, const std::string& text) {
                      o.segment = profile_options(parse_profile(text));
-                   }});
+                   },
+                   OptionKind::choice,
+                   {},
+                   {"paper", "paper-closest", "refined"}});
   table.push_back(whole(s, "theta_n_out", "points",
                         "Criterion 1: a node has at most this many outliers",
                         in_segment(&SegmentOptions::theta_n_out)));
@@ -300,21 +318,48 @@ const std::vector<OptionInfo>& option_table() {
     append_classifier(rows);
     append_criteria(rows);
     append_refinements(rows);
+    name_symbols(rows);
     return rows;
   }();
   return table;
 }
 
-void set_option(PipelineOptions& options, const std::string& name, const std::string& value) {
+const OptionInfo& find_option(const std::string& name) {
   std::vector<std::string> names;
   for (const OptionInfo& info : option_table()) {
-    if (info.name == name) return info.set(options, value);
+    if (info.name == name) return info;
     names.push_back(info.name);
   }
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
               (near.empty() ? std::string(", `planescope options` lists what there is")
                             : ", did you mean '" + near + "'?"));
+}
+
+std::string default_value(const OptionInfo& info, Profile profile) {
+  PipelineOptions options;
+  options.segment = profile_options(profile);
+  return info.get(options);
+}
+
+double number_of(const OptionInfo& info, const PipelineOptions& options) {
+  assert(info.is_number());
+  return parse_number(info.get(options), "option " + info.name);
+}
+
+std::string number_text(const OptionInfo& info, double value) {
+  assert(info.is_number());
+  const OptionRange& range = info.range;
+  value = std::clamp(value, range.min, range.max);
+  if (info.kind == OptionKind::whole)  // whole numbers are int
+    return fmt::format("{}", std::lround(std::min(value, 2147483647.0)));
+  if (range.min_excluded && value <= range.min)
+    value = std::nextafter(range.min, std::numeric_limits<double>::infinity());
+  return fmt::format("{}", value);
+}
+
+void set_option(PipelineOptions& options, const std::string& name, const std::string& value) {
+  find_option(name).set(options, value);
 }
 
 }  // namespace planescope

@@ -1,12 +1,24 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "core/pipeline/pipeline.hpp"
 
 namespace planescope {
+
+/// `on_off` is for switches; `text` for what can be anything, like a file.
+enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
+
+/// The values that a number may take.
+struct OptionRange {
+  double min = 0;
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+};
 
 /// One option by its name, as `--set`, `planescope options`, the sliders and the report know it.
 struct OptionInfo {
@@ -16,11 +28,28 @@ struct OptionInfo {
   std::string section;  // "cloud", "gravity", "classifier", "criteria", "refinements"
   std::function<std::string(const PipelineOptions&)> get;
   std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
+  OptionKind kind = OptionKind::text;
+  OptionRange range = {};                 // of number and whole
+  std::vector<std::string> choices = {};  // of choice
+  std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
+
+  bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
 };
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options
 /// to that profile's defaults.
 const std::vector<OptionInfo>& option_table();
+
+/// Throws Error naming the nearest existing name when `name` is unknown.
+const OptionInfo& find_option(const std::string& name);
+
+/// What the option is by default in a profile, as text.
+std::string default_value(const OptionInfo& info, Profile profile);
+
+// Numbers as numbers: of options with is_number() only.
+double number_of(const OptionInfo& info, const PipelineOptions& options);
+/// As `set` takes it; whole numbers are rounded, values out of range moved to its end.
+std::string number_text(const OptionInfo& info, double value);
 
 /// Throws Error naming the nearest existing name when `name` is unknown.
 void set_option(PipelineOptions& options, const std::string& name, const std::string& value);

@@ -67,6 +67,29 @@ TEST(OptionsTable, ABadValueChangesNothing) {
     EXPECT_EQ(info.get(options), info.get(untouched)) << info.name;
 }
 
+TEST(OptionsTable, EveryChoiceAndEveryEndOfARangeIsTaken) {
+  for (const OptionInfo& info : option_table()) {
+    PipelineOptions options;
+    for (const std::string& choice : info.choices) {
+      info.set(options, choice);
+      EXPECT_EQ(info.get(options), choice) << info.name;
+    }
+    EXPECT_EQ(info.choices.empty(), info.kind != OptionKind::choice) << info.name;
+    if (!info.is_number()) continue;
+    EXPECT_NO_THROW(info.set(options, number_text(info, -1e300))) << info.name;
+    EXPECT_NO_THROW(info.set(options, number_text(info, 1e300))) << info.name;
+  }
+}
+
+TEST(OptionsTable, ANumberComesBackAsItWasSet) {
+  PipelineOptions options;
+  const OptionInfo& e_n = find_option("theta_e_n_m2");
+  e_n.set(options, number_text(e_n, 0.1 / 3));
+  EXPECT_EQ(number_of(e_n, options), 0.1 / 3);
+  EXPECT_EQ(e_n.symbol, "θ_en");
+  EXPECT_EQ(default_value(find_option("theta_n_in"), Profile::paper_closest), "10");
+}
+
 TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
   PipelineOptions options;
   try {
