@@ -18,9 +18,11 @@ class GlContext {
   virtual GLFWwindow* window() { return nullptr; }  // of a GLFW context
 };
 std::unique_ptr<GlContext> make_egl_context();
+/// A resizable window, drawn in step with the screen. Size for a screen of ordinary density: it
+/// grows with the monitor's scale.
 std::unique_ptr<GlContext> make_glfw_context(int width,
                                              int height,
                                              const std::string& title,
-                                             bool visible);
+                                             bool visible = true);
 
 }  // namespace planescope

@@ -73,6 +73,8 @@ double Font::cap_height(double size_px) const {
   return 0.729 * size_px;  // of DejaVu Sans
 }
 
+std::string_view font_file() { return PLANESCOPE_ASSET(DejaVuSans_ttf); }
+
 const Font& default_font() {
   static const Font font;
   return font;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace planescope {
@@ -47,6 +48,9 @@ class Font {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The TrueType file compiled in, for those who rasterise it themselves.
+std::string_view font_file();
 
 /// Read-only and shared by all threads.
 const Font& default_font();

@@ -44,6 +44,8 @@ class GlfwContext : public GlContext {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
+    glfwWindowHint(GLFW_RESIZABLE, GLFW_TRUE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // as large to the eye at any pixel density
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
       const std::string answer = glfw_answer();
@@ -51,6 +53,7 @@ class GlfwContext : public GlContext {
       throw Error("cannot open a window with OpenGL 3.3 core: " + answer);
     }
     glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);  // never faster than the screen
     description_ = gl_description() + ", GLFW window";
   }
   ~GlfwContext() override {

@@ -264,7 +264,9 @@ Overlay layout_overlay(const DrawList& list, const View& view, const ThemeColors
 }
 
 double overlay_scale(int width, int height) {
-  return std::clamp(std::min(height / 720.0, width / 900.0), 0.7, 2.5);
+  const double large = std::min(height / 720.0, width / 900.0);
+  const double small = std::min({height / 500.0, width / 640.0, 1.0});  // a panel of a window
+  return std::clamp(std::max(large, small), 0.7, 2.5);
 }
 
 double round_length_m(double px_per_m, double max_px) {

@@ -231,7 +231,7 @@ void Renderer::State::draw_overlay(const DrawList& list,
 Renderer::Renderer() : state_(std::make_unique<State>()) { check_gl("setting up the renderer"); }
 Renderer::~Renderer() = default;
 
-Image8 Renderer::render(
+std::uint32_t Renderer::draw(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
   const ThemeColors& colors = theme_colors(theme);
   SceneTarget& target = state_->target;
@@ -262,13 +262,21 @@ Image8 Renderer::render(
   glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
   glDisable(GL_DEPTH_TEST);
   state_->draw_overlay(list, view, colors);
+  check_gl("drawing a picture");
+  return target.flat_color;
+}
 
+Image8 Renderer::render(
+    const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
+  const RestoredBindings restored;
+  draw(list, camera, width, height, theme);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->target.resolved);
   Image8 image(width, height, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   flip_rows(image);
-  check_gl("drawing a picture");
+  check_gl("reading a picture back");
   return image;
 }
 

@@ -21,6 +21,12 @@ class Renderer {
   /// pixels.
   Image8 render(const DrawList& list, const Camera& camera, int width, int height, Theme theme);
 
+  /// The same picture left on the GPU, for a window: a GL texture of exactly width x height,
+  /// opaque, row 0 at the bottom (draw it upside down). The renderer's own, valid until it draws
+  /// again.
+  std::uint32_t draw(
+      const DrawList& list, const Camera& camera, int width, int height, Theme theme);
+
   /// Id under each pixel (0 none), for picking: no antialiasing, visible surface only.
   Image<std::uint32_t> render_ids(const DrawList& list,
                                   const Camera& camera,

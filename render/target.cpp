@@ -21,6 +21,15 @@ GlRenderbuffer storage(int samples, GLenum format, int width, int height) {
   return buffer;
 }
 
+GlTexture texture(GLint format, GLenum channels, int width, int height) {
+  GlTexture result = make_texture();
+  glBindTexture(GL_TEXTURE_2D, result);
+  glTexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, channels, GL_UNSIGNED_INT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return result;
+}
+
 GlFramebuffer framebuffer(std::initializer_list<Attachment> attachments) {
   GlFramebuffer result = make_framebuffer();
   glBindFramebuffer(GL_FRAMEBUFFER, result);
@@ -60,14 +69,13 @@ void SceneTarget::resize(int new_width, int new_height) {
   boxes = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, box_depth}});
   check_complete("picture", new_width, new_height);
 
-  flat_color = storage(0, GL_RGBA8, new_width, new_height);
-  flat_depth = make_texture();
-  glBindTexture(GL_TEXTURE_2D, flat_depth);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, new_width, new_height, 0, GL_DEPTH_COMPONENT,
-               GL_UNSIGNED_INT, nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  resolved = framebuffer({{GL_COLOR_ATTACHMENT0, flat_color}});
+  flat_depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
+  flat_color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
+  // Blending leaves the alpha channel with values that mean nothing.
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_ONE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  resolved = framebuffer({});
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, flat_color, 0);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, flat_depth, 0);
   check_complete("picture", new_width, new_height);
   width = new_width;

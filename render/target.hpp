@@ -11,9 +11,9 @@ struct SceneTarget {
   GlRenderbuffer color, depth, box_depth;  // 4 samples
   GlFramebuffer scene;                     // color + depth
   GlFramebuffer boxes;                     // color + box_depth: boxes hide boxes, but nothing else
-  GlRenderbuffer flat_color;
-  GlTexture flat_depth;    // of the points, for shading
-  GlFramebuffer resolved;  // flat_color + flat_depth
+  GlTexture flat_color;                    // the finished picture, opaque when sampled
+  GlTexture flat_depth;                    // of the points, for shading
+  GlFramebuffer resolved;                  // flat_color + flat_depth
 
   void resize(int new_width, int new_height);
 };

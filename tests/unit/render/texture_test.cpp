@@ -1,0 +1,66 @@
+#include "gl_fixture.hpp"
+#include "render/font.hpp"
+#include "render/gl.hpp"
+#include "render/image_texture.hpp"
+
+namespace planescope {
+namespace {
+
+struct Texture : GlTest {
+  // RGBA as GL holds it, row 0 first.
+  static Image8 pixels_of(std::uint32_t texture, int width, int height) {
+    Image8 image(width, height, 4);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data.data());
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return image;
+  }
+};
+
+TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
+  DrawList list;
+  list.boxes = {
+      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  list.title = "Box";
+  const Image8 picture = render(list, front_camera(), Theme::dark);
+  const auto id = renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark);
+  const Image8 texture = pixels_of(id, kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(texture.at(x, kHeight - 1 - y, c), picture.at(x, y, c)) << x << " " << y;
+}
+
+TEST_F(Texture, OfADrawingFollowsItsSize) {
+  const auto camera = front_camera();
+  EXPECT_GT(pixels_of(renderer().draw({}, camera, 64, 48, Theme::light), 64, 48).at(32, 24), 220);
+  const Image8 small = renderer().render({}, camera, 64, 48, Theme::light);
+  renderer().draw({}, camera, kWidth, kHeight, Theme::light);
+  EXPECT_EQ(renderer().render({}, camera, 64, 48, Theme::light).data, small.data);
+}
+
+TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
+  Image8 image(3, 2, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint8_t>(i);
+  ImageTexture texture(image);
+  EXPECT_EQ(texture.width(), 3);
+  EXPECT_EQ(texture.height(), 2);
+  Image8 held = pixels_of(texture.id(), 3, 2);
+  EXPECT_EQ(held.at(2, 1, 1), image.at(2, 1, 1));
+  EXPECT_EQ(held.at(0, 0, 3), 255);
+
+  const std::uint32_t id = texture.id();
+  ImageTexture moved = std::move(texture);
+  moved.upload(Image8(5, 4, 4, 77));
+  EXPECT_EQ(moved.id(), id);
+  held = pixels_of(moved.id(), 5, 4);
+  EXPECT_EQ(held.at(4, 3, 3), 77);
+}
+
+TEST(FontFile, IsATrueTypeFile) {
+  ASSERT_GT(font_file().size(), 100'000u);
+  EXPECT_EQ(font_file().substr(0, 4), std::string_view("\0\1\0\0", 4));
+}
+
+}  // namespace
+}  // namespace planescope
