@@ -102,7 +102,8 @@ float polygon_bias_m(const DrawList& list) {
 }  // namespace
 
 struct Renderer::State {
-  SceneTarget target;
+  SceneTarget fine = SceneTarget(4);
+  SceneTarget quick = SceneTarget(0);
   IdTarget id_target;
   GlProgram background;
   GlProgram shade;
@@ -123,8 +124,11 @@ struct Renderer::State {
 
   void draw_background(const View& view, const ThemeColors& theme);
   void draw_points(const DrawList& list, const View& view);
-  void shade_points(const View& view);
-  void draw_boxes(const DrawList& list, const View& view, const ThemeColors& theme);
+  void shade_points(const SceneTarget& target, const View& view);
+  void draw_boxes(const DrawList& list,
+                  const SceneTarget& target,
+                  const View& view,
+                  const ThemeColors& theme);
   void draw_polygons(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_lines(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
@@ -145,7 +149,7 @@ void Renderer::State::draw_points(const DrawList& list, const View& view) {
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
-void Renderer::State::shade_points(const View& view) {
+void Renderer::State::shade_points(const SceneTarget& target, const View& view) {
   copy(target.scene, target.resolved, view.width, view.height, GL_DEPTH_BUFFER_BIT);
   glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
   glUseProgram(shade);
@@ -169,7 +173,10 @@ void Renderer::State::shade_points(const View& view) {
 
 // Solid boxes hide one another, so that many of them stay readable, but not the points in them: of
 // each pixel only the nearest face tints what lies behind. Outlines alone hide nothing.
-void Renderer::State::draw_boxes(const DrawList& list, const View& view, const ThemeColors& theme) {
+void Renderer::State::draw_boxes(const DrawList& list,
+                                 const SceneTarget& target,
+                                 const View& view,
+                                 const ThemeColors& theme) {
   std::vector<Segment> solid_edges;
   std::vector<Segment> open_edges;
   for (const DrawBox& box : list.boxes) {
@@ -232,9 +239,9 @@ Renderer::Renderer() : state_(std::make_unique<State>()) { check_gl("setting up 
 Renderer::~Renderer() = default;
 
 std::uint32_t Renderer::draw(
-    const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
+    const DrawList& list, const Camera& camera, int width, int height, Theme theme, Effort effort) {
   const ThemeColors& colors = theme_colors(theme);
-  SceneTarget& target = state_->target;
+  SceneTarget& target = effort == Effort::fine ? state_->fine : state_->quick;
   const RestoredBindings restored;
   target.resize(width, height);
   const View view = make_view(camera, width, height);
@@ -248,12 +255,12 @@ std::uint32_t Renderer::draw(
   state_->draw_background(view, colors);
   glEnable(GL_DEPTH_TEST);
   state_->draw_points(list, view);
-  state_->shade_points(view);
+  state_->shade_points(target, view);
 
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);  // what is seen through hides nothing
-  state_->draw_boxes(list, view, colors);
+  state_->draw_boxes(list, target, view, colors);
   state_->draw_polygons(list, view, colors);
   state_->draw_lines(list, view, colors);
   glDepthMask(GL_TRUE);
@@ -270,7 +277,7 @@ Image8 Renderer::render(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
   const RestoredBindings restored;
   draw(list, camera, width, height, theme);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->target.resolved);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->fine.resolved);
   Image8 image(width, height, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());

@@ -8,6 +8,10 @@
 
 namespace planescope {
 
+/// Quick: half the time on a CPU, with the edges of points and fills not smoothed; for a view that
+/// moves.
+enum class Effort : std::uint8_t { fine, quick };
+
 /// Draws a DrawList with GL 3.3 core into a framebuffer of its own. Needs a current context, and
 /// the same one until it is destroyed.
 class Renderer {
@@ -24,8 +28,12 @@ class Renderer {
   /// The same picture left on the GPU, for a window: a GL texture of exactly width x height,
   /// opaque, row 0 at the bottom (draw it upside down). The renderer's own, valid until it draws
   /// again.
-  std::uint32_t draw(
-      const DrawList& list, const Camera& camera, int width, int height, Theme theme);
+  std::uint32_t draw(const DrawList& list,
+                     const Camera& camera,
+                     int width,
+                     int height,
+                     Theme theme,
+                     Effort effort = Effort::fine);
 
   /// Id under each pixel (0 none), for picking: no antialiasing, visible surface only.
   Image<std::uint32_t> render_ids(const DrawList& list,

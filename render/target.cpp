@@ -61,9 +61,9 @@ void SceneTarget::resize(int new_width, int new_height) {
   if (new_width == width && new_height == height) return;
   check_size(new_width, new_height);
   width = 0;  // until all of it stands
-  color = storage(kSamples, GL_RGBA8, new_width, new_height);
-  depth = storage(kSamples, GL_DEPTH_COMPONENT24, new_width, new_height);
-  box_depth = storage(kSamples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  color = storage(samples, GL_RGBA8, new_width, new_height);
+  depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  box_depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
   scene = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, depth}});
   check_complete("picture", new_width, new_height);
   boxes = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, box_depth}});

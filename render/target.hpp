@@ -6,14 +6,16 @@ namespace planescope {
 
 /// Framebuffers of one picture, kept while its size stays the same.
 struct SceneTarget {
-  static constexpr int kSamples = 4;
+  explicit SceneTarget(int samples_per_pixel) : samples(samples_per_pixel) {}
+
+  int samples = 4;  // 0: no antialiasing
   int width = 0, height = 0;
-  GlRenderbuffer color, depth, box_depth;  // 4 samples
-  GlFramebuffer scene;                     // color + depth
-  GlFramebuffer boxes;                     // color + box_depth: boxes hide boxes, but nothing else
-  GlTexture flat_color;                    // the finished picture, opaque when sampled
-  GlTexture flat_depth;                    // of the points, for shading
-  GlFramebuffer resolved;                  // flat_color + flat_depth
+  GlRenderbuffer color, depth, box_depth;
+  GlFramebuffer scene;     // color + depth
+  GlFramebuffer boxes;     // color + box_depth: boxes hide boxes, but nothing else
+  GlTexture flat_color;    // the finished picture, opaque when sampled
+  GlTexture flat_depth;    // of the points, for shading
+  GlFramebuffer resolved;  // flat_color + flat_depth
 
   void resize(int new_width, int new_height);
 };

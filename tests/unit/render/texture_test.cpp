@@ -39,6 +39,21 @@ TEST_F(Texture, OfADrawingFollowsItsSize) {
   EXPECT_EQ(renderer().render({}, camera, 64, 48, Theme::light).data, small.data);
 }
 
+TEST_F(Texture, OfAQuickDrawingDiffersOnlyAtEdges) {
+  DrawList list = without_overlay();
+  list.boxes = {
+      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  const auto quick =
+      renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark, Effort::quick);
+  const Image8 texture = pixels_of(quick, kWidth, kHeight);
+  const Image8 picture = render(list, front_camera(), Theme::dark);
+  int differing = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      differing += std::abs(texture.at(x, kHeight - 1 - y) - picture.at(x, y)) > 8;
+  EXPECT_LT(differing, kWidth * kHeight / 50);
+}
+
 TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
   Image8 image(3, 2, 3);
   for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint8_t>(i);
