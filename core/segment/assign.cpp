@@ -9,12 +9,12 @@ namespace planescope {
 namespace {
 
 void record(SegmentState& state, std::uint32_t i, std::int32_t plane, double distance) {
-  if (plane >= 0) ++state.counts.assigned;
-  state.plane_of[i] = plane;
   state.log({.type = plane >= 0 ? EventType::assign : EventType::drop,
              .plane = plane,
              .point = state.input_index(i),
              .value = static_cast<float>(distance)});
+  if (plane >= 0) ++state.counts.assigned;
+  state.plane_of[i] = plane;
 }
 
 /// As written: the first plane of the list within the distance; the fit is not touched.

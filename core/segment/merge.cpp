@@ -67,11 +67,14 @@ void grow(SegmentState& state, GrowingPlane& plane, const PlaneOrCandidate& part
 
 void found(SegmentState& state, const Candidate& candidate, std::uint8_t refinement) {
   const auto plane = static_cast<std::int32_t>(state.planes.size());
+  state.log({.type = EventType::found,
+             .refinement = refinement,
+             .label = candidate.label,
+             .node = candidate.node,
+             .plane = plane});
   state.planes.push_back(
       {candidate.label, candidate.moments, candidate.fit, candidate.sigma_ang, candidate.bounds});
   claim_points(state, candidate, plane);
-  state.log(
-      {.type = EventType::found, .refinement = refinement, .node = candidate.node, .plane = plane});
 }
 
 void merge(SegmentState& state,
@@ -79,14 +82,15 @@ void merge(SegmentState& state,
            std::int32_t plane,
            std::uint8_t refinement) {
   const double offset = state.planes[plane].fit.distance_m(candidate.fit.centroid);
-  grow(state, state.planes[plane], candidate);
-  claim_points(state, candidate, plane);
-  ++state.counts.merges;
   state.log({.type = EventType::merge,
              .refinement = refinement,
+             .label = candidate.label,
              .node = candidate.node,
              .plane = plane,
              .value = static_cast<float>(std::abs(offset))});
+  grow(state, state.planes[plane], candidate);
+  claim_points(state, candidate, plane);
+  ++state.counts.merges;
 }
 
 }  // namespace
@@ -135,6 +139,11 @@ void join_weak_candidates(SegmentState& state) {
     } else if (candidate.fit.count >= kMinPoints && candidate.sigma_ang <= kMaxSigmaAng) {
       found(state, candidate, 3);
     } else {
+      state.log({.type = EventType::leave,
+                 .refinement = 3,
+                 .label = candidate.label,
+                 .node = candidate.node,
+                 .value = static_cast<float>(candidate.sigma_ang)});
       for (std::uint32_t i = node.begin; i < node.end; ++i)
         if (has_label(state, i, candidate.label)) state.leftovers.push_back(i);
     }
@@ -144,9 +153,8 @@ void join_weak_candidates(SegmentState& state) {
 void merge_planes_again(SegmentState& state) {
   // R7: small into large, until nothing changes. Founding order let early candidates, whose normals
   // were still poor, stay apart.
-  std::vector<std::int32_t> into(state.planes.size());
-  std::iota(into.begin(), into.end(), 0);
-  std::vector<std::int32_t> by_size(into);
+  std::vector<std::int32_t> by_size(state.planes.size());
+  std::iota(by_size.begin(), by_size.end(), 0);
   bool any = false;
   for (bool changed = true; changed;) {
     changed = false;
@@ -166,17 +174,17 @@ void merge_planes_again(SegmentState& state) {
           best = {by_size[j], terms.cost()};
       }
       if (best.plane < 0) continue;
-      grow(state, state.planes[best.plane], small);
-      small.alive = false;
-      into[by_size[i]] = best.plane;
       state.log(
           {.type = EventType::refine, .refinement = 7, .plane = by_size[i], .other = best.plane});
+      grow(state, state.planes[best.plane], small);
+      small.alive = false;
+      small.into = best.plane;
       any = changed = true;
     }
   }
   if (!any) return;
   for (std::int32_t& plane : state.plane_of)
-    while (plane >= 0 && into[plane] != plane) plane = into[plane];
+    while (plane >= 0 && state.planes[plane].into >= 0) plane = state.planes[plane].into;
 }
 
 }  // namespace planescope

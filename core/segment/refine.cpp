@@ -11,28 +11,6 @@
 namespace planescope {
 namespace {
 
-/// Points of each plane, ascending Morton positions, as CSR.
-struct PlanePoints {
-  std::vector<std::uint32_t> first;
-  std::vector<std::uint32_t> points;
-  std::span<const std::uint32_t> of(std::int32_t plane) const {
-    return {points.data() + first[plane], points.data() + first[plane + 1]};
-  }
-};
-
-PlanePoints points_by_plane(const SegmentState& state) {
-  PlanePoints result;
-  result.first.assign(state.planes.size() + 1, 0);
-  for (const std::int32_t plane : state.plane_of)
-    if (plane >= 0) ++result.first[plane + 1];
-  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
-  result.points.resize(result.first.back());
-  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
-  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
-    if (state.plane_of[i] >= 0) result.points[next[state.plane_of[i]]++] = i;
-  return result;
-}
-
 /// area_per_point() of the plane that the median point of all planes belongs to.
 double typical_area_per_point(const SegmentState& state) {
   std::vector<std::pair<double, double>> planes;  // area per point, points
@@ -55,6 +33,19 @@ bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
 }
 
 }  // namespace
+
+PlanePoints points_by_plane(const SegmentState& state) {
+  PlanePoints result;
+  result.first.assign(state.planes.size() + 1, 0);
+  for (const std::int32_t plane : state.plane_of)
+    if (plane >= 0) ++result.first[plane + 1];
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
+  result.points.resize(result.first.back());
+  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
+  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
+    if (state.plane_of[i] >= 0) result.points[next[state.plane_of[i]]++] = i;
+  return result;
+}
 
 void prune_explained_planes(SegmentState& state) {
   // R2: smallest first, a plane whose points nearly all lie on larger neighbours is an artefact of
@@ -87,12 +78,12 @@ void prune_explained_planes(SegmentState& state) {
         is_wider_than_noise(fit, state.noise.sigma(state.range(fit.centroid))) &&
         is_dense(fit, typical_area))
       continue;
+    state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
     state.planes[plane].alive = false;
     for (const std::uint32_t i : points) {
       state.plane_of[i] = -1;
       state.leftovers.push_back(i);
     }
-    state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
   }
 }
 
@@ -117,11 +108,11 @@ void refit_planes(SegmentState& state) {
   for (std::size_t k = 0; k < state.planes.size(); ++k) {
     GrowingPlane& plane = state.planes[k];
     if (!plane.alive || sure[k].count < std::max(kMinPoints, 0.3 * plane.moments.count)) continue;
+    state.log_refit(static_cast<std::int32_t>(k), sure[k], 6);
     plane.moments = sure[k];
     plane.fit = fit_plane(plane.moments);
     plane.sigma_ang =
         normal_uncertainty(plane.fit, state.noise.sigma(state.range(plane.fit.centroid)));
-    state.log({.type = EventType::refine, .refinement = 6, .plane = static_cast<std::int32_t>(k)});
   }
 }
 

@@ -69,23 +69,22 @@ void conclude(SegmentState& state, Segmentation& result) {
 
 }  // namespace
 
-Segmentation segment(std::span<const Vec3f> points,
-                     std::span<const Label> labels,
-                     const Cube& cube,
-                     const Vec3d& sensor,
-                     const SegmentOptions& options,
-                     Trace* trace) {
+SegmentState start_segmentation(std::span<const Vec3f> points,
+                                std::span<const Label> labels,
+                                const Cube& cube,
+                                const Vec3d& sensor,
+                                const SegmentOptions& options,
+                                Trace* trace) {
   assert(points.size() == labels.size());
-  Segmentation result;
-  const auto start = Clock::now();
   SegmentState state{options, sensor, trace};
   state.octree = build_octree(points, labels, placed(cube, points, options.cube_anchor));
-  result.timings.build_ms = elapsed_ms(start);
-
-  const auto built = Clock::now();
-  state.noise = measure_noise(state.octree, sensor, options);
   state.plane_of.assign(points.size(), -1);
+  return state;
+}
 
+void run_stages(SegmentState& state) {
+  const SegmentOptions& options = state.options;
+  state.noise = measure_noise(state.octree, state.sensor, options);
   traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
   if (options.r3_weak_candidates) join_weak_candidates(state);
   if (options.r7_second_merge) merge_planes_again(state);
@@ -94,7 +93,21 @@ Segmentation segment(std::span<const Vec3f> points,
   if (options.r6_refit) refit_planes(state);
   if (options.r5_reassign_shared_cells) reassign_shared_points(state);
   if (options.split_disconnected) split_disconnected_planes(state);
+}
 
+Segmentation segment(std::span<const Vec3f> points,
+                     std::span<const Label> labels,
+                     const Cube& cube,
+                     const Vec3d& sensor,
+                     const SegmentOptions& options,
+                     Trace* trace) {
+  Segmentation result;
+  const auto start = Clock::now();
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace);
+  result.timings.build_ms = elapsed_ms(start);
+
+  const auto built = Clock::now();
+  run_stages(state);
   conclude(state, result);
   result.timings.traverse_ms = elapsed_ms(built);
   return result;

@@ -3,6 +3,7 @@
 // What the stages of segment() hand to each other. Internal to core/segment.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/segment/criteria.hpp"
@@ -18,7 +19,8 @@ struct GrowingPlane {
   PlaneFit fit;
   double sigma_ang = 0;  // [rad]
   Bounds bounds;
-  bool alive = true;  // false: merged into another or pruned
+  bool alive = true;       // false: merged into another or pruned
+  std::int32_t into = -1;  // the plane that R7 merged it into
 };
 
 /// A node's inliers (or, by R4, one label's points of an impure node).
@@ -31,6 +33,9 @@ struct Candidate {
   Bounds bounds;
 };
 
+/// Thrown by SegmentState::log() instead of logging event number `stop_at`.
+struct Stopped {};
+
 struct SegmentState {
   const SegmentOptions& options;
   const Vec3d& sensor;
@@ -42,6 +47,7 @@ struct SegmentState {
   std::vector<std::uint32_t> leftovers = {};  // Morton-order positions, in the order they were left
   std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
   SegmentCounts counts = {};
+  std::size_t stop_at = std::numeric_limits<std::size_t>::max();
 
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }
@@ -50,13 +56,44 @@ struct SegmentState {
   MeasuredPlane measured(const PlaneOrCandidate& p) const {
     return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid), p.bounds};
   }
+  /// Call it before changing what the event says: the state after k events is then the one in which
+  /// a run stands that is stopped at the next.
   void log(TraceEvent event) const {
-    if (trace) trace->events.push_back(event);
+    if (!trace) return;
+    if (trace->events.size() == stop_at) throw Stopped{};
+    trace->events.push_back(event);
+  }
+  /// The same for a plane that is fitted anew.
+  void log_refit(std::int32_t plane, const Moments& moments, std::uint8_t refinement) const {
+    log({.type = EventType::refine, .refinement = refinement, .plane = plane});
+    if (trace) trace->refits.push_back(moments);
   }
   std::int32_t input_index(std::uint32_t morton) const {
     return static_cast<std::int32_t>(octree.order[morton]);
   }
 };
+
+/// Builds the octree, in the cube where the options want it.
+SegmentState start_segmentation(std::span<const Vec3f> points,
+                                std::span<const Label> labels,
+                                const Cube& cube,
+                                const Vec3d& sensor,
+                                const SegmentOptions& options,
+                                Trace* trace);
+
+/// All stages after that, in their order.
+void run_stages(SegmentState& state);
+
+/// Points of each plane, ascending Morton positions, as CSR.
+struct PlanePoints {
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> points;
+  std::span<const std::uint32_t> of(std::int32_t plane) const {
+    return {points.data() + first[plane], points.data() + first[plane + 1]};
+  }
+};
+
+PlanePoints points_by_plane(const SegmentState& state);
 
 /// Is the point at Morton position i an inlier of a candidate with this label?
 inline bool has_label(const SegmentState& state, std::uint32_t i, Label label) {

@@ -40,14 +40,14 @@ void leave_over(SegmentState& state, const OctreeNode& node, std::optional<Label
 }
 
 void settle(SegmentState& state, std::int32_t index, Case decided, double e_n) {
-  OctreeNode& node = state.octree.nodes[index];
-  node.decided = decided;
-  ++state.counts.nodes_per_case[static_cast<int>(decided)];
-  ++state.counts.nodes_per_case_depth[static_cast<int>(decided)][node.depth];
   state.log({.type = EventType::decide,
              .node_case = static_cast<std::uint8_t>(decided),
              .node = index,
              .value = static_cast<float>(e_n)});
+  OctreeNode& node = state.octree.nodes[index];
+  node.decided = decided;
+  ++state.counts.nodes_per_case[static_cast<int>(decided)];
+  ++state.counts.nodes_per_case_depth[static_cast<int>(decided)][node.depth];
 }
 
 void divide_or_leave(SegmentState& state, std::int32_t index) {
@@ -65,10 +65,16 @@ constexpr double kWeakSigmaAng = 4 * 0.017453292519943295;
 
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
-  if (state.options.r3_weak_candidates && candidate.sigma_ang > kWeakSigmaAng)
+  if (state.options.r3_weak_candidates && candidate.sigma_ang > kWeakSigmaAng) {
+    state.log({.type = EventType::wait,
+               .refinement = 3,
+               .label = candidate.label,
+               .node = candidate.node,
+               .value = static_cast<float>(candidate.sigma_ang)});
     state.weak.push_back(candidate);
-  else
+  } else {
     conquer(state, candidate);
+  }
 }
 
 /// R4: an impure node whose labels are each planar (or too few to matter) is conquered label by
@@ -86,11 +92,9 @@ bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& pur
     if (!planar(state, outliers)) return false;
   }
   state.octree.nodes[index].impure_fit = true;
+  if (!both) leave_over(state, node, purity.inlier);
   accept(state, inliers);
-  if (both)
-    accept(state, outliers);
-  else
-    leave_over(state, node, purity.inlier);
+  if (both) accept(state, outliers);
   return true;
 }
 
