@@ -55,7 +55,7 @@ NearestPlane nearest_plane(const SegmentState& state,
   const Vec3d p = state.octree.points[i].cast<double>();
   const double range = state.range(p);
   const double tau = state.noise.tau(range);
-  const double penalty = 1.5 * state.noise.sigma(range);
+  const double penalty = state.noise.other_label_penalty(range);
   NearestPlane best;
   double least = -1;
   for (const std::int32_t k : planes) {

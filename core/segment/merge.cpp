@@ -10,8 +10,6 @@
 namespace planescope {
 namespace {
 
-constexpr double kDeg = 0.017453292519943295;  // [rad]
-
 struct Partner {
   std::int32_t plane = -1;
   double cost = 0;
@@ -107,9 +105,6 @@ void conquer(SegmentState& state, const Candidate& candidate) {
 }
 
 void join_weak_candidates(SegmentState& state) {
-  // R3. A plane of their own is for those with enough points and a normal known to 8 degrees.
-  constexpr double kMinPoints = 10;
-  constexpr double kMaxSigmaAng = 8 * kDeg;
   if (state.weak.empty()) return;
   const CellGrid grid = make_cell_grid(state.octree);
   const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
@@ -136,7 +131,7 @@ void join_weak_candidates(SegmentState& state) {
       consider(static_cast<std::int32_t>(k), false);
     if (best.plane >= 0) {
       merge(state, candidate, best.plane, 3);
-    } else if (candidate.fit.count >= kMinPoints && candidate.sigma_ang <= kMaxSigmaAng) {
+    } else if (candidate.fit.count >= kMinWeakPoints && candidate.sigma_ang <= kMaxWeakSigmaAng) {
       found(state, candidate, 3);
     } else {
       state.log({.type = EventType::leave,

@@ -25,6 +25,8 @@ struct NoiseModel {
   double sigma(double range) const;      // [m]; 0 where not estimated
   double theta_rms(double range) const;  // 2 sigma in 3 .. 12 mm [m]
   double tau(double range) const;        // 3 sigma in 8 .. 20 mm [m]
+  /// By how much nearer a plane of the other label must be, for a point to go to it: 1.5 sigma [m].
+  double other_label_penalty(double range) const { return 1.5 * sigma(range); }
 };
 
 /// One cell's residual noise and where it is.

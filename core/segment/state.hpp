@@ -6,8 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/segment/criteria.hpp"
-#include "core/segment/noise.hpp"
+#include "core/segment/candidate.hpp"
 #include "core/segment/segment.hpp"
 
 namespace planescope {
@@ -21,16 +20,6 @@ struct GrowingPlane {
   Bounds bounds;
   bool alive = true;       // false: merged into another or pruned
   std::int32_t into = -1;  // the plane that R7 merged it into
-};
-
-/// A node's inliers (or, by R4, one label's points of an impure node).
-struct Candidate {
-  std::int32_t node = -1;
-  Label label = Label::h;
-  Moments moments;
-  PlaneFit fit;
-  double sigma_ang = 0;  // [rad]
-  Bounds bounds;
 };
 
 /// Thrown by SegmentState::log() instead of logging event number `stop_at`.

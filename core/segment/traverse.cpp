@@ -7,31 +7,15 @@
 namespace planescope {
 namespace {
 
-/// PCA of the points of one label in a node. Sums run over the node's own range of points.
 Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) {
-  const OctreeNode& node = state.octree.nodes[index];
-  Candidate candidate;
-  candidate.node = index;
-  candidate.label = label;
-  for (std::uint32_t i = node.begin; i < node.end; ++i) {
-    if (!has_label(state, i, label)) continue;
-    const Vec3d p = state.octree.points[i].cast<double>();
-    candidate.moments.add(p);
-    candidate.bounds.add(p);
-  }
-  candidate.fit = fit_plane(candidate.moments);
-  return candidate;
+  return fit_label(state.octree, index, label, state.options.use_labels);
 }
 
-/// Criterion 3 with the thresholds in force; fills in how sure the normal is.
+/// Criterion 3; fills in how sure the normal is.
 bool planar(const SegmentState& state, Candidate& candidate) {
   const double range = state.range(candidate.fit.centroid);
   candidate.sigma_ang = normal_uncertainty(candidate.fit, state.noise.sigma(range));
-  if (state.options.rms_criterion3) {
-    const double theta = state.noise.theta_rms(range);
-    return is_planar(candidate.fit, theta * theta, MseNormalization::mean);
-  }
-  return is_planar(candidate.fit, state.options.theta_e_n_m2, state.options.mse_normalization);
+  return planarity(candidate.fit, state.noise, range, state.options).passes;
 }
 
 void leave_over(SegmentState& state, const OctreeNode& node, std::optional<Label> except = {}) {
@@ -59,9 +43,6 @@ void divide_or_leave(SegmentState& state, std::int32_t index) {
     leave_over(state, node);
   }
 }
-
-/// R3: a candidate whose normal is not sure yet waits for the strong ones.
-constexpr double kWeakSigmaAng = 4 * 0.017453292519943295;
 
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
