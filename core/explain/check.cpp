@@ -1,0 +1,126 @@
+#include "core/explain/check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace planescope {
+namespace {
+
+Check make_check(
+    const Question& question, double value, const char* op, double threshold, double spare) {
+  Check check;
+  check.criterion = question.criterion;
+  check.equation = question.equation;
+  check.quantity = question.quantity;
+  check.meaning = question.meaning;
+  check.unit = question.unit;
+  check.option = question.option;
+  check.value = value;
+  check.op = op;
+  check.threshold = threshold;
+  check.verdict = spare >= 0 ? Verdict::pass : Verdict::fail;
+  check.margin = threshold != 0 ? spare / std::abs(threshold) : spare;
+  return check;
+}
+
+}  // namespace
+
+Check at_most(const Question& question, double value, double threshold) {
+  return make_check(question, value, "≤", threshold, threshold - value);
+}
+
+Check at_least(const Question& question, double value, double threshold) {
+  return make_check(question, value, "≥", threshold, value - threshold);
+}
+
+Check not_asked(Check check) {
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.verdict = Verdict::not_asked;
+  check.margin = 0;
+  return check;
+}
+
+bool all_pass(const std::vector<Check>& checks) {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const Check& c) { return c.verdict == Verdict::pass; });
+}
+
+double least_margin(const std::vector<Check>& checks) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Check& check : checks)
+    if (check.verdict != Verdict::not_asked) least = std::min(least, check.margin);
+  return least;
+}
+
+Check planarity_check(const std::string& criterion,
+                      const SegmentOptions& options,
+                      double value,
+                      double threshold) {
+  if (options.rms_criterion3)
+    return at_most(
+        {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
+         "m", options.estimate_sigma ? "" : "fixed_rms_m"},
+        value, threshold);
+  if (options.mse_normalization == MseNormalization::mean)
+    return at_most({criterion, "Eq. (5)", "e_n / N", "mean square error along the normal", "m²",
+                    "theta_e_n_m2"},
+                   value, threshold);
+  return at_most({criterion, "Eq. (5)", "e_n", "square error along the normal, over all inliers",
+                  "m²", "theta_e_n_m2"},
+                 value, threshold);
+}
+
+std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options) {
+  const std::string criterion = "Criterion 4", equation = "Eq. (6)", option = "theta_coplane";
+  const double most = 1 - options.theta_coplane;
+  std::vector<Check> checks{
+      at_least({criterion, equation, "|n₁·n₂|", "cosine between the normals", "", option},
+               terms.normals, options.theta_coplane),
+      at_most({criterion, equation, "|n₁·Δμ|/‖Δμ‖",
+               "sine of the direction between the centroids, out of the plane", "", option},
+              terms.n1_dmu, most)};
+  if (options.criterion4_n2)
+    checks.push_back(
+        at_most({criterion, equation, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
+                terms.n2_dmu, most));
+  if (options.merge_offset_m > 0)
+    checks.push_back(
+        at_most({criterion, "paper-closest", "|n₁·Δμ|",
+                 "distance of the candidate's centroid from the plane", "m", "merge_offset_m"},
+                terms.offset_m, options.merge_offset_m));
+  return checks;
+}
+
+std::vector<Check> distance_checks(const DistanceTerms& terms, bool with_angle) {
+  const std::string criterion = "R1", equation = "refined";
+  std::vector<Check> checks;
+  if (with_angle)
+    checks.push_back(at_most({criterion, equation, "angle",
+                              "between the normals; more where they are not sure", "deg", ""},
+                             terms.angle_deg, terms.max_angle_deg));
+  checks.push_back(
+      at_most({criterion, equation, "gap",
+               "between the regions' boxes; as far as the normals can be trusted", "m", ""},
+              terms.gap_m, terms.max_gap_m));
+  // Both below are squares in the rule; their roots are what one can picture.
+  const double bound = std::sqrt(terms.bound2_m2);
+  checks.push_back(
+      at_most({criterion, equation, "offset",
+               "distance of the less sure one's centroid from the surer plane", "m", ""},
+              std::sqrt(terms.offset2_m2), bound));
+  checks.push_back(at_most({criterion, equation, "spread",
+                            "RMS of the less sure one's points across the surer plane", "m", ""},
+                           std::sqrt(std::max(0.0, terms.spread2_m2)), bound));
+  return checks;
+}
+
+std::string number(double value, const std::string& unit) {
+  return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string centimetres(double metres) { return fmt::format("{:.3g} cm", 100 * metres); }
+
+}  // namespace planescope

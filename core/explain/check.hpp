@@ -1,0 +1,40 @@
+#pragma once
+
+// Rows of the inspector. Internal to core/explain.
+
+#include <string>
+#include <vector>
+
+#include "core/explain/explain.hpp"
+#include "core/segment/criteria.hpp"
+#include "core/segment/options.hpp"
+
+namespace planescope {
+
+/// What is asked, without the numbers.
+struct Question {
+  std::string criterion = {}, equation = {}, quantity = {}, meaning = {}, unit = {}, option = {};
+};
+Check at_most(const Question& question, double value, double threshold);
+Check at_least(const Question& question, double value, double threshold);
+/// What was never computed: no value, no margin.
+Check not_asked(Check check);
+bool all_pass(const std::vector<Check>& checks);
+/// The margin of the check that passes by least, or fails by most.
+double least_margin(const std::vector<Check>& checks);
+
+/// Criterion 3 as the options have it: of e_n, or of the RMS. `criterion`: "Criterion 3" or "R4".
+Check planarity_check(const std::string& criterion,
+                      const SegmentOptions& options,
+                      double value,
+                      double threshold);
+/// Criterion 4, Eq. (6).
+std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options);
+/// R1, which measures distances instead; R3 leaves the angle unasked.
+std::vector<Check> distance_checks(const DistanceTerms& terms, bool with_angle = true);
+
+// Numbers for sentences.
+std::string number(double value, const std::string& unit);  // four digits: "0.0071 m²"
+std::string centimetres(double metres);                     // "1.2 cm"
+
+}  // namespace planescope

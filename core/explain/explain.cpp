@@ -1,1 +1,0 @@
-#include "core/explain/explain.hpp"
