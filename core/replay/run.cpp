@@ -1,1 +1,30 @@
 #include "core/replay/run.hpp"
+
+#include "core/replay/facts.hpp"
+
+namespace planescope {
+
+double Run::theta_rms(const Vec3d& p) const {
+  return segmentation.noise.theta_rms((p - subject->prepared.sensor()).norm());
+}
+
+double Run::tau(const Vec3d& p) const {
+  return segmentation.noise.tau((p - subject->prepared.sensor()).norm());
+}
+
+std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
+                                    const PipelineOptions& options) {
+  auto run = std::make_shared<Run>();
+  const PreparedFrame& prepared = subject->prepared;
+  run->subject = std::move(subject);
+  run->options = options;
+  run->segment_options = segment_options(prepared, options);
+  run->segmentation =
+      segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
+              prepared.sensor(), run->segment_options, &run->trace);
+  run->timeline = Timeline(run->trace, run->segmentation, run->segment_options);
+  run->facts = facts_of(*run);
+  return run;
+}
+
+}  // namespace planescope

@@ -1,1 +1,110 @@
 #include "core/replay/timeline.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/replay/replay_trace.hpp"
+
+namespace planescope {
+namespace {
+
+/// The part of a CSR that belongs to `index`.
+template <typename Change>
+std::span<const Change> row(const std::vector<Change>& changes,
+                            const std::vector<std::uint32_t>& first,
+                            std::int32_t index) {
+  return {changes.data() + first[index], changes.data() + first[index + 1]};
+}
+
+/// The last change up to `step`, null before the first.
+template <typename Change>
+const Change* last_until(std::span<const Change> changes, std::int32_t step) {
+  const auto after =
+      std::upper_bound(changes.begin(), changes.end(), step,
+                       [](std::int32_t k, const Change& change) { return k < change.step; });
+  return after == changes.begin() ? nullptr : &*(after - 1);
+}
+
+/// Sorts records by what `index` names, each in its order.
+template <typename Record, typename Change>
+void to_rows(const std::vector<Record>& records,
+             std::int32_t Record::*index,
+             std::size_t rows,
+             std::vector<std::uint32_t>& first,
+             std::vector<Change>& changes) {
+  first.assign(rows + 1, 0);
+  for (const Record& record : records) ++first[record.*index + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  changes.resize(records.size());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (const Record& record : records) changes[next[record.*index]++] = record.change;
+}
+
+}  // namespace
+
+Timeline::Timeline(const Trace& trace,
+                   const Segmentation& segmentation,
+                   const SegmentOptions& options) {
+  const Octree& octree = segmentation.octree;
+  ReplayedTrace replayed = replay_trace(trace, octree, options);
+  steps_ = static_cast<std::int32_t>(trace.events.size());
+  queued_at_ = std::move(replayed.queued_at);
+  visited_at_ = std::move(replayed.visited_at);
+  decided_at_ = std::move(replayed.decided_at);
+  to_rows(replayed.points, &ReplayedTrace::Point::point, octree.order.size(), points_first_,
+          point_changes_);
+  to_rows(replayed.planes, &ReplayedTrace::Plane::plane, replayed.plane_labels.size(),
+          planes_first_, plane_changes_);
+  plane_labels_ = std::move(replayed.plane_labels);
+  result_of_plane_.assign(plane_labels_.size(), 0);
+  for (const PlaneRegion& region : segmentation.planes)
+    if (region.founded < plane_count()) result_of_plane_[region.founded] = region.id;
+
+  leaf_of_point_.assign(octree.order.size(), -1);
+  for (std::size_t n = 0; n < octree.nodes.size(); ++n) {
+    const OctreeNode& node = octree.nodes[n];
+    parents_.push_back(node.parent);
+    if (node.first_child >= 0) continue;
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      leaf_of_point_[octree.order[i]] = static_cast<std::int32_t>(n);
+  }
+}
+
+NodeState Timeline::node_state(std::int32_t node, std::int32_t step) const {
+  if (decided_at_[node] <= step) return NodeState::settled;
+  if (visited_at_[node] <= step) return NodeState::visited;
+  return queued_at_[node] <= step ? NodeState::queued : NodeState::unborn;
+}
+
+std::span<const PointChange> Timeline::changes_of_point(std::int32_t point) const {
+  return row(point_changes_, points_first_, point);
+}
+
+PointChange Timeline::point_at(std::int32_t point, std::int32_t step) const {
+  const PointChange* change = last_until(changes_of_point(point), step);
+  return change ? *change : PointChange{};
+}
+
+std::int32_t Timeline::node_of_point(std::int32_t point, std::int32_t step) const {
+  std::int32_t node = leaf_of_point_[point];
+  while (parents_[node] >= 0 && queued_at_[node] > step) node = parents_[node];
+  return node;
+}
+
+std::vector<std::int32_t> Timeline::path_of_point(std::int32_t point) const {
+  std::vector<std::int32_t> path;
+  for (std::int32_t node = leaf_of_point_[point]; node >= 0; node = parents_[node])
+    path.push_back(node);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+std::span<const PlaneChange> Timeline::changes_of_plane(std::int32_t plane) const {
+  return row(plane_changes_, planes_first_, plane);
+}
+
+const PlaneChange* Timeline::plane_at(std::int32_t plane, std::int32_t step) const {
+  return last_until(changes_of_plane(plane), step);
+}
+
+}  // namespace planescope

@@ -41,12 +41,8 @@ struct PlaneChange {
 class Timeline {
  public:
   Timeline() = default;
-  /// `points`, `labels`, `options`: as they were given to segment(), which made the others.
-  Timeline(const Trace& trace,
-           const Segmentation& segmentation,
-           std::span<const Vec3f> points,
-           std::span<const Label> labels,
-           const SegmentOptions& options);
+  /// `options`: as they were given to segment(), which made the others.
+  Timeline(const Trace& trace, const Segmentation& segmentation, const SegmentOptions& options);
 
   std::int32_t steps() const { return steps_; }
 
