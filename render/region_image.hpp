@@ -1,6 +1,7 @@
 #pragma once
 
-// Plane ids in image space: where they come from, and what is drawn around them.
+// Plane ids in image space: where they come from, what lies under them, and what is drawn around
+// them.
 
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace planescope {
 
 /// Plane id per pixel, 0 none.
 using RegionImage = Image<std::int32_t>;
+
+/// Depth as a grey relief lit from the camera, so that surfaces can be told apart without colour.
+Image8 shaded_depth(const Frame& frame);
 
 /// On the depth image's own pixels.
 RegionImage regions_on_depth(const Frame& frame, const FrameResult& result);

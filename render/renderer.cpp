@@ -304,7 +304,8 @@ Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
-  state_->points.draw(list.points, view, Output::id);
+  const auto draw_points = [&] { state_->points.draw(list.points, view, Output::id); };
+  if (!list.pick_points_first) draw_points();
   state_->boxes.draw(list.boxes, view, 0, 1, Output::id);
   const float bias_m = polygon_bias_m(list);
   state_->polygons.draw(back_to_front(list.polygons, view), view, bias_m, Output::id);
@@ -314,6 +315,10 @@ Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
   }
   for (Segment& edge : edges) edge.width_px = 5;
   state_->segments.draw(edges, view, {}, Output::id);
+  if (list.pick_points_first) {
+    glClearBufferfv(GL_DEPTH, 0, &farthest);
+    draw_points();
+  }
 
   Image<std::uint32_t> ids(width, height);
   glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data.data());

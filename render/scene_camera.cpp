@@ -58,16 +58,16 @@ Vec3d direction_of(const View& view) {
 }
 
 /// How much of the planes' surface faces a viewer.
-double facing(const FrameResult& result, const Vec3d& forward) {
+double facing(const Segmentation& segmentation, const Vec3d& forward) {
   double sum = 0;
-  for (const PlaneRegion& plane : result.segmentation.planes)
+  for (const PlaneRegion& plane : segmentation.planes)
     sum += plane.points * std::abs(plane.fit.normal.dot(forward));
   return sum;
 }
 
-View view_of(const FrameResult& result) {
+View view_of(const PreparedFrame& prepared, const Segmentation& segmentation) {
   // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
-  const Vec3d forward = result.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
+  const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
   const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
   View left{35, 35};
   if (depth_camera) {
@@ -77,19 +77,23 @@ View view_of(const FrameResult& result) {
   }
   // To the side from which more is seen.
   const View right{left.elevation_deg, -left.yaw_deg};
-  return facing(result, direction_of(right)) > facing(result, direction_of(left)) ? right : left;
+  return facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left))
+             ? right
+             : left;
 }
 
 }  // namespace
 
-Camera frame_camera(const FrameResult& result, double aspect) {
+Camera frame_camera(const PreparedFrame& prepared,
+                    const Segmentation& segmentation,
+                    double aspect) {
   Camera camera;
-  const Vec3d forward = direction_of(view_of(result));
+  const Vec3d forward = direction_of(view_of(prepared, segmentation));
   const Vec3d right = forward.cross(Vec3d::UnitZ()).normalized();
   const Vec3d up = right.cross(forward);
 
   std::vector<double> x, y, z;
-  for (const Vec3f& point : result.voxels.points) {
+  for (const Vec3f& point : prepared.voxels.points) {
     const Vec3d p = point.cast<double>();
     x.push_back(p.dot(right));
     y.push_back(p.dot(up));

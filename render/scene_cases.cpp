@@ -13,30 +13,8 @@ namespace {
 
 constexpr std::size_t kMostNumerals = 60;
 
-DrawBox cell_of(const Octree& octree, const OctreeNode& node) {
-  const Vec3d low = octree.node_min(node);
-  DrawBox box;
-  box.min = low.cast<float>();
-  box.max = (low + Vec3d::Constant(octree.node_edge_m(node))).cast<float>();
-  box.color = case_color(node.decided);
-  return box;
-}
-
-/// The part of the node's cell that holds its points: on a plane, a tile.
-DrawBox points_box(const FrameResult& result, const OctreeNode& node) {
-  const Octree& octree = result.segmentation.octree;
-  DrawBox box = cell_of(octree, node);
-  Vec3f low = box.max, high = box.min;
-  for (std::uint32_t i = node.begin; i < node.end; ++i) {
-    const Vec3f& p = result.voxels.points[octree.order[i]];
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  // Half a voxel around each point: neighbouring tiles meet.
-  const auto margin = static_cast<float>(result.voxels.size_m / 2);
-  box.min = box.min.cwiseMax(Vec3f(low.array() - margin));
-  box.max = box.max.cwiseMin(Vec3f(high.array() + margin));
-  return box;
+DrawBox tile_of(const FrameResult& result, const OctreeNode& node) {
+  return points_box(result.segmentation.octree, node, result.voxels.size_m);
 }
 
 bool divided(const OctreeNode& node) { return node.first_child >= 0; }
@@ -53,7 +31,7 @@ void add_numerals(const FrameResult& result, double least_edge_m, DrawList& list
   });
   if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
   for (const OctreeNode* node : nodes) {
-    const DrawBox box = points_box(result, *node);
+    const DrawBox box = tile_of(result, *node);
     list.labels.push_back({(box.min + box.max) / 2,
                            std::string(to_string(node->decided)) + (node->impure_fit ? "*" : ""),
                            kSceneText, 15, true});
@@ -67,7 +45,7 @@ DrawList scene_cases(const FrameResult& result) {
   const Octree& octree = result.segmentation.octree;
   DrawList list;
   std::size_t count[5] = {}, hatched = 0, label_fits = 0;
-  DrawPoints points = voxel_points(result);
+  DrawPoints points = voxel_points(result.voxels);
   points.colors.assign(points.positions.size(), case_color(Case::none));
   DrawPoints fitted;  // marks of nodes that R4 fitted label by label
   fitted.size_m = 0;
@@ -76,11 +54,11 @@ DrawList scene_cases(const FrameResult& result) {
   for (const OctreeNode& node : octree.nodes) {
     if (node.decided == Case::none) continue;
     ++count[static_cast<int>(node.decided)];
-    DrawBox box = cell_of(octree, node);
+    DrawBox box = divided(node) ? cell_box(octree, node) : tile_of(result, node);
+    box.color = case_color(node.decided);
     if (divided(node)) {
       box.color.a = 40;  // the finer nodes inside are what matters
     } else {
-      box = points_box(result, node);
       for (std::uint32_t i = node.begin; i < node.end; ++i)
         points.colors[octree.order[i]] = box.color;
       if (node.at_max_depth) {

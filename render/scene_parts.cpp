@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "core/geometry/hull.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 
@@ -14,9 +16,8 @@ constexpr Rgba kGravity{90, 60, 140, 255};
 constexpr std::size_t kMostPlanesInLegend = 8;
 
 /// Splats a little wider than the voxels they stand for, so that surfaces close.
-float splat_size(const FrameResult& result) {
-  const double size_m = result.voxels.size_m;
-  return size_m > 0 ? static_cast<float>(1.4 * size_m) : 0.01F;
+float splat_size(const VoxelCloud& voxels) {
+  return voxels.size_m > 0 ? static_cast<float>(1.4 * voxels.size_m) : 0.01F;
 }
 
 /// Indices of planes, those with most points first.
@@ -85,12 +86,48 @@ void add_gravity(const FrameResult& result, DrawList& list) {
   list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
 }
 
-DrawPoints voxel_points(const FrameResult& result) {
+DrawPoints voxel_points(const VoxelCloud& voxels) {
   DrawPoints points;
-  points.positions = result.voxels.points;
-  points.size_m = splat_size(result);
+  points.positions = voxels.points;
+  points.size_m = splat_size(voxels);
   points.max_px = 40;
   return points;
+}
+
+DrawBox cell_box(const Octree& octree, const OctreeNode& node) {
+  const Vec3d low = octree.node_min(node);
+  DrawBox box;
+  box.min = low.cast<float>();
+  box.max = (low + Vec3d::Constant(octree.node_edge_m(node))).cast<float>();
+  return box;
+}
+
+DrawBox points_box(const Octree& octree, const OctreeNode& node, double voxel_size_m) {
+  DrawBox box = cell_box(octree, node);
+  Vec3f low = box.max, high = box.min;
+  for (std::uint32_t i = node.begin; i < node.end; ++i) {
+    low = low.cwiseMin(octree.points[i]);
+    high = high.cwiseMax(octree.points[i]);
+  }
+  // Half a voxel around each point: neighbouring tiles meet.
+  const auto margin = static_cast<float>(voxel_size_m / 2);
+  box.min = box.min.cwiseMax(Vec3f(low.array() - margin));
+  box.max = box.max.cwiseMin(Vec3f(high.array() + margin));
+  return box;
+}
+
+std::vector<Vec3f> outline_on_plane(const PlaneFit& plane, std::span<const Vec3f> points) {
+  const PlaneBasis basis = plane_basis(plane.normal);
+  std::vector<Vec2d> flat;
+  flat.reserve(points.size());
+  for (const Vec3f& point : points) {
+    const Vec3d d = point.cast<double>() - plane.centroid;
+    flat.emplace_back(d.dot(basis.u), d.dot(basis.v));
+  }
+  std::vector<Vec3f> corners;
+  for (const Vec2d& p : convex_hull(std::move(flat)))
+    corners.push_back((plane.centroid + p.x() * basis.u + p.y() * basis.v).cast<float>());
+  return corners;
 }
 
 std::string percent(std::size_t part, std::size_t whole) {

@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/pipeline/pipeline.hpp"
 #include "render/draw_list.hpp"
@@ -18,7 +19,15 @@ Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
 Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 
 /// The voxels as splats that close the surface, without colours yet.
-DrawPoints voxel_points(const FrameResult& result);
+DrawPoints voxel_points(const VoxelCloud& voxels);
+
+/// A node's whole cell, and the part of it that holds its points: on a plane, a tile. Colours and
+/// styles are the caller's to set.
+DrawBox cell_box(const Octree& octree, const OctreeNode& node);
+DrawBox points_box(const Octree& octree, const OctreeNode& node, double voxel_size_m);
+
+/// Convex outline of points on a plane: projected, counter-clockwise about the normal.
+std::vector<Vec3f> outline_on_plane(const PlaneFit& plane, std::span<const Vec3f> points);
 
 /// Lowest and highest values of each axis, without the outermost percent.
 struct RobustBounds {

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/hull.hpp"
 #include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
@@ -28,21 +27,14 @@ bool has_colors(std::span<const std::uint8_t> rgb) {
 /// Convex outline of the voxels of each plane, on the plane.
 std::vector<std::vector<Vec3f>> outlines(const FrameResult& result) {
   const auto& planes = result.segmentation.planes;
-  std::vector<std::vector<Vec2d>> flat(planes.size());
-  std::vector<PlaneBasis> bases;
-  for (const PlaneRegion& plane : planes) bases.push_back(plane_basis(plane.fit.normal));
+  std::vector<std::vector<Vec3f>> members(planes.size());
   for (std::size_t i = 0; i < result.voxels.points.size(); ++i) {
     const std::int32_t id = result.segmentation.plane_of[i];
-    if (id <= 0) continue;
-    const auto k = static_cast<std::size_t>(id - 1);
-    const Vec3d d = result.voxels.points[i].cast<double>() - planes[k].fit.centroid;
-    flat[k].emplace_back(d.dot(bases[k].u), d.dot(bases[k].v));
+    if (id > 0) members[static_cast<std::size_t>(id - 1)].push_back(result.voxels.points[i]);
   }
-  std::vector<std::vector<Vec3f>> corners(planes.size());
+  std::vector<std::vector<Vec3f>> corners;
   for (std::size_t k = 0; k < planes.size(); ++k)
-    for (const Vec2d& p : convex_hull(std::move(flat[k])))
-      corners[k].push_back(
-          (planes[k].fit.centroid + p.x() * bases[k].u + p.y() * bases[k].v).cast<float>());
+    corners.push_back(outline_on_plane(planes[k].fit, members[k]));
   return corners;
 }
 
@@ -78,7 +70,7 @@ void add_plane_shapes(const FrameResult& result,
 DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
-  DrawPoints points = voxel_points(result);
+  DrawPoints points = voxel_points(result.voxels);
   std::size_t in_planes = 0;
   for (const std::int32_t id : result.segmentation.plane_of) {
     points.colors.push_back(id > 0 ? color_of(id, color_of_plane) : kSceneFaded);

@@ -20,7 +20,7 @@ constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the pict
 DrawList scene_labels(const FrameResult& result) {
   using Mark = LegendEntry::Mark;
   DrawList list;
-  DrawPoints points = voxel_points(result);
+  DrawPoints points = voxel_points(result.voxels);
   std::size_t count[3] = {};
   for (const Label label : result.classification.labels) {
     points.colors.push_back(label_color(label));
@@ -46,7 +46,7 @@ DrawList scene_margins(const FrameResult& result) {
   using Mark = LegendEntry::Mark;
   const Classification& classified = result.classification;
   DrawList list;
-  DrawPoints points = voxel_points(result);
+  DrawPoints points = voxel_points(result.voxels);
   std::size_t unsure = 0, unknown = 0;
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
     points.colors.push_back(margin_color(classified.labels[i], classified.margins[i]));
@@ -76,7 +76,7 @@ DrawList scene_margins(const FrameResult& result) {
 DrawList scene_leftovers(const FrameResult& result, std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
-  DrawPoints points = voxel_points(result);
+  DrawPoints points = voxel_points(result.voxels);
   std::size_t left = 0;
   for (const std::int32_t id : result.segmentation.plane_of) {
     const Rgba faded = id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;

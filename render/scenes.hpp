@@ -17,7 +17,10 @@ namespace planescope {
 
 /// A view of the frame that just holds its kept points (all but the outermost half percent). Depth
 /// frames: from behind and above the sensor, looking the way it looks. Clouds: from the -x side.
-Camera frame_camera(const FrameResult& result, double aspect);
+Camera frame_camera(const PreparedFrame& prepared, const Segmentation& segmentation, double aspect);
+inline Camera frame_camera(const FrameResult& result, double aspect) {
+  return frame_camera(result, result.segmentation, aspect);
+}
 
 DrawList scene_labels(const FrameResult& result);  // cloud by h / v
 /// Cloud by how sure the classifier is of h / v: the label's colour where it is, dark where not.

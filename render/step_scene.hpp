@@ -40,10 +40,15 @@ struct Picked {
 };
 Picked picked(std::uint32_t id);
 
+// Quick enough to be painted anew at every step, but for the shading of depth, which only the frame
+// decides: keep image_backdrop() and paint over copies of it.
 enum class Backdrop : std::uint8_t { color, depth };
 /// The depth camera's image with the same colours over it, each pixel in that of its voxel; one
 /// picture pixel per depth pixel. Colour is the colour image where it is aligned, shaded depth
 /// otherwise. Empty for cloud recordings.
+Image8 image_backdrop(const Subject& subject, Backdrop backdrop);
+void paint_step(Image8& image, const Run& run, const StepLook& look, double opacity);
+/// Both at once.
 Image8 image_step(const Run& run, const StepLook& look, Backdrop backdrop, double opacity);
 
 /// A camera that holds the node's box, seen from where `camera` looks.

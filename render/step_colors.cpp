@@ -1,0 +1,146 @@
+// What is known of each voxel at a step, and its colour.
+
+#include <array>
+
+#include "render/palette.hpp"
+#include "render/scene_parts.hpp"
+#include "render/step_parts.hpp"
+
+namespace planescope {
+namespace {
+
+/// Mean colour of the image or cloud at each voxel; grey where there is none.
+std::vector<Rgba> camera_colors(const Subject& subject) {
+  const Frame& frame = subject.frame;
+  const Cloud& cloud = subject.prepared.cloud;
+  const VoxelCloud& voxels = subject.prepared.voxels;
+  std::vector<Rgba> colors(voxels.points.size(), Rgba{150, 153, 158, 255});
+  const bool aligned = frame.color_aligned && frame.color.channels == 3 &&
+                       frame.color.pixels() == frame.depth.pixels();
+  const std::vector<std::uint8_t>* rgb = nullptr;
+  if (frame.is_cloud() && !frame.cloud->rgb.empty()) rgb = &frame.cloud->rgb;
+  if (!frame.is_cloud() && aligned && !frame.color.empty()) rgb = &frame.color.data;
+  if (rgb == nullptr) return colors;
+
+  std::vector<std::array<std::uint32_t, 4>> sums(colors.size());  // r, g, b, count
+  for (std::size_t i = 0; i < cloud.source.size(); ++i) {
+    const std::uint32_t voxel = voxels.voxel_of[i];
+    if (voxel == kNoVoxel) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      sums[voxel][c] += (*rgb)[3 * std::size_t{cloud.source[i]} + c];
+    ++sums[voxel][3];
+  }
+  for (std::size_t v = 0; v < colors.size(); ++v) {
+    const auto& [r, g, b, count] = sums[v];
+    if (count == 0) continue;
+    colors[v] = {static_cast<std::uint8_t>(r / count), static_cast<std::uint8_t>(g / count),
+                 static_cast<std::uint8_t>(b / count), 255};
+  }
+  return colors;
+}
+
+Rgba truth_color(const VoxelTruth& truth, std::size_t voxel, Rgba unknown) {
+  if (!truth.known() || truth.plane[voxel] < 0) return unknown;  // not scored
+  return truth.plane[voxel] == 0 ? leftover_color() : plane_color(truth.plane[voxel]);
+}
+
+Rgba color_at_step(ColorBy by, const StepState& state, std::size_t voxel, Rgba waiting) {
+  if (by == ColorBy::cases)
+    return state.case_of[voxel] == Case::none ? waiting : case_color(state.case_of[voxel]);
+  const std::int32_t plane = state.plane_of[voxel];
+  if (plane == StepState::kLeftover) return leftover_color();
+  return plane >= 0 ? plane_color(plane + 1) : waiting;
+}
+
+std::vector<Rgba> base_colors(const Run& run, const StepLook& look, const StepState& state) {
+  const PreparedFrame& prepared = run.subject->prepared;
+  const Rgba waiting = mark_colors(look.theme).waiting;
+  if (look.color_by == ColorBy::camera) return camera_colors(*run.subject);
+  std::vector<Rgba> colors(prepared.voxels.points.size());
+  for (std::size_t v = 0; v < colors.size(); ++v) {
+    const Classification& classified = prepared.classification;
+    switch (look.color_by) {
+      case ColorBy::labels:
+        colors[v] = label_color(classified.labels[v]);
+        break;
+      case ColorBy::margins:
+        colors[v] = margin_color(classified.labels[v], classified.margins[v]);
+        break;
+      case ColorBy::truth:
+        colors[v] = truth_color(run.subject->voxel_truth, v, waiting);
+        break;
+      default:
+        colors[v] = color_at_step(look.color_by, state, v, waiting);
+    }
+  }
+  return colors;
+}
+
+}  // namespace
+
+StepState step_state(const Run& run, std::int32_t step) {
+  const Timeline& timeline = run.timeline;
+  const Octree& octree = run.octree();
+  const std::size_t n = run.subject->voxel_count();
+  StepState state;
+  state.case_of.assign(n, Case::none);
+  for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
+    if (!is_settled_leaf(run, static_cast<std::int32_t>(i), step)) continue;
+    const OctreeNode& node = octree.nodes[i];
+    for (std::uint32_t k = node.begin; k < node.end; ++k)
+      state.case_of[octree.order[k]] = node.decided;
+  }
+  state.plane_of.resize(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    const PointChange change = timeline.point_at(static_cast<std::int32_t>(v), step);
+    state.plane_of[v] = change.plane >= 0 ? change.plane
+                        : change.leftover ? StepState::kLeftover
+                                          : StepState::kOpen;
+  }
+  if (const TraceEvent* event = run.event_at(step)) {
+    state.node = event->node;
+    state.plane = event->plane;
+    state.voxel = event->point;
+  }
+  return state;
+}
+
+bool is_settled_leaf(const Run& run, std::int32_t node, std::int32_t step) {
+  const auto i = static_cast<std::size_t>(node);
+  return run.timeline.decided_at()[i] <= step && run.octree().nodes[i].first_child < 0;
+}
+
+MarkColors mark_colors(Theme theme) {
+  const bool dark = theme == Theme::dark;
+  return {.selected = dark ? Rgba{255, 64, 160, 255} : Rgba{225, 0, 122, 255},
+          .current = dark ? Rgba{255, 255, 255, 255} : Rgba{0, 0, 0, 255},
+          .marked = dark ? Rgba{255, 236, 64, 255} : Rgba{232, 196, 0, 255},
+          .waiting = dark ? Rgba{76, 81, 90, 255} : Rgba{201, 205, 211, 255}};
+}
+
+std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state) {
+  constexpr double kHighlight = 0.55;  // share of the mark: the colour below still tells
+  const MarkColors marks = mark_colors(look.theme);
+  std::vector<Rgba> colors = base_colors(run, look, state);
+  const auto emphasise = [&](std::size_t voxel, Rgba mark) {
+    if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
+  };
+  if (look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step) {
+    const OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
+    for (std::uint32_t k = node.begin; k < node.end; ++k)
+      emphasise(run.octree().order[k], marks.selected);
+  }
+  if (look.plane >= 0)
+    for (std::size_t v = 0; v < colors.size(); ++v)
+      if (state.plane_of[v] == look.plane) emphasise(v, marks.selected);
+  for (const std::uint32_t voxel : look.marked) emphasise(voxel, marks.marked);
+  const auto replace = [&](std::int32_t voxel, Rgba mark) {
+    if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size())
+      colors[static_cast<std::size_t>(voxel)] = mark;
+  };
+  replace(state.voxel, marks.current);
+  replace(look.voxel, marks.selected);
+  return colors;
+}
+
+}  // namespace planescope
