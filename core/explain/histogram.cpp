@@ -1,1 +1,175 @@
 #include "core/explain/histogram.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "core/explain/bins.hpp"
+#include "core/explain/judge.hpp"
+#include "core/explain/plane_list.hpp"
+#include "core/segment/candidate.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kVaries = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRoom = 4;  // axes end at this many thresholds: that is where decisions are near
+
+Histogram describe(std::string quantity,
+                   std::string title,
+                   std::string unit,
+                   std::string option,
+                   double threshold) {
+  Histogram h;
+  h.quantity = std::move(quantity);
+  h.title = std::move(title);
+  h.unit = std::move(unit);
+  h.option = std::move(option);
+  h.threshold = threshold;
+  return h;
+}
+
+/// The terms of nodes, each over the nodes where its criterion was asked.
+void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
+  const SegmentOptions& options = run.segment_options;
+  std::vector<Sample> n_out, r_out, n_in, e_n;
+  for (std::size_t i = 0; i < run.facts.size(); ++i) {
+    const NodeFacts& facts = run.facts[i];
+    const Judgement judgement = judge_node(run, static_cast<std::int32_t>(i));
+    n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
+    r_out.push_back({facts.purity.r_out(), judgement});
+    if (!is_pure(facts.purity, options)) continue;
+    n_in.push_back({static_cast<double>(facts.purity.n_in), judgement});
+    if (has_enough_inliers(facts.purity.n_in, options)) e_n.push_back({facts.e_n, judgement});
+  }
+  Histogram h = describe("n_out", "N_out", "points", "theta_n_out", options.theta_n_out);
+  h.bins = linear_bins(n_out, std::max(24.0, kRoom * options.theta_n_out), true);
+  histograms.push_back(h);
+  h = describe("r_out", "r_out", "", "theta_r_out", options.theta_r_out);
+  h.bins = linear_bins(r_out, 0.5, false);
+  histograms.push_back(h);
+  h = describe("n_in", "N_in", "points", "theta_n_in", options.theta_n_in);
+  h.bins = linear_bins(n_in, std::max(24.0, kRoom * options.theta_n_in), true);
+  histograms.push_back(h);
+
+  if (options.rms_criterion3)
+    h = describe("rms", "RMS", "m", run.segmentation.noise.estimated ? "" : "fixed_rms_m",
+                 run.segmentation.noise.by_range ? kVaries : run.segmentation.noise.theta_rms(1));
+  else
+    h = describe("mse", options.mse_normalization == MseNormalization::mean ? "e_n / N" : "e_n",
+                 "m²", "theta_e_n_m2", options.theta_e_n_m2);
+  h.logarithmic = true;
+  h.bins = logarithmic_bins(e_n);
+  histograms.push_back(h);
+}
+
+/// How far a pair is from passing: below 1 it does.
+double strain(const Coplanarity& terms, const SegmentOptions& options) {
+  const double most = std::max(1e-9, 1 - options.theta_coplane);
+  double worst =
+      std::max(options.theta_coplane / std::max(1e-9, terms.normals), terms.n1_dmu / most);
+  if (options.criterion4_n2) worst = std::max(worst, terms.n2_dmu / most);
+  if (options.merge_offset_m > 0) worst = std::max(worst, terms.offset_m / options.merge_offset_m);
+  return worst;
+}
+double strain(const DistanceTerms& terms) {
+  return std::max({terms.angle_deg / terms.max_angle_deg, terms.gap_m / terms.max_gap_m,
+                   std::sqrt(terms.offset2_m2 / terms.bound2_m2),
+                   std::sqrt(std::max(0.0, terms.spread2_m2) / terms.bound2_m2)});
+}
+
+/// The pairs of each candidate with the plane it joined or, where it founded one, with the plane
+/// that it came nearest to joining.
+struct MergeSamples {
+  std::vector<Sample> offset, normals, n1_dmu, n2_dmu, angle;
+
+  void add(const Coplanarity& terms, Judgement judgement) {
+    offset.push_back({terms.offset_m, judgement});
+    normals.push_back({terms.normals, judgement});
+    n1_dmu.push_back({terms.n1_dmu, judgement});
+    n2_dmu.push_back({terms.n2_dmu, judgement});
+  }
+  void add(const DistanceTerms& terms, Judgement judgement) {
+    offset.push_back({std::sqrt(terms.offset2_m2), judgement});
+    angle.push_back({terms.angle_deg, judgement});
+  }
+};
+
+template <typename Terms, typename TermsOf, typename StrainOf>
+void add_pair(const PlaneList& planes,
+              const TraceEvent& event,
+              TermsOf terms_of,
+              StrainOf strain_of,
+              bool same_label,
+              Judgement judgement,
+              MergeSamples& samples) {
+  if (event.type == EventType::merge) return samples.add(terms_of(event.plane), judgement);
+  Terms nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::int32_t k = 0; k < planes.size(); ++k) {
+    if (!planes.alive(k) || (same_label && planes.label(k) != event.label)) continue;
+    const Terms terms = terms_of(k);
+    if (const double value = strain_of(terms); value < least) {
+      least = value;
+      nearest = terms;
+    }
+  }
+  if (std::isfinite(least)) samples.add(nearest, judgement);
+}
+
+void append_merges(const Run& run, std::vector<Histogram>& histograms) {
+  const SegmentOptions& options = run.segment_options;
+  MergeSamples samples;
+  std::vector<Sample> distances;
+  PlaneList planes(run);
+  TruthWalk walk(run);
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    const Judgement judgement = walk.next();
+    if ((event.type == EventType::assign || event.type == EventType::drop) && event.value >= 0)
+      distances.push_back({event.value, judgement});
+    if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
+      continue;
+    planes.advance_to(step - 1);
+    const Candidate candidate =
+        fit_label(run.octree(), event.node, event.label, options.use_labels);
+    if (options.r1_merge_by_distance) {
+      const MeasuredPlane seen = measured(run, candidate.fit, candidate.moments, candidate.bounds);
+      add_pair<DistanceTerms>(
+          planes, event, [&](std::int32_t k) { return distance_terms(planes.measured(k), seen); },
+          [&](const DistanceTerms& terms) { return strain(terms); }, true, judgement, samples);
+    } else {
+      add_pair<Coplanarity>(
+          planes, event, [&](std::int32_t k) { return coplanarity(planes.fit(k), candidate.fit); },
+          [&](const Coplanarity& terms) { return strain(terms, options); }, false, judgement,
+          samples);
+    }
+  }
+
+  const auto append = [&](Histogram h, const std::vector<Sample>& values, double most) {
+    h.bins = linear_bins(values, most, false);
+    if (!h.bins.empty()) histograms.push_back(std::move(h));
+  };
+  append(describe("", "|n₁·n₂|", "", "theta_coplane", options.theta_coplane), samples.normals, 1);
+  append(describe("", "|n₁·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane), samples.n1_dmu, 1);
+  append(describe("", "|n₂·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane), samples.n2_dmu, 1);
+  append(describe("", "angle", "deg", "", kVaries), samples.angle, 45);
+  const bool limited = !options.r1_merge_by_distance && options.merge_offset_m > 0;
+  append(describe("offset", "offset", "m", limited ? "merge_offset_m" : "",
+                  limited ? options.merge_offset_m : kVaries),
+         samples.offset, 0.2);
+  const bool nearest = options.leftover_rule == LeftoverRule::nearest;
+  append(describe("distance", "leftover's distance", "m", nearest ? "" : "leftover_distance_m",
+                  nearest ? kVaries : options.leftover_distance_m),
+         distances, 0.05);
+}
+
+}  // namespace
+
+std::vector<Histogram> histograms_of(const Run& run) {
+  std::vector<Histogram> histograms;
+  append_nodes(run, histograms);
+  append_merges(run, histograms);
+  return histograms;
+}
+
+}  // namespace planescope

@@ -17,11 +17,11 @@ struct HistogramBin {
 };
 
 struct Histogram {
-  std::string quantity;  // "n_out", as the filter language calls it
+  std::string quantity;  // "n_out", as the filter language calls it; empty where it does not
   std::string title;     // "N_out"
   std::string unit;
-  std::string option;  // whose value is the threshold; empty: none to drag
-  double threshold = 0;
+  std::string option;    // whose value is the threshold; empty: none to drag
+  double threshold = 0;  // NaN where there is none or it varies from place to place
   bool logarithmic = false;
   std::vector<HistogramBin> bins;
 };
