@@ -28,6 +28,7 @@ struct DrawLines {
   std::vector<Vec3f> positions;  // two per segment, world [m]
   std::vector<Rgba> colors;      // one per segment
   float width_px = 1.5f;
+  bool shine_through = false;  // seen faintly through what hides them
 };
 
 enum class BoxStyle : std::uint8_t { outline, tinted, hatched };  // tinted: faint faces + outline

@@ -13,8 +13,8 @@ namespace {
 
 // A traversal to the leaves makes thousands of nodes. Children come after their parents, so the
 // first of a kind are the largest; the small ones show by their voxels' colour.
-constexpr std::size_t kMostSettled = 400;
-constexpr std::size_t kMostWaiting = 200;
+constexpr std::size_t kMostSettled = 250;
+constexpr std::size_t kMostWaiting = 120;
 constexpr std::size_t kMostNumerals = 60;
 
 struct Boxes {
@@ -40,6 +40,7 @@ struct Boxes {
 };
 
 void Boxes::add_settled() const {
+  const bool by_case = look.color_by == ColorBy::cases;
   std::vector<std::int32_t> settled;
   const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
   for (std::int32_t i = 0; i < n && settled.size() < kMostSettled; ++i)
@@ -47,10 +48,13 @@ void Boxes::add_settled() const {
   for (const std::int32_t i : settled) {
     DrawBox box = tile(i);
     box.color = case_color(node(i).decided);
-    box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
+    if (!by_case)
+      box.color.a = 110;  // outlines alone: a tint would spoil the colours that were asked for
+    else
+      box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
     list.boxes.push_back(box);
   }
-  add_numerals(settled);
+  if (by_case) add_numerals(settled);
 }
 
 /// Numerals on the largest, so that cases need not be told by colour alone.
@@ -83,10 +87,11 @@ void Boxes::add_waiting() const {
   }
 }
 
-/// The cells that the node lies in, so that its place in the tree is seen.
+/// The nearest cells that the node lies in, so that its place in the tree is seen.
 void Boxes::add_parents(std::int32_t of, Rgba color) const {
   color.a = 45;
-  for (std::int32_t i = node(of).parent; i >= 0; i = node(i).parent) {
+  std::int32_t i = node(of).parent;
+  for (int levels = 3; levels > 0 && i >= 0; --levels, i = node(i).parent) {
     DrawBox box = cell_box(run.octree(), node(i));
     box.color = color;
     list.boxes.push_back(box);
@@ -97,6 +102,7 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::str
   DrawBox box = tile(i);
   DrawLines edges;
   edges.width_px = width_px;
+  edges.shine_through = true;
   const auto corner = [&box](int bits) {
     return Vec3f((bits & 1) != 0 ? box.max.x() : box.min.x(),
                  (bits & 2) != 0 ? box.max.y() : box.min.y(),

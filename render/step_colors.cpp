@@ -115,7 +115,7 @@ MarkColors mark_colors(Theme theme) {
   return {.selected = dark ? Rgba{255, 64, 160, 255} : Rgba{225, 0, 122, 255},
           .current = dark ? Rgba{255, 255, 255, 255} : Rgba{0, 0, 0, 255},
           .marked = dark ? Rgba{255, 236, 64, 255} : Rgba{232, 196, 0, 255},
-          .waiting = dark ? Rgba{76, 81, 90, 255} : Rgba{201, 205, 211, 255}};
+          .waiting = dark ? Rgba{86, 92, 102, 255} : Rgba{201, 205, 211, 255}};
 }
 
 std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state) {

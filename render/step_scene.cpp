@@ -25,7 +25,7 @@ void add_voxel(
   dot.positions = {at};
   dot.colors = {color};
   dot.ids = {pick_id(Picked::Kind::voxel, voxel)};
-  dot.min_px = 11;
+  dot.min_px = 14;
   list.points.push_back(std::move(dot));
   const auto above = static_cast<float>(1.5 * run.subject->prepared.voxels.size_m + 0.01);
   list.labels.push_back({at + Vec3f(0, 0, above), text, color, 15, true});
@@ -52,6 +52,7 @@ DrawList scene_step(const Run& run, const StepLook& look) {
   points.colors = voxel_colors(run, look, state);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
+  points.max_px = 120;  // surfaces stay closed close by
   list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
@@ -68,7 +69,8 @@ Camera camera_on_node(const Run& run, std::int32_t node, const Camera& camera) {
   const DrawBox box = points_box(octree, octree.nodes[static_cast<std::size_t>(node)],
                                  run.subject->prepared.voxels.size_m);
   const Vec3d middle = ((box.min + box.max) / 2).cast<double>();
-  const double radius_m = std::max(0.5 * (box.max - box.min).cast<double>().norm(), 0.02);
+  const double radius_m = std::max({0.5 * (box.max - box.min).cast<double>().norm(),
+                                    4 * run.subject->prepared.voxels.size_m, 0.02});
   constexpr double kRoom = 2;  // the node's surroundings say where it is
   const double half_view = camera.fov_y_deg * std::numbers::pi / 360;
   const double distance_m = kRoom * radius_m / std::sin(half_view);
