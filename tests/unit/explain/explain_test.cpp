@@ -10,7 +10,7 @@
 namespace planescope {
 namespace {
 
-constexpr std::uint64_t kClouds = 8;
+constexpr int kScenes = 12;
 
 struct NamedOptions {
   const char* name;
@@ -27,10 +27,11 @@ class Explained : public testing::TestWithParam<NamedOptions> {
  protected:
   template <typename Check>
   void on_every_event(Check check) {
-    for (std::uint64_t seed = 0; seed < kClouds; ++seed) {
-      const auto run = test::run_of_cloud(seed, GetParam().options);
+    for (int scene = 0; scene < kScenes; ++scene) {
+      const auto run = scene % 2 == 0 ? test::run_of_cloud(scene, GetParam().options)
+                                      : test::run_of_stairs(GetParam().options, 0.004, scene);
       for (std::int32_t step = 1; step <= run->steps(); ++step) {
-        SCOPED_TRACE(testing::Message() << "cloud " << seed << ", step " << step << ": "
+        SCOPED_TRACE(testing::Message() << "scene " << scene << ", step " << step << ": "
                                         << describe_event(*run, step));
         check(*run, step, *run->event_at(step));
         if (HasFatalFailure()) return;
@@ -142,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& param) { return param.param.name; });
 
 TEST(Explain, AStopIsSaidInWords) {
-  const auto run = test::run_of_stairs(Profile::paper, 0.003);
+  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
   const NodeReport root = explain_node(*run, 0);
   EXPECT_EQ(root.stopped, "stopped at Criterion 1: no PCA was made");
   EXPECT_NE(root.outcome.find("divided into"), std::string::npos) << root.outcome;

@@ -20,7 +20,7 @@ std::uint32_t total(const Histogram& histogram) {
 }
 
 TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
-  const auto run = test::run_of_stairs(Profile::paper, 0.003);
+  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
   const std::vector<Histogram> histograms = histograms_of(*run);
   const SegmentCounts& counts = run->segmentation.counts;
   EXPECT_EQ(total(named(histograms, "N_out")), counts.nodes_visited);
@@ -32,7 +32,8 @@ TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
 
 TEST(Histograms, BinsAreOrderedAndFew) {
   for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
-    for (const Histogram& h : histograms_of(*test::run_of_stairs(profile, 0.003))) {
+    for (const Histogram& h :
+         histograms_of(*test::run_of_stairs(profile_options(profile), 0.003))) {
       SCOPED_TRACE(h.title);
       ASSERT_FALSE(h.bins.empty());
       EXPECT_LE(h.bins.size(), 26u);
@@ -52,7 +53,8 @@ TEST(Histograms, WithoutTruthNothingIsRightOrWrong) {
 }
 
 TEST(Histograms, NoisyStairsShowWrongMerges) {
-  const auto histograms = histograms_of(*test::run_of_stairs(Profile::paper, 0.003));
+  const auto histograms =
+      histograms_of(*test::run_of_stairs(profile_options(Profile::paper), 0.003));
   std::uint32_t wrong = 0;
   for (const HistogramBin& bin : named(histograms, "offset").bins) wrong += bin.wrong;
   EXPECT_GT(wrong, 0u);

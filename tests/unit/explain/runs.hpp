@@ -41,7 +41,7 @@ inline std::shared_ptr<const Run> run_of_cloud(std::uint64_t seed, const Segment
 }
 
 /// Stairs with their exact labels and true planes.
-inline std::shared_ptr<const Subject> stairs_subject(int index, double noise_m, int points = 4096) {
+inline std::shared_ptr<const Subject> stairs_subject(int index, double noise_m, int points = 2048) {
   StairsOptions options;
   options.noise_m = noise_m;
   options.points = points;
@@ -58,12 +58,12 @@ inline std::shared_ptr<const Subject> stairs_subject(int index, double noise_m, 
   return subject;
 }
 
-inline std::shared_ptr<const Run> run_of_stairs(Profile profile,
+inline std::shared_ptr<const Run> run_of_stairs(const SegmentOptions& options,
                                                 double noise_m,
                                                 int index = 0,
-                                                int points = 4096) {
+                                                int points = 2048) {
   PipelineOptions pipeline;
-  pipeline.segment = profile_options(profile);
+  pipeline.segment = options;
   return make_run(stairs_subject(index, noise_m, points), pipeline);
 }
 
