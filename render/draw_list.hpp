@@ -22,6 +22,7 @@ struct DrawPoints {
   std::vector<std::uint32_t> ids;    // for picking; empty: not pickable
   float size_m = 0.02f;              // diameter of the splat in the world ...
   float min_px = 1.5f, max_px = 14;  // ... held between these on screen
+  bool operator==(const DrawPoints&) const = default;
 };
 
 struct DrawLines {
@@ -29,6 +30,7 @@ struct DrawLines {
   std::vector<Rgba> colors;      // one per segment
   float width_px = 1.5f;
   bool shine_through = false;  // seen faintly through what hides them
+  bool operator==(const DrawLines&) const = default;
 };
 
 enum class BoxStyle : std::uint8_t { outline, tinted, hatched };  // tinted: faint faces + outline
@@ -39,6 +41,7 @@ struct DrawBox {
   Rgba color;
   BoxStyle style = BoxStyle::outline;
   std::uint32_t id = 0;  // 0: not pickable
+  bool operator==(const DrawBox&) const = default;
 };
 
 struct DrawPolygon {           // convex, planar, filled and outlined
@@ -47,6 +50,7 @@ struct DrawPolygon {           // convex, planar, filled and outlined
   Rgba outline;
   float outline_px = 2;
   std::uint32_t id = 0;
+  bool operator==(const DrawPolygon&) const = default;
 };
 
 struct DrawArrow {
@@ -54,6 +58,7 @@ struct DrawArrow {
   Vec3f to;
   Rgba color;
   float width_px = 3;
+  bool operator==(const DrawArrow&) const = default;
 };
 
 struct DrawLabel {  // text at a place in the world, always on top
@@ -62,6 +67,7 @@ struct DrawLabel {  // text at a place in the world, always on top
   Rgba color;
   float size_px = 14;
   bool centered = true;
+  bool operator==(const DrawLabel&) const = default;
 };
 
 struct LegendEntry {
@@ -69,6 +75,7 @@ struct LegendEntry {
   Mark mark = Mark::dot;
   Rgba color;
   std::string text;
+  bool operator==(const LegendEntry&) const = default;
 };
 
 /// Everything in one picture. Drawn in this order: points, boxes, polygons from back to front,
@@ -88,6 +95,7 @@ struct DrawList {
   bool pick_points_first = false;   // boxes and polygons are picked only where no point is seen
   bool show_axes = true;            // axes triad with x y z, bottom right
   bool show_scale_bar = true;       // a round length at the camera's target distance
+  bool operator==(const DrawList&) const = default;
 };
 
 /// An orbiting camera: looks from `eye` at `target`, `up` is up on screen.

@@ -1,0 +1,209 @@
+#include "render/step_scene.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "gl_fixture.hpp"
+#include "render/palette.hpp"
+#include "render/scenes.hpp"
+#include "step_fixture.hpp"
+
+namespace planescope {
+namespace {
+
+using test::first_step;
+
+StepLook look_at(std::int32_t step, ColorBy color_by = ColorBy::cases) {
+  StepLook look;
+  look.step = step;
+  look.color_by = color_by;
+  return look;
+}
+
+const DrawLabel* label(const DrawList& list, const std::string& text) {
+  const auto found = std::find_if(list.labels.begin(), list.labels.end(),
+                                  [&](const DrawLabel& l) { return l.text == text; });
+  return found == list.labels.end() ? nullptr : &*found;
+}
+
+TEST(StepScene, NothingOfTheFutureIsDrawn) {
+  for (const Profile profile : {Profile::refined, Profile::paper}) {
+    const auto run = test::stairs_run(profile);
+    for (int part = 0; part <= 12; ++part) {
+      const std::int32_t step = run->steps() * part / 12;
+      SCOPED_TRACE(step);
+      const auto stopped = test::stopped_at(*run, step);
+      for (const ColorBy by : {ColorBy::cases, ColorBy::planes}) {
+        EXPECT_TRUE(scene_step(*run, look_at(step, by)) == scene_step(stopped, look_at(step, by)));
+        EXPECT_EQ(image_step(*run, look_at(step, by), Backdrop::depth, 0.5).data,
+                  image_step(stopped, look_at(step, by), Backdrop::depth, 0.5).data);
+      }
+    }
+  }
+}
+
+TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRoot) {
+  const auto run = test::stairs_run();
+  const DrawList list = scene_step(*run, look_at(0));
+  const auto& colors = list.points[0].colors;
+  EXPECT_TRUE(std::all_of(colors.begin(), colors.end(), [&](Rgba c) { return c == colors[0]; }));
+  EXPECT_TRUE(list.polygons.empty());
+  ASSERT_EQ(list.boxes.size(), 1u);
+  EXPECT_EQ(picked(list.boxes[0].id).index, 0);
+}
+
+TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
+  const auto run = test::stairs_run();
+  const DrawList list = scene_step(*run, look_at(run->steps()));
+  for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
+    const std::int32_t node =
+        run->timeline.node_of_point(static_cast<std::int32_t>(v), run->steps());
+    const Rgba expected = case_color(run->octree().nodes[static_cast<std::size_t>(node)].decided);
+    const TraceEvent& last = run->trace.events.back();
+    if (last.point == static_cast<std::int32_t>(v)) continue;  // stands out
+    ASSERT_EQ(list.points[0].colors[v], expected) << v;
+  }
+}
+
+TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
+  const auto run = test::stairs_run();
+  const std::int32_t step = first_step(*run, EventType::found);
+  EXPECT_TRUE(scene_step(*run, look_at(step - 1)).polygons.empty());
+  const DrawList list = scene_step(*run, look_at(step));
+  ASSERT_EQ(list.polygons.size(), 1u);
+  EXPECT_NE(label(list, "P1"), nullptr);
+  Rgba fill = list.polygons[0].fill;
+  fill.a = 255;
+  EXPECT_EQ(fill, plane_color(1));
+}
+
+TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
+  const auto run = test::stairs_run();
+  StepLook look = look_at(run->steps());
+  const DrawList plain = scene_step(*run, look);
+  look.node = run->octree().nodes[0].first_child;
+  look.plane = 0;
+  look.voxel = 17;
+  const DrawList list = scene_step(*run, look);
+  for (const char* name : {"P1", "voxel 17"}) {
+    ASSERT_NE(label(list, name), nullptr) << name;
+    EXPECT_EQ(label(list, name)->color, label(list, "voxel 17")->color);
+  }
+  EXPECT_NE(label(list, "node " + std::to_string(look.node)), nullptr);
+  EXPECT_GT(list.lines.size(), plain.lines.size());
+  const OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
+  for (std::uint32_t i = node.begin; i < node.end; ++i) {
+    const std::uint32_t v = run->octree().order[i];
+    EXPECT_FALSE(list.points[0].colors[v] == plain.points[0].colors[v]);
+  }
+}
+
+TEST(StepScene, SelectedNodeThatIsNotThereYetIsNotDrawn) {
+  const auto run = test::stairs_run();
+  StepLook look = look_at(0);
+  const DrawList plain = scene_step(*run, look);
+  look.node = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
+  EXPECT_TRUE(scene_step(*run, look) == plain);
+}
+
+TEST(StepScene, MarkedVoxelsStandOut) {
+  const auto run = test::stairs_run();
+  const std::vector<std::uint32_t> marked = {3, 5};
+  StepLook look = look_at(0);
+  look.marked = marked;
+  const auto colors = scene_step(*run, look).points[0].colors;
+  EXPECT_EQ(colors[3], colors[5]);
+  EXPECT_FALSE(colors[3] == colors[4]);
+}
+
+TEST(StepScene, CameraOnANodeHoldsItsBox) {
+  const auto run = test::stairs_run();
+  const Camera home = frame_camera(run->subject->prepared, run->segmentation, 1.5);
+  const auto last = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
+  const Camera close = camera_on_node(*run, last, home);
+  EXPECT_LT((close.eye - close.target).norm(), (home.eye - home.target).norm());
+  EXPECT_NEAR((home.eye - home.target).normalized().dot((close.eye - close.target).normalized()), 1,
+              1e-9);
+  const OctreeNode& node = run->octree().nodes.back();
+  const Vec3d middle =
+      run->octree().node_min(node) + Vec3d::Constant(run->octree().node_edge_m(node) / 2);
+  EXPECT_LT((close.target - middle).norm(), run->octree().node_edge_m(node));
+}
+
+bool differs(const Image8& a, const Image8& b, std::size_t pixel) {
+  return !std::equal(&a.data[3 * pixel], &a.data[3 * pixel] + 3, &b.data[3 * pixel]);
+}
+
+TEST(StepImage, PaintsMeasuredPixelsOnly) {
+  const auto run = test::stairs_run();
+  const Image8 before = image_backdrop(*run->subject, Backdrop::depth);
+  const Image8 after =
+      image_step(*run, look_at(run->steps(), ColorBy::planes), Backdrop::depth, 0.5);
+  int painted = 0;
+  for (std::size_t i = 0; i < before.pixels(); ++i) {
+    const bool changed = differs(before, after, i);
+    painted += changed;
+    if (changed) {
+      ASSERT_NE(run->subject->voxel_of_source(i), kNoVoxel) << i;
+    }
+  }
+  EXPECT_GT(painted, 10'000);
+}
+
+TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
+  const auto run = test::stairs_run();
+  StepLook look = look_at(run->steps());
+  look.show_planes = false;
+  look.node = run->octree().nodes[0].first_child;
+  const Image8 before = image_backdrop(*run->subject, Backdrop::depth);
+  const Image8 after = image_step(*run, look, Backdrop::depth, 0);
+  const OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
+  std::set<std::uint32_t> inside(run->octree().order.begin() + node.begin,
+                                 run->octree().order.begin() + node.end);
+  for (std::size_t i = 0; i < before.pixels(); ++i) {
+    const std::uint32_t voxel = run->subject->voxel_of_source(i);
+    if (voxel == kNoVoxel || static_cast<std::int32_t>(voxel) == run->trace.events.back().point)
+      continue;
+    const bool changed = differs(before, after, i);
+    ASSERT_EQ(changed, inside.count(voxel) == 1) << i;
+  }
+}
+
+struct StepPicking : GlTest {};
+
+TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
+  const auto run = test::stairs_run();
+  StepLook look = look_at(run->steps());
+  const DrawList list = scene_step(*run, look);
+  const Camera camera = frame_camera(run->subject->prepared, run->segmentation, 1.5);
+  const auto ids = renderer().render_ids(list, camera, 600, 400);
+  std::set<std::int32_t> voxels, nodes, planes;
+  for (const std::uint32_t id : ids.data) {
+    const Picked what = picked(id);
+    if (what.kind == Picked::Kind::voxel) voxels.insert(what.index);
+    if (what.kind == Picked::Kind::node) nodes.insert(what.index);
+    if (what.kind == Picked::Kind::plane) planes.insert(what.index);
+  }
+  EXPECT_GT(voxels.size(), run->subject->voxel_count() / 2);
+  EXPECT_LT(*voxels.rbegin(), static_cast<std::int32_t>(run->subject->voxel_count()));
+  EXPECT_FALSE(nodes.empty() && planes.empty());
+  EXPECT_EQ(picked(0).kind, Picked::Kind::nothing);
+}
+
+TEST_F(StepPicking, VoxelIsPickedThroughTheBoxAndThePlaneItIsIn) {
+  const auto run = test::stairs_run();
+  const DrawList list = scene_step(*run, look_at(run->steps()));
+  const Camera camera = frame_camera(run->subject->prepared, run->segmentation, 1.5);
+  DrawList bare = list;
+  bare.boxes.clear();
+  bare.polygons.clear();
+  const auto all = renderer().render_ids(list, camera, 300, 200);
+  const auto voxels = renderer().render_ids(bare, camera, 300, 200);
+  for (std::size_t i = 0; i < all.data.size(); ++i)
+    if (voxels.data[i] != 0) {
+      ASSERT_EQ(all.data[i], voxels.data[i]);
+    }
+}
+
+}  // namespace
+}  // namespace planescope
