@@ -25,7 +25,7 @@ FixTarget target_of_truth(const Run& run, std::int32_t truth_plane);
 struct Fix {
   std::string option;
   std::string before, after;  // as --set takes them
-  double change = 0;          // |log ratio| of numbers, or share of the range; 1 for switches
+  double change = 0;          // |log ratio| of numbers, of the odds of shares; per switch 1
   double iou = 0;             // of the target with it
   QuickScore score;           // of this frame with it; empty without truth
 };
