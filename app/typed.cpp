@@ -44,6 +44,14 @@ void limit(const Typed& typed, std::initializer_list<int*> counts) {
   for (int* count : counts) *count = std::min(*count, most);
 }
 
+// WxH in pixels.
+void set_size(const std::string& text, int& width, int& height) {
+  const std::vector<std::string> sides = split(text, 'x');
+  if (sides.size() != 2) throw Error("--size: '" + text + "' is not WxH");
+  width = whole_at_least(sides[0], "--size", 1);
+  height = whole_at_least(sides[1], "--size", 1);
+}
+
 }  // namespace
 
 PipelineOptions pipeline_options(const Typed& typed) {
@@ -94,6 +102,25 @@ InputArgs input_args(const Typed& typed) {
   return args;
 }
 
+ViewArgs view_args(const Typed& typed) {
+  ViewArgs args;
+  args.input = input_args(typed);
+  args.open = typed.open;
+  args.script = typed.script;
+  args.screenshot = typed.screenshot;
+  args.state = typed.state;
+  args.offscreen = typed.offscreen;
+  args.fresh = typed.fresh;
+  args.list_actions = typed.actions;
+  if (!typed.size.empty()) set_size(typed.size, args.width, args.height);
+  if (args.width < 640 || args.height < 400 || args.width > 8192 || args.height > 8192)
+    throw Error("--size: " + typed.size + " is out of range, expected 640x400 to 8192x8192");
+  if (!typed.scale.empty()) args.scale = parse_number(typed.scale, "--scale");
+  if (!(args.scale >= 0.5 && args.scale <= 4))
+    throw Error("--scale: " + typed.scale + " is out of range, expected 0.5 to 4");
+  return args;
+}
+
 std::string required_out(const Typed& typed, const std::string& command) {
   if (typed.out.empty()) throw Error(command + " needs an output folder, -o DIR");
   return typed.out;
@@ -104,12 +131,7 @@ SynthSampleArgs sample_args(const Typed& typed) {
   args.out = required_out(typed, "synth sample");
   if (!typed.seed.empty()) args.sample.seed = seed(typed);
   if (!typed.scenes.empty()) args.sample.scenes = split(typed.scenes, ',');
-  if (!typed.size.empty()) {
-    const std::vector<std::string> sides = split(typed.size, 'x');
-    if (sides.size() != 2) throw Error("--size: '" + typed.size + "' is not WxH");
-    args.sample.width = whole_at_least(sides[0], "--size", 1);
-    args.sample.height = whole_at_least(sides[1], "--size", 1);
-  }
+  if (!typed.size.empty()) set_size(typed.size, args.sample.width, args.sample.height);
   args.sample.noise = !typed.exact;
   args.sample.color = !typed.depth_only;
   args.sample.gravity = typed.with_gravity;

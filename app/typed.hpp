@@ -8,6 +8,7 @@
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
 #include "app/commands/train.hpp"
+#include "app/commands/view.hpp"
 
 namespace planescope {
 
@@ -25,6 +26,9 @@ struct Typed {
   std::string only, rounds;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
        augmented = false, resume = false, balance_classes = false;
+
+  std::string open, script, screenshot, state, scale;
+  bool actions = false, offscreen = false, fresh = false;
 };
 
 // From text to values. All throw Error that names the option.
@@ -35,6 +39,7 @@ SynthStairsArgs stairs_args(const Typed& typed);
 SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
 BenchClassifierArgs bench_classifier_args(const Typed& typed);
+ViewArgs view_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.

@@ -1,0 +1,118 @@
+#include "app/commands/view.hpp"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/assets.hpp"
+#include "app/desktop/offscreen.hpp"
+#include "app/desktop/session.hpp"
+#include "app/desktop/settings.hpp"
+#include "app/desktop/state_facts.hpp"
+#include "app/desktop/window.hpp"
+#include "core/base/error.hpp"
+#include "core/labels/label_files.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace desktop;
+
+void print_actions() {
+  for (const Action& action : action_table())
+    fmt::print("{:<22} {:<16} {}{}\n", action.name, action.keys, action.title,
+               action.takes.empty() ? "" : " (" + action.takes + ")");
+}
+
+/// Opens what was asked for: recordings, a session, what was open last, or the sample.
+State first_state(const ViewArgs& args, const Settings& settings) {
+  State state;
+  Document& document = state.document;
+  state.view = settings.view;
+  document.options = args.input.pipeline;
+  document.recording_options = args.input.recording;
+  std::vector<fs::path> paths = args.input.inputs;
+  if (paths.empty() && args.open.empty()) {
+    if (!settings.last_recording.empty() && fs::exists(settings.last_recording)) {
+      paths.push_back(settings.last_recording);
+      document.frame = settings.last_frame;
+      state.view.camera = settings.camera;
+    } else {
+      paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
+    }
+  }
+  for (const fs::path& path : paths)
+    document.recordings.push_back({path, open_recording(path, args.input.recording),
+                                   args.input.label_dir.value_or(default_label_dir(path))});
+  if (!document.recordings.empty()) {
+    document.recording = 0;
+    const int count = document.current()->recording->frame_count();
+    const std::vector<int> frames = sliced_frames(args.input.frames, count);
+    if (frames.empty())
+      throw Error(
+          fmt::format("{}: --frames leaves none of its {} frames", paths[0].string(), count));
+    document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
+  }
+  if (!args.open.empty()) open_session(state, args.open);
+  return state;
+}
+
+int run_offscreen(const ViewArgs& args, std::stop_token stop) {
+  std::unique_ptr<Offscreen> offscreen;
+  State state = first_state(args, {});
+  try {
+    offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
+                                            static_cast<float>(args.scale));
+  } catch (const Error& error) {
+    fmt::print(stderr, "planescope: the window cannot be drawn: {}\n", error.what());
+    return 3;
+  }
+  settle(offscreen->shell(), *offscreen, stop);
+  if (!args.script.empty()) Script::read(args.script).play(offscreen->shell(), *offscreen, stop);
+  if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
+  if (!args.state.empty()) {
+    std::ofstream file(args.state, std::ios::binary);
+    file << state_facts(offscreen->shell().state(), true).dump(2) << '\n';
+    file.close();
+    if (!file) throw Error(args.state.string() + ": the state cannot be written there");
+  }
+  return 0;
+}
+
+int run_on_display(const ViewArgs& args, std::stop_token stop) {
+  WindowOptions options;
+  options.settings = args.fresh ? Settings{} : load_settings();
+  options.keep_settings = !args.fresh;
+  options.state_file = args.state;
+  if (!args.script.empty()) options.script = Script::read(args.script);
+  try {
+    run_window(first_state(args, options.settings), options, stop);
+  } catch (const NoDisplay& none) {
+    fmt::print(stderr,
+               "planescope: {}; without a display, `planescope report` and `planescope segment` "
+               "work, and `planescope view --screenshot FILE.png` draws this window\n",
+               none.what());
+    return 3;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int run_view(const ViewArgs& args, std::stop_token stop) {
+  if (args.list_actions) {
+    print_actions();
+    return 0;
+  }
+  try {
+    const bool offscreen = args.offscreen || !args.screenshot.empty();
+    return offscreen ? run_offscreen(args, stop) : run_on_display(args, stop);
+  } catch (const ExpectationFailed& failed) {
+    fmt::print(stderr, "planescope: {}\n", failed.what());
+    return 1;
+  }
+}
+
+}  // namespace planescope

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "app/commands/inputs.hpp"
+
+namespace planescope {
+
+struct ViewArgs {
+  InputArgs input;
+  std::string open;                  // session file, or file#bookmark
+  std::filesystem::path script;      // scripted actions and input
+  std::filesystem::path screenshot;  // a PNG of the window, drawn without a display
+  std::filesystem::path state;       // facts about the window, as JSON
+  bool list_actions = false;
+  bool offscreen = false;          // no window, even where there is a display
+  int width = 1440, height = 900;  // of the picture [px]
+  double scale = 1;                // of text and lines in it
+  bool fresh = false;              // ignore what the window remembers
+};
+
+/// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
+/// 1: an expectation of the script failed; 3: no display, or no GL.
+int run_view(const ViewArgs& args, std::stop_token stop);
+
+}  // namespace planescope

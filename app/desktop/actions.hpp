@@ -1,0 +1,65 @@
+#pragma once
+
+// Every action of the desktop: its name, its key, its place in the menu, and what it does. Panels,
+// keys, menus, the palette and scripts all speak in commands.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/desktop/state.hpp"
+
+namespace planescope::desktop {
+
+/// "step.next", or "filter.set" with "case==III".
+struct Command {
+  std::string action;
+  std::string argument;
+};
+
+struct Action {
+  std::string name;   // "step.next"
+  std::string title;  // "Step forward"
+  std::string menu;   // "Step"; empty: in no menu
+  std::string keys;   // "Right", "Shift+F5"; several apart by spaces; empty: none
+  std::string takes;  // what the argument is; empty: takes none
+  std::function<void(State&, const std::string&)> run;
+  std::function<bool(const State&)> enabled;  // empty: always
+  std::function<bool(const State&)> checked;  // empty: not a switch
+};
+
+const std::vector<Action>& action_table();
+/// Throws Error naming the nearest existing action.
+const Action& find_action(const std::string& name);
+/// Null where no action has this key ("Ctrl+P").
+const Action* action_of_key(const std::string& key);
+
+/// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
+/// unchanged.
+void apply(State& state, const Command& command);
+
+/// The commands whose titles fit what was typed, best first: letters in order, starts of words
+/// count more.
+std::vector<const Action*> matching_actions(const std::string& typed);
+
+// Tables by subject; action_table() is all of them.
+std::vector<Action> step_actions();
+std::vector<Action> search_actions();
+std::vector<Action> selection_actions();
+std::vector<Action> option_actions();
+std::vector<Action> compare_actions();
+std::vector<Action> view_actions();
+std::vector<Action> document_actions();
+
+// What several of them share.
+
+/// Moves the cursor, and selects what its event is about.
+void go_to_step(State& state, std::int32_t step);
+/// Evaluates the search on the run that is shown.
+void refresh_matches(State& state);
+/// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
+void follow_run(State& state, const Run& before);
+void go_to_bookmark(State& state, const Bookmark& bookmark);
+void say(State& state, std::string message, bool is_error = false);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,257 @@
+// Recordings, frames, bookmarks and session files.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions.hpp"
+#include "app/desktop/arguments.hpp"
+#include "app/desktop/camera.hpp"
+#include "app/desktop/session.hpp"
+#include "core/base/error.hpp"
+#include "core/labels/label_files.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+bool has_run(const State& state) { return state.run() != nullptr; }
+bool has_recording(const State& state) { return state.document.current() != nullptr; }
+
+/// What belonged to the frame before is let go of; the view stays.
+void leave_frame(State& state) {
+  state.document.marked.clear();
+  state.results.pinned = nullptr;
+  state.results.comparison = nullptr;
+  state.results.fix = {};
+  state.results.sensitivity.clear();
+  state.view.flash = false;
+  state.view.truth_plane = 0;
+  state.view.playing.direction = 0;
+  if (state.view.against == Against::pinned) state.view.against = Against::nothing;
+}
+
+void show_recording(State& state, int index) {
+  if (index == state.document.recording) return;
+  leave_frame(state);
+  state.document.recording = index;
+  state.document.frame = 0;
+  state.view.camera.reset();
+  state.results.strip.clear();
+}
+
+void show_frame(State& state, int frame) {
+  const int count = state.document.current()->recording->frame_count();
+  const int wanted = std::clamp(frame, 0, count - 1);
+  if (wanted == state.document.frame) return;
+  leave_frame(state);
+  state.document.frame = wanted;
+}
+
+void open(State& state, const std::string& text) {
+  if (text.empty()) throw Error("action recording.open: a path is missing");
+  Document& document = state.document;
+  const std::filesystem::path path = text;
+  for (std::size_t i = 0; i < document.recordings.size(); ++i)
+    if (document.recordings[i].path == path) return show_recording(state, static_cast<int>(i));
+  document.recordings.push_back(
+      {path, open_recording(path, document.recording_options), default_label_dir(path)});
+  show_recording(state, static_cast<int>(document.recordings.size()) - 1);
+}
+
+void add_bookmark(State& state, const std::string& name) {
+  const ViewState& view = state.view;
+  Bookmark bookmark;
+  bookmark.name =
+      name.empty() ? fmt::format("frame {} step {}", state.document.frame, view.step) : name;
+  bookmark.frame = state.document.frame;
+  bookmark.step = view.step;
+  bookmark.node = view.selected.node;
+  bookmark.plane = view.selected.plane;
+  bookmark.voxel = view.selected.voxel;
+  bookmark.filter = view.search.text;
+  bookmark.camera = camera_of(state);
+  state.document.bookmarks.push_back(bookmark);
+  state.view.inspector_tab = "bookmarks";
+}
+
+Bookmark& bookmark_at(State& state, const char* action, const std::string& text) {
+  auto& all = state.document.bookmarks;
+  for (Bookmark& bookmark : all)
+    if (bookmark.name == text) return bookmark;
+  return all[static_cast<std::size_t>(
+      whole_argument(action, text, 0, static_cast<int>(all.size()) - 1))];
+}
+
+}  // namespace
+
+void go_to_bookmark(State& state, const Bookmark& bookmark) {
+  const bool other_frame = bookmark.frame != state.document.frame;
+  if (other_frame) show_frame(state, bookmark.frame);
+  state.view.camera = bookmark.camera;
+  apply(state, {"filter.set", bookmark.filter});
+  if (!other_frame && state.run()) {
+    go_to_step(state, bookmark.step);
+    const int nodes = static_cast<int>(state.run()->octree().nodes.size());
+    const int voxels = static_cast<int>(state.run()->subject->voxel_count());
+    state.view.selected = {
+        .node = bookmark.node < nodes ? bookmark.node : -1,
+        .plane = bookmark.plane < state.run()->timeline.plane_count() ? bookmark.plane : -1,
+        .voxel = bookmark.voxel < voxels ? bookmark.voxel : -1};
+  } else {
+    state.view.arrival = bookmark;
+  }
+}
+
+std::vector<Action> document_actions() {
+  const std::string file = "File";
+  return {
+      {"recording.open", "Open a recording", "", "", "PATH", open, {}, {}},
+      {"recording.ask",
+       "Open a recording ...",
+       file,
+       "Ctrl+O",
+       "",
+       [](State& s, const std::string&) {
+         s.view.show_palette = true;
+         s.view.palette_asks = "recording.open";
+       },
+       {},
+       {}},
+      {"recording.show",
+       "Show a recording of the list",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         const auto count = static_cast<int>(s.document.recordings.size());
+         show_recording(s, whole_argument("recording.show", text, 0, count - 1));
+       },
+       has_recording,
+       {}},
+      {"frame.show",
+       "Show a frame",
+       "",
+       "",
+       "FRAME",
+       [](State& s, const std::string& text) {
+         const int count = s.document.current()->recording->frame_count();
+         show_frame(s, whole_argument("frame.show", text, 0, count - 1));
+       },
+       has_recording,
+       {}},
+      {"frame.next",
+       "Next frame",
+       file,
+       "PageDown",
+       "",
+       [](State& s, const std::string&) { show_frame(s, s.document.frame + 1); },
+       has_recording,
+       {}},
+      {"frame.previous",
+       "Previous frame",
+       file,
+       "PageUp",
+       "",
+       [](State& s, const std::string&) { show_frame(s, s.document.frame - 1); },
+       has_recording,
+       {}},
+      {"strip.cancel",
+       "Stop filling the frame strip",
+       file,
+       "",
+       "",
+       [](State& s, const std::string&) { s.view.strip_stopped = true; },
+       [](const State& s) {
+         return s.results.strip_done < static_cast<int>(s.results.strip.size()) &&
+                !s.view.strip_stopped;
+       },
+       {}},
+      {"bookmark.add", "Bookmark this place", file, "Ctrl+D", "NAME", add_bookmark, has_run, {}},
+      {"bookmark.go",
+       "Go to a bookmark",
+       "",
+       "",
+       "NUMBER or NAME",
+       [](State& s, const std::string& text) {
+         go_to_bookmark(s, Bookmark(bookmark_at(s, "bookmark.go", text)));
+       },
+       {},
+       {}},
+      {"bookmark.note",
+       "Write a note to a bookmark",
+       "",
+       "",
+       "NUMBER TEXT",
+       [](State& s, const std::string& text) {
+         const std::size_t at = text.find(' ');
+         bookmark_at(s, "bookmark.note", text.substr(0, at)).note =
+             at == std::string::npos ? "" : text.substr(at + 1);
+       },
+       {},
+       {}},
+      {"bookmark.remove",
+       "Remove a bookmark",
+       "",
+       "",
+       "NUMBER or NAME",
+       [](State& s, const std::string& text) {
+         auto& all = s.document.bookmarks;
+         const Bookmark& one = bookmark_at(s, "bookmark.remove", text);
+         all.erase(all.begin() + (&one - all.data()));
+       },
+       {},
+       {}},
+      {"session.save",
+       "Save the session",
+       "",
+       "",
+       "PATH",
+       [](State& s, const std::string& text) {
+         save_session(s, text);
+         s.document.session = text;
+         say(s, "session written to " + text);
+       },
+       has_recording,
+       {}},
+      {"session.ask_save",
+       "Save the session ...",
+       file,
+       "Ctrl+S",
+       "",
+       [](State& s, const std::string&) {
+         s.view.show_palette = true;
+         s.view.palette_asks = "session.save";
+       },
+       has_recording,
+       {}},
+      {"session.open",
+       "Open a session",
+       "",
+       "",
+       "PATH[#BOOKMARK]",
+       [](State& s, const std::string& text) { open_session(s, text); },
+       {},
+       {}},
+      {"session.ask_open",
+       "Open a session ...",
+       file,
+       "Ctrl+Shift+O",
+       "",
+       [](State& s, const std::string&) {
+         s.view.show_palette = true;
+         s.view.palette_asks = "session.open";
+       },
+       {},
+       {}},
+      {"quit",
+       "Quit",
+       file,
+       "Ctrl+Q",
+       "",
+       [](State& s, const std::string&) { s.view.quit = true; },
+       {},
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

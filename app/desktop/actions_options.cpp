@@ -1,0 +1,152 @@
+// The options, with undo: one entry for each gesture.
+
+#include <fmt/format.h>
+
+#include "app/desktop/actions.hpp"
+#include "core/base/error.hpp"
+#include "core/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr std::size_t kMostUndo = 200;
+
+std::pair<std::string, std::string> name_and_value(const std::string& action,
+                                                   const std::string& text) {
+  const std::size_t at = text.find('=');
+  if (at == std::string::npos)
+    throw Error(fmt::format("action {}: '{}' is not NAME=VALUE", action, text));
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+/// `gesture` empty: an entry of its own.
+void change_options(State& state, const PipelineOptions& after, const std::string& gesture) {
+  const bool goes_on =
+      !gesture.empty() && !state.undo.empty() && state.undo.back().gesture == gesture;
+  if (goes_on)
+    state.undo.back().after = after;
+  else
+    state.undo.push_back({state.document.options, after, gesture});
+  if (state.undo.size() > kMostUndo) state.undo.erase(state.undo.begin());
+  state.redo.clear();
+  state.document.options = after;
+}
+
+void set(State& state, const std::string& action, const std::string& text, bool drag) {
+  const auto [name, value] = name_and_value(action, text);
+  PipelineOptions after = state.document.options;
+  set_option(after, name, value);
+  change_options(state, after, drag ? name : "");
+}
+
+void reset(State& state, const std::string& name) {
+  const PipelineOptions& now = state.document.options;
+  PipelineOptions defaults;
+  defaults.segment = profile_options(now.segment.profile);
+  for (const OptionInfo& info : option_table())
+    if (info.name == name) {
+      PipelineOptions after = now;
+      info.set(after, info.get(defaults));
+      return change_options(state, after, "");
+    }
+  throw Error("action option.reset: option '" + name + "' is unknown");
+}
+
+void move_change(State& state,
+                 std::vector<OptionChange>& from,
+                 std::vector<OptionChange>& to,
+                 PipelineOptions OptionChange::*which) {
+  to.push_back(from.back());
+  from.pop_back();
+  to.back().gesture.clear();
+  state.document.options = to.back().*which;
+}
+
+}  // namespace
+
+std::vector<Action> option_actions() {
+  const std::string menu = "Edit";
+  return {
+      {"option.undo",
+       "Undo the change of options",
+       menu,
+       "Ctrl+Z",
+       "",
+       [](State& s, const std::string&) { move_change(s, s.undo, s.redo, &OptionChange::before); },
+       [](const State& s) { return !s.undo.empty(); },
+       {}},
+      {"option.redo",
+       "Redo the change of options",
+       menu,
+       "Ctrl+Shift+Z Ctrl+Y",
+       "",
+       [](State& s, const std::string&) { move_change(s, s.redo, s.undo, &OptionChange::after); },
+       [](const State& s) { return !s.redo.empty(); },
+       {}},
+      {"option.set",
+       "Set an option",
+       "",
+       "",
+       "NAME=VALUE",
+       [](State& s, const std::string& text) { set(s, "option.set", text, false); },
+       {},
+       {}},
+      {"option.drag",
+       "Set an option while it is dragged",
+       "",
+       "",
+       "NAME=VALUE",
+       [](State& s, const std::string& text) { set(s, "option.drag", text, true); },
+       {},
+       {}},
+      {"option.drop",
+       "End a drag",
+       "",
+       "",
+       "",
+       [](State& s, const std::string&) {
+         if (!s.undo.empty()) s.undo.back().gesture.clear();
+       },
+       {},
+       {}},
+      {"option.reset", "Reset an option to its profile's default", "", "", "NAME", reset, {}, {}},
+      {"option.reset_all",
+       "Reset all options",
+       menu,
+       "",
+       "",
+       [](State& s, const std::string&) {
+         PipelineOptions after;
+         after.threads = s.document.options.threads;
+         change_options(s, after, "");
+       },
+       {},
+       {}},
+      {"profile.paper",
+       "Profile paper: the method as written",
+       menu,
+       "",
+       "",
+       [](State& s, const std::string&) { set(s, "option.set", "profile=paper", false); },
+       {},
+       [](const State& s) { return s.document.options.segment.profile == Profile::paper; }},
+      {"profile.paper_closest",
+       "Profile paper-closest: closest to the published tables",
+       menu,
+       "",
+       "",
+       [](State& s, const std::string&) { set(s, "option.set", "profile=paper-closest", false); },
+       {},
+       [](const State& s) { return s.document.options.segment.profile == Profile::paper_closest; }},
+      {"profile.refined",
+       "Profile refined: the default",
+       menu,
+       "",
+       "",
+       [](State& s, const std::string&) { set(s, "option.set", "profile=refined", false); },
+       {},
+       [](const State& s) { return s.document.options.segment.profile == Profile::refined; }},
+  };
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,22 @@
+#pragma once
+
+// The 3D view's camera: presets and what the mouse does to it. Pure functions.
+
+#include "app/desktop/state.hpp"
+
+namespace planescope::desktop {
+
+enum class CameraPreset : std::uint8_t { home, top, side, front };
+/// `home`: the frame's own camera, at whose distance the others stand.
+Camera preset_camera(const Camera& home, CameraPreset preset);
+
+/// The one in force: the user's, or the frame's own.
+Camera camera_of(const State& state);
+
+Camera orbited(const Camera& camera, double right_deg, double up_deg);
+/// In heights of the view, at the target's distance.
+Camera panned(const Camera& camera, double right, double up);
+/// Nearer to the target for factors above 1.
+Camera zoomed(const Camera& camera, double factor);
+
+}  // namespace planescope::desktop

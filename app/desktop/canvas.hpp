@@ -1,0 +1,36 @@
+#pragma once
+
+// Where the 3D view, the image view and the thumbnails get their pixels: GL in a window and
+// off-screen, nothing in tests of the panels.
+
+#include <cstdint>
+#include <memory>
+
+#include "render/step_scene.hpp"
+
+namespace planescope::desktop {
+
+using TextureId = std::uint64_t;  // 0: nothing to show
+
+class Canvas {
+ public:
+  virtual ~Canvas() = default;
+  /// The scene as a texture of that size, drawn anew only where something changed. Row 0 at the
+  /// bottom.
+  virtual TextureId scene(
+      const Run& run, const StepLook& look, const Camera& camera, int width, int height) = 0;
+  /// What lies under pixel (x, y) from the top left of the scene drawn last.
+  virtual Picked pick(int x, int y) = 0;
+  /// image_step() as a texture of one texel per pixel. Row 0 at the top.
+  virtual TextureId image(const Run& run,
+                          const StepLook& look,
+                          Backdrop backdrop,
+                          double opacity) = 0;
+  /// Any picture by a key; uploaded again when `version` differs. Row 0 at the top.
+  virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;
+};
+
+/// Needs a current GL context, and the same one until it is destroyed.
+std::unique_ptr<Canvas> make_gl_canvas();
+
+}  // namespace planescope::desktop

@@ -1,0 +1,364 @@
+#include "app/desktop/jobs.hpp"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "app/commands/inputs.hpp"
+#include "app/desktop/actions.hpp"
+#include "app/desktop/worker.hpp"
+#include "core/base/error.hpp"
+#include "core/pipeline/options_table.hpp"
+#include "core/report/thumbnail.hpp"
+#include "render/scenes.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr int kThumbnailWidth = 200;  // [px]
+
+/// The options of some sections as one text: equal texts, equal results.
+std::string options_key(const PipelineOptions& options, bool preparing) {
+  std::string key;
+  for (const OptionInfo& info : option_table()) {
+    const bool segments = info.section == "criteria" || info.section == "refinements";
+    if (segments != preparing) key += info.get(options) + '|';
+  }
+  return key;
+}
+
+/// Classifiers that were made, by name: a network is read from its file once.
+class Classifiers {
+ public:
+  std::shared_ptr<const Classifier> get(const PipelineOptions& options) {
+    const std::lock_guard lock(mutex_);
+    const std::string key = options.classifier + fmt::format("|{}|{}", options.pca.neighbours,
+                                                             options.pca.max_angle_deg);
+    if (key != key_) chosen_ = choose_classifier(options).classifier;
+    key_ = key;
+    return chosen_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string key_;
+  std::shared_ptr<const Classifier> chosen_;
+};
+
+/// What is wanted of a frame.
+struct Wanted {
+  std::shared_ptr<const Recording> recording;
+  std::filesystem::path label_dir;
+  int frame = 0;
+  PipelineOptions options;
+  std::string prepare_key, segment_key;
+
+  bool same_subject(const Wanted& other) const {
+    return recording == other.recording && frame == other.frame && prepare_key == other.prepare_key;
+  }
+  bool operator==(const Wanted& other) const {
+    return same_subject(other) && segment_key == other.segment_key;
+  }
+};
+
+Wanted wanted_of(const Document& document, int frame) {
+  const OpenRecording& open = *document.current();
+  return {open.recording,
+          open.label_dir,
+          frame,
+          document.options,
+          options_key(document.options, true),
+          options_key(document.options, false)};
+}
+
+std::shared_ptr<const Subject> load_subject(const Wanted& wanted, Classifiers& classifiers) {
+  const std::shared_ptr<const Classifier> classifier = classifiers.get(wanted.options);
+  Frame frame = wanted.recording->frame(wanted.frame);
+  std::optional<SourceTruth> truth =
+      frame_truth(frame, wanted.label_dir, wanted.recording->frame_hash(wanted.frame));
+  return make_subject(std::move(frame), std::move(truth), wanted.options, classifier.get());
+}
+
+std::optional<QuickScore> score_of(const Run& run) {
+  if (!run.subject->voxel_truth.known()) return std::nullopt;
+  return quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
+}
+
+std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home) {
+  auto view = std::make_shared<RunView>();
+  view->histograms = histograms_of(*run);
+  view->score = score_of(*run);
+  view->home = home;
+  view->run = std::move(run);
+  return view;
+}
+
+Camera home_of(const Run& run) {
+  return frame_camera(run.subject->prepared, run.segmentation, 4.0 / 3);
+}
+
+Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
+  Thumbnail thumbnail;
+  thumbnail.ready = true;
+  try {
+    const auto run = make_run(load_subject(wanted, classifiers), wanted.options);
+    StepLook look;
+    look.step = run->steps();
+    look.color_by = ColorBy::planes;
+    thumbnail.image = shrink(image_step(*run, look, Backdrop::color, 0.6), kThumbnailWidth);
+    thumbnail.planes = static_cast<int>(run->segmentation.planes.size());
+    thumbnail.score = score_of(*run);
+  } catch (const Error& error) {
+    thumbnail.refusal = error.what();
+  }
+  return thumbnail;
+}
+
+}  // namespace
+
+struct Jobs::Impl {
+  std::function<void()> wake;
+  std::mutex mutex;
+  std::vector<Delivery> deliveries;
+  Classifiers classifiers;
+
+  // What was asked for last; touched by the window's thread only.
+  std::optional<Wanted> run_wanted, strip_wanted;
+  std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
+  Against compared_against = Against::nothing;
+  bool fix_begun = false;
+  int fix_checked = -1;
+
+  // Touched by the run worker's thread only.
+  std::optional<Wanted> loaded;
+  std::shared_ptr<const Subject> subject;
+  Camera home;
+
+  Worker runs, compares, strip, analysis;  // last: their threads use the above
+
+  void deliver(Delivery delivery) {
+    {
+      const std::lock_guard lock(mutex);
+      deliveries.push_back(std::move(delivery));
+    }
+    wake();
+  }
+
+  void run_frame(const Wanted& wanted);
+  void pursue_run(State& state);
+  void pursue_comparison(State& state);
+  void pursue_strip(State& state);
+  void pursue_fix(State& state);
+  void pursue_sensitivity(State& state);
+};
+
+void Jobs::Impl::run_frame(const Wanted& wanted) {
+  try {
+    const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
+    if (fresh) {
+      subject = nullptr;
+      subject = load_subject(wanted, classifiers);
+      loaded = wanted;
+    }
+    auto run = make_run(subject, wanted.options);
+    if (fresh) home = home_of(*run);
+    const auto view = view_run(std::move(run), home);
+    deliver([view](State& state) {
+      const std::shared_ptr<const RunView> before = state.results.current;
+      const bool other_frame =
+          !before || before->run->subject->frame.index != view->run->subject->frame.index ||
+          state.results.loading;
+      state.results.current = view;
+      state.results.loading = false;
+      state.results.refusal.clear();
+      state.results.sensitivity.clear();
+      if (state.view.arrival) {
+        const Bookmark arrival = *state.view.arrival;
+        state.view.arrival.reset();
+        go_to_bookmark(state, arrival);
+      } else if (other_frame) {
+        go_to_step(state, view->run->steps());
+        refresh_matches(state);
+      } else if (!state.view.flash) {
+        follow_run(state, *before->run);
+      }
+    });
+  } catch (const std::exception& error) {
+    deliver([message = std::string(error.what())](State& state) {
+      state.results.current = nullptr;
+      state.results.loading = false;
+      state.results.refusal = message;
+      state.view.selected = {};
+      state.view.step = 0;
+      refresh_matches(state);
+    });
+  }
+}
+
+void Jobs::Impl::pursue_run(State& state) {
+  if (!state.document.current()) return;
+  const Wanted wanted = wanted_of(state.document, state.document.frame);
+  if (run_wanted && *run_wanted == wanted) return;
+  if (!run_wanted || run_wanted->recording != wanted.recording ||
+      run_wanted->frame != wanted.frame) {
+    state.results.loading = true;
+    state.results.current = nullptr;
+  }
+  run_wanted = wanted;
+  runs.replace([this, wanted](std::stop_token) { run_frame(wanted); });
+}
+
+void Jobs::Impl::pursue_comparison(State& state) {
+  const Against against = state.view.against;
+  const auto a = against == Against::pinned ? state.results.pinned : nullptr;
+  const auto b = against == Against::nothing ? nullptr : state.results.current;
+  if (a == compared_a && b == compared_b && against == compared_against) return;
+  compared_a = a;
+  compared_b = b;
+  compared_against = against;
+  if (!b || (against == Against::pinned && !a)) {
+    state.results.comparison = nullptr;
+    return;
+  }
+  compares.replace([this, a, b](std::stop_token) {
+    const auto comparison = std::make_shared<const Comparison>(a ? compare_runs(*a->run, *b->run)
+                                                                 : compare_with_truth(*b->run));
+    deliver([comparison](State& s) { s.results.comparison = comparison; });
+  });
+}
+
+void Jobs::Impl::pursue_strip(State& state) {
+  if (!state.document.current() || state.results.loading || runs.busy()) return;
+  Wanted wanted = wanted_of(state.document, 0);
+  if (strip_wanted && *strip_wanted == wanted) {
+    if (state.view.strip_stopped) strip.cancel();
+    return;
+  }
+  const bool same_recording = strip_wanted && strip_wanted->recording == wanted.recording;
+  strip_wanted = wanted;
+  state.view.strip_stopped = false;
+  const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
+  if (!same_recording || state.results.strip.size() != count) state.results.strip.assign(count, {});
+  state.results.strip_done = 0;
+  strip.cancel();
+  const int first = state.document.frame;
+  strip.replace([this, wanted, first, count](std::stop_token stop) mutable {
+    for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
+      wanted.frame = static_cast<int>((first + i) % count);
+      if (stop.stop_requested()) return;
+      Thumbnail thumbnail = thumbnail_of(wanted, classifiers);
+      if (stop.stop_requested()) return;
+      deliver([thumbnail = std::move(thumbnail), recording = wanted.recording,
+               frame = wanted.frame](State& s) {
+        if (!s.document.current() || s.document.current()->recording != recording) return;
+        s.results.strip[static_cast<std::size_t>(frame)] = thumbnail;
+        ++s.results.strip_done;
+      });
+    }
+  });
+}
+
+void Jobs::Impl::pursue_fix(State& state) {
+  FixSearch& fix = state.results.fix;
+  if (!fix.running && fix_begun && !fix.finished) analysis.cancel();
+  if (!fix.running) fix_begun = false;
+  if (fix.running && !fix_begun && state.results.current) {
+    fix_begun = true;
+    fix_checked = -1;
+    analysis.cancel();
+    analysis.replace(
+        [this, target = fix.target, view = state.results.current](std::stop_token stop) {
+          const auto found = find_fixes(*view->run, target, stop, [&](int done, int total) {
+            deliver([done, total](State& s) {
+              s.results.fix.done = done;
+              s.results.fix.total = total;
+            });
+          });
+          const bool whole = !stop.stop_requested();
+          deliver([found, whole](State& s) {
+            s.results.fix.running = false;
+            s.results.fix.finished = whole;
+            if (whole) s.results.fix.fixes = found;
+          });
+        });
+  }
+  if (fix.checked < 0) fix_checked = -1;
+  if (fix.finished && fix.checked >= 0 && fix.checked != fix_checked && state.document.current()) {
+    fix_checked = fix.checked;
+    const Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+    Wanted wanted = wanted_of(state.document, 0);
+    analysis.cancel();
+    analysis.replace([this, wanted, chosen](std::stop_token stop) mutable {
+      PipelineOptions after = wanted.options;
+      set_option(after, chosen.option, chosen.after);
+      for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
+        wanted.frame = i;
+        try {
+          const auto with = load_subject(wanted, classifiers);
+          if (!with->voxel_truth.known()) continue;
+          FixEffect effect = effect_of(*make_run(with, wanted.options), after);
+          effect.frame = i;
+          deliver([effect](State& s) { s.results.fix.effects.push_back(effect); });
+        } catch (const Error&) {
+          // A frame that cannot be run has nothing to break; its own place in the strip says why.
+        }
+      }
+    });
+  }
+}
+
+void Jobs::Impl::pursue_sensitivity(State& state) {
+  const auto& view = state.results.current;
+  if (view == sensitivity_of_run || state.view.tool_tab != "criteria" || runs.busy() ||
+      state.results.fix.running || fix_checked >= 0)
+    return;
+  sensitivity_of_run = view;
+  analysis.cancel();
+  if (!view) return;
+  analysis.replace([this, view](std::stop_token stop) {
+    for (const OptionInfo& info : option_table()) {
+      if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
+        continue;
+      const Sensitivity sensitivity = sensitivity_of(*view->run, info.name, stop);
+      if (stop.stop_requested()) return;
+      deliver([sensitivity, view](State& s) {
+        if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;
+      });
+    }
+  });
+}
+
+Jobs::Jobs(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
+  impl_->wake = std::move(wake);
+}
+Jobs::~Jobs() {
+  for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
+    worker->cancel();
+}
+
+void Jobs::pursue(State& state) {
+  impl_->pursue_run(state);
+  impl_->pursue_comparison(state);
+  impl_->pursue_strip(state);
+  impl_->pursue_fix(state);
+  impl_->pursue_sensitivity(state);
+}
+
+bool Jobs::collect(State& state) {
+  std::vector<Delivery> deliveries;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    deliveries.swap(impl_->deliveries);
+  }
+  for (const Delivery& delivery : deliveries) delivery(state);
+  return !deliveries.empty();
+}
+
+bool Jobs::busy() const {
+  for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
+    if (worker->busy()) return true;
+  const std::lock_guard lock(impl_->mutex);
+  return !impl_->deliveries.empty();
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,65 @@
+#include "app/desktop/offscreen.hpp"
+
+#include <backends/imgui_impl_opengl3.h>
+
+#include "core/image/png.hpp"
+#include "render/gl.hpp"
+
+namespace planescope::desktop {
+
+struct Offscreen::Target {
+  GlRenderbuffer color = make_renderbuffer();
+  GlFramebuffer framebuffer = make_framebuffer();
+};
+
+Offscreen::Offscreen(State state, int width, int height, float scale)
+    : width_(width), height_(height), scale_(scale), context_(make_egl_context()) {
+  target_ = std::make_unique<Target>();
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  glBindRenderbuffer(GL_RENDERBUFFER, target_->color);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_->color);
+  check_gl("making the off-screen window");
+  shell_ = std::make_unique<Shell>(std::move(state), make_gl_canvas(), [] {});
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+Offscreen::~Offscreen() {
+  ImGui::SetCurrentContext(shell_->context());
+  ImGui_ImplOpenGL3_Shutdown();
+  shell_.reset();
+  target_.reset();
+}
+
+void Offscreen::draw_frame() {
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  shell_->frame(width_, height_, scale_, 1.0 / 60);
+  if (shell_->take_fonts_changed()) {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+  ImGui_ImplOpenGL3_NewFrame();
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  glViewport(0, 0, width_, height_);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Image8 Offscreen::picture() {
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  Image8 flipped(width_, height_, 3), image(width_, height_, 3);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, flipped.data.data());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  check_gl("reading the off-screen window");
+  const std::size_t row = static_cast<std::size_t>(width_) * 3;
+  for (int y = 0; y < height_; ++y)
+    std::copy_n(flipped.data.begin() + static_cast<std::ptrdiff_t>(row * y), row,
+                image.data.begin() + static_cast<std::ptrdiff_t>(row * (height_ - 1 - y)));
+  return image;
+}
+
+void Offscreen::screenshot(const std::filesystem::path& path) { write_png(path, picture()); }
+
+}  // namespace planescope::desktop

@@ -1,0 +1,27 @@
+#pragma once
+
+// One file each in panels/. Each draws into the ImGui window (or tab) that is open, and fills it.
+
+#include "app/desktop/ui.hpp"
+
+namespace planescope::desktop {
+
+void draw_menu(const Ui& ui);       // the menu bar
+void draw_status(const Ui& ui);     // the status bar
+void draw_frames(const Ui& ui);     // recordings, frame strip
+void draw_view3d(const Ui& ui);     // the scene at the cursor
+void draw_image(const Ui& ui);      // colour or depth image at the cursor
+void draw_timeline(const Ui& ui);   // scrubber
+void draw_octree(const Ui& ui);     // tree of nodes
+void draw_events(const Ui& ui);     // event list, filter, breakpoints
+void draw_inspector(const Ui& ui);  // criteria of a node, terms of a merge, distances of a point
+void draw_point(const Ui& ui);      // a point's life, why not
+void draw_bookmarks(const Ui& ui);
+void draw_criteria(const Ui& ui);  // options as sliders
+void draw_histograms(const Ui& ui);
+void draw_compare(const Ui& ui);  // A/B
+void draw_fix(const Ui& ui);      // what would fix this?
+void draw_palette(const Ui& ui);  // find an action by name
+void draw_keys(const Ui& ui);     // the key sheet
+
+}  // namespace planescope::desktop

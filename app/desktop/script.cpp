@@ -1,0 +1,231 @@
+#include "app/desktop/script.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/desktop/state_facts.hpp"
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+#include "render/font.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+ImVec2 place_in(const WidgetRect& rect, const Json& share) {
+  const auto at = [&](std::size_t i) { return share.at(i).get<float>(); };
+  return ImVec2(rect.min.x + at(0) * (rect.max.x - rect.min.x),
+                rect.min.y + at(1) * (rect.max.y - rect.min.y));
+}
+
+/// Plays one script on one shell.
+class Player {
+ public:
+  Player(Shell& shell, Stage& stage, std::stop_token stop)
+      : shell_(shell), stage_(stage), stop_(std::move(stop)) {}
+
+  void play(const Json& step) {
+    if (step.is_string()) {
+      const std::string text = step;
+      const std::size_t at = text.find(' ');
+      shell_.perform({text.substr(0, at), at == std::string::npos ? "" : text.substr(at + 1)},
+                     true);
+      return settle(shell_, stage_, stop_);
+    }
+    if (step.contains("do"))
+      shell_.perform({step.at("do"), step.value("with", std::string())}, true);
+    else if (step.contains("click"))
+      click(step);
+    else if (step.contains("drag"))
+      drag(step);
+    else if (step.contains("hover"))
+      move_to(place_in(widget(step.at("hover")), step.value("at", kMiddle)));
+    else if (step.contains("wheel"))
+      wheel(step);
+    else if (step.contains("key"))
+      press(step.at("key"));
+    else if (step.contains("type"))
+      type(step.at("type"));
+    else if (step.contains("screenshot"))
+      stage_.screenshot(step.at("screenshot").get<std::string>());
+    else if (step.contains("state"))
+      write_state(step.at("state").get<std::string>());
+    else if (step.contains("expect"))
+      expect(step.at("expect"));
+    else if (step.contains("frames"))
+      for (int i = step.at("frames"); i > 0; --i) stage_.draw_frame();
+    else
+      throw Error(
+          "is none of do, click, drag, hover, wheel, key, type, screenshot, state, expect, "
+          "frames");
+    if (step.value("wait", true)) settle(shell_, stage_, stop_);
+  }
+
+ private:
+  inline static const Json kMiddle = Json::array({0.5, 0.5});
+
+  WidgetRect widget(const std::string& name) const {
+    const auto found = shell_.widgets().find(name);
+    if (found != shell_.widgets().end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& [known, rect] : shell_.widgets()) names.push_back(known);
+    const std::string near = nearest_name(name, names);
+    throw Error("widget '" + name + "' is not shown now" +
+                (near.empty() ? std::string() : ", did you mean '" + near + "'?"));
+  }
+  void push(const InputEvent& event) { shell_.input().push(event); }
+  void move_to(ImVec2 at) {
+    push({.type = InputEvent::Type::move, .x = at.x, .y = at.y});
+    stage_.draw_frame();
+    stage_.draw_frame();  // what is under the mouse is known a frame later
+  }
+  void button(int which, bool down) {
+    push({.type = InputEvent::Type::button, .button = which, .down = down});
+    stage_.draw_frame();
+  }
+  void key(Key which, bool down) {
+    push({.type = InputEvent::Type::key, .down = down, .key = which});
+    stage_.draw_frame();
+  }
+
+  void click(const Json& step) {
+    move_to(place_in(widget(step.at("click")), step.value("at", kMiddle)));
+    const std::string name = step.value("button", std::string("left"));
+    const int which = name == "right" ? 1 : name == "middle" ? 2 : 0;
+    const auto held = key_of_name(step.value("hold", std::string()));
+    if (held) key(*held, true);
+    for (int i = step.value("double", false) ? 2 : 1; i > 0; --i) {
+      button(which, true);
+      button(which, false);
+    }
+    if (held) key(*held, false);
+  }
+  void drag(const Json& step) {
+    const WidgetRect rect = widget(step.at("drag"));
+    const ImVec2 from = place_in(rect, step.value("from", kMiddle));
+    ImVec2 to = from;
+    if (step.contains("to")) {
+      to = place_in(rect, step.at("to"));
+    } else {
+      to.x += step.at("by").at(0).get<float>();
+      to.y += step.at("by").at(1).get<float>();
+    }
+    const std::string name = step.value("button", std::string("left"));
+    const int which = name == "right" ? 1 : name == "middle" ? 2 : 0;
+    const auto held = key_of_name(step.value("hold", std::string()));
+    move_to(from);
+    if (held) key(*held, true);
+    button(which, true);
+    constexpr int kMoves = 8;
+    for (int i = 1; i <= kMoves; ++i) {
+      const float t = static_cast<float>(i) / kMoves;
+      push({.type = InputEvent::Type::move,
+            .x = from.x + t * (to.x - from.x),
+            .y = from.y + t * (to.y - from.y)});
+      stage_.draw_frame();
+    }
+    button(which, false);
+    if (held) key(*held, false);
+  }
+  void wheel(const Json& step) {
+    move_to(place_in(widget(step.at("wheel")), step.value("at", kMiddle)));
+    push({.type = InputEvent::Type::wheel, .x = 0, .y = step.value("by", 1.0f)});
+    stage_.draw_frame();
+  }
+  void press(const std::string& name) {
+    if (name == "?") return type("?");
+    std::vector<Key> keys;
+    std::string rest = name;
+    for (const std::string modifier : {"Ctrl", "Shift", "Alt"})
+      if (rest.starts_with(modifier + "+")) {
+        keys.push_back(*key_of_name(modifier));
+        rest = rest.substr(modifier.size() + 1);
+      }
+    const auto last = key_of_name(rest);
+    if (!last) throw Error("key '" + name + "' does not exist");
+    keys.push_back(*last);
+    for (const Key one : keys) key(one, true);
+    for (auto one = keys.rbegin(); one != keys.rend(); ++one) key(*one, false);
+  }
+  void type(const std::string& text) {
+    for (const char32_t c : decode_utf8(text)) {
+      push({.type = InputEvent::Type::text, .character = c});
+      stage_.draw_frame();
+    }
+  }
+  void write_state(const fs::path& path) {
+    std::ofstream file(path, std::ios::binary);
+    file << state_facts(shell_.state(), shell_.idle()).dump(2) << '\n';
+    file.close();
+    if (!file) throw Error(path.string() + ": the state cannot be written there");
+  }
+  void expect(const Json& facts) const {
+    const Json now = state_facts(shell_.state(), shell_.idle());
+    for (const auto& [name, value] : facts.items()) {
+      if (!now.contains(name)) throw Error("expect: there is no fact '" + name + "'");
+      if (now.at(name) != value)
+        throw ExpectationFailed(
+            fmt::format("expected {} {}, found {}", name, value.dump(), now.at(name).dump()));
+    }
+  }
+
+  Shell& shell_;
+  Stage& stage_;
+  std::stop_token stop_;
+};
+
+}  // namespace
+
+void settle(Shell& shell, Stage& stage, std::stop_token stop) {
+  stage.draw_frame();
+  while (!shell.idle()) {
+    if (stop.stop_requested()) throw Cancelled();
+    stage.draw_frame();
+    if (!shell.idle()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+Script Script::read(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(path.string() + ": cannot be read");
+  Json json;
+  try {
+    json = Json::parse(file);
+  } catch (const Json::exception& error) {
+    throw Error(path.string() + ": is no script, its JSON is damaged: " + error.what());
+  }
+  if (!json.is_object() || !json.contains("actions") || !json.at("actions").is_array())
+    throw Error(path.string() + R"(: is no script, expected {"actions": [...]})");
+  Script script;
+  script.path_ = path;
+  script.actions_ = std::make_shared<const Json>(std::move(json.at("actions")));
+  return script;
+}
+
+void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
+  Player player(shell, stage, stop);
+  int number = 0;
+  for (const Json& step : *actions_) {
+    ++number;
+    const auto where = [&] {
+      return fmt::format("{}, action {} ({})", path_.string(), number, step.dump());
+    };
+    try {
+      player.play(step);
+    } catch (const Json::exception& error) {
+      throw Error(where() + ": " + error.what());
+    } catch (const ExpectationFailed& error) {
+      throw ExpectationFailed(where() + ": " + error.what());
+    } catch (const Error& error) {
+      throw Error(where() + ": " + error.what());
+    }
+  }
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,55 @@
+#pragma once
+
+// Scripted actions and input: {"actions": [...]}, each of
+//   "step.next"                                    an action by name, "filter.set case==III" with
+//   {"do": "filter.set", "with": "case==III"}      its argument
+//   {"click": "octree.node.12"}                    a widget by name; "button": "right", "double":
+//                                                  true, "hold": "Shift", "at": [0.5, 0.5]
+//   {"drag": "timeline", "from": [0, 0.5], "to": [1, 0.5]}   shares of the widget, or "by": [dx,
+//   dy]
+//   {"hover": "image"}, {"wheel": "view3d", "by": 2}
+//   {"key": "Ctrl+P"}, {"type": "merge"}
+//   {"screenshot": "a.png"}, {"state": "a.json"}
+//   {"expect": {"step": 12}}                       facts of state_facts(); otherwise exit code 1
+// After each, everything that is under way comes to rest, unless it says "wait": false.
+// docs/desktop.md tells all of it.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <stdexcept>
+
+#include "app/desktop/shell.hpp"
+
+namespace planescope::desktop {
+
+/// An "expect" that did not hold.
+struct ExpectationFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Where a script's frames are drawn.
+class Stage {
+ public:
+  virtual ~Stage() = default;
+  virtual void draw_frame() = 0;  // one frame of the shell, a sixtieth of a second later
+  virtual void screenshot(const std::filesystem::path& path) = 0;
+};
+
+class Script {
+ public:
+  /// Throws Error naming the file and the action that cannot be understood.
+  static Script read(const std::filesystem::path& path);
+  /// Throws as the actions do, Error naming the place in the script; ExpectationFailed.
+  void play(Shell& shell, Stage& stage, std::stop_token stop) const;
+
+ private:
+  std::filesystem::path path_;
+  std::shared_ptr<const nlohmann::ordered_json> actions_;
+};
+
+/// Draws frames until nothing is under way. Throws Cancelled when stopped.
+void settle(Shell& shell, Stage& stage, std::stop_token stop);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,297 @@
+#include "app/desktop/shell.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "app/desktop/panels.hpp"
+#include "app/desktop/style.hpp"
+#include "core/base/error.hpp"
+#include "render/font.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr float kTextPx = 15;
+
+struct Rect {
+  float x = 0, y = 0, w = 0, h = 0;
+};
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
+
+/// A panel in its place. An exception in one is a message in its place, not the end of the window.
+template <typename Draw>
+void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags, Draw draw) {
+  ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
+  ImGui::SetNextWindowSize(ImVec2(std::max(1.0f, rect.w), std::max(1.0f, rect.h)));
+  if (ImGui::Begin(name, nullptr, kFixed | flags)) draw();
+  ImGui::End();
+  ui.name(std::string("panel.") + name, ImVec2(rect.x, rect.y),
+          ImVec2(rect.x + rect.w, rect.y + rect.h));
+}
+
+using DrawPanel = void (*)(const Ui&);
+struct Tab {
+  const char* name;
+  const char* title;
+  DrawPanel draw;
+};
+
+void tabs(const Ui& ui,
+          const char* bar,
+          const std::string& chosen,
+          const std::string& action,
+          std::initializer_list<Tab> all) {
+  if (!ImGui::BeginTabBar(bar, ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  // The state says which tab is shown; ImGui keeps a choice of its own, which follows it.
+  std::string& shown = ui.memory.texts[bar];
+  for (const Tab& tab : all) {
+    const bool wanted = chosen == tab.name;
+    const ImGuiTabItemFlags flags =
+        wanted && shown != chosen ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None;
+    const bool open = ImGui::BeginTabItem(tab.title, nullptr, flags);
+    ui.name(std::string("tab.") + tab.name);
+    if (ImGui::IsItemClicked() && !wanted) ui.emit(action, tab.name);
+    if (!open) continue;
+    if (wanted) shown = chosen;
+    ImGui::BeginChild(tab.name);
+    tab.draw(ui);
+    ImGui::EndChild();
+    ImGui::EndTabItem();
+  }
+  ImGui::EndTabBar();
+}
+
+/// A strip between panels that moves a share of the layout.
+void splitter(const Ui& ui,
+              const std::string& name,
+              const Rect& rect,
+              bool vertical,
+              double share,
+              float extent,
+              float sign) {
+  ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
+  ImGui::SetNextWindowSize(ImVec2(rect.w, rect.h));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::Begin(("##splitter." + name).c_str(), nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
+  ImGui::InvisibleButton("grip", ImVec2(rect.w, rect.h));
+  ui.name("splitter." + name);
+  const bool hot = ImGui::IsItemActive() || ImGui::IsItemHovered();
+  if (hot) ImGui::SetMouseCursor(vertical ? ImGuiMouseCursor_ResizeEW : ImGuiMouseCursor_ResizeNS);
+  if (ImGui::IsItemActive()) {
+    const ImVec2 delta = ImGui::GetIO().MouseDelta;
+    const float moved = vertical ? delta.x : delta.y;
+    if (moved != 0)
+      ui.emit("layout.set", fmt::format("{}={:.5f}", name, share + sign * moved / extent));
+  }
+  ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(rect.x, rect.y),
+                                            ImVec2(rect.x + rect.w, rect.y + rect.h),
+                                            hot ? ui.colors.accent : ui.colors.grid);
+  ImGui::End();
+  ImGui::PopStyleVar(3);
+}
+
+void draw_timing(const Ui& ui) {
+  const ImGuiIO& io = ImGui::GetIO();
+  ImGui::SetNextWindowPos(ImVec2(io.DisplaySize.x - ui.px(8), ui.px(34)), 0, ImVec2(1, 0));
+  ImGui::SetNextWindowBgAlpha(0.85f);
+  ImGui::Begin("##timing", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Text("frame %.1f ms, median %.1f ms, 99th percentile %.1f ms", ui.timing.last_ms,
+              ui.timing.median_ms, ui.timing.p99_ms);
+  ImGui::End();
+}
+
+}  // namespace
+
+Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
+    : state_(std::move(state)), jobs_(std::move(wake)), canvas_(std::move(canvas)) {
+  context_ = ImGui::CreateContext();
+  ImGui::SetCurrentContext(context_);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  io.ConfigInputTextCursorBlink = false;  // a window that rests draws nothing
+  io.ConfigWindowsMoveFromTitleBarOnly = true;
+  map_keys(io);
+}
+
+Shell::~Shell() {
+  ImGui::SetCurrentContext(context_);
+  canvas_.reset();
+  ImGui::DestroyContext(context_);
+}
+
+void Shell::rebuild_fonts(float scale) {
+  // Latin, Greek, punctuation, sub- and superscripts, arrows, mathematics, shapes.
+  static const ImWchar ranges[] = {0x20,   0x17f,  0x370,  0x3ff,  0x2010, 0x205e, 0x2070,
+                                   0x209c, 0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff,
+                                   0x2600, 0x26ff, 0x2713, 0x2718, 0};
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Clear();
+  const std::string_view file = font_file();
+  const auto add = [&](float px, float embolden) {
+    ImFontConfig config;
+    config.FontDataOwnedByAtlas = false;
+    config.OversampleH = 2;
+    config.RasterizerMultiply = embolden;
+    return atlas.AddFontFromMemoryTTF(const_cast<char*>(file.data()), static_cast<int>(file.size()),
+                                      std::round(px * scale), &config, ranges);
+  };
+  add(kTextPx, 1);
+  small_ = add(kTextPx * 0.85f, 1);
+  bold_ = add(kTextPx * 1.1f, 1.35f);
+  atlas.Build();
+  fonts_changed_ = true;
+}
+
+bool Shell::take_fonts_changed() { return std::exchange(fonts_changed_, false); }
+
+void Shell::perform(const Command& command, bool strict) {
+  frames_to_draw_ = std::max(frames_to_draw_, 2);
+  try {
+    apply(state_, command);
+  } catch (const Error& error) {
+    if (strict) throw;
+    say(state_, error.what(), true);
+  }
+}
+
+bool Shell::idle() const {
+  return frames_to_draw_ <= 0 && input_.empty() && !jobs_.busy() &&
+         state_.view.playing.direction == 0;
+}
+
+void Shell::frame(int width, int height, float screen_scale, double seconds) {
+  ImGui::SetCurrentContext(context_);
+  ImGuiIO& io = ImGui::GetIO();
+  const float scale = screen_scale * static_cast<float>(state_.view.zoom);
+  if (scale != scale_) rebuild_fonts(scale_ = scale);
+  set_style(state_.view.theme, scale);
+  io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
+  io.DeltaTime = static_cast<float>(std::max(seconds, 1e-4));
+  if (!input_.empty()) frames_to_draw_ = 3;
+
+  const bool typing = io.WantTextInput;
+  input_.feed(io, [&](const std::string& key) {
+    // While text is typed, only keys with Ctrl and function keys are ours.
+    const bool ours = key.starts_with("Ctrl+") || (key[0] == 'F' && key.size() > 1) ||
+                      key.find("+F") != std::string::npos;
+    const bool edits = key == "Ctrl+A" || key == "Ctrl+C" || key == "Ctrl+V" || key == "Ctrl+X" ||
+                       key == "Ctrl+Z" || key == "Ctrl+Y";
+    if (typing && (!ours || edits)) return;
+    if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
+    if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
+    if (const Action* action = action_of_key(key))
+      if (!action->enabled || action->enabled(state_)) perform({action->name, ""});
+  });
+
+  if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);
+  Playing& playing = state_.view.playing;
+  if (playing.direction != 0 && state_.run()) {
+    playing.due += seconds * playing.steps_per_s;
+    const int steps = static_cast<int>(playing.due);
+    playing.due -= steps;
+    const std::int32_t target = state_.view.step + playing.direction * steps;
+    if (steps > 0) go_to_step(state_, target);
+    if (target >= state_.run()->steps() || target <= 0) playing.direction = 0;
+    frames_to_draw_ = std::max(frames_to_draw_, 2);
+  }
+
+  ImGui::NewFrame();
+  draw(width, height);
+  ImGui::Render();
+  jobs_.pursue(state_);
+  --frames_to_draw_;
+}
+
+void Shell::draw(int width, int height) {
+  widgets_.clear();
+  std::vector<Command> commands;
+  Ui ui{.state = state_,
+        .commands = commands,
+        .widgets = widgets_,
+        .memory = memory_,
+        .canvas = canvas_.get(),
+        .colors = ui_colors(state_.view.theme),
+        .scale = scale_,
+        .small = small_,
+        .bold = bold_,
+        .timing = timing};
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  const Layout& layout = state_.view.layout;
+  if (ImGui::BeginMainMenuBar()) {
+    draw_menu(ui);
+    ImGui::EndMainMenuBar();
+  }
+  const float menu = ImGui::GetFrameHeight();
+  const float status = ImGui::GetFrameHeight() + ui.px(2);
+  const float grip = std::round(ui.px(4));
+  const float body = h - menu - status;
+  // No panel ever vanishes: each share leaves room for the others.
+  const auto share = [](double s, double low, double high) {
+    return static_cast<float>(std::clamp(s, low, high));
+  };
+  const float left = std::round(w * share(layout.left, 0.06, 0.25));
+  const float right = std::round(w * share(layout.right, 0.15, 0.45));
+  const float middle = w - left - right - 2 * grip;
+  const float timeline = std::round(ui.px(78));
+  const float bottom = std::round(body * share(layout.bottom, 0.1, 0.6));
+  const float top = body - bottom - timeline - grip;
+  const float image = std::round(middle * share(layout.image, 0.0, 0.8));
+  const float octree = std::round(middle * share(layout.octree, 0.15, 0.85));
+  const float tools = std::round(body * share(layout.tools, 0.15, 0.8));
+  const float x1 = left + grip, x2 = left + grip + middle;
+  const float y1 = menu + top;
+  const ImGuiWindowFlags still = ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+
+  panel(ui, "frames", {0, menu, left, body}, 0, [&] { draw_frames(ui); });
+  panel(ui, "view3d", {x1, menu, middle - image - grip, top}, still, [&] { draw_view3d(ui); });
+  panel(ui, "image", {x1 + middle - image, menu, image, top}, still, [&] { draw_image(ui); });
+  panel(ui, "timeline", {x1, y1, middle, timeline}, still, [&] { draw_timeline(ui); });
+  panel(ui, "octree", {x1, h - status - bottom, octree, bottom}, still, [&] { draw_octree(ui); });
+  panel(ui, "events", {x1 + octree + grip, h - status - bottom, middle - octree - grip, bottom},
+        still, [&] { draw_events(ui); });
+  panel(ui, "inspector", {x2 + grip, menu, right, body - tools - grip}, still, [&] {
+    tabs(ui, "##inspector_tabs", state_.view.inspector_tab, "tab.inspector",
+         {{"inspector", "Inspector", draw_inspector},
+          {"point", "Point", draw_point},
+          {"bookmarks", "Bookmarks", draw_bookmarks}});
+  });
+  panel(ui, "tools", {x2 + grip, h - status - tools, right, tools}, still, [&] {
+    tabs(ui, "##tool_tabs", state_.view.tool_tab, "tab.tool",
+         {{"criteria", "Criteria", draw_criteria},
+          {"histograms", "Histograms", draw_histograms},
+          {"compare", "A/B", draw_compare},
+          {"fix", "Fix", draw_fix}});
+  });
+  panel(ui, "status", {0, h - status, w, status}, still, [&] { draw_status(ui); });
+
+  splitter(ui, "left", {left, menu, grip, body}, true, layout.left, w, 1);
+  splitter(ui, "right", {x2, menu, grip, body}, true, layout.right, w, -1);
+  splitter(ui, "image", {x1 + middle - image - grip, menu, grip, top}, true, layout.image, middle,
+           -1);
+  splitter(ui, "bottom", {x1, h - status - bottom - grip, middle, grip}, false, layout.bottom, body,
+           -1);
+  splitter(ui, "octree", {x1 + octree, h - status - bottom, grip, bottom}, true, layout.octree,
+           middle, 1);
+  splitter(ui, "tools", {x2 + grip, h - status - tools - grip, right, grip}, false, layout.tools,
+           body, -1);
+
+  if (state_.view.show_palette) draw_palette(ui);
+  if (state_.view.show_keys) draw_keys(ui);
+  if (state_.view.show_timing) draw_timing(ui);
+  state_.view.focus.clear();
+  for (const Command& command : commands) perform(command);
+}
+
+}  // namespace planescope::desktop

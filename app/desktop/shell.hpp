@@ -1,0 +1,59 @@
+#pragma once
+
+// The whole window: state, jobs, input and panels, whatever it is drawn to.
+
+#include <memory>
+#include <string>
+
+#include "app/desktop/input.hpp"
+#include "app/desktop/jobs.hpp"
+#include "app/desktop/ui.hpp"
+
+struct ImGuiContext;
+
+namespace planescope::desktop {
+
+class Shell {
+ public:
+  /// `canvas` may be null. Makes an ImGui context of its own.
+  Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake);
+  ~Shell();
+  Shell(const Shell&) = delete;
+  Shell& operator=(const Shell&) = delete;
+
+  const State& state() const { return state_; }
+  const Widgets& widgets() const { return widgets_; }
+  InputQueue& input() { return input_; }
+
+  /// One frame: input, jobs, panels, commands. What is to be drawn is ImGui::GetDrawData() of
+  /// context(). `seconds` since the last one.
+  void frame(int width, int height, float screen_scale, double seconds);
+  /// Applies a command as a key or a click would; errors go to the status bar unless `strict`.
+  void perform(const Command& command, bool strict = false);
+  /// Nothing is under way and nothing is left to show.
+  bool idle() const;
+  ImGuiContext* context() const { return context_; }
+  /// The font atlas was made anew since the last call.
+  bool take_fonts_changed();
+
+  FrameTimes timing;  // shown by the action `timing`; whoever draws the frames measures them
+
+ private:
+  void draw(int width, int height);
+  void rebuild_fonts(float scale);
+
+  State state_;
+  Jobs jobs_;
+  std::unique_ptr<Canvas> canvas_;
+  InputQueue input_;
+  Widgets widgets_;
+  PanelMemory memory_;
+  ImGuiContext* context_ = nullptr;
+  float scale_ = 0;
+  ImFont* small_ = nullptr;
+  ImFont* bold_ = nullptr;
+  int frames_to_draw_ = 3;
+  bool fonts_changed_ = false;
+};
+
+}  // namespace planescope::desktop

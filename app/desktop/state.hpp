@@ -1,0 +1,208 @@
+#pragma once
+
+// The desktop in plain data: the document (what is worked on), the results (immutable, made by
+// jobs) and the view (what is looked at). Panels read it; apply() in actions.hpp is all that
+// changes it, besides the jobs that hand in results.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/explain/compare.hpp"
+#include "core/explain/fix.hpp"
+#include "core/explain/histogram.hpp"
+#include "core/explain/score.hpp"
+#include "core/image/image.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/recording/recording.hpp"
+#include "core/replay/filter.hpp"
+#include "core/replay/run.hpp"
+#include "render/step_scene.hpp"
+
+namespace planescope::desktop {
+
+// ---- Document ----------------------------------------------------------------------------------
+
+struct OpenRecording {
+  std::filesystem::path path;
+  std::shared_ptr<const Recording> recording;
+  std::filesystem::path label_dir;  // may not exist
+};
+
+/// Where running stops. Kept by what it means, so that it outlives a run.
+struct Breakpoint {
+  enum class Kind : std::uint8_t { filter, node, point };
+  Kind kind = Kind::filter;
+  std::string filter;       // for filter: its text
+  std::int32_t index = -1;  // for node, and for point: a voxel
+  bool enabled = true;
+};
+
+struct Bookmark {
+  std::string name, note;
+  int frame = 0;
+  std::int32_t step = 0;
+  std::int32_t node = -1, plane = -1, voxel = -1;
+  std::string filter;
+  Camera camera;
+};
+
+struct Document {
+  std::vector<OpenRecording> recordings;
+  int recording = -1;  // the one looked at; -1: none
+  int frame = 0;
+  RecordingOptions recording_options;
+  PipelineOptions options;
+  std::vector<Breakpoint> breakpoints;
+  std::vector<Bookmark> bookmarks;
+  std::vector<std::uint32_t> marked;  // voxels of the region that the user marked
+  std::filesystem::path session;      // the file that it was read from or written to last
+
+  const OpenRecording* current() const {
+    return recording >= 0 ? &recordings[static_cast<std::size_t>(recording)] : nullptr;
+  }
+};
+
+// ---- Results -----------------------------------------------------------------------------------
+
+/// A frame as the strip shows it.
+struct Thumbnail {
+  bool ready = false;
+  Image8 image;  // planes over the camera's image; empty where the frame was refused
+  int planes = 0;
+  std::optional<QuickScore> score;  // where it has ground truth
+  std::string refusal;              // why there is none
+};
+
+/// A run with what panels show of it.
+struct RunView {
+  std::shared_ptr<const Run> run;
+  std::vector<Histogram> histograms;
+  std::optional<QuickScore> score;
+  Camera home;  // the frame's own, the same for all runs on it
+};
+
+struct FixSearch {
+  FixTarget target;
+  bool running = false;
+  int done = 0, total = 0;
+  bool finished = false;  // fixes is what there is
+  std::vector<Fix> fixes;
+  int checked = -1;                // the fix whose effect is shown
+  std::vector<FixEffect> effects;  // of it, on the labelled frames of the recording
+};
+
+struct Results {
+  std::shared_ptr<const RunView> current;        // B, what the options give; null before the first
+  std::shared_ptr<const RunView> pinned;         // A
+  std::shared_ptr<const Comparison> comparison;  // A with B, or truth with B
+  std::string refusal;                           // why the frame could not be run, one line
+  bool loading = false;                          // a frame is read and prepared
+  std::vector<Thumbnail> strip;                  // of the recording looked at
+  int strip_done = 0;
+  std::map<std::string, Sensitivity> sensitivity;  // by option; of `current`
+  FixSearch fix;
+};
+
+// ---- View --------------------------------------------------------------------------------------
+
+struct Selection {
+  std::int32_t node = -1;
+  std::int32_t plane = -1;  // of the trace
+  std::int32_t voxel = -1;
+  std::int64_t source = -1;  // pixel v * width + u that was picked, -1 where it is the voxel itself
+};
+
+/// Shares of the window, dragged at the splitters.
+struct Layout {
+  double left = 0.135;   // recordings and frames
+  double right = 0.285;  // inspector and tools
+  double bottom = 0.34;  // octree and events
+  double image = 0.40;   // of the middle: the image view
+  double octree = 0.40;  // of the bottom
+  double tools = 0.48;   // of the right: criteria and the other tools
+};
+
+struct Search {
+  std::string text;
+  FilterProblem problem;              // message empty: the text is a filter
+  std::optional<Filter> filter;       // of text; nothing where it is empty or wrong
+  std::vector<std::int32_t> matches;  // steps of the run shown
+};
+
+/// What a histogram or a slider is being dragged to, and such: lives for a gesture.
+struct Playing {
+  int direction = 0;  // 0: stands still
+  double steps_per_s = 60;
+  double due = 0;  // fraction of a step not taken yet
+};
+
+enum class Against : std::uint8_t { nothing, pinned, truth };
+
+struct ViewState {
+  std::int32_t step = 0;
+  Selection selected;
+  Search search;
+  Playing playing;
+
+  // 3D and image.
+  std::optional<Camera> camera;  // nothing: the frame's own
+  ColorBy color_by = ColorBy::cases;
+  bool show_queue = true, show_settled = true, show_planes = true;
+  Backdrop backdrop = Backdrop::color;
+  double overlay_opacity = 0.55;
+  double image_zoom = 1;
+  Vec2d image_center = Vec2d(0.5, 0.5);  // of the view, as a share of the image
+
+  // Panels.
+  Theme theme = Theme::dark;
+  double zoom = 1;  // of everything, on top of the screen's own scale
+  Layout layout;
+  std::string inspector_tab = "inspector";  // inspector | point | bookmarks
+  std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
+  std::string octree_search;
+  bool only_matches = false;  // the event list shows what the filter finds
+  bool show_keys = false, show_palette = false, show_timing = false, show_about = false;
+  bool marking = false;  // dragging in the image marks a region
+  Against against = Against::nothing;
+  bool flash = false;            // A is shown in place of B
+  std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
+
+  std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
+  std::optional<Bookmark> arrival;  // where to go once the frame's run is there
+  bool strip_stopped = false;
+  std::string focus;    // widget that takes the keyboard in the next frame
+  std::string message;  // status bar, until the next
+  bool message_is_error = false;
+  bool quit = false;
+};
+
+/// One undo step: the options before and after a gesture.
+struct OptionChange {
+  PipelineOptions before, after;
+  std::string gesture;  // same gesture, same step
+};
+
+struct State {
+  Document document;
+  Results results;
+  ViewState view;
+  std::vector<OptionChange> undo, redo;
+
+  /// The run that is looked at: B, or A while it is flashed. Null before the first.
+  const Run* run() const {
+    const RunView* shown = run_view();
+    return shown ? shown->run.get() : nullptr;
+  }
+  const RunView* run_view() const {
+    return view.flash && results.pinned ? results.pinned.get() : results.current.get();
+  }
+  /// The event that led to the cursor; null at step 0.
+  const TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }
+};
+
+}  // namespace planescope::desktop

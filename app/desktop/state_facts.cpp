@@ -1,0 +1,55 @@
+#include "app/desktop/state_facts.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "core/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+
+nlohmann::ordered_json state_facts(const State& state, bool idle) {
+  nlohmann::ordered_json json;
+  const Document& document = state.document;
+  const ViewState& view = state.view;
+  json["idle"] = idle;
+  json["recording"] = document.current() ? document.current()->path.string() : "";
+  json["frame"] = document.frame;
+  json["profile"] = to_string(document.options.segment.profile);
+  json["refusal"] = state.results.refusal;
+  json["step"] = view.step;
+  const Run* run = state.run();
+  json["steps"] = run ? run->steps() : 0;
+  json["event"] = run && view.step > 0 ? describe_event(*run, view.step) : "";
+  json["node"] = view.selected.node;
+  json["plane"] = view.selected.plane >= 0 ? plane_name(view.selected.plane) : "";
+  json["voxel"] = view.selected.voxel;
+  json["case"] =
+      run && view.selected.node >= 0
+          ? to_string(run->octree().nodes[static_cast<std::size_t>(view.selected.node)].decided)
+          : "";
+  json["planes"] = run ? run->segmentation.planes.size() : 0;
+  json["detected"] =
+      state.run_view() && state.run_view()->score ? state.run_view()->score->detected : -1;
+  json["filter"] = view.search.text;
+  json["filter_problem"] = view.search.problem.message;
+  json["matches"] = view.search.matches.size();
+  json["breakpoints"] = document.breakpoints.size();
+  json["bookmarks"] = document.bookmarks.size();
+  json["marked"] = document.marked.size();
+  json["pinned"] = state.results.pinned != nullptr;
+  json["flash"] = view.flash;
+  json["fixes"] = state.results.fix.fixes.size();
+  json["fix"] = state.results.fix.fixes.empty() ? ""
+                                                : state.results.fix.fixes.front().option + "=" +
+                                                      state.results.fix.fixes.front().after;
+  json["strip"] = state.results.strip_done;
+  json["theme"] = view.theme == Theme::dark ? "dark" : "light";
+  json["tab"] = view.inspector_tab;
+  json["tool"] = view.tool_tab;
+  json["message"] = view.message;
+  json["undo"] = state.undo.size();
+  for (const OptionInfo& info : option_table())
+    json["options"][info.name] = info.get(document.options);
+  return json;
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,15 @@
+#pragma once
+
+// The state in plain facts, for scripts that expect something and for whoever waits for the window.
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "app/desktop/state.hpp"
+
+namespace planescope::desktop {
+
+/// {"recording", "frame", "step", "steps", "event", "node", "case", "planes", "matches", ...}; what
+/// docs/desktop.md lists.
+nlohmann::ordered_json state_facts(const State& state, bool idle);
+
+}  // namespace planescope::desktop

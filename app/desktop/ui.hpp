@@ -1,0 +1,73 @@
+#pragma once
+
+// What a panel is given: the state to read, a place for the commands it makes, names for its
+// widgets. Panels are free functions; they draw into the ImGui window that is open.
+
+#include <imgui.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "app/desktop/actions.hpp"
+#include "app/desktop/canvas.hpp"
+
+namespace planescope::desktop {
+
+/// Where a widget stood in the last frame, by name: "octree.node.12", "criteria.theta_n_out".
+struct WidgetRect {
+  ImVec2 min, max;
+};
+using Widgets = std::map<std::string, WidgetRect>;
+
+/// Colours beside ImGui's own style.
+struct UiColors {
+  ImU32 text, muted, accent, good, bad, warning, grid, panel;
+};
+
+/// Text being typed and such: what lives in panels only.
+struct PanelMemory {
+  std::string filter_text;  // follows view.search.text until it is edited
+  std::string palette_text;
+  int palette_index = 0;
+  std::string note_text;
+  std::map<std::string, std::string> texts;  // by widget
+  std::map<std::string, double> numbers;     // by widget
+  std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
+};
+
+/// Of the frames drawn lately.
+struct FrameTimes {
+  double last_ms = 0, median_ms = 0, p99_ms = 0;
+};
+
+struct Ui {
+  const State& state;
+  std::vector<Command>& commands;
+  Widgets& widgets;
+  PanelMemory& memory;
+  Canvas* canvas;  // null where there is no GL
+  UiColors colors;
+  float scale = 1;  // of the screen and the user: 1 = 15 px text
+  ImFont* small = nullptr;
+  ImFont* bold = nullptr;
+  FrameTimes timing = {};
+
+  void emit(std::string action, std::string argument = {}) const {
+    commands.push_back({std::move(action), std::move(argument)});
+  }
+  /// Names the item drawn last.
+  void name(const std::string& widget) const;
+  /// Names a part of the window: coordinates of the screen.
+  void name(const std::string& widget, ImVec2 min, ImVec2 max) const;
+  float px(float at_scale_1) const { return at_scale_1 * scale; }
+};
+
+ImU32 to_imgui(Rgba color);
+/// A small filled square with the case's numeral in it, at the cursor; advances like text.
+void case_badge(const Ui& ui, Case c);
+/// "0.0071", "1.2 cm", "12.3 %": numbers as every panel writes them.
+std::string number_text(double value);
+std::string length_text_cm(double metres);
+
+}  // namespace planescope::desktop

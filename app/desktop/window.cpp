@@ -1,0 +1,299 @@
+#include "app/desktop/window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/desktop/camera.hpp"
+#include "app/desktop/state_facts.hpp"
+#include "core/base/error.hpp"
+#include "core/image/png.hpp"
+#include "render/context.hpp"
+#include "render/gl.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+Key key_of_glfw(int key) {
+  if ((key >= GLFW_KEY_A && key <= GLFW_KEY_Z) || (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) ||
+      key == GLFW_KEY_SPACE || key == GLFW_KEY_MINUS || key == GLFW_KEY_EQUAL)
+    return static_cast<Key>(key);
+  if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12)
+    return static_cast<Key>(static_cast<int>(Key::f1) + key - GLFW_KEY_F1);
+  switch (key) {
+    case GLFW_KEY_LEFT:
+      return Key::left;
+    case GLFW_KEY_RIGHT:
+      return Key::right;
+    case GLFW_KEY_UP:
+      return Key::up;
+    case GLFW_KEY_DOWN:
+      return Key::down;
+    case GLFW_KEY_HOME:
+      return Key::home;
+    case GLFW_KEY_END:
+      return Key::end;
+    case GLFW_KEY_PAGE_UP:
+      return Key::page_up;
+    case GLFW_KEY_PAGE_DOWN:
+      return Key::page_down;
+    case GLFW_KEY_INSERT:
+      return Key::insert;
+    case GLFW_KEY_DELETE:
+      return Key::del;
+    case GLFW_KEY_BACKSPACE:
+      return Key::backspace;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::enter;
+    case GLFW_KEY_ESCAPE:
+      return Key::escape;
+    case GLFW_KEY_TAB:
+      return Key::tab;
+    case GLFW_KEY_KP_ADD:
+      return static_cast<Key>('=');
+    case GLFW_KEY_KP_SUBTRACT:
+      return static_cast<Key>('-');
+    case GLFW_KEY_LEFT_CONTROL:
+    case GLFW_KEY_RIGHT_CONTROL:
+      return Key::ctrl;
+    case GLFW_KEY_LEFT_SHIFT:
+    case GLFW_KEY_RIGHT_SHIFT:
+      return Key::shift;
+    case GLFW_KEY_LEFT_ALT:
+    case GLFW_KEY_RIGHT_ALT:
+      return Key::alt;
+    default:
+      return Key::none;
+  }
+}
+
+/// The frames' times of late, for the overlay.
+class Stopwatch {
+ public:
+  void add(double ms, FrameTimes& times) {
+    lately_.push_back(ms);
+    if (lately_.size() > 240) lately_.erase(lately_.begin());
+    std::vector<double> sorted = lately_;
+    std::sort(sorted.begin(), sorted.end());
+    times = {ms, sorted[sorted.size() / 2], sorted[sorted.size() * 99 / 100]};
+  }
+
+ private:
+  std::vector<double> lately_;
+};
+
+class Window : public Stage {
+ public:
+  Window(State state, const WindowOptions& options);
+  ~Window() override;
+  void run(std::stop_token stop);
+  void draw_frame() override;
+  void screenshot(const std::filesystem::path& path) override;
+
+ private:
+  static Window& of(GLFWwindow* window) {
+    return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+  }
+  void push(const InputEvent& event) { shell_->input().push(event); }
+  void connect();
+  void show_cursor();
+  void write_state();
+  void keep_settings() const;
+  float scale() const;
+
+  const WindowOptions& options_;
+  std::unique_ptr<GlContext> context_;
+  GLFWwindow* window_ = nullptr;
+  std::unique_ptr<Shell> shell_;
+  GLFWcursor* cursors_[ImGuiMouseCursor_COUNT] = {};
+  std::string title_, written_;
+  Stopwatch stopwatch_;
+  Clock::time_point last_ = Clock::now();
+};
+
+Window::Window(State state, const WindowOptions& options) : options_(options) {
+  try {
+    context_ =
+        make_glfw_context(options.settings.width, options.settings.height, "planescope", true);
+  } catch (const Error& error) {
+    throw NoDisplay(error.what());
+  }
+  window_ = context_->window();
+  if (options.settings.maximized) glfwMaximizeWindow(window_);
+  glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  shell_ =
+      std::make_unique<Shell>(std::move(state), make_gl_canvas(), [] { glfwPostEmptyEvent(); });
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  ImGuiIO& io = ImGui::GetIO();
+  io.SetClipboardTextFn = [](void* window, const char* text) {
+    glfwSetClipboardString(static_cast<GLFWwindow*>(window), text);
+  };
+  io.GetClipboardTextFn = [](void* window) {
+    return glfwGetClipboardString(static_cast<GLFWwindow*>(window));
+  };
+  io.ClipboardUserData = window_;
+  io.BackendFlags |= ImGuiBackendFlags_HasMouseCursors;
+  cursors_[ImGuiMouseCursor_Arrow] = glfwCreateStandardCursor(GLFW_ARROW_CURSOR);
+  cursors_[ImGuiMouseCursor_TextInput] = glfwCreateStandardCursor(GLFW_IBEAM_CURSOR);
+  cursors_[ImGuiMouseCursor_ResizeEW] = glfwCreateStandardCursor(GLFW_HRESIZE_CURSOR);
+  cursors_[ImGuiMouseCursor_ResizeNS] = glfwCreateStandardCursor(GLFW_VRESIZE_CURSOR);
+  cursors_[ImGuiMouseCursor_Hand] = glfwCreateStandardCursor(GLFW_HAND_CURSOR);
+  connect();
+}
+
+Window::~Window() {
+  if (options_.keep_settings) keep_settings();
+  ImGui::SetCurrentContext(shell_->context());
+  ImGui_ImplOpenGL3_Shutdown();
+  shell_.reset();  // cancels what is under way
+  for (GLFWcursor* cursor : cursors_)
+    if (cursor) glfwDestroyCursor(cursor);
+}
+
+void Window::connect() {
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+    // The framebuffer may have more pixels than the window has units.
+    int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
+    glfwGetWindowSize(w, &width, &height);
+    glfwGetFramebufferSize(w, &pixels_x, &pixels_y);
+    of(w).push({.type = InputEvent::Type::move,
+                .x = static_cast<float>(x * pixels_x / std::max(1, width)),
+                .y = static_cast<float>(y * pixels_y / std::max(1, height))});
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
+    if (button < 3)
+      of(w).push(
+          {.type = InputEvent::Type::button, .button = button, .down = action == GLFW_PRESS});
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double x, double y) {
+    of(w).push(
+        {.type = InputEvent::Type::wheel, .x = static_cast<float>(x), .y = static_cast<float>(y)});
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
+    if (const Key ours = key_of_glfw(key); ours != Key::none)
+      of(w).push({.type = InputEvent::Type::key, .down = action != GLFW_RELEASE, .key = ours});
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned c) {
+    of(w).push({.type = InputEvent::Type::text, .character = static_cast<char32_t>(c)});
+  });
+  glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+    for (int i = 0; i < count; ++i) of(w).shell_->perform({"recording.open", paths[i]});
+  });
+}
+
+float Window::scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return std::max(x, y);
+}
+
+void Window::draw_frame() {
+  glfwPollEvents();
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_).count();
+  last_ = now;
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  if (width == 0 || height == 0) return;  // minimised
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  shell_->frame(width, height, scale(), std::min(seconds, 0.1));
+  if (shell_->take_fonts_changed()) {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+  ImGui_ImplOpenGL3_NewFrame();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  stopwatch_.add(std::chrono::duration<double, std::milli>(Clock::now() - now).count(),
+                 shell_->timing);
+  glfwSwapBuffers(window_);
+  show_cursor();
+  if (!options_.state_file.empty()) write_state();
+  const OpenRecording* open = shell_->state().document.current();
+  const std::string title = open ? open->path.filename().string() + " – planescope" : "planescope";
+  if (title != title_) glfwSetWindowTitle(window_, (title_ = title).c_str());
+}
+
+void Window::show_cursor() {
+  GLFWcursor* cursor = cursors_[std::max(0, ImGui::GetMouseCursor())];
+  glfwSetCursor(window_, cursor ? cursor : cursors_[ImGuiMouseCursor_Arrow]);
+}
+
+void Window::write_state() {
+  const std::string facts = state_facts(shell_->state(), shell_->idle()).dump(2) + '\n';
+  if (facts == written_) return;
+  written_ = facts;
+  // Whoever reads it must never see half of it.
+  const std::filesystem::path staged = options_.state_file.string() + ".part";
+  std::ofstream file(staged, std::ios::binary);
+  file << facts;
+  file.close();
+  std::error_code failed;
+  std::filesystem::rename(staged, options_.state_file, failed);
+  if (!file || failed)
+    throw Error(options_.state_file.string() + ": the state cannot be written there");
+}
+
+void Window::screenshot(const std::filesystem::path& path) {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  Image8 flipped(width, height, 3), image(width, height, 3);
+  glReadBuffer(GL_FRONT);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, flipped.data.data());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  const std::size_t row = static_cast<std::size_t>(width) * 3;
+  for (int y = 0; y < height; ++y)
+    std::copy_n(flipped.data.begin() + static_cast<std::ptrdiff_t>(row * y), row,
+                image.data.begin() + static_cast<std::ptrdiff_t>(row * (height - 1 - y)));
+  write_png(path, image);
+}
+
+void Window::keep_settings() const {
+  Settings settings = options_.settings;
+  const State& state = shell_->state();
+  settings.maximized = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
+  if (!settings.maximized) glfwGetWindowSize(window_, &settings.width, &settings.height);
+  if (const OpenRecording* open = state.document.current()) {
+    settings.last_recording = std::filesystem::absolute(open->path);
+    settings.last_frame = state.document.frame;
+  }
+  settings.camera = state.view.camera;
+  settings.view = state.view;
+  save_settings(settings);
+}
+
+void Window::run(std::stop_token stop) {
+  const std::stop_callback wake(stop, [] { glfwPostEmptyEvent(); });
+  if (options_.script) options_.script->play(*shell_, *this, stop);
+  while (!glfwWindowShouldClose(window_) && !shell_->state().view.quit && !stop.stop_requested()) {
+    // At rest nothing is drawn until something happens.
+    if (shell_->idle())
+      glfwWaitEvents();
+    else if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
+      glfwWaitEventsTimeout(0.1);
+    draw_frame();
+  }
+}
+
+}  // namespace
+
+void run_window(State state, const WindowOptions& options, std::stop_token stop) {
+  Window window(std::move(state), options);
+  window.run(stop);
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,67 @@
+#pragma once
+
+// A thread that does one piece of work after the other and forgets what is no longer wanted.
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+namespace planescope::desktop {
+
+class Worker {
+ public:
+  using Work = std::function<void(std::stop_token)>;
+
+  Worker() : thread_([this](std::stop_token stop) { loop(stop); }) {}
+  ~Worker() {
+    cancel();
+    thread_.request_stop();
+    wake_.notify_all();
+  }
+
+  /// In place of whatever waits; what is being done goes on.
+  void replace(Work work) {
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    waiting_.push_back(std::move(work));
+    wake_.notify_all();
+  }
+  /// Asks what is being done to stop, and forgets what waits.
+  void cancel() {
+    const std::lock_guard lock(mutex_);
+    waiting_.clear();
+    current_.request_stop();
+  }
+  bool busy() const {
+    const std::lock_guard lock(mutex_);
+    return working_ || !waiting_.empty();
+  }
+
+ private:
+  void loop(std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    while (wake_.wait(lock, stop, [this] { return !waiting_.empty(); })) {
+      const Work work = std::move(waiting_.front());
+      waiting_.pop_front();
+      working_ = true;
+      current_ = std::stop_source();
+      const std::stop_token token = current_.get_token();
+      lock.unlock();
+      work(token);
+      lock.lock();
+      working_ = false;
+    }
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::deque<Work> waiting_;
+  std::stop_source current_;
+  bool working_ = false;
+  std::jthread thread_;  // last: it uses all of the above
+};
+
+}  // namespace planescope::desktop
