@@ -22,7 +22,9 @@ class TruthCounter {
   void count(const OctreeNode& node, NodeFacts& facts) {
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
       const std::int32_t plane = truth_.plane[octree_.order[i]];
-      if (plane > 0 && ++points_[plane] == 1) seen_.push_back(plane);
+      if (plane <= 0) continue;
+      ++facts.truth_known;
+      if (++points_[plane] == 1) seen_.push_back(plane);
     }
     facts.truth_planes = static_cast<std::uint32_t>(seen_.size());
     for (const std::int32_t plane : seen_) {

@@ -1,6 +1,7 @@
 #include "core/replay/run.hpp"
 
 #include "core/replay/facts.hpp"
+#include "core/replay/truth_check.hpp"
 
 namespace planescope {
 
@@ -24,6 +25,7 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
               prepared.sensor(), run->segment_options, &run->trace);
   run->timeline = Timeline(run->trace, run->segmentation, run->segment_options);
   run->facts = facts_of(*run);
+  run->wrong = wrong_decisions(*run);
   return run;
 }
 

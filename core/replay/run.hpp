@@ -23,6 +23,7 @@ struct NodeFacts {
   // Ground truth of its points; 0 where unknown.
   std::int32_t truth_plane = 0;    // the plane most of them belong to
   std::uint32_t truth_points = 0;  // how many do
+  std::uint32_t truth_known = 0;   // how many belong to any
   std::uint32_t truth_planes = 0;  // distinct planes among them
 };
 
@@ -33,7 +34,8 @@ struct Run {
   Segmentation segmentation;
   Trace trace;
   Timeline timeline;
-  std::vector<NodeFacts> facts;  // per octree node
+  std::vector<NodeFacts> facts;     // per octree node
+  std::vector<std::uint8_t> wrong;  // per event: it disagrees with ground truth (truth_check.hpp)
 
   const Octree& octree() const { return segmentation.octree; }
   std::int32_t steps() const { return timeline.steps(); }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 #include <set>
 
 #include "core/segment/snapshot.hpp"
@@ -18,6 +19,7 @@ struct NamedOptions {
   const char* name;
   SegmentOptions options;
 };
+void PrintTo(const NamedOptions& named, std::ostream* out) { *out << named.name; }
 
 SegmentOptions split_options() {
   SegmentOptions options = profile_options(Profile::refined);
