@@ -9,10 +9,10 @@ namespace {
 constexpr int kBins = 24;
 constexpr int kDecades = 8;
 
-/// 1, 2 or 5 times a power of ten, not below `value`.
+/// 1, 2, 2.5 or 5 times a power of ten, not below `value`.
 double round_up(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0})
+  for (const double step : {1.0, 2.0, 2.5, 5.0})
     if (step * power >= value * (1 - 1e-9)) return step * power;
   return 10 * power;
 }
@@ -43,14 +43,19 @@ std::vector<HistogramBin> fill(const std::vector<double>& edges,
 
 std::vector<HistogramBin> linear_bins(const std::vector<Sample>& samples, double most, bool whole) {
   if (samples.empty()) return {};
-  double largest = 0;
-  for (const Sample& sample : samples) largest = std::max(largest, sample.value);
+  double smallest = most, largest = 0;
+  for (const Sample& sample : samples) {
+    smallest = std::min(smallest, sample.value);
+    largest = std::max(largest, sample.value);
+  }
   largest = std::min(largest, most);
-  double width = largest > 0 ? round_up(largest / kBins) : 1;
-  if (whole) width = std::max(width, 1.0);
-  std::vector<double> edges{0};
+  if (smallest < largest / 4) smallest = 0;
+  double width = largest > smallest ? round_up((largest - smallest) / kBins) : 1;
+  if (whole) width = std::ceil(width);
+  const double first = std::floor(smallest / width);
+  std::vector<double> edges{first * width};
   while (edges.size() < 2 || edges.back() < largest)
-    edges.push_back(static_cast<double>(edges.size()) * width);
+    edges.push_back((first + static_cast<double>(edges.size())) * width);
   return fill(edges, samples);
 }
 

@@ -15,8 +15,8 @@ struct Sample {
   Judgement judgement = Judgement::unknown;
 };
 
-/// Linear bins of a round width from 0 (24 at most, whole numbers: no narrower than 1); what is
-/// beyond `most` is in the last one.
+/// Linear bins of a round width, about 24, from 0 on where the values come near it; what is beyond
+/// `most` is in the last one.
 std::vector<HistogramBin> linear_bins(const std::vector<Sample>& samples, double most, bool whole);
 /// Edges 1, 2, 5, 10 ... over the upper eight decades; what is below is in the first one.
 std::vector<HistogramBin> logarithmic_bins(const std::vector<Sample>& samples);

@@ -121,6 +121,6 @@ std::string number(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
-std::string centimetres(double metres) { return fmt::format("{:.3g} cm", 100 * metres); }
+std::string distance_text(double metres) { return fmt::format("{:.3g} cm", 100 * metres); }
 
 }  // namespace planescope

@@ -35,6 +35,6 @@ std::vector<Check> distance_checks(const DistanceTerms& terms, bool with_angle =
 
 // Numbers for sentences.
 std::string number(double value, const std::string& unit);  // four digits: "0.0071 m²"
-std::string centimetres(double metres);                     // "1.2 cm"
+std::string distance_text(double metres);                   // "4.2 mm", "12.3 cm"
 
 }  // namespace planescope

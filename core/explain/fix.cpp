@@ -79,7 +79,7 @@ Fix Search::fix(const std::string& value, double change) {
 constexpr double kStep = 0.14;     // 15 %
 constexpr double kFarthest = 4.7;  // a hundredfold
 
-/// Outwards on both sides in steps of 7 %, up to a hundredfold.
+/// Outwards on both sides in steps of 15 %, up to a hundredfold.
 std::optional<double> Search::nearest_success(double start) {
   std::string last[2] = {info_.get(run_.options), info_.get(run_.options)};
   for (int k = 1; k * kStep <= kFarthest; ++k)

@@ -57,8 +57,8 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
   else
     h = describe("mse", options.mse_normalization == MseNormalization::mean ? "e_n / N" : "e_n",
                  "m²", "theta_e_n_m2", options.theta_e_n_m2);
-  h.logarithmic = true;
-  h.bins = logarithmic_bins(e_n);
+  h.logarithmic = !options.rms_criterion3;
+  h.bins = h.logarithmic ? logarithmic_bins(e_n) : linear_bins(e_n, 0.05, false);
   histograms.push_back(h);
 }
 

@@ -84,12 +84,12 @@ std::string outcome_of(const LeftoverReport& report) {
   for (const LeftoverPlane& plane : report.planes)
     if (plane.chosen)
       return fmt::format("went to {}, {} off it", plane_name(plane.plane),
-                         centimetres(plane.distance_m));
+                         distance_text(plane.distance_m));
   if (report.planes.empty()) return "in no plane: there is none";
   const LeftoverPlane& nearest = report.planes.front();
   return fmt::format("in no plane: the nearest, {}, is {} away ({}{})", plane_name(nearest.plane),
-                     centimetres(nearest.distance_m), nearest.why_not,
-                     nearest.considered ? ", limit " + centimetres(nearest.limit_m) : "");
+                     distance_text(nearest.distance_m), nearest.why_not,
+                     nearest.considered ? ", limit " + distance_text(nearest.limit_m) : "");
 }
 
 }  // namespace

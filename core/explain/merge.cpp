@@ -126,7 +126,7 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
 std::string outcome_of(const MergeReport& report, const TraceEvent& event, double sigma_ang) {
   if (event.type == EventType::merge)
     return fmt::format("merged into {}, {} off it", plane_name(event.plane),
-                       centimetres(event.value));
+                       distance_text(event.value));
   const std::string because =
       report.partners.empty() ? "nothing to compare with" : "no coplanar plane";
   if (event.refinement != 3) return fmt::format("founded {}: {}", plane_name(event.plane), because);
@@ -170,7 +170,7 @@ MergeReport explain_second_merge(const Run& run, std::int32_t step) {
   choose(report.partners, false);
   const double offset = planes.fit(event.other).distance_m(report.candidate.centroid);
   report.outcome = fmt::format("{} merged into {} (R7), {} off it", plane_name(event.plane),
-                               plane_name(event.other), centimetres(std::abs(offset)));
+                               plane_name(event.other), distance_text(std::abs(offset)));
   return report;
 }
 

@@ -41,7 +41,7 @@ inline std::shared_ptr<const Run> run_of_cloud(std::uint64_t seed, const Segment
 }
 
 /// Stairs with their exact labels and true planes.
-inline std::shared_ptr<const Subject> stairs_subject(int index, double noise_m, int points = 2048) {
+inline std::shared_ptr<Subject> stairs_subject(int index, double noise_m, int points = 2048) {
   StairsOptions options;
   options.noise_m = noise_m;
   options.points = points;
