@@ -13,6 +13,7 @@
 #include "app/commands/report.hpp"
 #include "app/commands/segment.hpp"
 #include "app/commands/synth.hpp"
+#include "app/commands/view.hpp"
 #include "app/typed.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
@@ -163,6 +164,35 @@ struct Line {
 };
 
 constexpr const char* kManyInputs = "Bags, folders, .raw, .ply or .pcd files";
+
+void define_view(Line& line) {
+  Typed& t = line.typed;
+  CLI::App* view = line.app.add_subcommand(
+      "view",
+      "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
+      "Without a display, --screenshot draws the same window into a picture.");
+  add_inputs(view, t, kManyInputs);
+  const auto option = [&](const char* name, std::string& value, const char* type,
+                          const char* help) {
+    add(view, name, value, type, help)->group("Window");
+  };
+  option("--open", t.open, "FILE[#BOOKMARK]", "A session that was saved, at one of its bookmarks");
+  option("--script", t.script, "FILE.json", "Actions and input to begin with, docs/desktop.md");
+  option("--screenshot", t.screenshot, "FILE.png", "Draw the window into a picture, and end");
+  option("--state", t.state, "FILE.json", "Write what the window shows as plain facts");
+  option("--size", t.size, "WxH", "Of the picture in pixels, default 1440x900");
+  option("--scale", t.scale, "FACTOR", "Of text and lines in the picture, default 1");
+  view->add_flag("--offscreen", t.offscreen, "No window, even where there is a display")
+      ->group("Window");
+  view->add_flag("--fresh", t.fresh, "Begin as on the first day, and remember nothing")
+      ->group("Window");
+  view->add_flag("--actions", t.actions, "List every action with its key")->group("Window");
+  add_method(view, t);
+  view->final_callback([&line] {
+    const ViewArgs args = view_args(line.typed);
+    line.job = [args](std::stop_token stop) { return run_view(args, stop); };
+  });
+}
 
 void define_info(Line& line) {
   CLI::App* info = line.app.add_subcommand(
@@ -364,6 +394,7 @@ Job parse_command_line(int argc, char** argv) {
       "planescope COMMAND --help tells more. Exit codes: 0 fine, 1 a comparison failed, 2 bad "
       "input "
       "or\nusage, 3 rendering failed (the data files are written), 130 cancelled.\n");
+  define_view(line);
   define_info(line);
   define_segment(line);
   define_report(line);
@@ -388,7 +419,8 @@ Job parse_command_line(int argc, char** argv) {
   if (const CLI::App* group = innermost(&app); group != &app)
     throw Error(fmt::format("{} needs one of: {}", group->get_name(),
                             fmt::join(subcommand_names(group), ", ")));
-  return print_job(app.help());
+  const ViewArgs args = view_args(line.typed);  // plain `planescope`
+  return [args](std::stop_token stop) { return run_view(args, stop); };
 }
 
 }  // namespace planescope

@@ -43,13 +43,10 @@ void reset(State& state, const std::string& name) {
   const PipelineOptions& now = state.document.options;
   PipelineOptions defaults;
   defaults.segment = profile_options(now.segment.profile);
-  for (const OptionInfo& info : option_table())
-    if (info.name == name) {
-      PipelineOptions after = now;
-      info.set(after, info.get(defaults));
-      return change_options(state, after, "");
-    }
-  throw Error("action option.reset: option '" + name + "' is unknown");
+  const OptionInfo& info = find_option(name);
+  PipelineOptions after = now;
+  info.set(after, info.get(defaults));
+  change_options(state, after, "");
 }
 
 void move_change(State& state,
@@ -110,6 +107,17 @@ std::vector<Action> option_actions() {
        {},
        {}},
       {"option.reset", "Reset an option to its profile's default", "", "", "NAME", reset, {}, {}},
+      {"option.show",
+       "Show an option's slider",
+       "",
+       "",
+       "NAME",
+       [](State& s, const std::string& name) {
+         s.view.tool_tab = "criteria";
+         s.view.focus = "criteria." + find_option(name).name;
+       },
+       {},
+       {}},
       {"option.reset_all",
        "Reset all options",
        menu,

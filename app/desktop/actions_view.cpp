@@ -270,7 +270,28 @@ std::vector<Action> view_actions() {
        [](State& s, const std::string&) { s.view.layout = {}; },
        {},
        {}},
-      toggle("palette", "Find an action by name", "Ctrl+P", &ViewState::show_palette),
+      {"palette",
+       "Find an action by name",
+       menu,
+       "Ctrl+P",
+       "",
+       [](State& s, const std::string&) {
+         s.view.show_palette = !s.view.show_palette;
+         s.view.palette_asks.clear();
+       },
+       {},
+       [](const State& s) { return s.view.show_palette; }},
+      {"palette.ask",
+       "Type the argument of an action",
+       "",
+       "",
+       "ACTION",
+       [](State& s, const std::string& text) {
+         s.view.palette_asks = find_action(text).name;
+         s.view.show_palette = true;
+       },
+       {},
+       {}},
       toggle("keys", "Keys", "?", &ViewState::show_keys),
       toggle("timing", "Frame times", "F12", &ViewState::show_timing),
   };

@@ -4,6 +4,7 @@
 // widgets. Panels are free functions; they draw into the ImGui window that is open.
 
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include <map>
 #include <string>

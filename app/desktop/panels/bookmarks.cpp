@@ -1,7 +1,49 @@
+#include <fmt/format.h>
+
 #include "app/desktop/panels.hpp"
 
 namespace planescope::desktop {
 
-void draw_bookmarks(const Ui&) {}
+void draw_bookmarks(const Ui& ui) {
+  const auto& bookmarks = ui.state.document.bookmarks;
+  if (ImGui::Button("Bookmark this place")) ui.emit("bookmark.add");
+  ui.name("bookmarks.add");
+  ImGui::SameLine();
+  if (ImGui::Button("Save the session ...")) ui.emit("session.ask_save");
+  ui.name("bookmarks.save");
+  if (bookmarks.empty()) {
+    ImGui::Spacing();
+    ImGui::TextWrapped(
+        "A bookmark keeps the frame, the event, the selection, the filter and the camera, with a "
+        "note. Sessions carry bookmarks to another machine.");
+    return;
+  }
+  for (std::size_t i = 0; i < bookmarks.size(); ++i) {
+    const Bookmark& bookmark = bookmarks[i];
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::Separator();
+    if (ImGui::Selectable(bookmark.name.c_str(), false, 0,
+                          ImVec2(ImGui::GetContentRegionAvail().x - ui.px(70), 0)))
+      ui.emit("bookmark.go", std::to_string(i));
+    ui.name(fmt::format("bookmarks.{}", i));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("remove")) ui.emit("bookmark.remove", std::to_string(i));
+    ui.name(fmt::format("bookmarks.{}.remove", i));
+    ImGui::TextDisabled("frame %d, step %d%s%s", bookmark.frame, bookmark.step,
+                        bookmark.filter.empty() ? "" : ", filter ", bookmark.filter.c_str());
+    // Typed text is the panel's until it is done.
+    const std::string key = fmt::format("bookmark.note.{}", i);
+    std::string& text = ui.memory.texts[key];
+    const bool editing = ui.memory.numbers[key] != 0;
+    if (!editing) text = bookmark.note;
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##note", "a note", &text);
+    ui.name(fmt::format("bookmarks.{}.note", i));
+    ui.memory.numbers[key] = ImGui::IsItemActive() ? 1 : 0;
+    if (ImGui::IsItemDeactivatedAfterEdit())
+      ui.emit("bookmark.note", std::to_string(i) + " " + text);
+    ImGui::PopID();
+  }
+}
 
 }  // namespace planescope::desktop

@@ -1,7 +1,30 @@
+#include <map>
+
 #include "app/desktop/panels.hpp"
 
 namespace planescope::desktop {
 
-void draw_menu(const Ui&) {}
+void draw_menu(const Ui& ui) {
+  // In the order in which the table first names each menu.
+  std::vector<std::string> menus;
+  for (const Action& action : action_table())
+    if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end())
+      menus.push_back(action.menu);
+  for (const std::string& menu : menus) {
+    const bool open = ImGui::BeginMenu(menu.c_str());
+    ui.name("menu." + menu);
+    if (!open) continue;
+    for (const Action& action : action_table()) {
+      if (action.menu != menu) continue;
+      const bool enabled = !action.enabled || action.enabled(ui.state);
+      const bool checked = action.checked && action.checked(ui.state);
+      std::string key = action.keys.substr(0, action.keys.find(' '));
+      if (ImGui::MenuItem(action.title.c_str(), key.c_str(), checked, enabled))
+        ui.emit(action.name);
+      ui.name("menu." + action.name);
+    }
+    ImGui::EndMenu();
+  }
+}
 
 }  // namespace planescope::desktop

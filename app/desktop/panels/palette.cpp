@@ -1,7 +1,88 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_palette(const Ui&) {}
+constexpr int kMostShown = 14;
+
+void close(const Ui& ui) {
+  ui.memory.palette_text.clear();
+  ui.memory.palette_index = 0;
+  ui.emit("palette");
+}
+
+/// The argument of one action, typed: a path, most of the time.
+void draw_question(const Ui& ui, const Action& action, bool entered) {
+  ImGui::TextDisabled("%s", action.takes.c_str());
+  if (!entered || ui.memory.palette_text.empty()) return;
+  ui.emit(action.name, ui.memory.palette_text);
+  close(ui);
+}
+
+}  // namespace
+
+void draw_palette(const Ui& ui) {
+  PanelMemory& memory = ui.memory;
+  const ImGuiIO& io = ImGui::GetIO();
+  const float width = std::min(ui.px(560), io.DisplaySize.x - ui.px(40));
+  ImGui::SetNextWindowPos(ImVec2((io.DisplaySize.x - width) / 2, ui.px(60)));
+  ImGui::SetNextWindowSize(ImVec2(width, 0));
+  ImGui::Begin("##palette", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings);
+  if (ImGui::IsWindowAppearing()) {
+    ImGui::SetWindowFocus();
+    memory.palette_text.clear();
+    memory.palette_index = 0;
+  }
+  const std::string& asks = ui.state.view.palette_asks;
+  const Action* asked = asks.empty() ? nullptr : &find_action(asks);
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+  const std::string before = memory.palette_text;
+  const bool entered = ImGui::InputTextWithHint(
+      "##typed", asked ? asked->title.c_str() : "an action: step, filter, camera, theme ...",
+      &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
+  ui.name("palette.text");
+  if (asked) {
+    draw_question(ui, *asked, entered);
+    ImGui::End();
+    return;
+  }
+  if (memory.palette_text != before) memory.palette_index = 0;
+  const std::vector<const Action*> found = matching_actions(memory.palette_text);
+  const int shown = std::min(kMostShown, static_cast<int>(found.size()));
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow))) ++memory.palette_index;
+  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow))) --memory.palette_index;
+  memory.palette_index = std::clamp(memory.palette_index, 0, std::max(0, shown - 1));
+  const Action* chosen = nullptr;
+  for (int i = 0; i < shown; ++i) {
+    const Action& action = *found[static_cast<std::size_t>(i)];
+    const bool enabled = !action.enabled || action.enabled(ui.state);
+    ImGui::PushStyleColor(ImGuiCol_Text, enabled ? ui.colors.text : ui.colors.muted);
+    if (ImGui::Selectable((action.title + "##" + action.name).c_str(), i == memory.palette_index))
+      chosen = &action;
+    ui.name("palette." + action.name);
+    ImGui::PopStyleColor();
+    ImGui::SameLine(width - ui.px(150));
+    ImGui::TextDisabled("%s", action.keys.c_str());
+  }
+  if (found.empty()) ImGui::TextDisabled("no action has such a name");
+  if (entered && shown > 0) chosen = found[static_cast<std::size_t>(memory.palette_index)];
+  if (chosen) {
+    if (chosen->takes.empty() || chosen->name == "bookmark.add") {
+      close(ui);
+      ui.emit(chosen->name);
+    } else {
+      memory.palette_text.clear();
+      ui.emit("palette.ask", chosen->name);
+    }
+  }
+  ImGui::End();
+}
 
 }  // namespace planescope::desktop

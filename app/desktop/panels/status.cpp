@@ -1,7 +1,71 @@
+#include <fmt/format.h>
+
 #include "app/desktop/panels.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_status(const Ui&) {}
+/// The recording and the frame that is looked at, with its gravity.
+std::string left_text(const State& state) {
+  const OpenRecording* open = state.document.current();
+  if (!open) return "no recording is open";
+  std::string text = fmt::format("{}  ·  frame {} of {}", open->path.filename().string(),
+                                 state.document.frame, open->recording->frame_count());
+  if (const Run* run = state.run()) {
+    const PreparedFrame& prepared = run->subject->prepared;
+    text += fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
+                        to_string(prepared.gravity.source));
+    if (prepared.gravity.source == GravitySource::estimate)
+      text += fmt::format(" ({:.0f} %)", 100 * prepared.gravity.confidence);
+  }
+  return text;
+}
+
+std::string right_text(const State& state) {
+  const Run* run = state.run();
+  if (!run) return "";
+  std::string text = fmt::format("{}{}  ·  {}", state.view.flash ? "A  ·  " : "",
+                                 to_string(run->segment_options.profile), run->options.classifier);
+  if (state.run_view()->score) {
+    const QuickScore& score = *state.run_view()->score;
+    text += fmt::format("  ·  {} of {} true planes found", score.detected, score.planes.size());
+  } else {
+    text += fmt::format("  ·  {} planes", run->segmentation.planes.size());
+  }
+  return text;
+}
+
+}  // namespace
+
+void draw_status(const Ui& ui) {
+  const State& state = ui.state;
+  ImGui::TextUnformatted(left_text(state).c_str());
+  const std::string right = right_text(state);
+  const float width = ImGui::CalcTextSize(right.c_str()).x;
+  const float at = ImGui::GetWindowWidth() - width - ui.px(12);
+  std::string busy;
+  if (state.results.loading) busy = "reading the frame …";
+  const int frames = static_cast<int>(state.results.strip.size());
+  if (busy.empty() && state.results.strip_done < frames && !state.view.strip_stopped)
+    busy = fmt::format("thumbnails {} of {} …", state.results.strip_done, frames);
+  const std::string& message = state.view.message.empty() ? busy : state.view.message;
+  if (!message.empty()) {
+    ImGui::SameLine(0, ui.px(24));
+    const float room = at - ImGui::GetCursorPosX() - ui.px(16);
+    ImGui::PushClipRect(ImGui::GetCursorScreenPos(),
+                        ImVec2(ImGui::GetCursorScreenPos().x + std::max(0.0f, room),
+                               ImGui::GetCursorScreenPos().y + ImGui::GetTextLineHeight() * 1.3f),
+                        true);
+    ImGui::PushStyleColor(ImGuiCol_Text,
+                          state.view.message_is_error ? ui.colors.bad : ui.colors.accent);
+    ImGui::TextUnformatted(message.c_str());
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", message.c_str());
+    ui.name("status.message");
+    ImGui::PopStyleColor();
+    ImGui::PopClipRect();
+  }
+  ImGui::SameLine(std::max(at, ui.px(8)));
+  ImGui::TextUnformatted(right.c_str());
+}
 
 }  // namespace planescope::desktop
