@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "core/explain/bins.hpp"
-#include "core/explain/judge.hpp"
 #include "core/explain/plane_list.hpp"
+#include "core/replay/truth_check.hpp"
 #include "core/segment/candidate.hpp"
 
 namespace planescope {
@@ -28,13 +28,27 @@ Histogram describe(std::string quantity,
   return h;
 }
 
+/// Each decision against ground truth.
+class Judge {
+ public:
+  explicit Judge(const Run& run) : wrong_(wrong_decisions(run)) {}
+  /// Of the event that led to the step.
+  Judgement at(std::int32_t step) const {
+    if (wrong_.empty() || step == kNever) return Judgement::unknown;
+    return wrong_[static_cast<std::size_t>(step - 1)] ? Judgement::wrong : Judgement::right;
+  }
+
+ private:
+  std::vector<std::uint8_t> wrong_;
+};
+
 /// The terms of nodes, each over the nodes where its criterion was asked.
-void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
+void append_nodes(const Run& run, const Judge& judge, std::vector<Histogram>& histograms) {
   const SegmentOptions& options = run.segment_options;
   std::vector<Sample> n_out, r_out, n_in, e_n;
   for (std::size_t i = 0; i < run.facts.size(); ++i) {
     const NodeFacts& facts = run.facts[i];
-    const Judgement judgement = judge_node(run, static_cast<std::int32_t>(i));
+    const Judgement judgement = judge.at(run.timeline.decided_at()[i]);
     n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
     r_out.push_back({facts.purity.r_out(), judgement});
     if (!is_pure(facts.purity, options)) continue;
@@ -116,15 +130,14 @@ void add_pair(const PlaneList& planes,
   if (std::isfinite(least)) samples.add(nearest, judgement);
 }
 
-void append_merges(const Run& run, std::vector<Histogram>& histograms) {
+void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& histograms) {
   const SegmentOptions& options = run.segment_options;
   MergeSamples samples;
   std::vector<Sample> distances;
   PlaneList planes(run);
-  TruthWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);
-    const Judgement judgement = walk.next();
+    const Judgement judgement = judge.at(step);
     if ((event.type == EventType::assign || event.type == EventType::drop) && event.value >= 0)
       distances.push_back({event.value, judgement});
     if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
@@ -166,9 +179,10 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
 }  // namespace
 
 std::vector<Histogram> histograms_of(const Run& run) {
+  const Judge judge(run);
   std::vector<Histogram> histograms;
-  append_nodes(run, histograms);
-  append_merges(run, histograms);
+  append_nodes(run, judge, histograms);
+  append_merges(run, judge, histograms);
   return histograms;
 }
 

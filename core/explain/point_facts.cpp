@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace planescope {
 namespace {
@@ -38,9 +39,9 @@ std::string describe_source(const Subject& subject, std::size_t source) {
 
 std::optional<Absence> absence_of(const Run& run, std::size_t source) {
   const Subject& subject = *run.subject;
-  if (source >= subject.point_of_source.size()) return Absence{"no such point", ""};
+  if (source >= subject.point_of_source.size()) return Absence{"no such point", {}};
   const std::uint32_t point = subject.point_of_source[source];
-  if (point == kNoVoxel) return Absence{"nothing was measured here", ""};
+  if (point == kNoVoxel) return Absence{"nothing was measured here", {}};
   if (subject.prepared.voxels.voxel_of[point] != kNoVoxel) return {};
   const CloudOptions& options = run.options.cloud;
   const Frame& frame = subject.frame;
@@ -49,10 +50,12 @@ std::optional<Absence> absence_of(const Run& run, std::size_t source) {
   if (range > options.max_range_m && (!frame.is_cloud() || options.range_for_clouds))
     return Absence{fmt::format("cropped: {} {:.3f} m > {:g} m (max_range_m)",
                                frame.is_cloud() ? "range" : "depth", range, options.max_range_m),
-                   fmt::format("max_range_m >= {:.3f} would keep it", range)};
+                   {fmt::format("max_range_m >= {:.3f} would keep it", range), "max_range_m",
+                    fmt::format("{:.2f}", std::ceil(range * 20) / 20)}};
   return Absence{fmt::format("cropped: outside the octree's cube of {:g} m",
                              subject.prepared.cloud.cube.edge_m),
-                 fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m)};
+                 {fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m), "cube_edge_m",
+                  fmt::format("{:g}", 2 * subject.prepared.cloud.cube.edge_m)}};
 }
 
 std::string describe_plane(const Run& run, std::int32_t id) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/replay/run.hpp"
+#include "core/explain/provenance.hpp"
 
 namespace planescope {
 
@@ -15,7 +15,7 @@ std::string describe_source(const Subject& subject, std::size_t source);
 /// Why a source is no voxel: not measured, beyond the range, outside the cube.
 struct Absence {
   std::string text;
-  std::string remedy;
+  Remedy remedy;
 };
 std::optional<Absence> absence_of(const Run& run, std::size_t source);
 

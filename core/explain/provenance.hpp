@@ -28,12 +28,17 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source);
 /// A source of the voxel: the one nearest to its mean.
 std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel);
 
+/// What would have kept a point: all empty where nothing obvious would.
+struct Remedy {
+  std::string text;           // "theta_n_in <= 4 would ask for a plane in node 77"
+  std::string option, value;  // the same as --set takes it
+};
 struct WhyNot {
   std::string answer;      // one sentence: "Lost at step 812: dropped, the nearest plane P4 is ..."
   std::int32_t step = -1;  // of the decision, -1 where it never came to the segmentation
   std::int32_t node = -1;
   std::int32_t plane = -1;
-  std::string remedy;  // "theta_n_in <= 4 would have kept node 77" or empty
+  Remedy remedy;
 };
 WhyNot why_not(const Run& run, std::size_t source);
 

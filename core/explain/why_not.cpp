@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "core/explain/check.hpp"
 #include "core/explain/explain.hpp"
-#include "core/explain/judge.hpp"
 #include "core/explain/point_facts.hpp"
 #include "core/explain/provenance.hpp"
+#include "core/replay/truth_check.hpp"
 
 namespace planescope {
 namespace {
@@ -16,9 +17,15 @@ namespace {
 /// Why a point was left over, and what would have kept it.
 struct Cause {
   std::string text;
-  std::string remedy;
+  Remedy remedy;
   bool outlier = false;  // left over to be assigned later: that this failed is what lost it
 };
+
+/// Three digits, not below the value.
+std::string rounded_up(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return fmt::format("{:.6g}", std::ceil(value / unit) * unit);
+}
 
 Cause too_few(const Run& run, std::int32_t node) {
   const std::uint32_t n_in = run.facts[node].purity.n_in;
@@ -26,7 +33,8 @@ Cause too_few(const Run& run, std::int32_t node) {
   cause.text = fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
                            run.segment_options.theta_n_in);
   if (n_in >= 3)  // what the option allows
-    cause.remedy = fmt::format("theta_n_in <= {} would ask for a plane in node {}", n_in, node);
+    cause.remedy = {fmt::format("theta_n_in <= {} would ask for a plane in node {}", n_in, node),
+                    "theta_n_in", std::to_string(n_in)};
   return cause;
 }
 
@@ -43,8 +51,9 @@ Cause at_greatest_depth(const Run& run, std::int32_t node) {
                            node, rms ? "RMS" : "e_n", number(facts.e_n, rms ? "m" : "m²"),
                            number(facts.theta_e_n, ""));
   if (!rms)
-    cause.remedy =
-        fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node);
+    cause.remedy = {
+        fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
+        "theta_e_n_m2", rounded_up(facts.e_n)};
   return cause;
 }
 
@@ -70,18 +79,19 @@ Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
   if (event.type == EventType::refine) {
     cause.text =
         plane_name(event.plane) + " was dropped (R2): larger planes explain it, or it is noise";
-    cause.remedy = "r2_explain_away = off would keep it";
+    cause.remedy = {"r2_explain_away = off would keep it", "r2_explain_away", "off"};
   } else if (event.refinement == kSplit) {
     cause.text = plane_name(event.plane) + ", split off for not touching, has too few points";
-    cause.remedy = "split_disconnected = off would keep it";
+    cause.remedy = {"split_disconnected = off would keep it", "split_disconnected", "off"};
   } else {
     cause.text = fmt::format(
         "the candidate of node {} waited (R3), found no partner, and its normal is known to "
         "{:.1f}° "
         "only",
         event.node, event.value * 180 / std::numbers::pi);
-    cause.remedy =
-        fmt::format("r3_weak_candidates = off would let node {} found a plane", event.node);
+    cause.remedy = {
+        fmt::format("r3_weak_candidates = off would let node {} found a plane", event.node),
+        "r3_weak_candidates", "off"};
   }
   return cause;
 }
@@ -110,8 +120,9 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
       const LeftoverPlane& nearest = leftover.planes.front();
       why.plane = nearest.plane;
       if (run.segment_options.leftover_rule == LeftoverRule::first)
-        why.remedy = fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
-                                 nearest.distance_m, plane_name(nearest.plane));
+        why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
+                                  nearest.distance_m, plane_name(nearest.plane)),
+                      "leftover_distance_m", rounded_up(nearest.distance_m)};
     }
     why.answer = fmt::format("Lost at step {}: {}, {}", loss.dropped, cause.text, leftover.outcome);
     return why;
@@ -123,7 +134,7 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
 
 /// The first merge that joined two true planes in what became this plane of the result; 0 if none.
 std::int32_t step_of_wrong_merge(const Run& run, std::int32_t id) {
-  TruthWalk walk(run);
+  const std::vector<std::uint8_t> wrong = wrong_decisions(run);
   const auto ends_in = [&](std::int32_t plane) {
     const PlaneChange* last = run.timeline.plane_at(plane, run.steps());
     while (!last->alive && last->into >= 0) {
@@ -133,9 +144,8 @@ std::int32_t step_of_wrong_merge(const Run& run, std::int32_t id) {
     return run.timeline.result_of_plane(plane);
   };
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const Judgement judgement = walk.next();
     const TraceEvent& event = *run.event_at(step);
-    if (judgement == Judgement::wrong && event.type == EventType::merge &&
+    if (wrong[static_cast<std::size_t>(step - 1)] && event.type == EventType::merge &&
         ends_in(event.plane) == id)
       return step;
   }
@@ -166,8 +176,9 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.node = run.event_at(merge)->node;
   why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
   if (!run.segment_options.r1_merge_by_distance)
-    why.remedy = fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
-                             run.event_at(merge)->value, why.node);
+    why.remedy = {fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
+                              run.event_at(merge)->value, why.node),
+                  "merge_offset_m", fmt::format("{:.2g}", 0.95 * run.event_at(merge)->value)};
   return why;
 }
 

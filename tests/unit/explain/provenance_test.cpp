@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/pipeline/options_table.hpp"
 #include "runs.hpp"
 
 namespace planescope {
@@ -55,6 +56,10 @@ TEST(Provenance, OneDecisionIsToBlameAndStandsInTheLife) {
               1)
         << why.answer;
     EXPECT_EQ(why.answer.rfind("Lost", 0) == 0, run.segmentation.plane_of[i] == 0) << why.answer;
+    PipelineOptions options = run.options;
+    if (!why.remedy.option.empty()) {
+      EXPECT_NO_THROW(set_option(options, why.remedy.option, why.remedy.value));
+    }
   });
 }
 
@@ -76,11 +81,11 @@ TEST(Provenance, ARemedyKeepsWhatItPromises) {
   int tried = 0;
   for (std::size_t i = 0; i < run->subject->voxel_count() && tried < 5; ++i) {
     const WhyNot why = why_not(*run, i);
-    if (why.remedy.rfind("theta_n_in", 0) != 0) continue;
+    if (why.remedy.option != "theta_n_in") continue;
     PipelineOptions options = run->options;
-    options.segment.theta_n_in = std::stoi(why.remedy.substr(std::string("theta_n_in <= ").size()));
+    set_option(options, why.remedy.option, why.remedy.value);
     const auto changed = make_run(run->subject, options);
-    EXPECT_NE(changed->octree().nodes[why.node].decided, Case::II) << why.remedy;
+    EXPECT_NE(changed->octree().nodes[why.node].decided, Case::II) << why.remedy.text;
     ++tried;
   }
   EXPECT_GT(tried, 0);
@@ -97,7 +102,7 @@ TEST(Provenance, APointInTheWrongPlaneNamesTheMergeThatFusedTheTwo) {
     if (why.answer.find("were fused") == std::string::npos) continue;
     ASSERT_NE(run->event_at(why.step), nullptr);
     EXPECT_EQ(run->event_at(why.step)->type, EventType::merge);
-    EXPECT_NE(why.remedy.find("merge_offset_m"), std::string::npos);
+    EXPECT_EQ(why.remedy.option, "merge_offset_m");
     ++fused;
   }
   EXPECT_GT(fused, 0);
