@@ -26,9 +26,20 @@ struct UiColors {
   ImU32 text, muted, accent, good, bad, warning, grid, panel;
 };
 
+/// A filter being typed (filter_box.hpp).
+struct FilterBoxMemory {
+  std::string text;     // follows the state until it is edited
+  std::string applied;  // what of the state it follows
+  int cursor = 0;
+  int place_cursor = -1;  // where to put it once the box has the keyboard again
+  int chosen = 0;         // of the completions
+  bool take_keyboard = false, popup_hovered = false;
+};
+
 /// Text being typed and such: what lives in panels only.
 struct PanelMemory {
-  std::string filter_text;  // follows view.search.text until it is edited
+  std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
+  std::map<std::int32_t, bool> octree_open;             // nodes that the user opened or closed
   std::string palette_text;
   int palette_index = 0;
   std::string note_text;
