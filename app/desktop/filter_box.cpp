@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kShownCompletions = 9;
 
+bool has_problem(const FilterBox& box) { return box.problem && !box.problem->message.empty(); }
+
 /// Nothing where the word is whole and nothing else begins with it.
 std::vector<Completion> completions_at(const std::string& text, int cursor) {
   std::vector<Completion> all = complete_filter(text, static_cast<std::size_t>(cursor));
@@ -103,9 +105,15 @@ void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
   const float line = ImGui::GetTextLineHeightWithSpacing();
   const float height =
       static_cast<float>(rows) * line + 2 * ImGui::GetStyle().WindowPadding.y - ui.px(2);
-  const bool above = max.y + height > ImGui::GetIO().DisplaySize.y;
-  ImGui::SetNextWindowPos(ImVec2(min.x, above ? min.y - height - ui.px(2) : max.y + ui.px(2)));
-  ImGui::SetNextWindowSize(ImVec2(ui.px(430), height));
+  const bool above = max.y + line + height > ImGui::GetIO().DisplaySize.y;
+  const float below = max.y + (has_problem(box) ? line : 0) + ui.px(2);  // what is wrong stays read
+  float widest = 0;
+  for (const Completion& completion : all)
+    widest = std::max(widest, ImGui::CalcTextSize(completion.meaning.c_str()).x);
+  const float width = std::min(ui.px(175) + widest, ImGui::GetIO().DisplaySize.x);
+  const float left = std::min(min.x, ImGui::GetIO().DisplaySize.x - width);
+  ImGui::SetNextWindowPos(ImVec2(left, above ? min.y - height - ui.px(2) : below));
+  ImGui::SetNextWindowSize(ImVec2(width, height));
   ImGui::Begin(("##completions." + box.widget).c_str(), nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
@@ -135,21 +143,24 @@ void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
 
 void draw_filter_box(const Ui& ui, const FilterBox& box, float width) {
   FilterBoxMemory& memory = ui.memory.filter_boxes[box.widget];
-  if (memory.applied != box.text) memory.text = memory.applied = box.text;
+  const std::string label = "##" + box.widget;
+  if (memory.applied != box.text) {
+    memory.text = memory.applied = box.text;
+    if (ImGui::GetActiveID() == ImGui::GetID(label.c_str())) ImGui::ClearActiveID();
+  }
   if (ui.state.view.focus == box.widget || memory.take_keyboard) ImGui::SetKeyboardFocusHere();
   memory.take_keyboard = false;
   ImGui::SetNextItemWidth(width);
-  const bool edited = ImGui::InputTextWithHint(
-      ("##" + box.widget).c_str(), box.hint.c_str(), &memory.text,
-      ImGuiInputTextFlags_CallbackAlways | ImGuiInputTextFlags_CallbackCompletion |
-          ImGuiInputTextFlags_CallbackHistory,
-      on_input, &memory);
+  const bool edited = ImGui::InputTextWithHint(label.c_str(), box.hint.c_str(), &memory.text,
+                                               ImGuiInputTextFlags_CallbackAlways |
+                                                   ImGuiInputTextFlags_CallbackCompletion |
+                                                   ImGuiInputTextFlags_CallbackHistory,
+                                               on_input, &memory);
   ui.name(box.widget);
   const bool active = ImGui::IsItemActive();
   const bool entered =
       ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
-  if (box.problem && !box.problem->message.empty() && memory.text == box.text)
-    underline(ui, memory, *box.problem);
+  if (has_problem(box) && memory.text == box.text) underline(ui, memory, *box.problem);
   if (edited) {
     memory.applied = memory.text;
     ui.emit(box.action, memory.text);

@@ -100,6 +100,9 @@ bool starts_with(std::string_view name, std::string_view typed) {
 
 std::vector<Completion> complete_filter(const std::string& text, std::size_t cursor) {
   const Place place = place_at(text, std::min(cursor, text.size()));
+  const bool in_number = !place.before.empty() && place.before.back().end == cursor &&
+                         place.before.back().kind == FilterToken::number;
+  if (in_number) return {};
   const bool value = wants_value(place.before);
   const Choices choices = value ? values_of(wanted_type(place.before)) : signs_after(place.before);
   std::vector<Completion> completions;

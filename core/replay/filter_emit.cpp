@@ -25,6 +25,8 @@ std::string meant_by(std::string_view name) {
   std::vector<std::string> names;
   for (const FilterField& field : filter_fields()) names.push_back(field.name);
   for (const FilterValue& value : filter_values()) names.push_back(value.name);
+  for (const std::string& known : names)  // still being typed
+    if (name.size() > 1 && known.starts_with(name)) return known;
   return nearest_name(name, names);
 }
 

@@ -38,10 +38,10 @@ std::string sign_of(const TraceEvent& event) {
 
 bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
 
-/// 12 345, with thin spaces.
+/// 12 345
 std::string thousands(std::size_t number) {
   if (number < 1000) return std::to_string(number);
-  return fmt::format("{}\u2009{:03}", thousands(number / 1000), number % 1000);
+  return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
 }
 
 /// One line: what is wrong with the filter, or how much it finds.

@@ -46,6 +46,10 @@ TEST(FilterCompletion, OffersSignsBehindAValue) {
   EXPECT_EQ(at_end("visit "), (std::vector<std::string>{"&&", "||"}));
 }
 
+TEST(FilterCompletion, KeepsOutOfTheWayOfANumberBeingTyped) {
+  EXPECT_TRUE(at_end("depth>3").empty());
+}
+
 TEST(FilterCompletion, ReplacesTheWholeWordThatTheCursorIsIn) {
   const auto completions = complete_filter("visit && dexx>3", 11);
   ASSERT_FALSE(completions.empty());
