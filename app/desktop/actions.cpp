@@ -87,6 +87,11 @@ void say(State& state, std::string message, bool is_error) {
   state.view.message_is_error = is_error;
 }
 
+namespace {
+/// The root; -1 where a frame without points has none.
+std::int32_t root_of(const Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
+}  // namespace
+
 void go_to_step(State& state, std::int32_t step) {
   const Run* run = state.run();
   if (!run) return;
@@ -100,7 +105,7 @@ void go_to_step(State& state, std::int32_t step) {
     if (selected.node < 0 && event->point >= 0)
       selected.node = run->timeline.node_of_point(event->point, state.view.step);
   } else {
-    selected.node = 0;
+    selected.node = root_of(*run);
   }
   state.view.selected = selected;
 }
@@ -119,7 +124,7 @@ void follow_run(State& state, const Run& before) {
   state.view.step = at_end ? now->steps() : same_step(before, state.view.step, *now);
   selected.plane = -1;
   if (selected.node >= 0) selected.node = same_node(before, selected.node, *now);
-  if (selected.node < 0) selected.node = 0;
+  if (selected.node < 0) selected.node = root_of(*now);
   if (selected.voxel >= 0 && now->subject != before.subject) {
     const std::size_t source =
         selected.source >= 0

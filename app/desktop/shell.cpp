@@ -227,7 +227,9 @@ void Shell::draw(int width, int height) {
         .small = small_,
         .bold = bold_,
         .timing = timing};
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  // Below this nothing could be read: what does not fit is cut off, not squeezed.
+  const float w = std::max(static_cast<float>(width), ui.px(640));
+  const float h = std::max(static_cast<float>(height), ui.px(400));
   const Layout& layout = state_.view.layout;
   if (ImGui::BeginMainMenuBar()) {
     draw_menu(ui);

@@ -125,7 +125,7 @@ void draw_partner(const Ui& ui, const PartnerReport& partner, std::int32_t resul
 
 void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
   const MergeReport report = explain_merge(run, step);
-  if (report.step == 0) return;
+  if (report.partners.empty() && report.outcome.empty()) return;
   ImGui::Separator();
   ImGui::PushFont(ui.bold);
   ImGui::TextUnformatted("Merging");
@@ -144,7 +144,7 @@ void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
 
 void draw_leftover(const Ui& ui, const Run& run, std::int32_t step) {
   const LeftoverReport report = explain_leftover(run, step);
-  if (report.step == 0) return;
+  if (report.point < 0) return;
   ImGui::PushFont(ui.bold);
   ImGui::Text("Leftover point %d", report.point);
   ImGui::PopFont();

@@ -1,0 +1,264 @@
+// Actions as pure functions of the state.
+
+#include <set>
+
+#include "app/desktop/camera.hpp"
+#include "app/desktop/input.hpp"
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+#include "core/pipeline/options_table.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+const TraceEvent& event_of(const State& state) { return *state.event(); }
+
+TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
+  std::set<std::string> names, keys;
+  for (const Action& action : action_table()) {
+    EXPECT_TRUE(names.insert(action.name).second) << action.name;
+    EXPECT_FALSE(action.title.empty()) << action.name;
+    if (action.takes.empty() && action.name != "option.drop") {
+      EXPECT_FALSE(action.menu.empty()) << action.name;
+    }
+    if (action.keys.empty()) continue;
+    for (const std::string& key : split(action.keys, ' ')) {
+      EXPECT_TRUE(keys.insert(key).second) << key << " of " << action.name;
+      EXPECT_EQ(action_of_key(key), &action);
+      std::string last = key;
+      for (const std::string modifier : {"Ctrl+", "Shift+", "Alt+"})
+        if (last.starts_with(modifier)) last = last.substr(modifier.size());
+      EXPECT_TRUE(key_of_name(last)) << key;
+    }
+  }
+}
+
+TEST(Actions, ThatAreUnknownNameTheNearest) {
+  State state;
+  try {
+    apply(state, {"step.nxt", ""});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("step.next"), std::string::npos);
+  }
+}
+
+TEST(Actions, NeverCrashWhereNothingIsOpen) {
+  for (const Action& action : action_table())
+    for (const std::string argument : {"", "0", "-1", "nonsense", "1,2,3,4,5,6", "a=b"}) {
+      State state;
+      try {
+        apply(state, {action.name, argument});
+      } catch (const Error&) {
+      }
+    }
+}
+
+TEST(Actions, TakeAnyArgumentOnAnOpenFrameWithoutACrash) {
+  const State fresh = run_state();
+  for (const Action& action : action_table()) {
+    if (action.name == "session.save") continue;
+    for (const std::string argument :
+         {"", "0", "1", "-1", "99999999", "x", "1,2", "1,2,3,4", "=", "P1"}) {
+      State state = fresh;
+      try {
+        apply(state, {action.name, argument});
+      } catch (const Error&) {
+      }
+    }
+  }
+}
+
+TEST(Stepping, GoesForwardsAndBackAndStopsAtTheEnds) {
+  State state = run_state();
+  apply(state, {"step.previous", ""});
+  EXPECT_EQ(state.view.step, 0);
+  apply(state, {"step.next", ""});
+  EXPECT_EQ(state.view.step, 1);
+  EXPECT_EQ(event_of(state).type, EventType::visit);
+  EXPECT_EQ(state.view.selected.node, 0);
+  apply(state, {"step.last", ""});
+  EXPECT_EQ(state.view.step, state.run()->steps());
+  apply(state, {"step.next", ""});
+  EXPECT_EQ(state.view.step, state.run()->steps());
+  apply(state, {"step.first", ""});
+  EXPECT_EQ(state.view.step, 0);
+}
+
+TEST(Stepping, ToTheNextNodeOfThisCaseVisitsThemAllAndComesBack) {
+  State state = run_state();
+  apply(state, {"step.goto", "2"});  // the root's decision
+  const auto wanted = event_of(state).node_case;
+  std::vector<int> forwards = {state.view.step};
+  for (int before = -1; before != state.view.step;) {
+    before = state.view.step;
+    apply(state, {"step.next_case", ""});
+    if (state.view.step != before) forwards.push_back(state.view.step);
+  }
+  int count = 0;
+  for (const TraceEvent& event : state.run()->trace.events)
+    count += event.type == EventType::decide && event.node_case == wanted ? 1 : 0;
+  EXPECT_EQ(static_cast<int>(forwards.size()), count);
+  std::vector<int> back = {state.view.step};
+  for (int before = -1; before != state.view.step;) {
+    before = state.view.step;
+    apply(state, {"step.previous_case", ""});
+    if (state.view.step != before) back.push_back(state.view.step);
+  }
+  std::reverse(back.begin(), back.end());
+  EXPECT_EQ(forwards, back);
+}
+
+TEST(Searching, NextAndPreviousMatchWalkTheMatches) {
+  State state = run_state();
+  apply(state, {"filter.set", "case==IV && depth>=3"});
+  ASSERT_GT(state.view.search.matches.size(), 2u);
+  apply(state, {"filter.next", ""});
+  EXPECT_EQ(state.view.step, state.view.search.matches[0]);
+  apply(state, {"filter.next", ""});
+  EXPECT_EQ(state.view.step, state.view.search.matches[1]);
+  apply(state, {"filter.previous", ""});
+  EXPECT_EQ(state.view.step, state.view.search.matches[0]);
+  EXPECT_EQ(event_of(state).node_case, 4);
+}
+
+TEST(Searching, AWrongFilterSaysWhereAndFindsNothing) {
+  State state = run_state();
+  apply(state, {"filter.set", "depth >= "});
+  EXPECT_FALSE(state.view.search.problem.message.empty());
+  EXPECT_TRUE(state.view.search.matches.empty());
+}
+
+TEST(Breakpoints, StopARunInBothDirections) {
+  State state = run_state();
+  apply(state, {"break.on", "case==IV"});
+  apply(state, {"run.forward", ""});
+  const int first = state.view.step;
+  EXPECT_EQ(event_of(state).node_case, 4);
+  apply(state, {"run.forward", ""});
+  EXPECT_GT(state.view.step, first);
+  apply(state, {"run.back", ""});
+  EXPECT_EQ(state.view.step, first);
+  apply(state, {"break.enable", "0"});
+  apply(state, {"run.forward", ""});
+  EXPECT_EQ(state.view.step, state.run()->steps());
+}
+
+TEST(Breakpoints, OnANodeStopWhereItIsDecidedAndF9TakesThemOff) {
+  State state = run_state();
+  apply(state, {"select.node", "3"});
+  apply(state, {"break.node", ""});
+  apply(state, {"run.forward", ""});
+  EXPECT_EQ(event_of(state).node, 3);
+  apply(state, {"break.node", ""});
+  EXPECT_TRUE(state.document.breakpoints.empty());
+}
+
+TEST(Options, AreUndoneGestureByGesture) {
+  State state = run_state();
+  const int before = state.document.options.segment.theta_n_out;
+  for (const char* value : {"6", "7", "8", "9"})
+    apply(state, {"option.drag", std::string("theta_n_out=") + value});
+  apply(state, {"option.drop", ""});
+  apply(state, {"option.drag", "theta_n_out=12"});
+  apply(state, {"option.drop", ""});
+  EXPECT_EQ(state.undo.size(), 2u);
+  apply(state, {"option.undo", ""});
+  EXPECT_EQ(state.document.options.segment.theta_n_out, 9);
+  apply(state, {"option.undo", ""});
+  EXPECT_EQ(state.document.options.segment.theta_n_out, before);
+  apply(state, {"option.redo", ""});
+  EXPECT_EQ(state.document.options.segment.theta_n_out, 9);
+}
+
+TEST(Options, ThatAreOutOfRangeChangeNothing) {
+  State state = run_state();
+  EXPECT_THROW(apply(state, {"option.set", "theta_coplane=7"}), Error);
+  EXPECT_THROW(apply(state, {"option.set", "theta_coplan=0.7"}), Error);
+  EXPECT_TRUE(state.undo.empty());
+  EXPECT_EQ(state.document.options.segment.theta_coplane, 0.85);
+}
+
+TEST(Options, ResetToTheDefaultOfTheirProfile) {
+  State state = run_state();
+  apply(state, {"option.set", "leftover_distance_m=0.02"});
+  apply(state, {"option.reset", "leftover_distance_m"});
+  EXPECT_EQ(state.document.options.segment.leftover_distance_m, 0.005);
+}
+
+TEST(Selecting, APixelFindsItsVoxelAndItsNode) {
+  State state = run_state();
+  apply(state, {"step.last", ""});
+  const Image16& depth = state.run()->subject->frame.depth;
+  apply(state, {"select.pixel",
+                std::to_string(depth.width / 2) + "," + std::to_string(depth.height * 3 / 4)});
+  ASSERT_GE(state.view.selected.voxel, 0);
+  EXPECT_EQ(state.view.selected.node,
+            state.run()->timeline.path_of_point(state.view.selected.voxel).back());
+  apply(state, {"point.life", ""});
+  EXPECT_EQ(state.view.inspector_tab, "point");
+}
+
+TEST(Marking, GathersTheVoxelsOfARectangle) {
+  State state = run_state();
+  apply(state, {"mark.pixels", "300,300,340,340"});
+  const std::size_t some = state.document.marked.size();
+  EXPECT_GT(some, 3u);
+  apply(state, {"mark.pixels", "300,300,340,340"});
+  EXPECT_EQ(state.document.marked.size(), some);
+  apply(state, {"mark.clear", ""});
+  EXPECT_TRUE(state.document.marked.empty());
+}
+
+TEST(Bookmarks, BringBackStepSelectionAndFilter) {
+  State state = run_state();
+  apply(state, {"filter.set", "merge"});
+  apply(state, {"filter.next", ""});
+  apply(state, {"bookmark.add", "here"});
+  const int step = state.view.step, node = state.view.selected.node;
+  apply(state, {"filter.clear", ""});
+  apply(state, {"step.first", ""});
+  apply(state, {"bookmark.go", "here"});
+  EXPECT_EQ(state.view.step, step);
+  EXPECT_EQ(state.view.selected.node, node);
+  EXPECT_EQ(state.view.search.text, "merge");
+}
+
+TEST(Flashing, ShowsAAndKeepsTheNode) {
+  State state = run_state();
+  apply(state, {"step.goto", "40"});
+  apply(state, {"run.pin", ""});
+  PipelineOptions other = state.document.options;
+  set_option(other, "theta_n_out", "12");
+  auto view = std::make_shared<RunView>();
+  view->run = make_run(state.results.pinned->run->subject, other);
+  const auto before = state.results.current;
+  state.results.current = view;
+  follow_run(state, *before->run);
+  const int node = state.view.selected.node;
+  apply(state, {"run.flash", ""});
+  EXPECT_EQ(state.run(), state.results.pinned->run.get());
+  EXPECT_EQ(state.view.selected.node, node);
+  apply(state, {"run.flash", ""});
+  EXPECT_EQ(state.run(), view->run.get());
+}
+
+TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
+  EXPECT_EQ(matching_actions("next match").front()->name, "filter.next");
+  EXPECT_EQ(matching_actions("look above").front()->name, "camera.top");
+  EXPECT_TRUE(matching_actions("qqqqzz").empty());
+  EXPECT_EQ(matching_actions("").size(), action_table().size());
+}
+
+TEST(Camera, OrbitsAtTheSameDistanceAndNeverTurnsOver) {
+  Camera camera;
+  camera.eye = Vec3d(-2, 0, 1);
+  for (int i = 0; i < 40; ++i) camera = orbited(camera, 13, 7);
+  EXPECT_NEAR((camera.eye - camera.target).norm(), std::sqrt(5.0), 1e-9);
+  EXPECT_GT(camera.up.z(), 0.9);
+  EXPECT_NEAR((zoomed(camera, 2).eye - camera.target).norm(), std::sqrt(5.0) / 2, 1e-9);
+}
+
+}  // namespace
+}  // namespace planescope::desktop

@@ -1,0 +1,71 @@
+#pragma once
+
+// A desktop on the sample recording: its state alone, or the whole shell with no window.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "app/desktop/actions.hpp"
+#include "app/desktop/script.hpp"
+#include "app/desktop/shell.hpp"
+#include "core/labels/label_files.hpp"
+
+namespace planescope::desktop {
+
+inline std::filesystem::path sample_path() {
+  return std::filesystem::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
+}
+
+/// The sample is open; nothing has been run yet.
+inline State open_state(Profile profile = Profile::paper) {
+  State state;
+  state.document.options.segment = profile_options(profile);
+  state.document.options.classifier = "pca";  // quicker than the network where a sanitizer looks
+  state.document.recordings.push_back(
+      {sample_path(), open_recording(sample_path(), {}), default_label_dir(sample_path())});
+  state.document.recording = 0;
+  return state;
+}
+
+/// Everything jobs would hand in for the frame, made at once.
+inline State run_state(Profile profile = Profile::paper) {
+  State state = open_state(profile);
+  const Recording& recording = *state.document.current()->recording;
+  Frame frame = recording.frame(0);
+  auto truth = frame_truth(frame, state.document.current()->label_dir, recording.frame_hash(0));
+  const auto classifier = make_pca_classifier();
+  auto view = std::make_shared<RunView>();
+  view->run = make_run(
+      make_subject(std::move(frame), std::move(truth), state.document.options, classifier.get()),
+      state.document.options);
+  view->score = quick_score(view->run->segmentation.plane_of, view->run->subject->voxel_truth);
+  state.results.current = view;
+  state.view.step = 0;
+  return state;
+}
+
+/// Draws nowhere.
+class NoStage : public Stage {
+ public:
+  NoStage(Shell& shell, int width = 1440, int height = 900)
+      : shell_(shell), width_(width), height_(height) {}
+  void draw_frame() override { shell_.frame(width_, height_, 1, 1.0 / 60); }
+  void screenshot(const std::filesystem::path&) override {}
+
+ private:
+  Shell& shell_;
+  int width_, height_;
+};
+
+inline std::filesystem::path scratch_dir() {
+  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path dir = std::filesystem::path(testing::TempDir()) / "planescope_ui" /
+                                    (std::string(test->test_suite_name()) + "." + test->name());
+  std::filesystem::remove_all(dir);
+  std::filesystem::create_directories(dir);
+  return dir;
+}
+
+}  // namespace planescope::desktop

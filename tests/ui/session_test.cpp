@@ -1,0 +1,140 @@
+#include "app/desktop/session.hpp"
+
+#include <fstream>
+
+#include "app/desktop/settings.hpp"
+#include "core/base/error.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string refusal(State state, const std::string& where) {
+  const int step = state.view.step;
+  const auto recordings = state.document.recordings.size();
+  try {
+    open_session(state, where);
+  } catch (const Error& error) {
+    EXPECT_EQ(state.view.step, step);
+    EXPECT_EQ(state.document.recordings.size(), recordings);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Session, BringsBackTheViewOnAnotherMachine) {
+  const fs::path dir = scratch_dir();
+  fs::create_directories(dir / "here");
+  fs::create_directories(dir / "there");
+  fs::copy(sample_path(), dir / "here" / "sample", fs::copy_options::recursive);
+  State state = run_state();
+  state.document.recordings[0].path = dir / "here" / "sample";
+  apply(state, {"option.set", "theta_n_out=7"});
+  apply(state, {"filter.set", "case==III"});
+  apply(state, {"filter.next", ""});
+  apply(state, {"break.on", "merge && offset>0.02"});
+  apply(state, {"camera.set", "1,2,3,0,0,0"});
+  apply(state, {"bookmark.add", "lost tread"});
+  apply(state, {"bookmark.note", "0 why here"});
+  apply(state, {"color.planes", ""});
+  save_session(state, dir / "here" / "s.json");
+
+  fs::rename(dir / "here" / "sample", dir / "there" / "sample");
+  fs::rename(dir / "here" / "s.json", dir / "there" / "s.json");
+  State other;
+  open_session(other, (dir / "there" / "s.json").string());
+  EXPECT_EQ(other.document.options.segment.theta_n_out, 7);
+  EXPECT_EQ(other.document.options.segment.profile, Profile::paper);
+  EXPECT_EQ(other.document.breakpoints.at(0).filter, "merge && offset>0.02");
+  EXPECT_EQ(other.document.bookmarks.at(0).note, "why here");
+  EXPECT_EQ(other.view.search.text, "case==III");
+  EXPECT_EQ(other.view.color_by, ColorBy::planes);
+  ASSERT_TRUE(other.view.arrival);
+  EXPECT_EQ(other.view.arrival->step, state.view.step);
+  EXPECT_EQ(other.view.camera->eye, Vec3d(1, 2, 3));
+
+  State at_bookmark;
+  open_session(at_bookmark, (dir / "there" / "s.json").string() + "#lost tread");
+  EXPECT_EQ(at_bookmark.view.arrival->name, "lost tread");
+  EXPECT_NE(refusal(run_state(), (dir / "there" / "s.json").string() + "#none").find("none"),
+            std::string::npos);
+}
+
+TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
+  const fs::path dir = scratch_dir();
+  const State state = run_state();
+  save_session(state, dir / "good.json");
+  const std::string good = text_of(dir / "good.json");
+  const auto bad = [&](const std::string& text) {
+    write(dir / "bad.json", text);
+    const std::string message = refusal(state, (dir / "bad.json").string());
+    EXPECT_NE(message.find("bad.json"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  };
+  bad("");
+  bad("{");
+  bad("[1, 2]");
+  bad(R"({"schema": "something else"})");
+  bad(good.substr(0, good.size() / 2));
+  std::string no_cursor = good;
+  no_cursor.replace(no_cursor.find("\"cursor\""), 8, "\"curser\"");
+  bad(no_cursor);
+  EXPECT_NE(refusal(state, (dir / "absent.json").string()), "");
+}
+
+TEST(Session, OfAnotherRecordingIsRefused) {
+  const fs::path dir = scratch_dir();
+  const State state = run_state();
+  save_session(state, dir / "s.json");
+  std::string text = text_of(dir / "s.json");
+  const std::size_t at = text.find("frame_sha256\": \"") + 16;
+  text[at] = text[at] == '0' ? '1' : '0';
+  write(dir / "s.json", text);
+  EXPECT_NE(refusal(state, (dir / "s.json").string()).find("another recording"), std::string::npos);
+  const std::size_t path = text.find("\"path\": \"") + 9;
+  text.replace(path, text.find('"', path) - path, "nowhere/at/all");
+  write(dir / "s.json", text);
+  EXPECT_NE(refusal(state, (dir / "s.json").string()).find("nowhere/at/all"), std::string::npos);
+}
+
+TEST(Session, ThatCannotBeWrittenLosesNothing) {
+  const fs::path dir = scratch_dir();
+  const State state = run_state();
+  EXPECT_THROW(save_session(state, dir / "no" / "such" / "folder.json"), Error);
+  save_session(state, dir / "s.json");
+  const std::string before = text_of(dir / "s.json");
+  fs::create_directory(dir / "s.json.part");  // the place to stage it is taken
+  EXPECT_THROW(save_session(state, dir / "s.json"), Error);
+  EXPECT_EQ(text_of(dir / "s.json"), before);
+}
+
+TEST(Settings, SurviveDamageAndComeBackAsTheyWere) {
+  const fs::path dir = scratch_dir();
+  setenv("XDG_STATE_HOME", dir.c_str(), 1);
+  EXPECT_EQ(load_settings().width, Settings{}.width);
+  Settings settings;
+  settings.width = 1111;
+  settings.last_recording = sample_path();
+  settings.view.theme = Theme::light;
+  settings.view.layout.left = 0.2;
+  save_settings(settings);
+  const Settings back = load_settings();
+  EXPECT_EQ(back.width, 1111);
+  EXPECT_EQ(back.last_recording, sample_path());
+  EXPECT_EQ(back.view.theme, Theme::light);
+  EXPECT_EQ(back.view.layout.left, 0.2);
+  write(settings_path(), "{\"schema\": 12");
+  EXPECT_EQ(load_settings().width, Settings{}.width);
+  unsetenv("XDG_STATE_HOME");
+}
+
+}  // namespace
+}  // namespace planescope::desktop

@@ -1,0 +1,117 @@
+// What must not bring the window down.
+
+#include <fstream>
+
+#include "core/base/error.hpp"
+#include "core/image/png.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+
+State state_of(const fs::path& path) {
+  State state = open_state();
+  state.document.recordings = {{path, open_recording(path, {}), default_label_dir(path)}};
+  return state;
+}
+
+/// Every panel once, with the cursor at both ends and in the middle.
+void look_around(Shell& shell) {
+  NoStage stage(shell);
+  settle(shell, stage, {});
+  for (const char* tab : {"inspector", "point", "bookmarks"})
+    for (const char* tool : {"criteria", "histograms", "compare", "fix"})
+      for (const char* step : {"step.first", "step.next", "step.last"}) {
+        shell.perform({"tab.inspector", tab});
+        shell.perform({"tab.tool", tool});
+        shell.perform({step, ""});
+        settle(shell, stage, {});
+      }
+}
+
+fs::path depth_folder(const fs::path& dir, std::uint16_t value) {
+  fs::create_directories(dir / "depth");
+  Image16 depth(64, 48);
+  std::fill(depth.data.begin(), depth.data.end(), value);
+  write_png(dir / "depth" / "000000.png", depth);
+  std::ofstream(dir / "planescope.json")
+      << R"({"schema": "planescope.recording/1", "depth_unit_m": 0.001, "gravity": [0, 1, 0],
+             "intrinsics": {"width": 64, "height": 48, "fx": 60, "fy": 60, "cx": 32, "cy": 24}})";
+  return dir;
+}
+
+TEST(Survival, AFrameWithNoValidDepthShowsItself) {
+  Shell shell(state_of(depth_folder(scratch_dir(), 0)), nullptr, [] {});
+  look_around(shell);
+  ASSERT_TRUE(shell.state().run() || !shell.state().results.refusal.empty());
+  if (shell.state().run()) {
+    EXPECT_EQ(shell.state().run()->subject->voxel_count(), 0u);
+  }
+}
+
+TEST(Survival, AFrameWithoutPlanesShowsItself) {
+  State state = state_of(depth_folder(scratch_dir(), 1200));
+  apply(state, {"option.set", "theta_n_in=100000"});
+  Shell shell(std::move(state), nullptr, [] {});
+  look_around(shell);
+  ASSERT_TRUE(shell.state().run());
+  EXPECT_EQ(shell.state().run()->segmentation.planes.size(), 0u);
+}
+
+TEST(Survival, ARecordingThatDisappearsIsSaidSo) {
+  const fs::path dir = scratch_dir() / "gone";
+  fs::copy(sample_path(), dir, fs::copy_options::recursive);
+  Shell shell(state_of(dir), nullptr, [] {});
+  NoStage stage(shell);
+  settle(shell, stage, {});
+  ASSERT_TRUE(shell.state().run());
+  fs::remove_all(dir);
+  shell.perform({"frame.next", ""});
+  settle(shell, stage, {});
+  EXPECT_NE(shell.state().results.refusal.find("gone"), std::string::npos)
+      << shell.state().results.refusal;
+  look_around(shell);
+}
+
+TEST(Survival, ClosingWhileAJobRunsWaitsForNothing) {
+  for (int frames : {0, 1, 3}) {
+    Shell shell(open_state(), nullptr, [] {});
+    for (int i = 0; i < frames; ++i) shell.frame(800, 600, 1, 0.01);
+  }
+}
+
+TEST(Survival, TwoHundredThousandPointsInOneVoxelCubeOnATwoMillimetreGrid) {
+  const fs::path path = scratch_dir() / "dense.ply";
+  PointSet set;
+  std::uint32_t random = 1;
+  const auto next = [&] {
+    random = random * 1664525u + 1013904223u;
+    return static_cast<float>(random >> 8) / static_cast<float>(1u << 24);
+  };
+  for (int i = 0; i < 200000; ++i)
+    set.points.push_back(Vec3f(1 + 0.02f * next(), 0.02f * next(), 0.02f * next()));
+  write_ply(path, set);
+  State state = state_of(path);
+  apply(state, {"option.set", "voxel_size_m=0.002"});
+  Shell shell(std::move(state), nullptr, [] {});
+  NoStage stage(shell);
+  settle(shell, stage, {});
+  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
+  EXPECT_LE(shell.state().run()->subject->voxel_count(), 1331u);
+  look_around(shell);
+}
+
+TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
+  Shell shell(open_state(), nullptr, [] {});
+  NoStage stage(shell);
+  settle(shell, stage, {});
+  for (const auto& [width, height] : {std::pair{320, 200}, {640, 400}, {7680, 4320}, {1, 1}})
+    for (const float scale : {1.0f, 2.0f})
+      for (int i = 0; i < 2; ++i) shell.frame(width, height, scale, 0.01);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
