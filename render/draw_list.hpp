@@ -67,6 +67,7 @@ struct DrawLabel {  // text at a place in the world, always on top
   Rgba color;
   float size_px = 14;
   bool centered = true;
+  bool dispensable = false;  // left out where it would stand on another label
   bool operator==(const DrawLabel&) const = default;
 };
 

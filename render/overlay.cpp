@@ -215,12 +215,37 @@ void add_scale_bar(const Pen& pen, const View& view, double right, double bottom
        .halo_px = pen.px(1.8)});
 }
 
+struct PlacedLabel {
+  double depth_m = 0;
+  double width = 0;
+  bool dispensable = false;
+  OverlayText text;
+
+  bool overlaps(const PlacedLabel& other) const {
+    const double apart_x =
+        std::max(text.x - (other.text.x + other.width), other.text.x - (text.x + width));
+    const double apart_y = std::abs(text.baseline - other.text.baseline) -
+                           0.9 * std::max(text.size_px, other.text.size_px);
+    return apart_x < 0 && apart_y < 0;
+  }
+};
+
+// Those that must stay first, then the nearest.
+void drop_overlapping(std::vector<PlacedLabel>& labels) {
+  std::stable_sort(labels.begin(), labels.end(), [](const PlacedLabel& a, const PlacedLabel& b) {
+    return a.dispensable != b.dispensable ? b.dispensable : a.depth_m < b.depth_m;
+  });
+  std::vector<PlacedLabel> kept;
+  for (PlacedLabel& label : labels) {
+    const auto covers = [&](const PlacedLabel& other) { return label.overlaps(other); };
+    if (label.dispensable && std::any_of(kept.begin(), kept.end(), covers)) continue;
+    kept.push_back(std::move(label));
+  }
+  labels = std::move(kept);
+}
+
 void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
-  struct Placed {
-    double depth_m = 0;
-    OverlayText text;
-  };
-  std::vector<Placed> placed;
+  std::vector<PlacedLabel> placed;
   for (const DrawLabel& label : labels) {
     const auto at = project(view, label.anchor);
     if (!at || label.text.empty()) continue;
@@ -229,6 +254,8 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     if (x > pen.width || x + width < 0) continue;
     if (at->px.y() < -label.size_px || at->px.y() > pen.height + label.size_px) continue;
     placed.push_back({at->depth_m,
+                      width,
+                      label.dispensable,
                       {.x = x,
                        .baseline = at->px.y() + default_font().cap_height(label.size_px) / 2,
                        .size_px = label.size_px,
@@ -237,10 +264,11 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
                        .halo = pen.theme.halo,
                        .halo_px = std::clamp(0.16 * label.size_px, 1.5, 4.0)}});
   }
-  std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+  drop_overlapping(placed);
+  std::stable_sort(placed.begin(), placed.end(), [](const PlacedLabel& a, const PlacedLabel& b) {
     return a.depth_m > b.depth_m;  // the nearest on top
   });
-  for (Placed& label : placed) pen.overlay.labels.push_back(std::move(label.text));
+  for (PlacedLabel& label : placed) pen.overlay.labels.push_back(std::move(label.text));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
     list.labels.push_back(
         {(box.min + box.max) / 2,
          std::string(to_string(node(i).decided)) + (node(i).impure_fit ? "*" : ""),
-         theme_colors(look.theme).ink, 15, true});
+         theme_colors(look.theme).ink, 15, true, true});
   }
 }
 
@@ -119,8 +119,9 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::str
   list.lines.push_back(std::move(edges));
   box.color = color;
   list.boxes.push_back(box);  // to be picked by
-  const Vec3f above((box.min.x() + box.max.x()) / 2, (box.min.y() + box.max.y()) / 2, box.max.z());
-  list.labels.push_back({above, text, color, 15, true});
+  // Below: above it stands the name of its voxel.
+  const Vec3f foot((box.min.x() + box.max.x()) / 2, (box.min.y() + box.max.y()) / 2, box.min.z());
+  list.labels.push_back({foot, text, color, 15, true});
 }
 
 }  // namespace

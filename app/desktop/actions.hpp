@@ -57,6 +57,8 @@ std::vector<Action> document_actions();
 void go_to_step(State& state, std::int32_t step);
 /// Evaluates the search on the run that is shown.
 void refresh_matches(State& state);
+/// Every step at which a breakpoint stops, ascending.
+std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
 void follow_run(State& state, const Run& before);
 void go_to_bookmark(State& state, const Bookmark& bookmark);

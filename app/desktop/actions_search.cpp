@@ -40,28 +40,9 @@ void to_match(State& state, int direction) {
   state.view.playing.direction = 0;
 }
 
-/// Every step at which a breakpoint stops, ascending.
-std::vector<std::int32_t> stops_of(const Run& run, const Document& document) {
-  std::vector<std::int32_t> stops;
-  for (const Breakpoint& breakpoint : document.breakpoints) {
-    if (!breakpoint.enabled) continue;
-    FilterProblem problem;
-    const std::string text =
-        breakpoint.kind == Breakpoint::Kind::filter
-            ? breakpoint.filter
-            : fmt::format("{}=={}", breakpoint.kind == Breakpoint::Kind::node ? "node" : "point",
-                          breakpoint.index);
-    if (const auto filter = Filter::parse(text, problem))
-      for (const std::int32_t step : filter->matching(run)) stops.push_back(step);
-  }
-  std::sort(stops.begin(), stops.end());
-  stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
-  return stops;
-}
-
 void run_to(State& state, int direction) {
   const Run& run = *state.run();
-  const std::vector<std::int32_t> stops = stops_of(run, state.document);
+  const std::vector<std::int32_t> stops = breakpoint_steps(run, state.document);
   state.view.playing.direction = 0;
   if (direction > 0) {
     const auto next = std::upper_bound(stops.begin(), stops.end(), state.view.step);
@@ -95,6 +76,24 @@ Breakpoint& breakpoint_at(State& state, const char* action, const std::string& t
 }
 
 }  // namespace
+
+std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document) {
+  std::vector<std::int32_t> stops;
+  for (const Breakpoint& breakpoint : document.breakpoints) {
+    if (!breakpoint.enabled) continue;
+    FilterProblem problem;
+    const std::string text =
+        breakpoint.kind == Breakpoint::Kind::filter
+            ? breakpoint.filter
+            : fmt::format("{}=={}", breakpoint.kind == Breakpoint::Kind::node ? "node" : "point",
+                          breakpoint.index);
+    if (const auto filter = Filter::parse(text, problem))
+      for (const std::int32_t step : filter->matching(run)) stops.push_back(step);
+  }
+  std::sort(stops.begin(), stops.end());
+  stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
+  return stops;
+}
 
 std::vector<Action> search_actions() {
   const std::string menu = "Search";

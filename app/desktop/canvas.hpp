@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "render/step_scene.hpp"
 
@@ -17,12 +18,15 @@ class Canvas {
   virtual ~Canvas() = default;
   /// The scene as a texture of that size, drawn anew only where something changed. Row 0 at the
   /// bottom.
-  virtual TextureId scene(
-      const Run& run, const StepLook& look, const Camera& camera, int width, int height) = 0;
+  virtual TextureId scene(const std::shared_ptr<const Run>& run,
+                          const StepLook& look,
+                          const Camera& camera,
+                          int width,
+                          int height) = 0;
   /// What lies under pixel (x, y) from the top left of the scene drawn last.
   virtual Picked pick(int x, int y) = 0;
   /// image_step() as a texture of one texel per pixel. Row 0 at the top.
-  virtual TextureId image(const Run& run,
+  virtual TextureId image(const std::shared_ptr<const Run>& run,
                           const StepLook& look,
                           Backdrop backdrop,
                           double opacity) = 0;

@@ -7,6 +7,7 @@
 #include <imgui_stdlib.h>
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,13 @@ struct FilterBoxMemory {
   bool take_keyboard = false, popup_hovered = false;
 };
 
+/// Where breakpoints stop, kept while neither they nor the run change.
+struct BreakpointStops {
+  std::weak_ptr<const Run> run;
+  std::string breakpoints;
+  std::vector<std::int32_t> steps;
+};
+
 /// Text being typed and such: what lives in panels only.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
@@ -45,6 +53,7 @@ struct PanelMemory {
   std::string note_text;
   std::map<std::string, std::string> texts;  // by widget
   std::map<std::string, double> numbers;     // by widget
+  BreakpointStops breakpoint_stops;
   std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
 };
 

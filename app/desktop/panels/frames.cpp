@@ -1,7 +1,159 @@
+// The recordings that are open, and the frames of the one looked at.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
+#include "app/desktop/toolbar.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_frames(const Ui&) {}
+void draw_recordings(const Ui& ui) {
+  const Document& document = ui.state.document;
+  for (std::size_t i = 0; i < document.recordings.size(); ++i) {
+    const OpenRecording& open = document.recordings[i];
+    std::string name = open.path.filename().string();
+    if (name.empty()) name = open.path.parent_path().filename().string();
+    ImGui::PushID(static_cast<int>(i));
+    const bool chosen = document.recording == static_cast<int>(i);
+    if (ImGui::Selectable(name.c_str(), chosen) && !chosen)
+      ui.emit("recording.show", std::to_string(i));
+    ImGui::PopID();
+    ui.name(fmt::format("recording.{}", i));
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s\n%s, %d frames", open.path.string().c_str(),
+                        open.recording->info().format.c_str(), open.recording->frame_count());
+  }
+  action_button(ui, "recording.ask", "open ...");
+}
+
+void draw_progress(const Ui& ui) {
+  const int done = ui.state.results.strip_done;
+  const auto total = static_cast<int>(ui.state.results.strip.size());
+  if (done >= total) return;
+  const bool stopped = ui.state.view.strip_stopped;
+  const float stop = stopped ? 0 : ImGui::CalcTextSize("stop").x + ui.px(18);
+  ImGui::ProgressBar(static_cast<float>(done) / static_cast<float>(std::max(total, 1)),
+                     ImVec2(ImGui::GetContentRegionAvail().x - stop, 0),
+                     fmt::format("{} of {}", done, total).c_str());
+  ui.name("frames.progress");
+  if (stopped) return;
+  ImGui::SameLine();
+  action_button(ui, "strip.cancel", "stop");
+}
+
+/// Changes with the picture, at the cost of a glance.
+std::uint64_t version_of(const Image8& image) {
+  std::uint64_t hash = 1469598103934665603u ^ image.data.size();
+  for (std::size_t i = 0; i < image.data.size(); i += 97)
+    hash = (hash ^ image.data[i]) * 1099511628211u;
+  return hash;
+}
+
+/// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
+void draw_badge(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
+  std::string text = std::to_string(thumbnail.planes);
+  ImU32 color = ui.colors.muted;
+  if (!thumbnail.refusal.empty()) {
+    text = "refused";
+    color = ui.colors.bad;
+  } else if (thumbnail.score) {
+    const auto total = static_cast<int>(thumbnail.score->planes.size());
+    const int found = thumbnail.score->detected;
+    text = fmt::format("{} / {}", found, total);
+    color = found == total       ? ui.colors.good
+            : 2 * found >= total ? ui.colors.warning
+                                 : ui.colors.bad;
+  }
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 from(corner.x - size.x - ui.px(12), corner.y + ui.px(4));
+  const ImVec2 to(corner.x - ui.px(4), from.y + size.y + ui.px(4));
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(from, to, IM_COL32(16, 18, 22, 215), ui.px(3));
+  draw->AddRectFilled(from, ImVec2(from.x + ui.px(3), to.y), color, ui.px(3));
+  draw->AddText(ImVec2(from.x + ui.px(5), from.y + ui.px(2)), IM_COL32_WHITE, text.c_str());
+}
+
+void tell(const Thumbnail& thumbnail, int frame) {
+  if (!thumbnail.ready)
+    ImGui::SetTooltip("frame %d", frame);
+  else if (!thumbnail.refusal.empty())
+    ImGui::SetTooltip("frame %d: %s", frame, thumbnail.refusal.c_str());
+  else if (thumbnail.score)
+    ImGui::SetTooltip("frame %d: %d of %d true planes found, mean IoU %.2f", frame,
+                      thumbnail.score->detected, static_cast<int>(thumbnail.score->planes.size()),
+                      thumbnail.score->mean_iou);
+  else
+    ImGui::SetTooltip("frame %d: %d planes", frame, thumbnail.planes);
+}
+
+void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
+  const Thumbnail& thumbnail = ui.state.results.strip[static_cast<std::size_t>(frame)];
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 end(at.x + size.x, at.y + size.y);
+  ImGui::PushID(frame);
+  if (ImGui::InvisibleButton("frame", size)) ui.emit("frame.show", std::to_string(frame));
+  ImGui::PopID();
+  ui.name(fmt::format("frame.{}", frame));
+  if (ImGui::IsItemHovered()) tell(thumbnail, frame);
+
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(at, end, ui.colors.panel, ui.px(3));
+  if (ui.canvas && !thumbnail.image.empty()) {
+    const TextureId texture =
+        ui.canvas->picture(fmt::format("frame.{}.{}", ui.state.document.recording, frame),
+                           thumbnail.image, version_of(thumbnail.image));
+    // As wide as there is room, or as high: pictures keep their proportions.
+    const float scale = std::min(size.x / static_cast<float>(thumbnail.image.width),
+                                 size.y / static_cast<float>(thumbnail.image.height));
+    const float w = scale * static_cast<float>(thumbnail.image.width);
+    const float h = scale * static_cast<float>(thumbnail.image.height);
+    const ImVec2 from(at.x + (size.x - w) / 2, at.y + (size.y - h) / 2);
+    draw->AddImage(reinterpret_cast<ImTextureID>(texture), from, ImVec2(from.x + w, from.y + h));
+  }
+  if (thumbnail.ready) draw_badge(ui, thumbnail, ImVec2(end.x, at.y));
+  const std::string number = std::to_string(frame);
+  const ImVec2 extent = ImGui::CalcTextSize(number.c_str());
+  const ImVec2 foot(at.x + ui.px(4), end.y - extent.y - ui.px(5));
+  draw->AddRectFilled(ImVec2(foot.x - ui.px(1), foot.y - ui.px(1)),
+                      ImVec2(foot.x + extent.x + ui.px(5), end.y - ui.px(3)),
+                      IM_COL32(16, 18, 22, 215), ui.px(3));
+  draw->AddText(ImVec2(foot.x + ui.px(2), foot.y), IM_COL32_WHITE, number.c_str());
+  if (frame == ui.state.document.frame)
+    draw->AddRect(at, end, ui.colors.accent, ui.px(3), 0, ui.px(2.5f));
+}
+
+void draw_strip(const Ui& ui) {
+  const auto count = static_cast<int>(ui.state.results.strip.size());
+  ImGui::BeginChild("strip");
+  const float width = ImGui::GetContentRegionAvail().x;
+  const ImVec2 size(width, std::round(0.75f * width));
+  const float row = size.y + ImGui::GetStyle().ItemSpacing.y;
+  // The frame looked at is kept in view when it changes, not when one scrolls away from it.
+  double& shown = ui.memory.numbers["frames.shown"];
+  const auto wanted = static_cast<double>(1 + ui.state.document.frame);
+  if (shown != wanted && count > 0) {
+    const float top = row * static_cast<float>(ui.state.document.frame);
+    const float scroll = ImGui::GetScrollY(), height = ImGui::GetWindowHeight();
+    if (top < scroll || top + row > scroll + height) ImGui::SetScrollY(top - (height - row) / 2);
+    shown = wanted;
+  }
+  ImGuiListClipper clipper;
+  clipper.Begin(count, row);
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) draw_thumbnail(ui, i, size);
+  ImGui::EndChild();
+}
+
+}  // namespace
+
+void draw_frames(const Ui& ui) {
+  draw_recordings(ui);
+  ImGui::Separator();
+  draw_progress(ui);
+  draw_strip(ui);
+}
 
 }  // namespace planescope::desktop

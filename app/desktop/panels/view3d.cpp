@@ -1,7 +1,144 @@
+// The scene at the cursor: turned with the left button, moved with the right, picked by a click.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "app/desktop/camera.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
+#include "app/desktop/toolbar.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_view3d(const Ui&) {}
+constexpr float kClickSlack = 4;  // [px] that the mouse may move in a click
+
+void draw_tools(const Ui& ui) {
+  static const struct {
+    ColorBy by;
+    const char* action;
+    const char* title;
+  } colors[] = {
+      {ColorBy::cases, "color.cases", "case"},    {ColorBy::planes, "color.planes", "plane"},
+      {ColorBy::labels, "color.labels", "h / v"}, {ColorBy::margins, "color.margins", "sureness"},
+      {ColorBy::truth, "color.truth", "truth"},   {ColorBy::camera, "color.camera", "camera"}};
+  const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
+  ImGui::SetNextItemWidth(ui.px(96));
+  const bool open = ImGui::BeginCombo("##color", chosen->title);
+  ui.name("view3d.color");
+  if (!open && ImGui::IsItemHovered()) ImGui::SetTooltip("what colours mean   1 to 6");
+  if (open) {
+    for (const auto& color : colors) {
+      if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
+      ui.name(std::string("view3d.color.") + color.title);
+    }
+    ImGui::EndCombo();
+  }
+  static constexpr const char* kButtons[][2] = {
+      {"show.queue", "queue"}, {"show.settled", "boxes"}, {"show.planes", "planes"},
+      {"camera.home", "home"}, {"camera.node", "node"},   {"camera.top", "top"},
+      {"camera.side", "side"}, {"camera.front", "front"}};
+  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  for (const auto& [action, label] : kButtons) {
+    const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width > end) break;
+    ImGui::SameLine();
+    action_button(ui, action, label);
+  }
+}
+
+void move_camera(const Ui& ui, float height) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool pan = ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2) || io.KeyShift;
+  const ImVec2 moved = io.MouseDelta;
+  if (ImGui::IsItemActive() && (moved.x != 0 || moved.y != 0)) {
+    if (pan)
+      ui.emit("camera.pan", fmt::format("{:.6g},{:.6g}", -moved.x / height, moved.y / height));
+    else if (io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack)
+      ui.emit("camera.orbit",
+              fmt::format("{:.6g},{:.6g}", 250 * moved.x / height, 250 * moved.y / height));
+  }
+  if (ImGui::IsItemHovered() && io.MouseWheel != 0)
+    ui.emit("camera.zoom", fmt::format("{:.6g}", std::pow(1.15, io.MouseWheel)));
+}
+
+/// Cameras are made for views of 4:3; a narrower one shows as much from side to side.
+Camera fitted(Camera camera, double aspect) {
+  constexpr double kMadeFor = 4.0 / 3;
+  if (aspect >= kMadeFor) return camera;
+  const double half = camera.fov_y_deg * std::numbers::pi / 360;
+  camera.fov_y_deg = std::atan(std::tan(half) * kMadeFor / aspect) * 360 / std::numbers::pi;
+  return camera;
+}
+
+void select(const Ui& ui, const Picked& what) {
+  switch (what.kind) {
+    case Picked::Kind::voxel:
+      return ui.emit("select.voxel", std::to_string(what.index));
+    case Picked::Kind::node:
+      return ui.emit("select.node", std::to_string(what.index));
+    case Picked::Kind::plane:
+      return ui.emit("select.plane", std::to_string(what.index + 1));
+    default:
+      return ui.emit("select.none");
+  }
+}
+
+void tell(const Ui& ui, const Picked& what) {
+  if (what.kind == Picked::Kind::voxel)
+    ImGui::SetTooltip("%s", describe_voxel(ui.state, what.index).c_str());
+  if (what.kind == Picked::Kind::node)
+    ImGui::SetTooltip("%s", describe_node(ui.state, what.index).c_str());
+  if (what.kind == Picked::Kind::plane) ImGui::SetTooltip("%s", plane_name(what.index).c_str());
+}
+
+}  // namespace
+
+void draw_view3d(const Ui& ui) {
+  draw_tools(ui);
+  if (!ui.state.run()) return draw_absence(ui);
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const int width = static_cast<int>(room.x), height = static_cast<int>(room.y);
+  if (width < 16 || height < 16) return;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  if (ui.canvas) {
+    const TextureId texture = ui.canvas->scene(ui.state.run_view()->run, look_of(ui.state),
+                                               fitted(camera_of(ui.state), w / h), width, height);
+    // Row 0 of the texture is at the bottom.
+    ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), at,
+                                         ImVec2(at.x + w, at.y + h), ImVec2(0, 1), ImVec2(1, 0));
+  }
+  ImGui::InvisibleButton("scene", ImVec2(w, h),
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
+  ui.name("view3d");
+  move_camera(ui, h);
+  if (ui.canvas && ImGui::IsItemHovered()) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
+    const bool clicked =
+        ImGui::IsMouseReleased(0) && io.MouseDragMaxDistanceSqr[0] <= kClickSlack * kClickSlack;
+    if (!pressed) {
+      const Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),
+                                          static_cast<int>(io.MousePos.y - at.y));
+      if (clicked)
+        select(ui, what);
+      else
+        tell(ui, what);
+    }
+    if (ImGui::IsMouseDoubleClicked(0)) ui.emit("camera.node");
+  }
+  if (ui.state.view.flash) {
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    const ImVec2 corner(at.x + w - ui.px(34), at.y + ui.px(8));
+    draw->AddRectFilled(corner, ImVec2(corner.x + ui.px(26), corner.y + ui.px(24)),
+                        ui.colors.accent, ui.px(4));
+    draw->AddText(ui.bold, ui.px(18), ImVec2(corner.x + ui.px(7), corner.y + ui.px(2)),
+                  IM_COL32_WHITE, "A");
+  }
+}
 
 }  // namespace planescope::desktop

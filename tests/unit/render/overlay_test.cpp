@@ -106,6 +106,18 @@ TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
   EXPECT_LT(rightmost, 800);
 }
 
+TEST(Overlay, DispensableLabelGivesWayToWhatItWouldStandOn) {
+  DrawList list;
+  list.labels = {{{0, 0, 0}, "IV", {}, 14, true, true},
+                 {{0, 0, 0}, "P3", {}, 14},
+                 {{0.3f, -0.3f, 0}, "II", {}, 14, true, true}};
+  const Overlay overlay = layout(list);
+  std::vector<std::string> shown;
+  for (const OverlayText& label : overlay.labels) shown.push_back(label.text);
+  std::sort(shown.begin(), shown.end());
+  EXPECT_EQ(shown, (std::vector<std::string>{"II", "P3"}));
+}
+
 TEST(Overlay, LabelsBehindTheCameraAreLeftOutAndTheNearestComesLast) {
   DrawList list;
   list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},

@@ -1,0 +1,76 @@
+#include "app/desktop/toolbar.hpp"
+
+#include <fmt/format.h>
+
+namespace planescope::desktop {
+
+void action_button(const Ui& ui, const char* action, const char* label) {
+  const Action& what = find_action(action);
+  const bool enabled = !what.enabled || what.enabled(ui.state);
+  const bool lit = what.checked && what.checked(ui.state);
+  if (!enabled) ImGui::BeginDisabled();
+  if (lit) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_Header]);
+  ImGui::PushID(action);
+  if (ImGui::Button(label)) ui.emit(action);
+  ImGui::PopID();
+  if (lit) ImGui::PopStyleColor();
+  if (!enabled) ImGui::EndDisabled();
+  ui.name(std::string("button.") + action);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "%s", what.keys.empty() ? what.title.c_str() : (what.title + "   " + what.keys).c_str());
+}
+
+void draw_absence(const Ui& ui) {
+  const Results& results = ui.state.results;
+  const std::string text = !results.refusal.empty()       ? results.refusal
+                           : results.loading              ? "reading the frame ..."
+                           : !ui.state.document.current() ? "no recording is open (Ctrl+O)"
+                                                          : "";
+  const float room = ImGui::GetContentRegionAvail().x;
+  const float wrap = std::min(room, ui.px(420));
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  const ImVec2 at = ImGui::GetCursorPos();
+  ImGui::SetCursorPos(ImVec2(at.x + (room - size.x) / 2,
+                             at.y + std::max(0.0f, ImGui::GetContentRegionAvail().y - size.y) / 2));
+  ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
+  ImGui::PushStyleColor(ImGuiCol_Text, results.refusal.empty() ? ui.colors.muted : ui.colors.bad);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopStyleColor();
+  ImGui::PopTextWrapPos();
+}
+
+std::string describe_node(const State& state, std::int32_t node) {
+  const Run& run = *state.run();
+  const OctreeNode& what = run.octree().nodes[static_cast<std::size_t>(node)];
+  std::string text = fmt::format("node {}, depth {}, {} points", node, what.depth, what.size());
+  switch (run.timeline.node_state(node, state.view.step)) {
+    case NodeState::settled:
+      return text + ", case " + to_string(what.decided);
+    case NodeState::visited:
+      return text + ", being judged";
+    case NodeState::queued:
+      return text + ", in the queue";
+    default:
+      return text;
+  }
+}
+
+std::string describe_voxel(const State& state, std::int32_t voxel) {
+  const Run& run = *state.run();
+  const std::int32_t step = state.view.step;
+  const PointChange now = run.timeline.point_at(voxel, step);
+  const Label label = run.subject->prepared.classification.labels[static_cast<std::size_t>(voxel)];
+  std::string text = fmt::format("voxel {} ({}), ", voxel, label == Label::h ? "h" : "v");
+  if (now.plane >= 0)
+    text += "in " + plane_name(now.plane);
+  else
+    text += now.leftover ? "left over" : "not settled";
+  if (run.subject->voxel_truth.known()) {
+    const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
+    if (truth > 0) text += fmt::format(", true plane {}", truth);
+  }
+  return text + "\n" + describe_node(state, run.timeline.node_of_point(voxel, step));
+}
+
+}  // namespace planescope::desktop
