@@ -71,5 +71,20 @@ TEST_F(Pictures, ShowTheStepInBothViews) {
   EXPECT_GT(difference(image, part("image")), 0.05);
 }
 
+TEST_F(Pictures, AClickInTheSceneSelectsWhatIsThere) {
+  State state = open_state();
+  Offscreen offscreen(std::move(state), 1280, 800, 1);
+  settle(offscreen.shell(), offscreen, {});
+  const std::filesystem::path path = scratch_dir() / "script.json";
+  std::ofstream(path) << R"({"actions": [{"click": "view3d", "at": [0.5, 0.6]}]})";
+  Script::read(path).play(offscreen.shell(), offscreen, {});
+  const Selection selected = offscreen.shell().state().view.selected;
+  EXPECT_GE(selected.voxel, 0);
+  EXPECT_GE(selected.node, 0);
+  std::ofstream(path) << R"({"actions": [{"click": "view3d", "at": [0.99, 0.02]}]})";
+  Script::read(path).play(offscreen.shell(), offscreen, {});
+  EXPECT_EQ(offscreen.shell().state().view.selected.voxel, -1);
+}
+
 }  // namespace
 }  // namespace planescope::desktop
