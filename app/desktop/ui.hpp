@@ -13,6 +13,7 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/canvas.hpp"
+#include "core/explain/provenance.hpp"
 
 namespace planescope::desktop {
 
@@ -44,6 +45,14 @@ struct BreakpointStops {
   std::vector<std::int32_t> steps;
 };
 
+/// What the point panel tells, kept until another point or run is looked at.
+struct PointStory {
+  std::shared_ptr<const RunView> of;
+  std::int64_t source = -1;
+  std::vector<LifeEvent> life;
+  WhyNot why;
+};
+
 /// Text being typed and such: what lives in panels only.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
@@ -54,6 +63,8 @@ struct PanelMemory {
   std::map<std::string, std::string> texts;  // by widget
   std::map<std::string, double> numbers;     // by widget
   BreakpointStops breakpoint_stops;
+  PointStory point;
+  Histogram grabbed;  // as it was when its threshold was taken hold of
   std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
 };
 

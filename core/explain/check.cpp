@@ -121,6 +121,9 @@ std::string number(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
-std::string distance_text(double metres) { return fmt::format("{:.3g} cm", 100 * metres); }
+std::string distance_text(double metres) {
+  return metres < 0.01 ? fmt::format("{:.1f} mm", 1000 * metres)
+                       : fmt::format("{:.1f} cm", 100 * metres);
+}
 
 }  // namespace planescope

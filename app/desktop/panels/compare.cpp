@@ -1,7 +1,223 @@
+// A/B: where two runs part, and what comes of it.
+
+#include "core/explain/compare.hpp"
+
+#include <fmt/format.h>
+
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
+#include "core/pipeline/options_table.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_compare(const Ui&) {}
+constexpr ImGuiTableFlags kTable =
+    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
+
+void draw_controls(const Ui& ui) {
+  const State& state = ui.state;
+  const bool pinned = state.results.pinned != nullptr;
+  if (button(ui, pinned ? "Pin again" : "Pin this run as A", "compare.pin",
+             state.results.current != nullptr))
+    ui.emit("run.pin");
+  ImGui::SameLine();
+  if (button(ui, "Let go", "compare.unpin", pinned)) ui.emit("run.unpin");
+  ImGui::SameLine();
+  if (button(ui, state.view.flash ? "Showing A" : "Showing B", "compare.flash", pinned))
+    ui.emit("run.flash");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Space flashes between the two");
+  ImGui::SameLine();
+  if (button(ui, "Back to A's options", "compare.restore", pinned)) ui.emit("run.restore");
+
+  const auto choice = [&](const char* title, const char* name, Against against, bool enabled) {
+    ImGui::BeginDisabled(!enabled);
+    if (ImGui::RadioButton(title, state.view.against == against)) ui.emit("compare.against", name);
+    ImGui::EndDisabled();
+    ui.name(std::string("compare.against.") + name);
+  };
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("against");
+  ImGui::SameLine();
+  choice("nothing", "nothing", Against::nothing, true);
+  ImGui::SameLine();
+  choice("A", "pinned", Against::pinned, pinned);
+  ImGui::SameLine();
+  const Run* run = state.run();
+  choice("ground truth", "truth", Against::truth, run && run->subject->voxel_truth.known());
+}
+
+void draw_options(const Ui& ui, const Run& a, const Run& b) {
+  bool any = false;
+  for (const OptionInfo& info : option_table()) {
+    const std::string before = info.get(a.options), after = info.get(b.options);
+    if (before == after) continue;
+    any = true;
+    ImGui::TextUnformatted(info.name.c_str());
+    ImGui::SameLine(ui.px(170));
+    ImGui::TextDisabled("%s", before.c_str());
+    ImGui::SameLine();
+    ImGui::TextUnformatted(("→ " + after).c_str());
+  }
+  if (!any) ImGui::TextDisabled("A and B have the same options");
+}
+
+void score_row(const Ui& ui, const char* name, const RunView& view, const RunView* before) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(name);
+  ImGui::TableNextColumn();
+  ImGui::Text("%zu", view.run->segmentation.planes.size());
+  if (!view.score) return;  // no ground truth, no more columns
+  const QuickScore& score = *view.score;
+  const int gain = before && before->score ? score.detected - before->score->detected : 0;
+  const ImU32 color = gain > 0 ? ui.colors.good : gain < 0 ? ui.colors.bad : ui.colors.text;
+  ImGui::TableNextColumn();
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%d of %zu", score.detected,
+                     score.planes.size());
+  ImGui::TableNextColumn();
+  ImGui::Text("%.3f", score.mean_iou);
+  ImGui::TableNextColumn();
+  ImGui::Text("%.1f %%", 100 * score.in_no_plane);
+}
+
+void draw_scores(const Ui& ui, const RunView* a, const RunView& b) {
+  std::vector<const char*> titles{"", "planes"};
+  if (b.score) titles.insert(titles.end(), {"detected", "mean IoU", "in none"});
+  if (!ImGui::BeginTable("scores", static_cast<int>(titles.size()), kTable)) return;
+  for (const char* title : titles) ImGui::TableSetupColumn(title);
+  ImGui::TableHeadersRow();
+  if (a) score_row(ui, "A", *a, nullptr);
+  score_row(ui, a ? "B" : "run", b, a);
+  ImGui::EndTable();
+}
+
+void draw_divergence(const Ui& ui, const Comparison& comparison) {
+  paragraph(ui.colors.text, comparison.divergence);
+  if (comparison.diverging_step_a == kNever && comparison.diverging_step_b == kNever) return;
+  if (button(ui, "To where they part", "compare.diverging")) ui.emit("compare.diverging");
+}
+
+/// A plane of a run by its id in the result; a click selects it.
+void plane_cell(const Ui& ui, const Run& run, int id, bool shown, const std::string& widget) {
+  ImGui::TableNextColumn();
+  if (id == 0) return ImGui::TextDisabled("–");
+  const std::int32_t founded = run.segmentation.planes[static_cast<std::size_t>(id - 1)].founded;
+  const std::string text = fmt::format("{} ({})", id, plane_name(founded));
+  if (!shown) return ImGui::TextUnformatted(text.c_str());
+  if (link(ui, text, widget)) ui.emit("select.plane", plane_name(founded));
+}
+
+void draw_planes(const Ui& ui, const Run* a, const Run& b, const Comparison& comparison) {
+  int lost = 0, gained = 0;
+  for (const PlanePair& pair : comparison.planes) {
+    lost += pair.b == 0;
+    gained += pair.a == 0;
+  }
+  const std::string title =
+      fmt::format("Planes: {} matched, {} {}, {} {}###planes",
+                  comparison.planes.size() - static_cast<std::size_t>(lost + gained), lost,
+                  a ? "lost" : "missed", gained, a ? "gained" : "without truth");
+  if (!ImGui::CollapsingHeader(title.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
+  if (!ImGui::BeginTable("planes", 3, kTable)) return;
+  ImGui::TableSetupColumn(a ? "A" : "truth");
+  ImGui::TableSetupColumn(a ? "B" : "found");
+  ImGui::TableSetupColumn("IoU");
+  ImGui::TableHeadersRow();
+  const bool flash = ui.state.view.flash;
+  for (std::size_t i = comparison.planes.size(); i-- > 0;) {  // what changed most comes first
+    const PlanePair& pair = comparison.planes[i];
+    ImGui::TableNextRow();
+    if (a) {
+      plane_cell(ui, *a, pair.a, flash, fmt::format("compare.plane.{}.a", i));
+    } else {
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(pair.a > 0 ? std::to_string(pair.a).c_str() : "–");
+    }
+    plane_cell(ui, b, pair.b, !flash, fmt::format("compare.plane.{}.b", i));
+    ImGui::TableNextColumn();
+    const ImU32 color = pair.a == 0 || pair.b == 0 ? ui.colors.bad
+                        : pair.iou < 0.8           ? ui.colors.warning
+                                                   : ui.colors.text;
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%.3f", pair.iou);
+  }
+  ImGui::EndTable();
+}
+
+void case_cell(const Ui& ui, Case c) {
+  ImGui::TableNextColumn();
+  if (c == Case::none)
+    ImGui::TextDisabled("not there");
+  else
+    case_badge(ui, c);
+}
+
+void draw_nodes(const Ui& ui, const Run& a, const Run& b, const Comparison& comparison) {
+  const auto count = static_cast<int>(comparison.nodes.size());
+  if (!ImGui::CollapsingHeader(fmt::format("Nodes settled otherwise: {}###nodes", count).c_str()))
+    return;
+  const float height = ui.px(24) * static_cast<float>(std::min(count, 12) + 1);
+  if (!ImGui::BeginTable("nodes", 4, kTable | ImGuiTableFlags_ScrollY, ImVec2(0, height))) return;
+  for (const char* title : {"node", "points", "A", "B"}) ImGui::TableSetupColumn(title);
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableHeadersRow();
+  ImGuiListClipper clipper;
+  clipper.Begin(count);
+  const bool flash = ui.state.view.flash;
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const NodeChange& change = comparison.nodes[static_cast<std::size_t>(i)];
+      const OctreeNode& node = change.a >= 0 ? a.octree().nodes[static_cast<std::size_t>(change.a)]
+                                             : b.octree().nodes[static_cast<std::size_t>(change.b)];
+      const std::int32_t shown = flash ? change.a : change.b;
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      if (shown < 0)
+        ImGui::TextDisabled("depth %d", node.depth);
+      else if (link(ui, fmt::format("{} (depth {})", shown, node.depth),
+                    fmt::format("compare.node.{}", shown)))
+        ui.emit("select.node", std::to_string(shown));
+      ImGui::TableNextColumn();
+      ImGui::Text("%u", node.size());
+      case_cell(ui, change.case_a);
+      case_cell(ui, change.case_b);
+    }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void draw_compare(const Ui& ui) {
+  const Results& results = ui.state.results;
+  draw_controls(ui);
+  ImGui::Spacing();
+  if (!results.current) return;
+  const Against against = ui.state.view.against;
+  const RunView* a = against == Against::pinned ? results.pinned.get() : nullptr;
+  if (against == Against::nothing) {
+    paragraph(ui.colors.muted,
+              "Pin a run as A, then change an option: the run with it is B. Or compare with the "
+              "ground truth, where there is one.");
+    return;
+  }
+  if (a) {
+    heading(ui, "Options");
+    draw_options(ui, *a->run, *results.current->run);
+    ImGui::Spacing();
+  }
+  draw_scores(ui, a, *results.current);
+  ImGui::Spacing();
+  if (!results.comparison) return ImGui::TextDisabled("comparing ...");
+  const Comparison& comparison = *results.comparison;
+  if (a) draw_divergence(ui, comparison);
+  if (comparison.compared_sources > 0)
+    ImGui::TextWrapped("%zu of %zu points (%.1f %%) %s", comparison.changed_sources.size(),
+                       comparison.compared_sources,
+                       100.0 * static_cast<double>(comparison.changed_sources.size()) /
+                           static_cast<double>(comparison.compared_sources),
+                       a ? "change plane" : "are not in the plane that matches their own");
+  draw_planes(ui, a ? a->run.get() : nullptr, *results.current->run, comparison);
+  if (a) draw_nodes(ui, *a->run, *results.current->run, comparison);
+}
 
 }  // namespace planescope::desktop

@@ -1,7 +1,188 @@
+// What would fix this? A plane of the ground truth or a marked region, the smallest changes that
+// recover it, and what each of them does to the other frames.
+
+#include "core/explain/fix.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_fix(const Ui&) {}
+constexpr ImGuiTableFlags kTable =
+    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
+
+ImU32 color_of(const Ui& ui, TruthVerdict verdict) {
+  return verdict == TruthVerdict::detected ? ui.colors.good : ui.colors.bad;
+}
+
+void draw_truth_planes(const Ui& ui, const RunView& view) {
+  if (!view.score) return;
+  const Run& run = *view.run;
+  std::vector<TruthMatch> matches = view.score->planes;  // the worst first
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const TruthMatch& a, const TruthMatch& b) { return a.iou < b.iou; });
+  if (!ImGui::BeginTable("truth", 4, kTable)) return;
+  ImGui::TableSetupColumn("true plane", ImGuiTableColumnFlags_WidthStretch);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("IoU", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableHeadersRow();
+  for (const TruthMatch& match : matches) {
+    const TruthVerdict verdict =
+        verdict_of(match, run.segmentation.plane_of, run.subject->voxel_truth);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::AlignTextToFramePadding();
+    ImGui::Text("%d", match.truth);
+    ImGui::SameLine();
+    ImGui::TextDisabled("%u voxels", match.points);
+    ImGui::TableNextColumn();
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color_of(ui, verdict)), "%s",
+                       to_string(verdict));
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2f", match.iou);
+    ImGui::TableNextColumn();
+    if (verdict != TruthVerdict::detected &&
+        button(ui, "Find a fix", fmt::format("fix.plane.{}", match.truth)))
+      ui.emit("fix.plane", std::to_string(match.truth));
+  }
+  ImGui::EndTable();
+}
+
+void draw_marked(const Ui& ui) {
+  const std::size_t marked = ui.state.document.marked.size();
+  if (button(ui, ui.state.view.marking ? "Drag in the image" : "Mark a region", "fix.mark"))
+    ui.emit("mark.toggle");
+  ImGui::SameLine();
+  if (button(ui, "One plane of it", "fix.marked", marked > 0)) ui.emit("fix.marked");
+  ImGui::SameLine();
+  ImGui::TextDisabled("%zu voxels marked", marked);
+}
+
+void draw_progress(const Ui& ui, const FixSearch& fix) {
+  const float share =
+      fix.total > 0 ? static_cast<float>(fix.done) / static_cast<float>(fix.total) : 0;
+  ImGui::ProgressBar(share, ImVec2(-ui.px(70), 0),
+                     fmt::format("option {} of {}", fix.done, fix.total).c_str());
+  ImGui::SameLine();
+  if (button(ui, "Stop", "fix.cancel")) ui.emit("fix.cancel");
+}
+
+void draw_fixes(const Ui& ui, const FixSearch& fix) {
+  if (fix.fixes.empty()) {
+    paragraph(ui.colors.warning,
+              "No single change of one option recovers it: several may be needed, or the labels "
+              "are wrong there.");
+    return;
+  }
+  if (!ImGui::BeginTable("fixes", 4, kTable)) return;
+  ImGui::TableSetupColumn("smallest change first", ImGuiTableColumnFlags_WidthStretch);
+  ImGui::TableSetupColumn("IoU", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn("detected", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
+  ImGui::TableHeadersRow();
+  const RunView* view = ui.state.results.current.get();
+  const int now = view && view->score ? view->score->detected : 0;
+  for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
+    const Fix& one = fix.fixes[i];
+    ImGui::TableNextRow();
+    if (static_cast<int>(i) == fix.checked)
+      ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, ImGui::GetColorU32(ImGuiCol_Header));
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(one.option.c_str());
+    ImGui::TextDisabled("%s", one.before.c_str());
+    ImGui::SameLine();
+    ImGui::TextUnformatted(("→ " + one.after).c_str());
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2f", one.iou);
+    ImGui::TableNextColumn();
+    const int gain = one.score.detected - now;
+    if (!one.score.planes.empty())
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(gain > 0   ? ui.colors.good
+                                                        : gain < 0 ? ui.colors.bad
+                                                                   : ui.colors.text),
+                         "%d (%+d)", one.score.detected, gain);
+    ImGui::TableNextColumn();
+    if (button(ui, "Apply", fmt::format("fix.apply.{}", i)))
+      ui.emit("fix.apply", std::to_string(i));
+    ImGui::SameLine();
+    if (button(ui, "Check", fmt::format("fix.check.{}", i)))
+      ui.emit("fix.check", std::to_string(i));
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("what it does to every labelled frame of the recording");
+  }
+  ImGui::EndTable();
+}
+
+std::string ids_text(const std::vector<std::int32_t>& ids) {
+  return ids.empty() ? "–" : fmt::format("{}", fmt::join(ids, ", "));
+}
+
+void draw_effects(const Ui& ui, const FixSearch& fix) {
+  int recovered = 0, broken = 0;
+  for (const FixEffect& effect : fix.effects) {
+    recovered += static_cast<int>(effect.recovered.size());
+    broken += static_cast<int>(effect.broken.size());
+  }
+  const Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+  heading(ui, fmt::format("{} = {} on {} labelled {}", chosen.option, chosen.after,
+                          fix.effects.size(), fix.effects.size() == 1 ? "frame" : "frames"));
+  ImGui::Text("recovers %d planes, breaks %d", recovered, broken);
+  if (!ImGui::BeginTable("effects", 5, kTable)) return;
+  for (const char* title : {"frame", "detected", "mean IoU"})
+    ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed);
+  for (const char* title : {"recovers", "breaks"})
+    ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthStretch);
+  ImGui::TableHeadersRow();
+  for (const FixEffect& effect : fix.effects) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    if (link(ui, std::to_string(effect.frame), fmt::format("fix.frame.{}", effect.frame)))
+      ui.emit("frame.show", std::to_string(effect.frame));
+    ImGui::TableNextColumn();
+    ImGui::Text("%d→%d of %d", effect.detected_before, effect.detected_after, effect.planes_truth);
+    ImGui::TableNextColumn();
+    ImGui::Text("%.2f→%.2f", effect.iou_before, effect.iou_after);
+    ImGui::TableNextColumn();
+    paragraph(effect.recovered.empty() ? ui.colors.muted : ui.colors.good,
+              ids_text(effect.recovered));
+    ImGui::TableNextColumn();
+    paragraph(effect.broken.empty() ? ui.colors.muted : ui.colors.bad, ids_text(effect.broken));
+  }
+  ImGui::EndTable();
+}
+
+void draw_search(const Ui& ui, const FixSearch& fix) {
+  heading(ui, "What would recover " + fix.target.name + "?");
+  if (fix.running) {
+    draw_progress(ui, fix);
+  } else {
+    draw_fixes(ui, fix);
+    if (fix.checked >= 0 && fix.checked < static_cast<int>(fix.fixes.size())) draw_effects(ui, fix);
+  }
+  ImGui::Spacing();
+  ImGui::Separator();
+}
+
+}  // namespace
+
+void draw_fix(const Ui& ui) {
+  const RunView* view = ui.state.results.current.get();
+  if (!view) return ImGui::TextDisabled("no frame");
+  const FixSearch& fix = ui.state.results.fix;
+  if (fix.running || fix.finished)
+    draw_search(ui, fix);
+  else
+    paragraph(ui.colors.muted,
+              "Choose a lost plane, or mark a region that should be one: every option is tried "
+              "for the smallest change that brings it back.");
+  draw_truth_planes(ui, *view);
+  draw_marked(ui);
+}
 
 }  // namespace planescope::desktop

@@ -1,7 +1,120 @@
+// A point's whole life, and the one decision that put it in no plane or in the wrong one.
+
+#include <fmt/format.h>
+
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
+namespace {
 
-void draw_point(const Ui&) {}
+/// The source of the selected point; the last one told of where none is selected, since a click on
+/// a line of its life selects a node.
+std::int64_t source_to_tell(const Ui& ui, const Run& run) {
+  const Selection& selected = ui.state.view.selected;
+  const Subject& subject = *run.subject;
+  if (selected.source >= 0) return selected.source;
+  if (selected.voxel >= 0 && selected.voxel < static_cast<std::int32_t>(subject.voxel_count()))
+    return static_cast<std::int64_t>(
+        source_of_voxel(subject, static_cast<std::uint32_t>(selected.voxel)));
+  return ui.memory.point.source;
+}
+
+/// Told anew where point or run changed; null where there is nothing to tell of.
+const PointStory* story(const Ui& ui) {
+  const bool flashed = ui.state.view.flash && ui.state.results.pinned;
+  const std::shared_ptr<const RunView>& view =
+      flashed ? ui.state.results.pinned : ui.state.results.current;
+  PointStory& point = ui.memory.point;
+  const bool other_frame =
+      point.of && point.of->run->subject->frame.index != view->run->subject->frame.index;
+  if (other_frame) point = {};
+  const std::int64_t source = source_to_tell(ui, *view->run);
+  if (source < 0) return nullptr;
+  if (point.of != view || point.source != source) {
+    const auto index = static_cast<std::size_t>(source);
+    point = {view, source, life_of(*view->run, index), why_not(*view->run, index)};
+  }
+  return &point;
+}
+
+void draw_why(const Ui& ui, const PointStory& point) {
+  const bool lost = point.why.answer.starts_with("Lost");
+  heading(ui, lost ? "Why not?" : "Where it is");
+  paragraph(lost ? ui.colors.warning : ui.colors.text, point.why.answer);
+  if (point.why.step > 0) {
+    if (button(ui, fmt::format("To step {}", point.why.step), "point.why"))
+      ui.emit("step.goto", std::to_string(point.why.step));
+    ImGui::SameLine();
+    if (button(ui, "Break on this point", "point.break")) {
+      ui.emit("select.voxel", std::to_string(point.of->run->subject->voxel_of_source(
+                                  static_cast<std::size_t>(point.source))));
+      ui.emit("break.point");
+    }
+  }
+  const Remedy& remedy = point.why.remedy;
+  if (remedy.text.empty()) return;
+  paragraph(ui.colors.muted, remedy.text);
+  if (button(ui, fmt::format("Set {} = {}", remedy.option, remedy.value), "point.remedy"))
+    ui.emit("option.set", remedy.option + "=" + remedy.value);
+}
+
+/// One line of the life; a click leads to its step.
+void draw_station(const Ui& ui, const LifeEvent& event, std::size_t index) {
+  const std::int32_t now = ui.state.view.step;
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::PushFont(ui.small);
+  const ImU32 muted = event.decisive ? ui.colors.warning : ui.colors.muted;
+  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(muted), "%s", event.stage.c_str());
+  if (event.step > 0) {
+    ImGui::SameLine();
+    ImGui::TextColored(
+        ImGui::ColorConvertU32ToFloat4(event.step == now ? ui.colors.accent : ui.colors.muted),
+        "%d", event.step);
+  }
+  ImGui::PopFont();
+  ImGui::TableNextColumn();
+  if (event.decisive)
+    ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0,
+                           (ui.colors.warning & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 28));
+  const std::string widget = fmt::format("point.life.{}", index);
+  const bool later = event.step > now;
+  if (event.step < 0) {
+    paragraph(ui.colors.text, event.text);
+    ui.name(widget);
+    return;
+  }
+  const ImVec2 min = ImGui::GetCursorScreenPos();
+  paragraph(later ? ui.colors.muted : ui.colors.text, event.text);
+  ui.name(widget);
+  const ImVec2 max(min.x + ImGui::GetContentRegionAvail().x, ImGui::GetItemRectMax().y);
+  if (!ImGui::IsMouseHoveringRect(min, max) || !ImGui::IsWindowHovered()) return;
+  ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+  ImGui::GetWindowDrawList()->AddRect(min, max, ui.colors.accent, ui.px(2));
+  if (ImGui::IsMouseClicked(0)) ui.emit("step.goto", std::to_string(event.step));
+}
+
+}  // namespace
+
+void draw_point(const Ui& ui) {
+  const PointStory* point = ui.state.run() ? story(ui) : nullptr;
+  if (!point) {
+    paragraph(ui.colors.muted,
+              "Click a point in the image or in space: its pixel, voxel and label, the nodes it "
+              "went through, where it was left over or joined a plane, and what decided that.");
+    return;
+  }
+  draw_why(ui, *point);
+  ImGui::Spacing();
+  ImGui::Separator();
+  heading(ui, "Its life");
+  if (!ImGui::BeginTable("life", 2, ImGuiTableFlags_PadOuterX)) return;
+  ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthFixed, ui.px(92));
+  ImGui::TableSetupColumn("text", ImGuiTableColumnFlags_WidthStretch);
+  for (std::size_t i = 0; i < point->life.size(); ++i) draw_station(ui, point->life[i], i);
+  ImGui::EndTable();
+}
 
 }  // namespace planescope::desktop

@@ -1,0 +1,20 @@
+#pragma once
+
+// Small things that several panels are made of.
+
+#include <string>
+
+#include "app/desktop/ui.hpp"
+
+namespace planescope::desktop {
+
+/// Text in the accent colour that can be clicked; true where it was. Wraps.
+bool link(const Ui& ui, const std::string& text, const std::string& widget);
+/// A title in the bold font.
+void heading(const Ui& ui, const std::string& text);
+/// Wrapped text in a colour.
+void paragraph(ImU32 color, const std::string& text);
+/// A button that is greyed and does nothing where it cannot be used; true where it was clicked.
+bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled = true);
+
+}  // namespace planescope::desktop
