@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "app/commands/bench_classifier.hpp"
+#include "app/commands/bench_desktop.hpp"
 #include "app/commands/eval.hpp"
 #include "app/commands/info.hpp"
 #include "app/commands/options.hpp"
@@ -371,6 +372,21 @@ void define_bench(Line& line) {
     BenchClassifierArgs args = bench_classifier_args(line.typed);
     args.command = line.command;
     line.job = [args](std::stop_token stop) { return run_bench_classifier(args, stop); };
+  });
+
+  CLI::App* desktop = bench->add_subcommand(
+      "desktop",
+      "How long the debugger's window takes to show a step and a slider's tick, drawn without a\n"
+      "display, against an empty window in the same run.");
+  add_inputs(desktop, t, "One bag, folder, .raw, .ply or .pcd file");
+  add_out(desktop, t);
+  add_json(desktop, t);
+  add(desktop, "--steps", t.steps, "N", "Steps of the scrub, default 500");
+  add(desktop, "--size", t.size, "WxH", "Of the window in pixels, default 1440x900");
+  add_method(desktop, t);
+  desktop->final_callback([&line] {
+    const BenchDesktopArgs args = bench_desktop_args(line.typed);
+    line.job = [args](std::stop_token stop) { return run_bench_desktop(args, stop); };
   });
 }
 

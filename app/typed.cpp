@@ -121,6 +121,16 @@ ViewArgs view_args(const Typed& typed) {
   return args;
 }
 
+BenchDesktopArgs bench_desktop_args(const Typed& typed) {
+  BenchDesktopArgs args;
+  args.view = view_args(typed);
+  args.view.fresh = true;
+  if (!typed.steps.empty()) args.steps = whole_at_least(typed.steps, "--steps", 1);
+  args.out = typed.out;
+  args.json = typed.json;
+  return args;
+}
+
 std::string required_out(const Typed& typed, const std::string& command) {
   if (typed.out.empty()) throw Error(command + " needs an output folder, -o DIR");
   return typed.out;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/commands/bench_classifier.hpp"
+#include "app/commands/bench_desktop.hpp"
 #include "app/commands/inputs.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
@@ -40,6 +41,7 @@ SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
 BenchClassifierArgs bench_classifier_args(const Typed& typed);
 ViewArgs view_args(const Typed& typed);
+BenchDesktopArgs bench_desktop_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.

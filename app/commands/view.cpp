@@ -61,7 +61,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
 
 int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   std::unique_ptr<Offscreen> offscreen;
-  State state = first_state(args, {});
+  State state = view_state(args);
   try {
     offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
                                             static_cast<float>(args.scale));
@@ -100,6 +100,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
 }
 
 }  // namespace
+
+State view_state(const ViewArgs& args) { return first_state(args, {}); }
 
 int run_view(const ViewArgs& args, std::stop_token stop) {
   if (args.list_actions) {

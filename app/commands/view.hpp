@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/commands/inputs.hpp"
+#include "app/desktop/state.hpp"
 
 namespace planescope {
 
@@ -21,6 +22,9 @@ struct ViewArgs {
   double scale = 1;                // of text and lines in it
   bool fresh = false;              // ignore what the window remembers
 };
+
+/// The desktop's state with what was asked for open: recordings, a session, or the sample.
+desktop::State view_state(const ViewArgs& args);
 
 /// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
 /// 1: an expectation of the script failed; 3: no display, or no GL.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <mutex>
 
 #include "app/commands/inputs.hpp"
@@ -16,6 +17,8 @@ namespace planescope::desktop {
 namespace {
 
 constexpr int kThumbnailWidth = 200;  // [px]
+// Options rest for so long before all frames are run with them: a slider is not to compete with it.
+constexpr std::chrono::milliseconds kStripDelay{300};
 
 /// The options of some sections as one text: equal texts, equal results.
 std::string options_key(const PipelineOptions& options, bool preparing) {
@@ -124,6 +127,8 @@ struct Jobs::Impl {
 
   // What was asked for last; touched by the window's thread only.
   std::optional<Wanted> run_wanted, strip_wanted;
+  std::chrono::steady_clock::time_point strip_due;
+  bool strip_waits = false;
   std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
   Against compared_against = Against::nothing;
   bool fix_begun = false;
@@ -355,6 +360,7 @@ bool Jobs::collect(State& state) {
 }
 
 bool Jobs::busy() const {
+  if (impl_->strip_waits) return true;
   for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
     if (worker->busy()) return true;
   const std::lock_guard lock(impl_->mutex);

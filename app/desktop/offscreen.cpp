@@ -25,6 +25,7 @@ Offscreen::Offscreen(State state, int width, int height, float scale)
 }
 
 Offscreen::~Offscreen() {
+  context_->make_current();
   ImGui::SetCurrentContext(shell_->context());
   ImGui_ImplOpenGL3_Shutdown();
   shell_.reset();
@@ -32,6 +33,7 @@ Offscreen::~Offscreen() {
 }
 
 void Offscreen::draw_frame() {
+  context_->make_current();
   glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
   shell_->frame(width_, height_, scale_, 1.0 / 60);
   if (shell_->take_fonts_changed()) {
@@ -46,7 +48,13 @@ void Offscreen::draw_frame() {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+void Offscreen::finish() {
+  context_->make_current();
+  glFinish();
+}
+
 Image8 Offscreen::picture() {
+  context_->make_current();
   glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
   Image8 flipped(width_, height_, 3), image(width_, height_, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);

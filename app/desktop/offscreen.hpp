@@ -18,6 +18,8 @@ class Offscreen : public Stage {
   Shell& shell() { return *shell_; }
   void draw_frame() override;
   void screenshot(const std::filesystem::path& path) override;
+  /// Waits until the last frame is drawn.
+  void finish();
   /// What the last frame shows. RGB, row 0 at the top.
   Image8 picture();
 

@@ -186,8 +186,8 @@ void settle(Shell& shell, Stage& stage, std::stop_token stop) {
   stage.draw_frame();
   while (!shell.idle()) {
     if (stop.stop_requested()) throw Cancelled();
+    if (!shell.needs_frame()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     stage.draw_frame();
-    if (!shell.idle()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 

@@ -166,9 +166,8 @@ void Shell::perform(const Command& command, bool strict) {
   }
 }
 
-bool Shell::idle() const {
-  return frames_to_draw_ <= 0 && input_.empty() && !jobs_.busy() &&
-         state_.view.playing.direction == 0;
+bool Shell::needs_frame() const {
+  return frames_to_draw_ > 0 || !input_.empty() || state_.view.playing.direction != 0;
 }
 
 void Shell::frame(int width, int height, float screen_scale, double seconds) {

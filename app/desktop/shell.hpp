@@ -30,8 +30,10 @@ class Shell {
   void frame(int width, int height, float screen_scale, double seconds);
   /// Applies a command as a key or a click would; errors go to the status bar unless `strict`.
   void perform(const Command& command, bool strict = false);
+  /// Something is left to show.
+  bool needs_frame() const;
   /// Nothing is under way and nothing is left to show.
-  bool idle() const;
+  bool idle() const { return !needs_frame() && !jobs_.busy(); }
   ImGuiContext* context() const { return context_; }
   /// The font atlas was made anew since the last call.
   bool take_fonts_changed();

@@ -280,10 +280,10 @@ void Window::run(std::stop_token stop) {
   const std::stop_callback wake(stop, [] { glfwPostEmptyEvent(); });
   if (options_.script) options_.script->play(*shell_, *this, stop);
   while (!glfwWindowShouldClose(window_) && !shell_->state().view.quit && !stop.stop_requested()) {
-    // At rest nothing is drawn until something happens.
+    // Nothing is drawn until something happens; what is under way wakes the window when it is done.
     if (shell_->idle())
       glfwWaitEvents();
-    else if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
+    else if (!shell_->needs_frame() || glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
       glfwWaitEventsTimeout(0.1);
     draw_frame();
   }

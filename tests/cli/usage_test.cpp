@@ -8,14 +8,23 @@ using namespace planescope::testing_cli;
 
 namespace {
 
-const std::vector<std::vector<std::string>> kCommands = {
-    {"info"},  {"segment"},         {"report"},          {"eval"},  {"options"},
-    {"synth"}, {"synth", "sample"}, {"synth", "stairs"}, {"bench"}, {"bench", "classifier"}};
+const std::vector<std::vector<std::string>> kCommands = {{"view"},
+                                                         {"info"},
+                                                         {"segment"},
+                                                         {"report"},
+                                                         {"eval"},
+                                                         {"synth"},
+                                                         {"synth", "sample"},
+                                                         {"synth", "stairs"},
+                                                         {"options"},
+                                                         {"bench"},
+                                                         {"bench", "classifier"},
+                                                         {"bench", "desktop"}};
 
 }  // namespace
 
-TEST(Usage, WithoutACommandTheHelpIsPrinted) {
-  const Ran ran = run({});
+TEST(Usage, TheHelpNamesEveryCommand) {
+  const Ran ran = run({"--help"});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.err, "");
   for (const auto& command : kCommands)

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+
+namespace planescope::testing_cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct View : testing::Test {
+  View() {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    setenv("XDG_STATE_HOME", (scratch() / "state").c_str(), 1);
+  }
+  fs::path write(const fs::path& path, const std::string& text) {
+    std::ofstream(path) << text;
+    return path;
+  }
+};
+
+TEST_F(View, WithoutADisplayOneLineNamesTheHeadlessCommands) {
+  for (const std::vector<std::string>& args : {std::vector<std::string>{}, {"view"}}) {
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 3);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find("planescope report"), std::string::npos);
+    EXPECT_NE(ran.err.find("--screenshot"), std::string::npos);
+  }
+}
+
+TEST_F(View, DrawsTheWindowWithoutADisplayAndSaysWhatItShows) {
+  const fs::path dir = scratch();
+  const fs::path script = write(dir / "script.json", R"({"actions": [
+      "filter.set case==IV", "filter.next", {"expect": {"case": "IV"}}]})");
+  const Ran ran = run({"view", "--classifier", "pca", "--script", script, "--screenshot",
+                       dir / "a.png", "--state", dir / "a.json", "--size", "1000x640"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(read_text(dir / "a.png").substr(1, 3), "PNG");
+  const auto facts = nlohmann::json::parse(read_text(dir / "a.json"));
+  EXPECT_EQ(facts.at("case"), "IV");
+  EXPECT_EQ(facts.at("filter"), "case==IV");
+  EXPECT_FALSE(fs::exists(dir / "state")) << "the picture's window remembers nothing";
+}
+
+TEST_F(View, AnExpectationThatFailsIsExitCodeOne) {
+  const fs::path dir = scratch();
+  const fs::path script =
+      write(dir / "script.json", R"({"actions": ["step.first", {"expect": {"step": 5}}]})");
+  const Ran ran = run({"view", "--classifier", "pca", "--offscreen", "--script", script});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  EXPECT_NE(ran.err.find("expected step 5, found 0"), std::string::npos) << ran.err;
+}
+
+TEST_F(View, BadInputIsOneLine) {
+  const fs::path dir = scratch();
+  const fs::path bad = write(dir / "bad.json", "{\"schema\": ");
+  const fs::path out = dir / "a.png";
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"view", "--open", bad, "--screenshot", out},
+        {"view", "--open", dir / "absent.json", "--screenshot", out},
+        {"view", "--script", bad, "--screenshot", out},
+        {"view", "/nowhere/at/all", "--screenshot", out},
+        {"view", "--size", "10x10", "--screenshot", out},
+        {"view", "--scale", "0", "--screenshot", out},
+        {"view", "--screenshot", "/nowhere/at/all.png"}}) {
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2) << args[1];
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  }
+}
+
+TEST_F(View, ListsItsActionsWithTheirKeys) {
+  const Ran ran = run({"view", "--actions"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("step.next"), std::string::npos);
+  EXPECT_NE(ran.out.find("Shift+Right"), std::string::npos);
+}
+
+TEST_F(View, TheWindowsSpeedIsMeasuredAgainstAnEmptyOne) {
+  const fs::path dir = scratch();
+  const Ran ran = run({"bench", "desktop", "--classifier", "pca", "--steps", "20", "--size",
+                       "800x500", "-o", dir / "out"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto json = nlohmann::json::parse(read_text(dir / "out" / "desktop.json"));
+  for (const char* what : {"empty", "scrub", "jump", "slider"})
+    for (const char* figure : {"median_ms", "p99_ms", "median_ratio", "p99_ratio"})
+      EXPECT_GT(json.at(what).at(figure), 0) << what << figure;
+}
+
+}  // namespace
+}  // namespace planescope::testing_cli
