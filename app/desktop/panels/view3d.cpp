@@ -121,7 +121,8 @@ void draw_view3d(const Ui& ui) {
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
     const bool clicked =
         ImGui::IsMouseReleased(0) && io.MouseDragMaxDistanceSqr[0] <= kClickSlack * kClickSlack;
-    if (!pressed) {
+    const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
+    if (!pressed && (clicked || !playing)) {
       const Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),
                                           static_cast<int>(io.MousePos.y - at.y));
       if (clicked)
