@@ -1,0 +1,81 @@
+#include "app/desktop/octree_rows.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct OctreeRows : testing::Test {
+  State state = run_state();
+  const planescope::Run& run = *state.run();
+
+  std::vector<std::int32_t> nodes_at(std::int32_t step, std::int32_t selected = -1) const {
+    std::vector<std::int32_t> nodes;
+    for (const OctreeRow& row : octree_rows(run, step, selected, {})) nodes.push_back(row.node);
+    return nodes;
+  }
+};
+
+TEST_F(OctreeRows, HoldWhatWaitsAndNothingOfTheFuture) {
+  for (std::int32_t step = 0; step <= run.steps(); step += 97) {
+    const std::vector<std::int32_t> nodes = nodes_at(step);
+    const std::set<std::int32_t> shown(nodes.begin(), nodes.end());
+    EXPECT_EQ(shown.size(), nodes.size());
+    for (std::int32_t n = 0; n < static_cast<std::int32_t>(run.octree().nodes.size()); ++n) {
+      const NodeState now = run.timeline.node_state(n, step);
+      if (now == NodeState::unborn || now == NodeState::queued) {
+        EXPECT_EQ(shown.contains(n), now == NodeState::queued) << n << " at " << step;
+      }
+    }
+  }
+}
+
+TEST_F(OctreeRows, FoldWhatIsSettled) {
+  EXPECT_EQ(nodes_at(run.steps()), std::vector<std::int32_t>{0});
+  const auto opened = octree_rows(run, run.steps(), -1, {{0, true}});
+  EXPECT_EQ(opened.size(), 1u + run.octree().nodes[0].child_count);
+  EXPECT_EQ(octree_rows(run, 40, -1, {{0, false}}).size(), 1u);
+}
+
+TEST_F(OctreeRows, LeadToTheSelectedNode) {
+  const auto last = static_cast<std::int32_t>(run.octree().nodes.size()) - 1;
+  const auto nodes = nodes_at(run.steps(), last);
+  for (std::int32_t n = last; n >= 0; n = run.octree().nodes[static_cast<std::size_t>(n)].parent)
+    EXPECT_EQ(std::count(nodes.begin(), nodes.end(), n), 1) << n;
+}
+
+TEST_F(OctreeRows, FindNodesByNumberAndByWhatHasHappened) {
+  FilterProblem problem;
+  ASSERT_EQ(octree_matches(run, run.steps(), "41", problem).size(), 1u);
+  EXPECT_TRUE(octree_matches(run, 0, "41", problem).empty()) << "not born yet";
+  EXPECT_TRUE(octree_matches(run, run.steps(), "99999999999", problem).empty());
+  const auto all = octree_matches(run, run.steps(), "case==IV", problem);
+  EXPECT_EQ(all.size(), run.segmentation.counts.nodes_per_case[4]);
+  const auto some = octree_matches(run, run.steps() / 20, "case==IV", problem);
+  EXPECT_LT(some.size(), all.size());
+  octree_matches(run, 0, "case==", problem);
+  EXPECT_FALSE(problem.message.empty());
+}
+
+TEST_F(OctreeRows, CountWhatIsBelow) {
+  for (const std::int32_t step : {1, 200, run.steps()})
+    for (std::int32_t top = 0; top < 60; ++top) {
+      SubtreeCounts expected = {};
+      for (std::int32_t n = top + 1; n < static_cast<std::int32_t>(run.octree().nodes.size());
+           ++n) {
+        if (run.timeline.node_state(n, step) == NodeState::unborn) continue;
+        std::int32_t above = n;
+        while (above > top) above = run.octree().nodes[static_cast<std::size_t>(above)].parent;
+        const bool settled = run.timeline.node_state(n, step) == NodeState::settled;
+        const Case decided = run.octree().nodes[static_cast<std::size_t>(n)].decided;
+        if (above == top) ++expected[settled ? static_cast<std::size_t>(decided) : 0];
+      }
+      EXPECT_EQ(count_subtree(run, step, top), expected) << top << " at " << step;
+    }
+}
+
+}  // namespace
+}  // namespace planescope::desktop
