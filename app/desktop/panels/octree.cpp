@@ -30,7 +30,7 @@ std::string reason_of(const Run& run, std::int32_t node) {
     case Case::III:
     case Case::IV:
       return run.segment_options.rms_criterion3 ? "RMS " + length_text_cm(facts.e_n)
-                                                : fmt::format("e_n {:.2g} m²", facts.e_n);
+                                                : fmt::format("e_n {:.2g}", facts.e_n);
   }
   return {};
 }
@@ -90,7 +90,7 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
                                          ImGuiSelectableFlags_AllowDoubleClick, ImVec2(0, line));
   ImGui::PopID();
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
-  const float left = at.x + static_cast<float>(row.indent) * ui.px(13) + ui.px(3);
+  const float left = at.x + static_cast<float>(row.indent) * ui.px(10) + ui.px(3);
   const float fold_end = left + line;
   ui.name(fmt::format("octree.node.{}", row.node), ImVec2(fold_end, min.y), max);
   const bool on_fold = row.has_children && ImGui::GetIO().MousePos.x < fold_end;
@@ -118,8 +118,8 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
         : state == NodeState::queued ? "–"
                                      : "?",
         ui.colors.text, 24);
-  write(std::to_string(row.node), ui.colors.text, 44);
-  write(fmt::format("{} pts", node.size()), ui.colors.muted, 64);
+  write(std::to_string(row.node), ui.colors.text, 36);
+  write(fmt::format("{} pts", node.size()), ui.colors.muted, 54);
   if (row.has_children && !row.open)
     draw_subtree_bar(ui, ImVec2(x, at.y), count_subtree(run, step, row.node));
   else if (settled)
