@@ -56,6 +56,21 @@ TruthMatch match_of(const Overlap& overlap, int t) {
   return match;
 }
 
+TruthVerdict verdict_of(const TruthMatch& match, const Overlap& overlap) {
+  constexpr double kPart = 0.1;  // of a true plane, for a found one to be a part of it
+  if (match.iou >= kDetected) return TruthVerdict::detected;
+  if (match.found == 0) return TruthVerdict::missed;
+  for (int t = 1; t < overlap.truths(); ++t)
+    if (t != match.truth && overlap.truth_size(t) > 0 &&
+        2 * overlap.shared(t, match.found) >= overlap.truth_size(t))
+      return TruthVerdict::merged;
+  int parts = 0;
+  for (int f = 1; f < overlap.founds(); ++f)
+    parts += overlap.shared(match.truth, f) >= kPart * match.points;
+  const std::uint32_t in_planes = match.points - overlap.shared(match.truth, 0);
+  return parts >= 2 && 2 * in_planes >= match.points ? TruthVerdict::split : TruthVerdict::missed;
+}
+
 }  // namespace
 
 QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth& truth) {
@@ -79,22 +94,13 @@ QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth&
   return score;
 }
 
-TruthVerdict verdict_of(const TruthMatch& match,
-                        std::span<const std::int32_t> plane_of,
-                        const VoxelTruth& truth) {
-  constexpr double kPart = 0.1;  // of a true plane, for a found one to be a part of it
-  if (match.iou >= kDetected) return TruthVerdict::detected;
-  if (match.found == 0) return TruthVerdict::missed;
+std::vector<TruthVerdict> verdicts_of(const QuickScore& score,
+                                      std::span<const std::int32_t> plane_of,
+                                      const VoxelTruth& truth) {
   const Overlap overlap(plane_of, truth);
-  for (int t = 1; t < overlap.truths(); ++t)
-    if (t != match.truth && overlap.truth_size(t) > 0 &&
-        2 * overlap.shared(t, match.found) >= overlap.truth_size(t))
-      return TruthVerdict::merged;
-  int parts = 0;
-  for (int f = 1; f < overlap.founds(); ++f)
-    parts += overlap.shared(match.truth, f) >= kPart * match.points;
-  const std::uint32_t in_planes = match.points - overlap.shared(match.truth, 0);
-  return parts >= 2 && 2 * in_planes >= match.points ? TruthVerdict::split : TruthVerdict::missed;
+  std::vector<TruthVerdict> verdicts;
+  for (const TruthMatch& match : score.planes) verdicts.push_back(verdict_of(match, overlap));
+  return verdicts;
 }
 
 const char* to_string(TruthVerdict verdict) {

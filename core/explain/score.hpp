@@ -29,10 +29,11 @@ struct QuickScore {
 QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth& truth);
 
 enum class TruthVerdict : std::uint8_t { detected, missed, merged, split };
-/// What became of a truth plane: merged where its best plane also covers half of another one.
-TruthVerdict verdict_of(const TruthMatch& match,
-                        std::span<const std::int32_t> plane_of,
-                        const VoxelTruth& truth);
+/// What became of each truth plane of a score: merged where its best plane also covers half of
+/// another one, split where several cover half of it.
+std::vector<TruthVerdict> verdicts_of(const QuickScore& score,
+                                      std::span<const std::int32_t> plane_of,
+                                      const VoxelTruth& truth);
 const char* to_string(TruthVerdict verdict);
 
 }  // namespace planescope

@@ -1,17 +1,9 @@
 #include "core/replay/facts.hpp"
 
+#include "core/segment/candidate.hpp"
+
 namespace planescope {
 namespace {
-
-PlaneFit fit_of_inliers(const Octree& octree,
-                        const OctreeNode& node,
-                        Label label,
-                        bool use_labels) {
-  Moments moments;
-  for (std::uint32_t i = node.begin; i < node.end; ++i)
-    if (!use_labels || octree.labels[i] == label) moments.add(octree.points[i].cast<double>());
-  return fit_plane(moments);
-}
 
 /// Counts the true planes of one node after the other.
 class TruthCounter {
@@ -58,11 +50,13 @@ std::vector<NodeFacts> facts_of(const Run& run) {
   for (const OctreeNode& node : octree.nodes) {
     NodeFacts facts;
     facts.purity = purity_of(node, options.use_labels);
-    facts.fit = fit_of_inliers(octree, node, facts.purity.inlier, options.use_labels);
+    facts.fit = fit_label(octree, static_cast<std::int32_t>(result.size()), facts.purity.inlier,
+                          options.use_labels)
+                    .fit;
     const double range = (facts.fit.centroid - run.subject->prepared.sensor()).norm();
-    facts.e_n = options.rms_criterion3 ? facts.fit.rms_m()
-                                       : normal_error(facts.fit, options.mse_normalization);
-    facts.theta_e_n = options.rms_criterion3 ? noise.theta_rms(range) : options.theta_e_n_m2;
+    const Planarity planar = planarity(facts.fit, noise, range, options);
+    facts.e_n = planar.value;
+    facts.theta_e_n = planar.threshold;
     facts.sigma_ang = normal_uncertainty(facts.fit, noise.sigma(range));
     if (truth.known()) counter.count(node, facts);
     result.push_back(facts);

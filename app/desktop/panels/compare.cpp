@@ -136,10 +136,11 @@ void draw_planes(const Ui& ui, const Run* a, const Run& b, const Comparison& com
     }
     plane_cell(ui, b, pair.b, !flash, fmt::format("compare.plane.{}.b", i));
     ImGui::TableNextColumn();
-    const ImU32 color = pair.a == 0 || pair.b == 0 ? ui.colors.bad
-                        : pair.iou < 0.8           ? ui.colors.warning
-                                                   : ui.colors.text;
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%.3f", pair.iou);
+    if (pair.a == 0 || pair.b == 0)
+      paragraph(ui.colors.bad, pair.b == 0 ? (a ? "lost" : "missed") : (a ? "gained" : "no truth"));
+    else
+      paragraph(pair.iou < 0.8 ? ui.colors.warning : ui.colors.text,
+                fmt::format("{:.3f}", pair.iou));
   }
   ImGui::EndTable();
 }

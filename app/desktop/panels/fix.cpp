@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
@@ -23,18 +24,22 @@ ImU32 color_of(const Ui& ui, TruthVerdict verdict) {
 void draw_truth_planes(const Ui& ui, const RunView& view) {
   if (!view.score) return;
   const Run& run = *view.run;
-  std::vector<TruthMatch> matches = view.score->planes;  // the worst first
-  std::stable_sort(matches.begin(), matches.end(),
-                   [](const TruthMatch& a, const TruthMatch& b) { return a.iou < b.iou; });
+  const std::vector<TruthMatch>& planes = view.score->planes;
+  const std::vector<TruthVerdict> verdicts =
+      verdicts_of(*view.score, run.segmentation.plane_of, run.subject->voxel_truth);
+  std::vector<std::size_t> order(planes.size());  // the worst first
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return planes[a].iou < planes[b].iou; });
   if (!ImGui::BeginTable("truth", 4, kTable)) return;
   ImGui::TableSetupColumn("true plane", ImGuiTableColumnFlags_WidthStretch);
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableSetupColumn("IoU", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableHeadersRow();
-  for (const TruthMatch& match : matches) {
-    const TruthVerdict verdict =
-        verdict_of(match, run.segmentation.plane_of, run.subject->voxel_truth);
+  for (const std::size_t i : order) {
+    const TruthMatch& match = planes[i];
+    const TruthVerdict verdict = verdicts[i];
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();
@@ -59,7 +64,7 @@ void draw_marked(const Ui& ui) {
   if (button(ui, ui.state.view.marking ? "Drag in the image" : "Mark a region", "fix.mark"))
     ui.emit("mark.toggle");
   ImGui::SameLine();
-  if (button(ui, "One plane of it", "fix.marked", marked > 0)) ui.emit("fix.marked");
+  if (button(ui, "Find a fix for it", "fix.marked", marked > 0)) ui.emit("fix.marked");
   ImGui::SameLine();
   ImGui::TextDisabled("%zu voxels marked", marked);
 }

@@ -33,7 +33,7 @@ TEST(QuickScore, WithoutTruthOnlyThePlanesAreCounted) {
 TEST(QuickScore, EveryWayToLoseAPlaneHasItsName) {
   const auto verdict = [](const std::vector<std::int32_t>& found, std::int32_t plane) {
     const VoxelTruth truth = truth_of({1, 1, 1, 1, 2, 2, 2, 2}, 2);
-    return verdict_of(quick_score(found, truth).planes[plane - 1], found, truth);
+    return verdicts_of(quick_score(found, truth), found, truth)[plane - 1];
   };
   EXPECT_EQ(verdict({1, 1, 1, 1, 2, 2, 2, 2}, 1), TruthVerdict::detected);
   EXPECT_EQ(verdict({1, 1, 1, 1, 1, 1, 1, 1}, 1), TruthVerdict::merged);
