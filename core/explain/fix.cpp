@@ -188,10 +188,13 @@ FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
 }
 
 std::vector<Fix> find_fixes(const Run& run,
-                            const FixTarget& target,
+                            const FixTarget& wanted,
                             std::stop_token stop,
                             const FixProgress& progress) {
   std::vector<Fix> fixes;
+  FixTarget target = wanted;  // a region may have been marked on a finer grid
+  std::erase_if(target.voxels,
+                [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); });
   if (target.voxels.empty() || iou_of(run.segmentation.plane_of, target) >= kDetected) return fixes;
   std::vector<const OptionInfo*> options;
   for (const OptionInfo& info : option_table())

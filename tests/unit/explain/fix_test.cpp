@@ -73,6 +73,11 @@ TEST(Fix, WhatIsDetectedNeedsNone) {
   EXPECT_TRUE(find_fixes(*run, target_of_truth(*run, 1), {}).empty());
 }
 
+TEST(Fix, VoxelsThatTheFrameDoesNotHaveAreNotSought) {
+  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  EXPECT_TRUE(find_fixes(*run, {{1u << 30}, "marked region"}, {}).empty());
+}
+
 TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
   int index = 0;
   auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003, index);
