@@ -26,9 +26,19 @@ void draw_margin(const Ui& ui, const Check& check) {
   ImGui::Dummy(ImVec2(width, height));
 }
 
-std::string with_unit(double value, const std::string& unit) {
-  const std::string text = number_text(value);
-  return unit.empty() || unit == "points" || !std::isfinite(value) ? text : text + " " + unit;
+/// "e_n = 0.00712 ≤ 0.005 m²": three digits, the unit once.
+std::string comparison_text(const Check& check) {
+  const bool metres = check.unit == "m";
+  const auto text = [&](double value) {
+    if (!std::isfinite(value) || value == std::floor(value)) return number_text(value);
+    return fmt::format("{:.3g}", metres ? 1000 * value : value);
+  };
+  std::string unit = check.unit == "points" || check.unit.empty() ? "" : " " + check.unit;
+  if (metres) unit = " mm";
+  if (check.unit == "deg") unit = "°";
+  if (check.op.empty()) return fmt::format("{} = {}{}", check.quantity, text(check.value), unit);
+  return fmt::format("{} = {} {} {}{}", check.quantity, text(check.value), check.op,
+                     text(check.threshold), unit);
 }
 
 }  // namespace
@@ -37,10 +47,10 @@ void draw_checks(const Ui& ui, const std::string& name, const std::vector<Check>
   if (!ImGui::BeginTable(("##checks." + name).c_str(), 4,
                          ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH))
     return;
-  ImGui::TableSetupColumn("criterion", ImGuiTableColumnFlags_WidthStretch, 1.25f);
-  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 2.4f);
-  ImGui::TableSetupColumn("verdict", ImGuiTableColumnFlags_WidthFixed, ui.px(40));
-  ImGui::TableSetupColumn("margin", ImGuiTableColumnFlags_WidthFixed, ui.px(64));
+  ImGui::TableSetupColumn("criterion", ImGuiTableColumnFlags_WidthStretch, 1.1f);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 2.6f);
+  ImGui::TableSetupColumn("verdict", ImGuiTableColumnFlags_WidthFixed, ui.px(32));
+  ImGui::TableSetupColumn("margin", ImGuiTableColumnFlags_WidthFixed, ui.px(48));
   std::string criterion;
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const Check& check = checks[i];
@@ -69,13 +79,7 @@ void draw_checks(const Ui& ui, const std::string& name, const std::vector<Check>
       ImGui::PopFont();
     }
     ImGui::TableNextColumn();
-    ImGui::Text(
-        "%s",
-        check.op.empty()
-            ? fmt::format("{} = {}", check.quantity, with_unit(check.value, check.unit)).c_str()
-            : fmt::format("{} = {}  {}  {}", check.quantity, with_unit(check.value, check.unit),
-                          check.op, with_unit(check.threshold, check.unit))
-                  .c_str());
+    ImGui::TextUnformatted(comparison_text(check).c_str());
     ImGui::TableNextColumn();
     if (!check.op.empty()) {
       const char* verdict = !asked ? "not asked" : check.verdict == Verdict::pass ? "pass" : "fail";

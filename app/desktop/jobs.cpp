@@ -177,6 +177,11 @@ void Jobs::Impl::run_frame(const Wanted& wanted) {
       state.results.loading = false;
       state.results.refusal.clear();
       state.results.sensitivity.clear();
+      // Voxels are numbered anew with every subject.
+      if (before && before->run->subject != view->run->subject) state.document.marked.clear();
+      std::erase_if(state.document.marked, [&](std::uint32_t voxel) {
+        return voxel >= view->run->subject->voxel_count();
+      });
       if (state.view.arrival) {
         const Bookmark arrival = *state.view.arrival;
         state.view.arrival.reset();

@@ -37,10 +37,9 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["marked"] = document.marked.size();
   json["pinned"] = state.results.pinned != nullptr;
   json["flash"] = view.flash;
-  json["fixes"] = state.results.fix.fixes.size();
-  json["fix"] = state.results.fix.fixes.empty() ? ""
-                                                : state.results.fix.fixes.front().option + "=" +
-                                                      state.results.fix.fixes.front().after;
+  json["fixes"] = nlohmann::ordered_json::array();
+  for (const Fix& fix : state.results.fix.fixes)
+    json["fixes"].push_back(fix.option + "=" + fix.after);
   json["strip"] = state.results.strip_done;
   json["theme"] = view.theme == Theme::dark ? "dark" : "light";
   json["tab"] = view.inspector_tab;

@@ -12,8 +12,6 @@
 namespace planescope {
 namespace {
 
-constexpr double kDetected = 0.8;  // IoU
-
 bool steers_segmentation(const OptionInfo& info) {
   return info.section == "criteria" || info.section == "refinements";
 }
@@ -24,7 +22,8 @@ double iou_of(const std::vector<std::int32_t>& plane_of, const FixTarget& target
       plane_of.empty() ? 0 : *std::max_element(plane_of.begin(), plane_of.end());
   std::vector<std::uint32_t> sizes(planes + 1, 0), shared(planes + 1, 0);
   for (const std::int32_t plane : plane_of) ++sizes[plane];
-  for (const std::uint32_t voxel : target.voxels) ++shared[plane_of[voxel]];
+  for (const std::uint32_t voxel : target.voxels)
+    if (voxel < plane_of.size()) ++shared[plane_of[voxel]];
   double best = 0;
   for (std::int32_t p = 1; p <= planes; ++p) {
     const double all = sizes[p] + static_cast<double>(target.voxels.size()) - shared[p];
@@ -47,7 +46,7 @@ class Search {
     PipelineOptions options = run_.options;
     info_.set(options, value);
     planes_ = planes_with(*run_.subject, options);
-    return iou_of(planes_, target_) >= kDetected;
+    return iou_of(planes_, target_) >= kDetectedIou;
   }
   bool recovers_at(double position) { return recovers(scale_.text_at(position)); }
   std::optional<double> nearest_success(double start);
@@ -187,6 +186,10 @@ FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
   return target;
 }
 
+bool is_recovered(const Run& run, const FixTarget& target) {
+  return iou_of(run.segmentation.plane_of, target) >= kDetectedIou;
+}
+
 std::vector<Fix> find_fixes(const Run& run,
                             const FixTarget& wanted,
                             std::stop_token stop,
@@ -195,7 +198,7 @@ std::vector<Fix> find_fixes(const Run& run,
   FixTarget target = wanted;  // a region may have been marked on a finer grid
   std::erase_if(target.voxels,
                 [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); });
-  if (target.voxels.empty() || iou_of(run.segmentation.plane_of, target) >= kDetected) return fixes;
+  if (target.voxels.empty() || is_recovered(run, target)) return fixes;
   std::vector<const OptionInfo*> options;
   for (const OptionInfo& info : option_table())
     if (steers_segmentation(info)) options.push_back(&info);
@@ -226,7 +229,7 @@ FixEffect effect_of(const Run& before, const PipelineOptions& after) {
   effect.iou_before = was.mean_iou;
   effect.iou_after = is.mean_iou;
   for (std::size_t i = 0; i < was.planes.size(); ++i) {
-    const bool had = was.planes[i].iou >= kDetected, has = is.planes[i].iou >= kDetected;
+    const bool had = was.planes[i].iou >= kDetectedIou, has = is.planes[i].iou >= kDetectedIou;
     if (has && !had) effect.recovered.push_back(was.planes[i].truth);
     if (had && !has) effect.broken.push_back(was.planes[i].truth);
   }

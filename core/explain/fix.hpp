@@ -15,12 +15,14 @@
 
 namespace planescope {
 
-/// What is to come out: these voxels as one plane, IoU >= 0.8.
+/// What is to come out: these voxels as one plane, IoU >= kDetectedIou.
 struct FixTarget {
   std::vector<std::uint32_t> voxels;
   std::string name;  // "truth plane 4", "marked region"
 };
 FixTarget target_of_truth(const Run& run, std::int32_t truth_plane);
+/// Is it one plane of the run already?
+bool is_recovered(const Run& run, const FixTarget& target);
 
 struct Fix {
   std::string option;

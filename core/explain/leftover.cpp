@@ -44,7 +44,7 @@ void choose_first(const Run& run, std::vector<LeftoverPlane>& planes) {
     plane.chosen = !found && plane.distance_m <= plane.limit_m;
     found = found || plane.chosen;
     if (!plane.considered)
-      plane.why_not = "a plane before it was near enough";
+      plane.why_not = "an earlier plane took it";
     else if (!plane.chosen)
       plane.why_not = "too far";
   }

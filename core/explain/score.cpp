@@ -6,8 +6,6 @@
 namespace planescope {
 namespace {
 
-constexpr double kDetected = 0.8;  // IoU, as eval counts planes
-
 /// How many voxels each pair of a true and a found plane share; row and column 0 are no plane.
 class Overlap {
  public:
@@ -58,7 +56,7 @@ TruthMatch match_of(const Overlap& overlap, int t) {
 
 TruthVerdict verdict_of(const TruthMatch& match, const Overlap& overlap) {
   constexpr double kPart = 0.1;  // of a true plane, for a found one to be a part of it
-  if (match.iou >= kDetected) return TruthVerdict::detected;
+  if (match.iou >= kDetectedIou) return TruthVerdict::detected;
   if (match.found == 0) return TruthVerdict::missed;
   for (int t = 1; t < overlap.truths(); ++t)
     if (t != match.truth && overlap.truth_size(t) > 0 &&
@@ -84,7 +82,7 @@ QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth&
     if (overlap.truth_size(t) == 0) continue;
     const TruthMatch match = match_of(overlap, t);
     score.planes.push_back(match);
-    score.detected += match.iou >= kDetected;
+    score.detected += match.iou >= kDetectedIou;
     score.mean_iou += match.iou;
     in_truth += match.points;
     in_none += overlap.shared(t, 0);

@@ -11,6 +11,8 @@
 
 namespace planescope {
 
+inline constexpr double kDetectedIou = 0.8;  // as eval counts planes
+
 struct TruthMatch {
   std::int32_t truth = 0;  // truth plane id
   std::int32_t found = 0;  // plane id that overlaps it most, 0 none
@@ -20,7 +22,7 @@ struct TruthMatch {
 
 struct QuickScore {
   std::vector<TruthMatch> planes;  // per truth plane that has voxels, ascending id
-  int detected = 0;                // IoU >= 0.8
+  int detected = 0;                // IoU >= kDetectedIou
   double mean_iou = 0;             // 0..1
   double in_no_plane = 0;          // share of voxels with a true plane that are in none
   int found_planes = 0;

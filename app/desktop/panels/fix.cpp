@@ -79,6 +79,11 @@ void draw_progress(const Ui& ui, const FixSearch& fix) {
 }
 
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
+  const RunView* current = ui.state.results.current.get();
+  if (fix.fixes.empty() && current && is_recovered(*current->run, fix.target)) {
+    paragraph(ui.colors.good, "It is one plane already, as it should be.");
+    return;
+  }
   if (fix.fixes.empty()) {
     paragraph(ui.colors.warning,
               "No single change of one option recovers it: several may be needed, or the labels "
@@ -91,8 +96,7 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
   ImGui::TableSetupColumn("detected", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
   ImGui::TableHeadersRow();
-  const RunView* view = ui.state.results.current.get();
-  const int now = view && view->score ? view->score->detected : 0;
+  const int now = current && current->score ? current->score->detected : 0;
   for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
     const Fix& one = fix.fixes[i];
     ImGui::TableNextRow();

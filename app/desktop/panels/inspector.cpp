@@ -74,7 +74,7 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
     fact(ui, "truth",
          fmt::format("{} of them on true plane {}{}", facts.truth_points, facts.truth_plane,
                      facts.truth_planes > 1
-                         ? fmt::format(", {} true planes in all", facts.truth_planes)
+                         ? fmt::format(", others on {} more", facts.truth_planes - 1)
                          : ""));
   if (now != NodeState::settled) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "%s",

@@ -41,11 +41,10 @@ void draw_keys(const Ui& ui) {
       used += count + 2;
       ImGui::Spacing();
       ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.accent), "%s", menu.c_str());
-      const float left = ImGui::GetCursorPosX();
       for (const Action& action : action_table()) {
         if (!in_menu(action)) continue;
         ImGui::TextDisabled("%s", action.keys.c_str());
-        ImGui::SameLine(left + ui.px(120));
+        ImGui::SameLine(ui.px(120));  // of the column
         ImGui::TextUnformatted(action.title.c_str());
       }
     }
