@@ -31,21 +31,25 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   State state;
   Document& document = state.document;
   state.view = settings.view;
+  state.view.message = "? shows the keys, Ctrl+P finds an action by name";
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
-  std::vector<fs::path> paths = args.input.inputs;
-  if (paths.empty() && args.open.empty()) {
-    if (!settings.last_recording.empty() && fs::exists(settings.last_recording)) {
-      paths.push_back(settings.last_recording);
-      document.frame = settings.last_frame;
-      state.view.camera = settings.camera;
-    } else {
-      paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
-    }
-  }
-  for (const fs::path& path : paths)
+  const auto open = [&](const fs::path& path) {
     document.recordings.push_back({path, open_recording(path, args.input.recording),
                                    args.input.label_dir.value_or(default_label_dir(path))});
+  };
+  for (const fs::path& path : args.input.inputs) open(path);
+  if (document.recordings.empty() && args.open.empty() && !settings.last_recording.empty()) {
+    try {
+      open(settings.last_recording);
+      document.frame = settings.last_frame;
+      state.view.camera = settings.camera;
+    } catch (const Error&) {
+      // What was open last is gone or damaged: nobody asked for it, so the sample is shown.
+    }
+  }
+  if (document.recordings.empty() && args.open.empty())
+    open(find_asset("sample", "no recording was given, and the sample is"));
   if (!document.recordings.empty()) {
     document.recording = 0;
     const int count = document.current()->recording->frame_count();

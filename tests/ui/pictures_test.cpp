@@ -60,6 +60,25 @@ constexpr double kSame = 0.0005;  // share of pixels that may differ
 
 struct Pictures : testing::Test {};
 
+TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
+  const std::filesystem::path docs = std::filesystem::path(PLANESCOPE_SOURCE_DIR) / "docs";
+  int pictures = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(docs / "tour")) {
+    const std::filesystem::path drawn =
+        docs / "pictures" / ("tour_" + entry.path().stem().string() + ".png");
+    State state = open_state();
+    state.document.options.classifier = "gcn";
+    state.document.frame = 1;
+    Offscreen offscreen(std::move(state), 1440, 900, 1);
+    settle(offscreen.shell(), offscreen, {});
+    Script::read(entry.path()).play(offscreen.shell(), offscreen, {});
+    EXPECT_LE(difference(offscreen.picture(), read_png_rgb(drawn)), kSame)
+        << drawn << " is old: scripts/tour draws it again";
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 4);
+}
+
 TEST_F(Pictures, OfTheSameScriptAreTheSame) {
   const std::vector<Command> there = {{"step.goto", "120"}, {"color.planes", ""}};
   const Image8 a = Window().after(there).picture();

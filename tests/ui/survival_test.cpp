@@ -104,6 +104,24 @@ TEST(Survival, TwoHundredThousandPointsInOneVoxelCubeOnATwoMillimetreGrid) {
   look_around(shell);
 }
 
+TEST(Survival, ALongRecordingShowsItsFrameAtOnceAndItsStripCanBeStopped) {
+  const fs::path dir = depth_folder(scratch_dir(), 1200);
+  for (int i = 1; i < 300; ++i)
+    fs::copy_file(dir / "depth" / "000000.png",
+                  dir / "depth" / (std::to_string(1000000 + i).substr(1) + ".png"));
+  Shell shell(state_of(dir), nullptr, [] {});
+  NoStage stage(shell);
+  const int frames = static_cast<int>(shell.state().document.current()->recording->frame_count());
+  ASSERT_EQ(frames, 300);
+  while (!shell.state().run() && shell.state().results.refusal.empty()) stage.draw_frame();
+  EXPECT_LT(shell.state().results.strip_done, frames);
+  while (shell.state().results.strip_done < 3) stage.draw_frame();  // it fills by itself
+  shell.perform({"strip.cancel", ""});
+  settle(shell, stage, {});
+  EXPECT_LT(shell.state().results.strip_done, frames);
+  EXPECT_TRUE(shell.state().results.strip[0].ready);
+}
+
 TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
   Shell shell(open_state(), nullptr, [] {});
   NoStage stage(shell);
