@@ -55,8 +55,8 @@ State first_state(const ViewArgs& args, const Settings& settings) {
     const int count = document.current()->recording->frame_count();
     const std::vector<int> frames = sliced_frames(args.input.frames, count);
     if (frames.empty())
-      throw Error(
-          fmt::format("{}: --frames leaves none of its {} frames", paths[0].string(), count));
+      throw Error(fmt::format("{}: --frames leaves none of its {} frames",
+                              document.current()->path.string(), count));
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
   if (!args.open.empty()) open_session(state, args.open);
