@@ -35,6 +35,10 @@ const Action& find_action(const std::string& name) {
                             : ", did you mean '" + near + "'?"));
 }
 
+bool needs_argument(const Action& action) {
+  return !action.takes.empty() && action.takes[0] != '[';
+}
+
 const Action* action_of_key(const std::string& key) {
   for (const Action& action : action_table())
     for (const std::string& one : split(action.keys, ' '))

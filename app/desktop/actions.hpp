@@ -22,7 +22,7 @@ struct Action {
   std::string title;  // "Step forward"
   std::string menu;   // "Step"; empty: in no menu
   std::string keys;   // "Right", "Shift+F5"; several apart by spaces; empty: none
-  std::string takes;  // what the argument is; empty: takes none
+  std::string takes;  // what the argument is, in brackets where it may be left out; empty: none
   std::function<void(State&, const std::string&)> run;
   std::function<bool(const State&)> enabled;  // empty: always
   std::function<bool(const State&)> checked;  // empty: not a switch
@@ -31,6 +31,8 @@ struct Action {
 const std::vector<Action>& action_table();
 /// Throws Error naming the nearest existing action.
 const Action& find_action(const std::string& name);
+/// From a key or a menu it is asked for.
+bool needs_argument(const Action& action);
 /// Null where no action has this key ("Ctrl+P").
 const Action* action_of_key(const std::string& key);
 

@@ -91,7 +91,7 @@ std::vector<Action> compare_actions() {
       {"run.restore",
        "Back to the options of A",
        menu,
-       "",
+       "Ctrl+Shift+A",
        "",
        [](State& s, const std::string&) {
          const PipelineOptions options = s.results.pinned->run->options;
@@ -103,8 +103,8 @@ std::vector<Action> compare_actions() {
        {}},
       {"compare.against",
        "Compare with",
-       "",
-       "",
+       menu,
+       "C",
        "nothing|pinned|truth",
        [](State& s, const std::string& text) {
          s.view.against = static_cast<Against>(
@@ -130,8 +130,8 @@ std::vector<Action> compare_actions() {
        {}},
       {"fix.plane",
        "What would recover a plane of the ground truth",
-       "",
-       "",
+       menu,
+       "Ctrl+X",
        "TRUTH_PLANE",
        [](State& s, const std::string& text) {
          const int planes = s.results.current->run->subject->voxel_truth.plane_count;
@@ -162,7 +162,7 @@ std::vector<Action> compare_actions() {
       {"fix.cancel",
        "Stop searching for fixes",
        menu,
-       "",
+       "Shift+K",
        "",
        [](State& s, const std::string&) { s.results.fix.running = false; },
        [](const State& s) { return s.results.fix.running; },

@@ -105,18 +105,7 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
 std::vector<Action> document_actions() {
   const std::string file = "File";
   return {
-      {"recording.open", "Open a recording", "", "", "PATH", open, {}, {}},
-      {"recording.ask",
-       "Open a recording ...",
-       file,
-       "Ctrl+O",
-       "",
-       [](State& s, const std::string&) {
-         s.view.show_palette = true;
-         s.view.palette_asks = "recording.open";
-       },
-       {},
-       {}},
+      {"recording.open", "Open a recording", file, "Ctrl+O", "PATH", open, {}, {}},
       {"recording.show",
        "Show a recording of the list",
        "",
@@ -130,8 +119,8 @@ std::vector<Action> document_actions() {
        {}},
       {"frame.show",
        "Show a frame",
-       "",
-       "",
+       file,
+       "Ctrl+G",
        "FRAME",
        [](State& s, const std::string& text) {
          const int count = s.document.current()->recording->frame_count();
@@ -158,7 +147,7 @@ std::vector<Action> document_actions() {
       {"strip.cancel",
        "Stop filling the frame strip",
        file,
-       "",
+       "Ctrl+K",
        "",
        [](State& s, const std::string&) { s.view.strip_stopped = true; },
        [](const State& s) {
@@ -166,11 +155,11 @@ std::vector<Action> document_actions() {
                 !s.view.strip_stopped;
        },
        {}},
-      {"bookmark.add", "Bookmark this place", file, "Ctrl+D", "NAME", add_bookmark, has_run, {}},
+      {"bookmark.add", "Bookmark this place", file, "Ctrl+D", "[NAME]", add_bookmark, has_run, {}},
       {"bookmark.go",
        "Go to a bookmark",
-       "",
-       "",
+       file,
+       "Ctrl+B",
        "NUMBER or NAME",
        [](State& s, const std::string& text) {
          go_to_bookmark(s, Bookmark(bookmark_at(s, "bookmark.go", text)));
@@ -203,8 +192,8 @@ std::vector<Action> document_actions() {
        {}},
       {"session.save",
        "Save the session",
-       "",
-       "",
+       file,
+       "Ctrl+S",
        "PATH",
        [](State& s, const std::string& text) {
          save_session(s, text);
@@ -213,34 +202,12 @@ std::vector<Action> document_actions() {
        },
        has_recording,
        {}},
-      {"session.ask_save",
-       "Save the session ...",
-       file,
-       "Ctrl+S",
-       "",
-       [](State& s, const std::string&) {
-         s.view.show_palette = true;
-         s.view.palette_asks = "session.save";
-       },
-       has_recording,
-       {}},
       {"session.open",
        "Open a session",
-       "",
-       "",
-       "PATH[#BOOKMARK]",
-       [](State& s, const std::string& text) { open_session(s, text); },
-       {},
-       {}},
-      {"session.ask_open",
-       "Open a session ...",
        file,
        "Ctrl+Shift+O",
-       "",
-       [](State& s, const std::string&) {
-         s.view.show_palette = true;
-         s.view.palette_asks = "session.open";
-       },
+       "PATH[#BOOKMARK]",
+       [](State& s, const std::string& text) { open_session(s, text); },
        {},
        {}},
       {"quit",

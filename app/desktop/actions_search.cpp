@@ -99,11 +99,11 @@ std::vector<Action> search_actions() {
   const std::string menu = "Search";
   using Kind = Breakpoint::Kind;
   return {
-      {"filter.set", "Filter the events", "", "", "FILTER", set_filter, {}, {}},
+      {"filter.set", "Filter the events", "", "", "[FILTER]", set_filter, {}, {}},
       {"filter.clear",
        "Clear the filter",
        menu,
-       "",
+       "Shift+Escape",
        "",
        [](State& s, const std::string&) { set_filter(s, ""); },
        {},
@@ -175,8 +175,8 @@ std::vector<Action> search_actions() {
        {}},
       {"break.on",
        "Breakpoint on a predicate",
-       "",
-       "",
+       menu,
+       "Alt+F9",
        "FILTER",
        [](State& s, const std::string& text) {
          FilterProblem problem;

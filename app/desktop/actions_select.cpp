@@ -76,8 +76,8 @@ std::vector<Action> selection_actions() {
   return {
       {"select.node",
        "Select a node",
-       "",
-       "",
+       menu,
+       "Ctrl+N",
        "NODE",
        [](State& s, const std::string& text) {
          select_node(s, whole_argument("select.node", text, 0, node_count(*s.run()) - 1));
@@ -86,8 +86,8 @@ std::vector<Action> selection_actions() {
        {}},
       {"select.plane",
        "Select a plane",
-       "",
-       "",
+       menu,
+       "Ctrl+Shift+P",
        "PLANE",
        [](State& s, const std::string& text) {
          const std::string digits = text.starts_with("P") ? text.substr(1) : text;
@@ -99,8 +99,8 @@ std::vector<Action> selection_actions() {
        {}},
       {"select.voxel",
        "Select a point by its voxel",
-       "",
-       "",
+       menu,
+       "Ctrl+Shift+U",
        "VOXEL",
        [](State& s, const std::string& text) {
          const auto voxels = static_cast<int>(s.run()->subject->voxel_count());
@@ -110,8 +110,8 @@ std::vector<Action> selection_actions() {
        {}},
       {"select.pixel",
        "Select a point by its depth pixel",
-       "",
-       "",
+       menu,
+       "Ctrl+U",
        "U,V",
        [](State& s, const std::string& text) {
          const auto uv = numbers_argument("select.pixel", text, 2);

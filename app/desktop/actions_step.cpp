@@ -114,8 +114,8 @@ std::vector<Action> step_actions() {
        {}},
       {"step.goto",
        "Go to step",
-       "",
-       "",
+       menu,
+       "G",
        "STEP",
        [](State& s, const std::string& text) {
          go_to_step(s, whole_argument("step.goto", text, 0, s.run()->steps()));
@@ -137,8 +137,8 @@ std::vector<Action> step_actions() {
        {}},
       {"step.rate",
        "Playing rate",
-       "",
-       "",
+       menu,
+       "R",
        "STEPS_PER_SECOND",
        [](State& s, const std::string& text) {
          s.view.playing.steps_per_s = std::clamp(number_argument("step.rate", text), 1.0, 100000.0);

@@ -159,7 +159,9 @@ bool Shell::take_fonts_changed() { return std::exchange(fonts_changed_, false); 
 void Shell::perform(const Command& command, bool strict) {
   frames_to_draw_ = std::max(frames_to_draw_, 2);
   try {
-    apply(state_, command);
+    const bool asks =
+        !strict && command.argument.empty() && needs_argument(find_action(command.action));
+    apply(state_, asks ? Command{"palette.ask", command.action} : command);
   } catch (const Error& error) {
     if (strict) throw;
     say(state_, error.what(), true);

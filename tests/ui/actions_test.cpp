@@ -19,8 +19,10 @@ TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
   for (const Action& action : action_table()) {
     EXPECT_TRUE(names.insert(action.name).second) << action.name;
     EXPECT_FALSE(action.title.empty()) << action.name;
-    if (action.takes.empty() && action.name != "option.drop") {
+    const bool of_a_gesture = action.name == "option.drop";
+    if (action.takes.empty() && !of_a_gesture) {
       EXPECT_FALSE(action.menu.empty()) << action.name;
+      EXPECT_FALSE(action.keys.empty()) << action.name;
     }
     if (action.keys.empty()) continue;
     for (const std::string& key : split(action.keys, ' ')) {

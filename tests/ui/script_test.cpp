@@ -42,6 +42,14 @@ TEST_F(Scripts, PressKeysAndTypeText) {
   EXPECT_FALSE(shell.state().view.show_palette);
 }
 
+TEST_F(Scripts, AKeyWhoseActionNeedsAnArgumentAsksForIt) {
+  settle(shell, stage, {});
+  play(
+      R"({"actions": [{"key": "G"}, {"type": "17"}, {"key": "Enter"}, {"expect": {"step": 17}}]})");
+  EXPECT_FALSE(shell.state().view.show_palette);
+  EXPECT_NE(refusal(R"({"actions": ["step.goto"]})"), "") << "a script has nobody to ask";
+}
+
 TEST_F(Scripts, ThatAreWrongNameTheActionAndWhatIsNear) {
   settle(shell, stage, {});
   EXPECT_NE(refusal(R"({"actions": ["step.nxt"]})").find("step.next"), std::string::npos);

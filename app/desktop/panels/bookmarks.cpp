@@ -9,7 +9,7 @@ void draw_bookmarks(const Ui& ui) {
   if (ImGui::Button("Bookmark this place")) ui.emit("bookmark.add");
   ui.name("bookmarks.add");
   ImGui::SameLine();
-  if (ImGui::Button("Save the session ...")) ui.emit("session.ask_save");
+  if (ImGui::Button("Save the session ...")) ui.emit("session.save");
   ui.name("bookmarks.save");
   if (bookmarks.empty()) {
     ImGui::Spacing();

@@ -26,7 +26,7 @@ void draw_recordings(const Ui& ui) {
       ImGui::SetTooltip("%s\n%s, %d frames", open.path.string().c_str(),
                         open.recording->info().format.c_str(), open.recording->frame_count());
   }
-  action_button(ui, "recording.ask", "open ...");
+  action_button(ui, "recording.open", "open ...");
 }
 
 void draw_progress(const Ui& ui) {

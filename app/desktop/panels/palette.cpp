@@ -74,13 +74,8 @@ void draw_palette(const Ui& ui) {
   if (found.empty()) ImGui::TextDisabled("no action has such a name");
   if (entered && shown > 0) chosen = found[static_cast<std::size_t>(memory.palette_index)];
   if (chosen) {
-    if (chosen->takes.empty() || chosen->name == "bookmark.add") {
-      close(ui);
-      ui.emit(chosen->name);
-    } else {
-      memory.palette_text.clear();
-      ui.emit("palette.ask", chosen->name);
-    }
+    close(ui);
+    ui.emit(chosen->name);  // what needs an argument opens the palette again and asks
   }
   ImGui::End();
 }
