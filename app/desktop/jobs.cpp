@@ -7,6 +7,7 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/actions.hpp"
+#include "app/desktop/cloud_thumbnail.hpp"
 #include "app/desktop/worker.hpp"
 #include "core/base/error.hpp"
 #include "core/pipeline/options_table.hpp"
@@ -108,7 +109,9 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
     StepLook look;
     look.step = run->steps();
     look.color_by = ColorBy::planes;
-    thumbnail.image = shrink(image_step(*run, look, Backdrop::color, 0.6), kThumbnailWidth);
+    thumbnail.image = run->subject->frame.depth.empty()
+                          ? cloud_thumbnail(*run, kThumbnailWidth)
+                          : shrink(image_step(*run, look, Backdrop::color, 0.6), kThumbnailWidth);
     thumbnail.planes = static_cast<int>(run->segmentation.planes.size());
     thumbnail.score = score_of(*run);
   } catch (const Error& error) {
