@@ -12,9 +12,13 @@ namespace planescope::desktop {
 bool link(const Ui& ui, const std::string& text, const std::string& widget);
 /// A title in the bold font.
 void heading(const Ui& ui, const std::string& text);
-/// Wrapped text in a colour.
+/// Text in a colour, wrapped between words.
 void paragraph(ImU32 color, const std::string& text);
 /// A button that is greyed and does nothing where it cannot be used; true where it was clicked.
 bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled = true);
+/// Puts a button with this text beside the last item where that leaves room, below it otherwise.
+void same_line_if_fits(const std::string& text);
+/// "Ctrl+Shift+Z / Ctrl+Y": all keys of an action.
+std::string keys_text(const Action& action);
 
 }  // namespace planescope::desktop

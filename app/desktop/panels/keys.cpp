@@ -1,58 +1,117 @@
+// The key sheet: every key by the menu of its action.
+
 #include <algorithm>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
+namespace {
+
+constexpr std::size_t kColumns = 3;
+
+struct Section {
+  std::string menu;
+  std::vector<const Action*> actions;
+};
+using Column = std::vector<Section>;
+
+std::vector<Section> sections() {
+  std::vector<Section> all;
+  for (const Action& action : action_table()) {
+    if (action.keys.empty()) continue;
+    const auto same = [&](const Section& section) { return section.menu == action.menu; };
+    auto section = std::find_if(all.begin(), all.end(), same);
+    if (section == all.end()) section = all.insert(all.end(), {action.menu, {}});
+    section->actions.push_back(&action);
+  }
+  return all;
+}
+
+std::size_t lines_of(const Column& column) {
+  std::size_t lines = 0;
+  for (const Section& section : column) lines += section.actions.size() + 2;
+  return lines;
+}
+
+/// Menus from top to bottom, in columns of about the same length.
+std::vector<Column> columns() {
+  std::vector<Section> all = sections();
+  const std::size_t each = lines_of(all) / kColumns;
+  std::vector<Column> columns(1);
+  for (Section& section : all) {
+    const std::size_t used = lines_of(columns.back());
+    if (used > 0 && used + section.actions.size() / 2 > each && columns.size() < kColumns)
+      columns.emplace_back();
+    columns.back().push_back(std::move(section));
+  }
+  return columns;
+}
+
+std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
+
+/// Of the widest text among those of a column's actions.
+template <typename TextOf>
+float widest(const Column& column, const TextOf& text_of) {
+  float width = 0;
+  for (const Section& section : column)
+    for (const Action* action : section.actions)
+      width = std::max(width, ImGui::CalcTextSize(text_of(*action).c_str()).x);
+  return width;
+}
+
+void draw_column(const Ui& ui, const Column& column, float title_at) {
+  for (const Section& section : column) {
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.accent), "%s",
+                       section.menu.c_str());
+    for (const Action* action : section.actions) {
+      ImGui::TextUnformatted(first_key(*action).c_str());
+      ImGui::SameLine(title_at);  // from the group's left
+      ImGui::TextDisabled("%s", action->title.c_str());
+    }
+    ImGui::Dummy(ImVec2(1, ui.px(4)));
+  }
+}
+
+}  // namespace
 
 void draw_keys(const Ui& ui) {
-  const ImGuiIO& io = ImGui::GetIO();
-  const ImVec2 size(std::min(ui.px(1080), io.DisplaySize.x - ui.px(40)),
-                    std::min(ui.px(640), io.DisplaySize.y - ui.px(80)));
-  ImGui::SetNextWindowPos(ImVec2((io.DisplaySize.x - size.x) / 2, (io.DisplaySize.y - size.y) / 2));
+  const std::vector<Column> all = columns();
+  const float gap = ui.px(10), between = ui.px(14), line = ImGui::GetTextLineHeightWithSpacing();
+  std::vector<float> titles_at, widths;
+  ImVec2 size(2 * ui.px(12), 0);
+  for (const Column& column : all) {
+    titles_at.push_back(gap + widest(column, first_key));
+    widths.push_back(titles_at.back() + widest(column, [](const Action& a) { return a.title; }));
+    size.x += widths.back() + (widths.size() > 1 ? between : 0);
+    size.y = std::max(size.y, line * static_cast<float>(lines_of(column)));
+  }
+  size.y += 2 * line;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  size = ImVec2(std::min(size.x, display.x - ui.px(20)), std::min(size.y, display.y - ui.px(40)));
+  ImGui::SetNextWindowPos(ImVec2((display.x - size.x) / 2, (display.y - size.y) / 2));
   ImGui::SetNextWindowSize(size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(ui.px(12), ui.px(10)));
   ImGui::Begin("##keys", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings);
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_HorizontalScrollbar);
   if (ImGui::IsWindowAppearing()) ImGui::SetWindowFocus();
-  ImGui::PushFont(ui.bold);
-  ImGui::TextUnformatted("Keys");
-  ImGui::PopFont();
+  heading(ui, "Keys");
   ImGui::SameLine();
   ImGui::TextDisabled("Esc or ? closes this; Ctrl+P finds an action by name");
-  std::vector<std::string> menus;
-  for (const Action& action : action_table())
-    if (!action.keys.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end())
-      menus.push_back(action.menu);
-  if (ImGui::BeginTable("##columns", 3)) {
-    // Menus from top to bottom, in columns of about the same length.
-    std::size_t rows = 0;
-    for (const Action& action : action_table()) rows += action.keys.empty() ? 0 : 1;
-    const std::size_t per_column = (rows + 2 * menus.size() + 2) / 3;
-    std::size_t used = 0;
-    ImGui::TableNextColumn();
-    for (const std::string& menu : menus) {
-      const auto in_menu = [&](const Action& a) { return a.menu == menu && !a.keys.empty(); };
-      const auto count = static_cast<std::size_t>(
-          std::count_if(action_table().begin(), action_table().end(), in_menu));
-      if (used > 0 && used + count / 2 > per_column) {
-        ImGui::TableNextColumn();
-        used = 0;
-      }
-      used += count + 2;
-      ImGui::Spacing();
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.accent), "%s", menu.c_str());
-      for (const Action& action : action_table()) {
-        if (!in_menu(action)) continue;
-        ImGui::TextDisabled("%s", action.keys.c_str());
-        ImGui::SameLine(ui.px(120));  // of the column
-        ImGui::TextUnformatted(action.title.c_str());
-      }
-    }
-    ImGui::EndTable();
+  ImGui::Spacing();
+  ImVec2 at = ImGui::GetCursorPos();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    ImGui::SetCursorPos(at);
+    ImGui::BeginGroup();
+    draw_column(ui, all[i], titles_at[i]);
+    ImGui::EndGroup();
+    at.x += widths[i] + between;
   }
-  ui.name("keys", ImGui::GetWindowPos(),
-          ImVec2(ImGui::GetWindowPos().x + size.x, ImGui::GetWindowPos().y + size.y));
+  const ImVec2 from = ImGui::GetWindowPos();
+  ui.name("keys", from, ImVec2(from.x + size.x, from.y + size.y));
   ImGui::End();
+  ImGui::PopStyleVar();
 }
 
 }  // namespace planescope::desktop

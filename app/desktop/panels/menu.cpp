@@ -3,6 +3,19 @@
 #include "app/desktop/panels.hpp"
 
 namespace planescope::desktop {
+namespace {
+
+/// Actions of a group stand together: mostly by what their names begin with.
+std::string group_of(const Action& action) {
+  static const std::map<std::string, std::string> also = {
+      {"image", "show"},   {"compare", "run"},   {"point", "select"}, {"zoom", "theme"},
+      {"layout", "theme"}, {"palette", "theme"}, {"keys", "theme"},   {"timing", "theme"}};
+  const std::string name = action.name.substr(0, action.name.find('.'));
+  const auto with = also.find(name);
+  return with == also.end() ? name : with->second;
+}
+
+}  // namespace
 
 void draw_menu(const Ui& ui) {
   // In the order in which the table first names each menu.
@@ -14,8 +27,11 @@ void draw_menu(const Ui& ui) {
     const bool open = ImGui::BeginMenu(menu.c_str());
     ui.name("menu." + menu);
     if (!open) continue;
+    std::string group;
     for (const Action& action : action_table()) {
       if (action.menu != menu) continue;
+      if (!group.empty() && group != group_of(action)) ImGui::Separator();
+      group = group_of(action);
       const bool enabled = !action.enabled || action.enabled(ui.state);
       const bool checked = action.checked && action.checked(ui.state);
       std::string key = action.keys.substr(0, action.keys.find(' '));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -17,7 +18,9 @@ void close(const Ui& ui) {
 
 /// The argument of one action, typed: a path, most of the time.
 void draw_question(const Ui& ui, const Action& action, bool entered) {
-  ImGui::TextDisabled("%s", action.takes.c_str());
+  ImGui::TextDisabled(
+      action.takes == "PATH" ? "a path, and Enter; Esc leaves" : "%s, and Enter; Esc leaves",
+      action.takes.c_str());
   if (!entered || ui.memory.palette_text.empty()) return;
   ui.emit(action.name, ui.memory.palette_text);
   close(ui);
@@ -45,9 +48,12 @@ void draw_palette(const Ui& ui) {
   if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   const std::string before = memory.palette_text;
   const bool entered = ImGui::InputTextWithHint(
-      "##typed", asked ? asked->title.c_str() : "an action: step, filter, camera, theme ...",
+      "##typed", asked ? asked->title.c_str() : "find an action: step, filter, camera, theme …",
       &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
   ui.name("palette.text");
+  // While one types, Escape is the text's and comes to no action.
+  if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)))
+    close(ui);
   if (asked) {
     draw_question(ui, *asked, entered);
     ImGui::End();
@@ -68,10 +74,11 @@ void draw_palette(const Ui& ui) {
       chosen = &action;
     ui.name("palette." + action.name);
     ImGui::PopStyleColor();
-    ImGui::SameLine(width - ui.px(150));
-    ImGui::TextDisabled("%s", action.keys.c_str());
+    const std::string keys = keys_text(action);
+    ImGui::SameLine(width - ImGui::CalcTextSize(keys.c_str()).x - ui.px(14));
+    ImGui::TextDisabled("%s", keys.c_str());
   }
-  if (found.empty()) ImGui::TextDisabled("no action has such a name");
+  if (found.empty()) ImGui::TextDisabled("No action has such a name.");
   if (entered && shown > 0) chosen = found[static_cast<std::size_t>(memory.palette_index)];
   if (chosen) {
     close(ui);
