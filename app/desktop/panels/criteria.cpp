@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/slider_scale.hpp"
 #include "core/pipeline/options_table.hpp"
@@ -18,6 +19,13 @@ struct Row {
   std::string value, reset;
   std::string widget;
 };
+
+/// As an engineer writes it; shares and cosines have none.
+std::string unit_text(const std::string& unit) {
+  if (unit == "m2") return "m²";
+  if (unit == "deg") return "°";
+  return unit == "1" || unit == "share" ? "" : unit;
+}
 
 /// The curve of a sensitivity over the slider's own scale.
 void draw_strip(
@@ -58,11 +66,12 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
   draw->AddRectFilled(ImVec2(at - ui.px(2.5f), min.y), ImVec2(at + ui.px(2.5f), max.y),
                       hot ? ui.colors.text : ui.colors.accent, ui.px(2));
   if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
-    const char* curve = !known                        ? ""
-                        : strip->second.against_truth ? "\ncurve: mean IoU"
-                                                      : "\ncurve: planes found";
+    const char* curve = !known ? ""
+                        : strip->second.against_truth
+                            ? "\ncurve: mean IoU over the values; line: the default"
+                            : "\ncurve: planes found over the values; line: the default";
     ImGui::SetTooltip("%s\ndefault %s %s%s", row.info.meaning.c_str(), row.reset.c_str(),
-                      row.info.unit.c_str(), curve);
+                      unit_text(row.info.unit).c_str(), curve);
   }
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
@@ -97,7 +106,10 @@ void draw_number(const Ui& ui, const Row& row) {
   const float width = ui.px(74);
   const std::string& symbol = row.info.symbol;
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted((symbol.empty() ? row.info.name : symbol).c_str());
+  if (symbol.empty())
+    ImGui::TextUnformatted(row.info.name.c_str());
+  else
+    math_text(ui, ui.colors.text, symbol);
   if (!symbol.empty()) {
     ImGui::SameLine();
     ImGui::PushFont(ui.small);
@@ -106,10 +118,11 @@ void draw_number(const Ui& ui, const Row& row) {
     ImGui::PopFont();
   }
   draw_reset(ui, row);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - width - ui.px(46));
+  const float unit = ImGui::CalcTextSize("points").x + ui.px(6);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - width - unit);
   draw_entry(ui, row, width);
-  ImGui::SameLine();
-  ImGui::TextDisabled("%s", row.info.unit == "m2" ? "m²" : row.info.unit.c_str());
+  ImGui::SameLine(0, ui.px(6));
+  ImGui::TextDisabled("%s", unit_text(row.info.unit).c_str());
   draw_slider(ui, row, number_of(row.info, ui.state.document.options));
 }
 
@@ -125,11 +138,13 @@ void draw_other(const Ui& ui, const Row& row) {
     if (info.name == "classifier") choices = {"gcn", "pca", "truth"};
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(info.name.c_str());
-    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ui.px(166));
+    ImGui::SameLine(0, ui.px(10));
+    const float width = std::min(ui.px(160), ImGui::GetContentRegionAvail().x);
+    ImGui::SetCursorPosX(ImGui::GetWindowContentRegionMax().x - width);
     if (choices.empty()) {
-      draw_entry(ui, row, ui.px(160));
+      draw_entry(ui, row, width);
     } else {
-      ImGui::SetNextItemWidth(ui.px(160));
+      ImGui::SetNextItemWidth(width);
       const bool open = ImGui::BeginCombo("##choice", row.value.c_str());
       ui.name(row.widget);
       if (open) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/filter_box.hpp"
+#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/panels/breakpoints.hpp"
 
@@ -178,11 +179,10 @@ void draw_row(const Ui& ui,
   const std::string number = std::to_string(step);
   draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
                 ui.colors.muted, number.c_str());
-  draw->AddText(ImVec2(at.x + columns.text, at.y), color, text.c_str());
+  draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, text);
   if (wrong)
-    draw->AddText(
-        ImVec2(at.x + columns.text + ImGui::CalcTextSize(text.c_str()).x + ui.px(8), at.y),
-        ui.colors.bad, "≠ truth");
+    draw->AddText(ImVec2(at.x + columns.text + math_width(ui, text) + ui.px(8), at.y),
+                  ui.colors.bad, "≠ truth");
   const ImVec2 below = ImGui::GetCursorScreenPos();
   draw_sign(ui, event, ImVec2(at.x + columns.sign, at.y), color);
   ImGui::SetCursorScreenPos(below);
@@ -218,7 +218,9 @@ void draw_list(const Ui& ui, const Run& run) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
       draw_row(ui, run, some ? matches[static_cast<std::size_t>(i)] : i + 1, columns, breakpoints);
   ImGui::PopStyleVar();
-  if (rows == 0) ImGui::TextDisabled(some ? "No event matches." : "Nothing was decided.");
+  if (rows == 0)
+    ImGui::TextDisabled(some ? "No event matches this filter."
+                             : "Nothing was decided on this frame.");
 }
 
 }  // namespace
@@ -226,7 +228,7 @@ void draw_list(const Ui& ui, const Run& run) {
 void draw_events(const Ui& ui) {
   draw_search(ui);
   const Run* run = ui.state.run();
-  if (!run) return;
+  if (!run) return ImGui::TextDisabled("What is decided on a frame, step by step, comes here.");
   draw_findings(ui, *run);
   draw_breakpoints(ui);
   ImGui::BeginChild("##events");

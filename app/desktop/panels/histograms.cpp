@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "app/desktop/histogram_axis.hpp"
+#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/pipeline/options_table.hpp"
@@ -143,7 +144,7 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
 }
 
 void draw_title(const Ui& ui, const Histogram& histogram) {
-  ImGui::TextUnformatted(histogram.title.c_str());
+  math_text(ui, ui.colors.text, histogram.title);
   if (!histogram.option.empty()) {
     ImGui::SameLine();
     ImGui::PushFont(ui.small);
@@ -195,12 +196,13 @@ void draw_legend(const Ui& ui, bool truth) {
     ImGui::SameLine();
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.bad), "wrong");
     ImGui::SameLine();
-    ImGui::TextDisabled("by truth;");
-    ImGui::SameLine();
+    ImGui::TextDisabled("by ground truth");
+    same_line_if_fits("▲ this node");
   }
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "▲");
-  ImGui::SameLine();
-  ImGui::TextDisabled("here; drag a line, or bars to filter");
+  ImGui::SameLine(0, ui.px(3));
+  ImGui::TextDisabled("this node");
+  paragraph(ui.colors.muted, "Drag a line to change its threshold, or over bars to filter events.");
   ImGui::PopFont();
 }
 
@@ -208,7 +210,10 @@ void draw_legend(const Ui& ui, bool truth) {
 
 void draw_histograms(const Ui& ui) {
   const RunView* view = ui.state.run_view();
-  if (!view) return ImGui::TextDisabled("no frame");
+  if (!view)
+    return paragraph(
+        ui.colors.muted,
+        "Once a frame is shown, this tells how its nodes spread about each threshold.");
   draw_legend(ui, view->run->subject->voxel_truth.known());
   for (std::size_t i = 0; i < view->histograms.size(); ++i)
     draw_histogram(ui, view->histograms[i], i);

@@ -8,6 +8,8 @@
 
 #include "app/desktop/check_table.hpp"
 #include "app/desktop/panels.hpp"
+#include "app/desktop/panels/leftover.hpp"
+#include "app/desktop/widgets.hpp"
 #include "core/explain/explain.hpp"
 
 namespace planescope::desktop {
@@ -16,12 +18,11 @@ namespace {
 constexpr std::size_t kMostPartners = 5;
 
 void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
-  ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.accent);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopStyleColor();
-  if (ImGui::IsItemHovered()) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
-  if (ImGui::IsItemClicked()) ui.emit("step.goto", std::to_string(step));
+  if (link(ui, text, fmt::format("inspector.step.{}", step)))
+    ui.emit("step.goto", std::to_string(step));
 }
+
+const char* word_of(Label label) { return label == Label::v ? "vertical" : "horizontal"; }
 
 std::string vector_text(const Vec3d& v) {
   return fmt::format("{:.3f}  {:.3f}  {:.3f}", v.x(), v.y(), v.z());
@@ -29,8 +30,8 @@ std::string vector_text(const Vec3d& v) {
 
 void fact(const Ui& ui, const char* what, const std::string& value) {
   ImGui::TextDisabled("%s", what);
-  ImGui::SameLine(ui.px(110));
-  ImGui::TextUnformatted(value.c_str());
+  ImGui::SameLine(ui.px(92));
+  paragraph(ui.colors.text, value);
 }
 
 void draw_fit(const Ui& ui, const PlaneFit& fit) {
@@ -54,27 +55,26 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
     case_badge(ui, node.decided);
     ImGui::SameLine();
   }
-  ImGui::PushFont(ui.bold);
-  ImGui::Text("Node %d", index);
-  ImGui::PopFont();
+  heading(ui, fmt::format("Node {}", index));
   ImGui::SameLine();
   ImGui::TextDisabled("depth %d, cell %s", node.depth,
                       length_text_cm(octree.node_edge_m(node)).c_str());
   if (node.parent >= 0) {
-    ImGui::SameLine();
+    same_line_if_fits("parent");
     if (ImGui::SmallButton("parent")) ui.emit("select.parent");
     ui.name("inspector.parent");
   }
   fact(ui, "points",
-       fmt::format("{}: {} h, {} v", node.size(), node.count_h, node.size() - node.count_h));
+       fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
+                   node.size() - node.count_h));
   fact(ui, "inliers",
-       fmt::format("{} {}, {} outliers", facts.purity.n_in,
-                   facts.purity.inlier == Label::h ? "h" : "v", facts.purity.n_out));
+       fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
+                   facts.purity.n_out));
   if (facts.truth_planes > 0)
     fact(ui, "truth",
-         fmt::format("{} of them on true plane {}{}", facts.truth_points, facts.truth_plane,
+         fmt::format("{} points on true plane {}{}", facts.truth_points, facts.truth_plane,
                      facts.truth_planes > 1
-                         ? fmt::format(", others on {} more", facts.truth_planes - 1)
+                         ? fmt::format(", the others on {} more", facts.truth_planes - 1)
                          : ""));
   if (now != NodeState::settled) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "%s",
@@ -82,7 +82,6 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
                        : now == NodeState::queued ? "waits in the queue"
                                                   : "dequeued, not decided yet");
     if (decided != kNever) {
-      ImGui::SameLine();
       link_to_step(ui, fmt::format("to its decision, step {}", decided), decided);
       ui.name("inspector.decision");
     }
@@ -91,14 +90,12 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
   const NodeReport report = explain_node(run, index);
   ImGui::Spacing();
   draw_checks(ui, "node", report.checks);
-  ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.muted);
-  ImGui::TextWrapped("%s", report.stopped.c_str());
-  ImGui::PopStyleColor();
+  paragraph(ui.colors.muted, report.stopped);
   if (std::any_of(report.checks.begin(), report.checks.end(), [](const Check& c) {
         return c.criterion == "PCA" && c.verdict != Verdict::not_asked;
       }))
     draw_fit(ui, facts.fit);
-  ImGui::TextWrapped("%s", report.outcome.c_str());
+  paragraph(ui.colors.text, report.outcome);
   for (const std::int32_t later : report.outcome_steps) {
     if (later <= step && later == step) continue;
     link_to_step(ui, fmt::format("step {}: {}", later, describe_event(run, later)), later);
@@ -127,12 +124,10 @@ void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
   const MergeReport report = explain_merge(run, step);
   if (report.partners.empty() && report.outcome.empty()) return;
   ImGui::Separator();
-  ImGui::PushFont(ui.bold);
-  ImGui::TextUnformatted("Merging");
-  ImGui::PopFont();
-  ImGui::TextWrapped("%s", report.outcome.c_str());
+  heading(ui, "Merging");
+  paragraph(ui.colors.text, report.outcome);
   fact(ui, "candidate",
-       fmt::format("{} points {}{}", report.points, report.label == Label::v ? "v" : "h",
+       fmt::format("{} {} points{}", report.points, word_of(report.label),
                    report.node >= 0 ? fmt::format(" of node {}", report.node) : ""));
   draw_fit(ui, report.candidate);
   const std::size_t shown = std::min(kMostPartners, report.partners.size());
@@ -142,48 +137,12 @@ void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
     ImGui::TextDisabled("and %zu planes farther off", report.partners.size() - shown);
 }
 
-void draw_leftover(const Ui& ui, const Run& run, std::int32_t step) {
-  const LeftoverReport report = explain_leftover(run, step);
-  if (report.point < 0) return;
-  ImGui::PushFont(ui.bold);
-  ImGui::Text("Leftover point %d", report.point);
-  ImGui::PopFont();
-  ImGui::TextWrapped("%s", report.outcome.c_str());
-  if (!report.planes.empty() &&
-      ImGui::BeginTable("##leftover", 4,
-                        ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) {
-    for (const char* title : {"plane", "distance", "limit", ""}) ImGui::TableSetupColumn(title);
-    ImGui::TableHeadersRow();
-    for (const LeftoverPlane& plane : report.planes) {
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      if (ImGui::Selectable(plane_name(plane.plane).c_str(), false,
-                            ImGuiSelectableFlags_SpanAllColumns))
-        ui.emit("select.plane", plane_name(plane.plane));
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(length_text_cm(plane.distance_m).c_str());
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(length_text_cm(plane.limit_m).c_str());
-      ImGui::TableNextColumn();
-      ImGui::PushStyleColor(ImGuiCol_Text, plane.chosen ? ui.colors.good : ui.colors.muted);
-      ImGui::TextUnformatted(plane.chosen ? "joined" : plane.why_not.c_str());
-      ImGui::PopStyleColor();
-    }
-    ImGui::EndTable();
-  }
-  if (ImGui::SmallButton("its whole life")) ui.emit("point.life");
-  ui.name("inspector.life");
-  ImGui::Separator();
-}
-
 void draw_plane(const Ui& ui, const Run& run, std::int32_t plane) {
   const PlaneChange* now = run.timeline.plane_at(plane, ui.state.view.step);
   ImGui::Separator();
-  ImGui::PushFont(ui.bold);
-  ImGui::Text("Plane %s", plane_name(plane).c_str());
-  ImGui::PopFont();
+  heading(ui, "Plane " + plane_name(plane));
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", run.timeline.label_of_plane(plane) == Label::v ? "v" : "h");
+  ImGui::TextDisabled("%s", word_of(run.timeline.label_of_plane(plane)));
   const auto changes = run.timeline.changes_of_plane(plane);
   if (!now) {
     ImGui::TextDisabled("not founded yet at this step");
@@ -201,28 +160,30 @@ void draw_plane(const Ui& ui, const Run& run, std::int32_t plane) {
   for (const PlaneChange& change : changes) past += change.step <= ui.state.view.step ? 1 : 0;
   if (past > 0) {
     link_to_step(ui, fmt::format("founded at step {}", changes.front().step), changes.front().step);
-    ImGui::SameLine();
+    same_line_if_fits(fmt::format("last changed at step {}", changes[past - 1].step));
     link_to_step(ui, fmt::format("last changed at step {}", changes[past - 1].step),
                  changes[past - 1].step);
   }
+}
+
+/// While there is no run: its refusal is told where the scene would be.
+void draw_why_empty(const Ui& ui) {
+  paragraph(ui.colors.muted, ui.state.results.loading ? "Reading the frame …"
+                             : ui.state.document.current()
+                                 ? "This frame was refused. Choose another one on the left."
+                                 : "Open a recording with Ctrl+O.");
 }
 
 }  // namespace
 
 void draw_inspector(const Ui& ui) {
   const Run* run = ui.state.run();
-  if (!run) {
-    ImGui::TextWrapped(
-        "%s", ui.state.results.loading ? "reading the frame …" : ui.state.results.refusal.c_str());
-    return;
-  }
+  if (!run) return draw_why_empty(ui);
   const std::int32_t step = ui.state.view.step;
   const Selection& selected = ui.state.view.selected;
-  ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.muted);
-  ImGui::TextWrapped(
-      "%s", step == 0 ? "Before the first event: the root waits in the queue."
-                      : fmt::format("Step {}: {}", step, describe_event(*run, step)).c_str());
-  ImGui::PopStyleColor();
+  paragraph(ui.colors.muted, step == 0
+                                 ? "Before the first event: the root waits in the queue."
+                                 : fmt::format("Step {}: {}", step, describe_event(*run, step)));
   ImGui::Separator();
   const TraceEvent* event = ui.state.event();
   if (event && event->point >= 0 && event->point == selected.voxel) draw_leftover(ui, *run, step);
@@ -231,6 +192,10 @@ void draw_inspector(const Ui& ui) {
   const bool at_event = event && (event->node == selected.node || event->node < 0);
   if (at_event) draw_merge(ui, *run, step);
   if (selected.plane >= 0) draw_plane(ui, *run, selected.plane);
+  if (selected.node < 0 && selected.plane < 0 && selected.voxel < 0)
+    paragraph(ui.colors.muted,
+              "Click a box, a point or a plane, or a row of the lists below, to see every "
+              "criterion that decided it.");
 }
 
 }  // namespace planescope::desktop

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/filter_box.hpp"
+#include "app/desktop/math_text.hpp"
 #include "app/desktop/octree_rows.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/panels/node_shapes.hpp"
@@ -41,7 +42,7 @@ void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
   for (const std::uint32_t count : counts) all += count;
   if (all == 0) return;
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const float width = ui.px(48), height = ui.px(7);
+  const float width = ui.px(36), height = ui.px(7);
   const float top = at.y + (ImGui::GetTextLineHeight() - height) / 2;
   float x = at.x;
   for (const std::size_t c : {4u, 1u, 3u, 2u, 0u}) {
@@ -51,7 +52,7 @@ void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
     x += share;
   }
   draw->AddText(ImVec2(at.x + width + ui.px(6), at.y), ui.colors.muted,
-                fmt::format("{} below", all).c_str());
+                fmt::format("+{}", all).c_str());
 }
 
 void draw_tooltip(const Run& run, std::int32_t step, std::int32_t node) {
@@ -61,8 +62,10 @@ void draw_tooltip(const Run& run, std::int32_t step, std::int32_t node) {
       decided <= step
           ? describe_event(run, decided)
           : fmt::format("node {} (depth {}): {} points, not settled yet", node, n.depth, n.size());
-  ImGui::SetTooltip("%s\ncell of %s; double click: to its decision", text.c_str(),
-                    length_text_cm(run.octree().node_edge_m(n)).c_str());
+  std::string below;
+  if (n.first_child >= 0) below = "\nbar: how the nodes below it were settled, + how many";
+  ImGui::SetTooltip("%s\ncell of %s; double click: to its decision%s", text.c_str(),
+                    length_text_cm(run.octree().node_edge_m(n)).c_str(), below.c_str());
 }
 
 /// The triangle that opens and closes a node; takes the clicks on it.
@@ -111,15 +114,15 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   float x = fold_end + line * 1.15f;
   const auto write = [&](const std::string& text, ImU32 color, float room) {
-    draw->AddText(ImVec2(x, at.y), color, text.c_str());
-    x += std::max(ui.px(room), ImGui::CalcTextSize(text.c_str()).x + ui.px(8));
+    draw_math(ui, draw, ImVec2(x, at.y), color, text);
+    x += std::max(ui.px(room), math_width(ui, text) + ui.px(8));
   };
   write(settled                      ? to_string(node.decided)
         : state == NodeState::queued ? "–"
                                      : "?",
         ui.colors.text, 24);
   write(std::to_string(row.node), ui.colors.text, 36);
-  write(fmt::format("{} pts", node.size()), ui.colors.muted, 54);
+  write(fmt::format("{} pts", node.size()), ui.colors.muted, 66);
   if (row.has_children && !row.open)
     draw_subtree_bar(ui, ImVec2(x, at.y), count_subtree(run, step, row.node));
   else if (settled)
@@ -176,13 +179,13 @@ void draw_octree(const Ui& ui) {
                      : octree_rows(*run, view.step, view.selected.node, ui.memory.octree_open);
   draw_filter_box(ui,
                   {.widget = "octree.search",
-                   .hint = "find nodes: 41, case==III && depth>=5",
+                   .hint = "find: 41, case==III",
                    .text = view.octree_search,
                    .problem = &problem,
                    .action = "octree.search",
                    .on_enter = {}},
                   ImGui::GetContentRegionAvail().x);
-  if (!run) return;
+  if (!run) return ImGui::TextDisabled("The nodes of a frame's octree come here.");
   if (!problem.message.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
     ImGui::TextUnformatted(problem.message.c_str());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/timeline_columns.hpp"
 #include "app/desktop/toolbar.hpp"
@@ -61,14 +62,17 @@ void draw_controls(const Ui& ui) {
   ui.name("timeline.step");
   ImGui::SameLine();
   ImGui::TextDisabled("of %d", run->steps());
-  ImGui::SameLine();
+  ImGui::SameLine(0, ui.px(14));
   const TraceEvent* event = ui.state.event();
   if (event && event->type == EventType::decide) {
     case_badge(ui, static_cast<Case>(event->node_case));
     ImGui::SameLine();
   }
-  ImGui::TextUnformatted(event ? describe_event(*run, ui.state.view.step).c_str()
-                               : "before the first event: all points wait in the root");
+  const std::string text = event ? describe_event(*run, ui.state.view.step)
+                                 : "before the first event: all points wait in the root";
+  const bool cut = math_width(ui, text) > ImGui::GetContentRegionAvail().x;
+  math_text(ui, ui.colors.text, text);
+  if (cut && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
 
 void draw_cases(const Ui& ui,
