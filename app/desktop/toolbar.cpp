@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace planescope::desktop {
 
 void action_button(const Ui& ui, const char* action, const char* label) {
@@ -21,23 +23,26 @@ void action_button(const Ui& ui, const char* action, const char* label) {
         "%s", what.keys.empty() ? what.title.c_str() : (what.title + "   " + what.keys).c_str());
 }
 
-void draw_absence(const Ui& ui) {
-  const Results& results = ui.state.results;
-  const std::string text = !results.refusal.empty()       ? results.refusal
-                           : results.loading              ? "reading the frame ..."
-                           : !ui.state.document.current() ? "no recording is open (Ctrl+O)"
-                                                          : "";
-  const float room = ImGui::GetContentRegionAvail().x;
-  const float wrap = std::min(room, ui.px(420));
+void draw_notice(const Ui& ui, const std::string& text, ImU32 color) {
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const float wrap = std::min(room.x, ui.px(420));
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
   const ImVec2 at = ImGui::GetCursorPos();
-  ImGui::SetCursorPos(ImVec2(at.x + (room - size.x) / 2,
-                             at.y + std::max(0.0f, ImGui::GetContentRegionAvail().y - size.y) / 2));
+  ImGui::SetCursorPos(
+      ImVec2(at.x + (room.x - size.x) / 2, at.y + std::max(0.0f, room.y - size.y) / 2));
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
-  ImGui::PushStyleColor(ImGuiCol_Text, results.refusal.empty() ? ui.colors.muted : ui.colors.bad);
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopStyleColor();
   ImGui::PopTextWrapPos();
+}
+
+void draw_absence(const Ui& ui) {
+  const Results& results = ui.state.results;
+  if (!results.refusal.empty()) return draw_notice(ui, results.refusal, ui.colors.bad);
+  if (results.loading) return draw_notice(ui, "Reading the frame …", ui.colors.muted);
+  if (!ui.state.document.current())
+    draw_notice(ui, "No recording is open. Press Ctrl+O to open one.", ui.colors.muted);
 }
 
 std::string describe_node(const State& state, std::int32_t node) {

@@ -10,6 +10,8 @@ namespace planescope::desktop {
 /// action's title and key. Named "button.<action>".
 void action_button(const Ui& ui, const char* action, const char* label);
 
+/// A few words in the middle of the room that is left.
+void draw_notice(const Ui& ui, const std::string& text, ImU32 color);
 /// Where a frame would be shown: why it is not.
 void draw_absence(const Ui& ui);
 

@@ -1,22 +1,34 @@
 #include <fmt/format.h>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
+namespace {
+
+/// Where it leads, as far as its name does not say so already.
+std::string place_of(const Bookmark& bookmark) {
+  std::string place = fmt::format("frame {} step {}", bookmark.frame, bookmark.step);
+  if (place == bookmark.name) place.clear();
+  if (!bookmark.filter.empty())
+    place += (place.empty() ? "filter " : ", filter ") + bookmark.filter;
+  return place;
+}
+
+}  // namespace
 
 void draw_bookmarks(const Ui& ui) {
   const auto& bookmarks = ui.state.document.bookmarks;
   if (ImGui::Button("Bookmark this place")) ui.emit("bookmark.add");
   ui.name("bookmarks.add");
-  ImGui::SameLine();
-  if (ImGui::Button("Save the session ...")) ui.emit("session.save");
+  same_line_if_fits("Save the session …");
+  if (ImGui::Button("Save the session …")) ui.emit("session.save");
   ui.name("bookmarks.save");
   if (bookmarks.empty()) {
     ImGui::Spacing();
-    ImGui::TextWrapped(
-        "A bookmark keeps the frame, the event, the selection, the filter and the camera, with a "
-        "note. Sessions carry bookmarks to another machine.");
-    return;
+    return paragraph(ui.colors.muted,
+                     "A bookmark keeps the frame, the event, the selection, the filter and the "
+                     "camera, with a note. A saved session carries them to another machine.");
   }
   for (std::size_t i = 0; i < bookmarks.size(); ++i) {
     const Bookmark& bookmark = bookmarks[i];
@@ -29,8 +41,8 @@ void draw_bookmarks(const Ui& ui) {
     ImGui::SameLine();
     if (ImGui::SmallButton("remove")) ui.emit("bookmark.remove", std::to_string(i));
     ui.name(fmt::format("bookmarks.{}.remove", i));
-    ImGui::TextDisabled("frame %d, step %d%s%s", bookmark.frame, bookmark.step,
-                        bookmark.filter.empty() ? "" : ", filter ", bookmark.filter.c_str());
+    const std::string place = place_of(bookmark);
+    if (!place.empty()) paragraph(ui.colors.muted, place);
     // Typed text is the panel's until it is done.
     const std::string key = fmt::format("bookmark.note.{}", i);
     std::string& text = ui.memory.texts[key];

@@ -21,13 +21,13 @@ void draw_controls(const Ui& ui) {
   if (button(ui, pinned ? "Pin again" : "Pin this run as A", "compare.pin",
              state.results.current != nullptr))
     ui.emit("run.pin");
-  ImGui::SameLine();
+  same_line_if_fits("Let go");
   if (button(ui, "Let go", "compare.unpin", pinned)) ui.emit("run.unpin");
-  ImGui::SameLine();
+  same_line_if_fits("Showing A");
   if (button(ui, state.view.flash ? "Showing A" : "Showing B", "compare.flash", pinned))
     ui.emit("run.flash");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Space flashes between the two");
-  ImGui::SameLine();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shows the other run in all views   Space");
+  same_line_if_fits("Back to A's options");
   if (button(ui, "Back to A's options", "compare.restore", pinned)) ui.emit("run.restore");
 
   const auto choice = [&](const char* title, const char* name, Against against, bool enabled) {
@@ -40,9 +40,9 @@ void draw_controls(const Ui& ui) {
   ImGui::TextDisabled("against");
   ImGui::SameLine();
   choice("nothing", "nothing", Against::nothing, true);
-  ImGui::SameLine();
+  same_line_if_fits("AAA");
   choice("A", "pinned", Against::pinned, pinned);
-  ImGui::SameLine();
+  same_line_if_fits("ground truth AA");
   const Run* run = state.run();
   choice("ground truth", "truth", Against::truth, run && run->subject->voxel_truth.known());
 }
@@ -54,7 +54,8 @@ void draw_options(const Ui& ui, const Run& a, const Run& b) {
     if (before == after) continue;
     any = true;
     ImGui::TextUnformatted(info.name.c_str());
-    ImGui::SameLine(ui.px(170));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", info.meaning.c_str());
+    ImGui::SameLine(ui.px(180));
     ImGui::TextDisabled("%s", before.c_str());
     ImGui::SameLine();
     ImGui::TextUnformatted(("→ " + after).c_str());
@@ -82,9 +83,10 @@ void score_row(const Ui& ui, const char* name, const RunView& view, const RunVie
 }
 
 void draw_scores(const Ui& ui, const RunView* a, const RunView& b) {
-  std::vector<const char*> titles{"", "planes"};
-  if (b.score) titles.insert(titles.end(), {"detected", "mean IoU", "in none"});
-  if (!ImGui::BeginTable("scores", static_cast<int>(titles.size()), kTable)) return;
+  std::vector<const char*> titles{"planes"};
+  if (b.score) titles.insert(titles.end(), {"found", "mean IoU", "no plane"});
+  if (!ImGui::BeginTable("scores", static_cast<int>(titles.size()) + 1, kTable)) return;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("run").x);
   for (const char* title : titles) ImGui::TableSetupColumn(title);
   ImGui::TableHeadersRow();
   if (a) score_row(ui, "A", *a, nullptr);
@@ -192,7 +194,8 @@ void draw_compare(const Ui& ui) {
   const Results& results = ui.state.results;
   draw_controls(ui);
   ImGui::Spacing();
-  if (!results.current) return;
+  if (!results.current)
+    return paragraph(ui.colors.muted, "Once a frame is shown, its run can be pinned as A.");
   const Against against = ui.state.view.against;
   const RunView* a = against == Against::pinned ? results.pinned.get() : nullptr;
   if (against == Against::nothing) {
@@ -208,15 +211,16 @@ void draw_compare(const Ui& ui) {
   }
   draw_scores(ui, a, *results.current);
   ImGui::Spacing();
-  if (!results.comparison) return ImGui::TextDisabled("comparing ...");
+  if (!results.comparison) return ImGui::TextDisabled("comparing …");
   const Comparison& comparison = *results.comparison;
   if (a) draw_divergence(ui, comparison);
   if (comparison.compared_sources > 0)
-    ImGui::TextWrapped("%zu of %zu points (%.1f %%) %s", comparison.changed_sources.size(),
-                       comparison.compared_sources,
-                       100.0 * static_cast<double>(comparison.changed_sources.size()) /
-                           static_cast<double>(comparison.compared_sources),
-                       a ? "change plane" : "are not in the plane that matches their own");
+    paragraph(ui.colors.text,
+              fmt::format("{} of {} points ({:.1f} %) {}", comparison.changed_sources.size(),
+                          comparison.compared_sources,
+                          100.0 * static_cast<double>(comparison.changed_sources.size()) /
+                              static_cast<double>(comparison.compared_sources),
+                          a ? "change plane" : "are not in the plane that matches their own"));
   draw_planes(ui, a ? a->run.get() : nullptr, *results.current->run, comparison);
   if (a) draw_nodes(ui, *a->run, *results.current->run, comparison);
 }

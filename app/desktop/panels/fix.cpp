@@ -10,12 +10,29 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 constexpr ImGuiTableFlags kTable =
     ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
+
+/// A column as wide as `text` at least. Widths that ImGui would measure are right a few frames
+/// late.
+void fixed_column(const char* title, const char* text) {
+  const float width = std::max(ImGui::CalcTextSize(title).x, ImGui::CalcTextSize(text).x);
+  ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed, width);
+}
+
+/// A column as wide as buttons with these texts.
+void button_column(const Ui& ui, std::initializer_list<const char*> texts) {
+  float width = -ImGui::GetStyle().ItemSpacing.x;
+  for (const char* text : texts)
+    width += ImGui::CalcTextSize(text).x + 2 * ImGui::GetStyle().FramePadding.x +
+             ImGui::GetStyle().ItemSpacing.x;
+  ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed, width + ui.px(1));
+}
 
 ImU32 color_of(const Ui& ui, TruthVerdict verdict) {
   return verdict == TruthVerdict::detected ? ui.colors.good : ui.colors.bad;
@@ -33,9 +50,9 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
                    [&](std::size_t a, std::size_t b) { return planes[a].iou < planes[b].iou; });
   if (!ImGui::BeginTable("truth", 4, kTable)) return;
   ImGui::TableSetupColumn("true plane", ImGuiTableColumnFlags_WidthStretch);
-  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed);
-  ImGui::TableSetupColumn("IoU", ImGuiTableColumnFlags_WidthFixed);
-  ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
+  fixed_column("", "detected");
+  fixed_column("IoU", "0.00");
+  button_column(ui, {"Find a fix"});
   ImGui::TableHeadersRow();
   for (const std::size_t i : order) {
     const TruthMatch& match = planes[i];
@@ -66,14 +83,16 @@ void draw_marked(const Ui& ui) {
   ImGui::SameLine();
   if (button(ui, "Find a fix for it", "fix.marked", marked > 0)) ui.emit("fix.marked");
   ImGui::SameLine();
-  ImGui::TextDisabled("%zu voxels marked", marked);
+  ImGui::TextDisabled("%zu marked", marked);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%zu voxels are marked", marked);
 }
 
 void draw_progress(const Ui& ui, const FixSearch& fix) {
   const float share =
       fix.total > 0 ? static_cast<float>(fix.done) / static_cast<float>(fix.total) : 0;
-  ImGui::ProgressBar(share, ImVec2(-ui.px(70), 0),
-                     fmt::format("option {} of {}", fix.done, fix.total).c_str());
+  ImGui::ProgressBar(
+      share, ImVec2(-ui.px(70), 0),
+      fix.total > 0 ? fmt::format("option {} of {}", fix.done, fix.total).c_str() : "searching …");
   ImGui::SameLine();
   if (button(ui, "Stop", "fix.cancel")) ui.emit("fix.cancel");
 }
@@ -92,9 +111,9 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
   }
   if (!ImGui::BeginTable("fixes", 4, kTable)) return;
   ImGui::TableSetupColumn("smallest change first", ImGuiTableColumnFlags_WidthStretch);
-  ImGui::TableSetupColumn("IoU", ImGuiTableColumnFlags_WidthFixed);
-  ImGui::TableSetupColumn("detected", ImGuiTableColumnFlags_WidthFixed);
-  ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed);
+  fixed_column("IoU", "0.00");
+  fixed_column("planes", "10 (+9)");
+  button_column(ui, {"Apply", "Check"});
   ImGui::TableHeadersRow();
   const int now = current && current->score ? current->score->detected : 0;
   for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
@@ -103,7 +122,8 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
     if (static_cast<int>(i) == fix.checked)
       ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, ImGui::GetColorU32(ImGuiCol_Header));
     ImGui::TableNextColumn();
-    ImGui::TextUnformatted(one.option.c_str());
+    paragraph(ui.colors.text, one.option);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", find_option(one.option).meaning.c_str());
     ImGui::TextDisabled("%s", one.before.c_str());
     ImGui::SameLine();
     ImGui::TextUnformatted(("→ " + one.after).c_str());
@@ -141,10 +161,13 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
   const Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
   heading(ui, fmt::format("{} = {} on {} labelled {}", chosen.option, chosen.after,
                           fix.effects.size(), fix.effects.size() == 1 ? "frame" : "frames"));
-  ImGui::Text("recovers %d planes, breaks %d", recovered, broken);
+  paragraph(broken > recovered ? ui.colors.warning : ui.colors.text,
+            fmt::format("Recovers {} {}, breaks {}.", recovered,
+                        recovered == 1 ? "plane" : "planes", broken));
   if (!ImGui::BeginTable("effects", 5, kTable)) return;
-  for (const char* title : {"frame", "detected", "mean IoU"})
-    ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed);
+  fixed_column("frame", "000");
+  fixed_column("detected", "10→10 of 10");
+  fixed_column("mean IoU", "0.00→0.00");
   for (const char* title : {"recovers", "breaks"})
     ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthStretch);
   ImGui::TableHeadersRow();
@@ -178,20 +201,34 @@ void draw_search(const Ui& ui, const FixSearch& fix) {
   ImGui::Separator();
 }
 
+/// What to do here, before any search.
+std::string invitation(const RunView& view) {
+  const std::string tried = " Every option is tried for the smallest change that makes it one.";
+  if (!view.score) return "Mark a region of the image that should be one plane." + tried;
+  if (view.score->detected == static_cast<int>(view.score->planes.size()))
+    return "All true planes of this frame are found. To ask for another one, mark its region." +
+           tried;
+  return "Choose a lost plane, or mark a region that should be one." + tried;
+}
+
 }  // namespace
 
 void draw_fix(const Ui& ui) {
   const RunView* view = ui.state.results.current.get();
-  if (!view) return ImGui::TextDisabled("no frame");
+  if (!view)
+    return paragraph(ui.colors.muted, "Once a frame is shown, this finds what would mend it.");
+  const bool image = !view->run->subject->frame.depth.empty();
+  if (!view->score && !image)
+    return paragraph(ui.colors.muted,
+                     "Fixes are sought for planes of the ground truth, or for regions marked in an "
+                     "image. This cloud has neither.");
   const FixSearch& fix = ui.state.results.fix;
   if (fix.running || fix.finished)
     draw_search(ui, fix);
   else
-    paragraph(ui.colors.muted,
-              "Choose a lost plane, or mark a region that should be one: every option is tried "
-              "for the smallest change that brings it back.");
+    paragraph(ui.colors.muted, invitation(*view));
   draw_truth_planes(ui, *view);
-  draw_marked(ui);
+  if (image) draw_marked(ui);
 }
 
 }  // namespace planescope::desktop

@@ -26,7 +26,7 @@ void draw_recordings(const Ui& ui) {
       ImGui::SetTooltip("%s\n%s, %d frames", open.path.string().c_str(),
                         open.recording->info().format.c_str(), open.recording->frame_count());
   }
-  action_button(ui, "recording.open", "open ...");
+  action_button(ui, "recording.open", "open …");
 }
 
 void draw_progress(const Ui& ui) {
@@ -54,7 +54,7 @@ std::uint64_t version_of(const Image8& image) {
 
 /// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
 void draw_badge(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
-  std::string text = std::to_string(thumbnail.planes);
+  std::string text = fmt::format("{} planes", thumbnail.planes);
   ImU32 color = ui.colors.muted;
   if (!thumbnail.refusal.empty()) {
     text = "refused";
@@ -77,16 +77,26 @@ void draw_badge(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
 }
 
 void tell(const Thumbnail& thumbnail, int frame) {
-  if (!thumbnail.ready)
-    ImGui::SetTooltip("frame %d", frame);
-  else if (!thumbnail.refusal.empty())
-    ImGui::SetTooltip("frame %d: %s", frame, thumbnail.refusal.c_str());
-  else if (thumbnail.score)
-    ImGui::SetTooltip("frame %d: %d of %d true planes found, mean IoU %.2f", frame,
-                      thumbnail.score->detected, static_cast<int>(thumbnail.score->planes.size()),
-                      thumbnail.score->mean_iou);
-  else
-    ImGui::SetTooltip("frame %d: %d planes", frame, thumbnail.planes);
+  std::string text = fmt::format("frame {}", frame);
+  if (!thumbnail.ready) {
+    text += ": not run yet";
+  } else if (!thumbnail.refusal.empty()) {
+    text += " was refused: " + thumbnail.refusal;
+  } else if (thumbnail.score) {
+    const std::size_t total = thumbnail.score->planes.size();
+    text += fmt::format(
+        ": {} of {} true planes found, mean IoU {:.2f}\n"
+        "green: all found; yellow: half of them or more; red: fewer",
+        thumbnail.score->detected, total, thumbnail.score->mean_iou);
+  } else {
+    text += fmt::format(": {} planes found; there is no ground truth to compare with",
+                        thumbnail.planes);
+  }
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
 }
 
 void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {

@@ -64,10 +64,17 @@ void draw_tools(const Ui& ui) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("the whole image");
   ImGui::SameLine();
   auto percent = static_cast<float>(100 * view.overlay_opacity);
-  ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##opacity", &percent, 0, 100, "overlay %.0f %%"))
+  const std::string text = fmt::format("{:.0f} %", percent);
+  // The number stands beside the slider: on it, the grab would hide it.
+  const float number = ImGui::CalcTextSize("100 %").x + ui.px(6);
+  ImGui::SetNextItemWidth(std::max(ui.px(24), ImGui::GetContentRegionAvail().x - number));
+  if (ImGui::SliderFloat("##opacity", &percent, 0, 100, ""))
     ui.emit("image.opacity", fmt::format("{:.4g}", percent / 100));
   ui.name("image.opacity");
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("how strongly the segmentation covers the camera's image");
+  ImGui::SameLine(0, ui.px(6));
+  ImGui::TextDisabled("%s", text.c_str());
 }
 
 /// The part shown, so that image point `uv` comes to stand at `at`.
@@ -126,15 +133,15 @@ std::string readout(const State& state, ImVec2 uv) {
 
 void draw_image(const Ui& ui) {
   const Run* run = ui.state.run();
+  const bool pictured = run && !run->subject->frame.depth.empty();
+  ImGui::BeginDisabled(!pictured);
   draw_tools(ui);
+  ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
+  if (!pictured) return draw_notice(ui, "A point cloud has no image.", ui.colors.muted);
   const Image16& depth = run->subject->frame.depth;
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (room.x < 16 || room.y < 16) return;
-  if (depth.empty()) {
-    ImGui::TextDisabled("a point cloud has no image");
-    return;
-  }
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const Placement placed = place(ui.state.view, at, room, depth.width, depth.height);
   const ImVec2 first = placed.to_screen(0, 0);

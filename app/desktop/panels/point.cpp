@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
@@ -60,6 +62,16 @@ void draw_why(const Ui& ui, const PointStory& point) {
     ui.emit("option.set", remedy.option + "=" + remedy.value);
 }
 
+/// The stage with its step: beside it, or below where the panel is narrow.
+bool steps_beside(const Ui& ui) { return ImGui::GetWindowWidth() > ui.px(340); }
+
+float stage_width(const Ui& ui, const LifeEvent& event) {
+  const float stage = ImGui::CalcTextSize(event.stage.c_str()).x;
+  if (event.step <= 0) return stage;
+  const float step = ImGui::CalcTextSize(std::to_string(event.step).c_str()).x;
+  return steps_beside(ui) ? stage + ui.px(7) + step : std::max(stage, step);
+}
+
 /// One line of the life; a click leads to its step.
 void draw_station(const Ui& ui, const LifeEvent& event, std::size_t index) {
   const std::int32_t now = ui.state.view.step;
@@ -69,7 +81,7 @@ void draw_station(const Ui& ui, const LifeEvent& event, std::size_t index) {
   const ImU32 muted = event.decisive ? ui.colors.warning : ui.colors.muted;
   ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(muted), "%s", event.stage.c_str());
   if (event.step > 0) {
-    ImGui::SameLine();
+    if (steps_beside(ui)) ImGui::SameLine(0, ui.px(7));
     ImGui::TextColored(
         ImGui::ColorConvertU32ToFloat4(event.step == now ? ui.colors.accent : ui.colors.muted),
         "%d", event.step);
@@ -111,7 +123,11 @@ void draw_point(const Ui& ui) {
   ImGui::Separator();
   heading(ui, "Its life");
   if (!ImGui::BeginTable("life", 2, ImGuiTableFlags_PadOuterX)) return;
-  ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthFixed, ui.px(92));
+  ImGui::PushFont(ui.small);
+  float widest = 0;
+  for (const LifeEvent& event : point->life) widest = std::max(widest, stage_width(ui, event));
+  ImGui::PopFont();
+  ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthFixed, widest + ui.px(4));
   ImGui::TableSetupColumn("text", ImGuiTableColumnFlags_WidthStretch);
   for (std::size_t i = 0; i < point->life.size(); ++i) draw_station(ui, point->life[i], i);
   ImGui::EndTable();

@@ -21,14 +21,15 @@ void draw_tools(const Ui& ui) {
     const char* action;
     const char* title;
   } colors[] = {
-      {ColorBy::cases, "color.cases", "case"},    {ColorBy::planes, "color.planes", "plane"},
-      {ColorBy::labels, "color.labels", "h / v"}, {ColorBy::margins, "color.margins", "sureness"},
-      {ColorBy::truth, "color.truth", "truth"},   {ColorBy::camera, "color.camera", "camera"}};
+      {ColorBy::cases, "color.cases", "case"},     {ColorBy::planes, "color.planes", "plane"},
+      {ColorBy::labels, "color.labels", "h or v"}, {ColorBy::margins, "color.margins", "sureness"},
+      {ColorBy::truth, "color.truth", "truth"},    {ColorBy::camera, "color.camera", "camera"}};
   const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open && ImGui::IsItemHovered()) ImGui::SetTooltip("what colours mean   1 to 6");
+  if (!open && ImGui::IsItemHovered())
+    ImGui::SetTooltip("what colours tell apart   1 to 6\nh, v: horizontal, vertical");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -138,7 +139,7 @@ void draw_view3d(const Ui& ui) {
     draw->AddRectFilled(corner, ImVec2(corner.x + ui.px(26), corner.y + ui.px(24)),
                         ui.colors.accent, ui.px(4));
     draw->AddText(ui.bold, ui.px(18), ImVec2(corner.x + ui.px(7), corner.y + ui.px(2)),
-                  IM_COL32_WHITE, "A");
+                  ui.colors.panel, "A");
   }
 }
 
