@@ -13,15 +13,22 @@ constexpr float kSubscriptDrop = 0.34f;  // of the text's height
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
+/// Does the underscore follow a symbol, one letter on its own? Not so in names of options.
+bool is_subscript(const std::string& text, std::size_t mark) {
+  if (mark == 0 || mark + 1 == text.size() || !is_word(text[mark + 1])) return false;
+  std::size_t letter = mark - 1;
+  while (letter > 0 && (text[letter] & 0xc0) == 0x80) --letter;  // the first byte of UTF-8
+  const bool is_letter = is_word(text[letter]) || (text[letter] & 0x80) != 0;
+  return is_letter && (letter == 0 || (!is_word(text[letter - 1]) && text[letter - 1] != '_'));
+}
+
 /// Calls `part(begin, end, is_subscript)` for the parts of the text, without the underscores.
 template <typename Part>
 void for_parts(const std::string& text, const Part& part) {
   std::size_t begin = 0;
   while (begin < text.size()) {
     std::size_t mark = text.find('_', begin);
-    while (mark != std::string::npos && (mark == 0 || text[mark - 1] == ' ' ||
-                                         mark + 1 == text.size() || !is_word(text[mark + 1])))
-      mark = text.find('_', mark + 1);
+    while (mark != std::string::npos && !is_subscript(text, mark)) mark = text.find('_', mark + 1);
     if (mark == std::string::npos) return part(begin, text.size(), false);
     part(begin, mark, false);
     std::size_t end = mark + 1;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "app/desktop/math_text.hpp"
+
 namespace planescope::desktop {
 namespace {
 
@@ -47,6 +49,19 @@ void paragraph(ImU32 color, const std::string& text) {
   ImGui::TextUnformatted(wrapped(text, ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopStyleColor();
+}
+
+void math_paragraph(const Ui& ui, ImU32 color, const std::string& text) {
+  const std::string lines = wrapped(text, ImGui::GetContentRegionAvail().x);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(ImGui::GetStyle().ItemSpacing.x, 0));
+  ImGui::BeginGroup();
+  for (std::size_t begin = 0; begin < lines.size();) {
+    const std::size_t end = std::min(lines.find('\n', begin), lines.size());
+    math_text(ui, color, lines.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  ImGui::EndGroup();
+  ImGui::PopStyleVar();
 }
 
 bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled) {

@@ -14,6 +14,8 @@ bool link(const Ui& ui, const std::string& text, const std::string& widget);
 void heading(const Ui& ui, const std::string& text);
 /// Text in a colour, wrapped between words.
 void paragraph(ImU32 color, const std::string& text);
+/// The same with symbols set as in math_text.hpp.
+void math_paragraph(const Ui& ui, ImU32 color, const std::string& text);
 /// A button that is greyed and does nothing where it cannot be used; true where it was clicked.
 bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled = true);
 /// Puts a button with this text beside the last item where that leaves room, below it otherwise.

@@ -8,6 +8,7 @@
 #include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/panels/breakpoints.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -228,7 +229,8 @@ void draw_list(const Ui& ui, const Run& run) {
 void draw_events(const Ui& ui) {
   draw_search(ui);
   const Run* run = ui.state.run();
-  if (!run) return ImGui::TextDisabled("What is decided on a frame, step by step, comes here.");
+  if (!run)
+    return paragraph(ui.colors.muted, "What is decided on a frame, step by step, comes here.");
   draw_findings(ui, *run);
   draw_breakpoints(ui);
   ImGui::BeginChild("##events");

@@ -97,6 +97,14 @@ void draw_progress(const Ui& ui, const FixSearch& fix) {
   if (button(ui, "Stop", "fix.cancel")) ui.emit("fix.cancel");
 }
 
+void draw_choices(const Ui& ui, std::size_t i) {
+  if (button(ui, "Apply", fmt::format("fix.apply.{}", i))) ui.emit("fix.apply", std::to_string(i));
+  ImGui::SameLine();
+  if (button(ui, "Check", fmt::format("fix.check.{}", i))) ui.emit("fix.check", std::to_string(i));
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("what it does to every labelled frame of the recording");
+}
+
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
   const RunView* current = ui.state.results.current.get();
   if (fix.fixes.empty() && current && is_recovered(*current->run, fix.target)) {
@@ -109,11 +117,12 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
               "are wrong there.");
     return;
   }
-  if (!ImGui::BeginTable("fixes", 4, kTable)) return;
+  const bool wide = ImGui::GetContentRegionAvail().x > ui.px(340);
+  if (!ImGui::BeginTable("fixes", wide ? 4 : 3, kTable)) return;
   ImGui::TableSetupColumn("smallest change first", ImGuiTableColumnFlags_WidthStretch);
   fixed_column("IoU", "0.00");
   fixed_column("planes", "10 (+9)");
-  button_column(ui, {"Apply", "Check"});
+  if (wide) button_column(ui, {"Apply", "Check"});
   ImGui::TableHeadersRow();
   const int now = current && current->score ? current->score->detected : 0;
   for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
@@ -127,6 +136,7 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
     ImGui::TextDisabled("%s", one.before.c_str());
     ImGui::SameLine();
     ImGui::TextUnformatted(("→ " + one.after).c_str());
+    if (!wide) draw_choices(ui, i);
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", one.iou);
     ImGui::TableNextColumn();
@@ -136,14 +146,10 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
                                                         : gain < 0 ? ui.colors.bad
                                                                    : ui.colors.text),
                          "%d (%+d)", one.score.detected, gain);
-    ImGui::TableNextColumn();
-    if (button(ui, "Apply", fmt::format("fix.apply.{}", i)))
-      ui.emit("fix.apply", std::to_string(i));
-    ImGui::SameLine();
-    if (button(ui, "Check", fmt::format("fix.check.{}", i)))
-      ui.emit("fix.check", std::to_string(i));
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("what it does to every labelled frame of the recording");
+    if (wide) {
+      ImGui::TableNextColumn();
+      draw_choices(ui, i);
+    }
   }
   ImGui::EndTable();
 }

@@ -214,6 +214,10 @@ void draw_histograms(const Ui& ui) {
     return paragraph(
         ui.colors.muted,
         "Once a frame is shown, this tells how its nodes spread about each threshold.");
+  if (view->run->steps() == 0)
+    return paragraph(ui.colors.muted,
+                     "No node was judged on this frame: none of its points is in "
+                     "range. Raise max_range_m under Criteria, Cloud and octree.");
   draw_legend(ui, view->run->subject->voxel_truth.known());
   for (std::size_t i = 0; i < view->histograms.size(); ++i)
     draw_histogram(ui, view->histograms[i], i);

@@ -72,7 +72,8 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
                    facts.purity.n_out));
   if (facts.truth_planes > 0)
     fact(ui, "truth",
-         fmt::format("{} points on true plane {}{}", facts.truth_points, facts.truth_plane,
+         fmt::format("{} {} on true plane {}{}", facts.truth_points,
+                     facts.truth_points == 1 ? "point" : "points", facts.truth_plane,
                      facts.truth_planes > 1
                          ? fmt::format(", the others on {} more", facts.truth_planes - 1)
                          : ""));
@@ -95,7 +96,7 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
         return c.criterion == "PCA" && c.verdict != Verdict::not_asked;
       }))
     draw_fit(ui, facts.fit);
-  paragraph(ui.colors.text, report.outcome);
+  math_paragraph(ui, ui.colors.text, report.outcome);
   for (const std::int32_t later : report.outcome_steps) {
     if (later <= step && later == step) continue;
     link_to_step(ui, fmt::format("step {}: {}", later, describe_event(run, later)), later);
@@ -125,7 +126,7 @@ void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
   if (report.partners.empty() && report.outcome.empty()) return;
   ImGui::Separator();
   heading(ui, "Merging");
-  paragraph(ui.colors.text, report.outcome);
+  math_paragraph(ui, ui.colors.text, report.outcome);
   fact(ui, "candidate",
        fmt::format("{} {} points{}", report.points, word_of(report.label),
                    report.node >= 0 ? fmt::format(" of node {}", report.node) : ""));

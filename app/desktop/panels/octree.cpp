@@ -9,6 +9,7 @@
 #include "app/desktop/octree_rows.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/panels/node_shapes.hpp"
+#include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -185,7 +186,7 @@ void draw_octree(const Ui& ui) {
                    .action = "octree.search",
                    .on_enter = {}},
                   ImGui::GetContentRegionAvail().x);
-  if (!run) return ImGui::TextDisabled("The nodes of a frame's octree come here.");
+  if (!run) return paragraph(ui.colors.muted, "The nodes of a frame's octree come here.");
   if (!problem.message.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
     ImGui::TextUnformatted(problem.message.c_str());

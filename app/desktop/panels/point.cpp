@@ -44,7 +44,7 @@ const PointStory* story(const Ui& ui) {
 void draw_why(const Ui& ui, const PointStory& point) {
   const bool lost = point.why.answer.starts_with("Lost");
   heading(ui, lost ? "Why not?" : "Where it is");
-  paragraph(lost ? ui.colors.warning : ui.colors.text, point.why.answer);
+  math_paragraph(ui, lost ? ui.colors.warning : ui.colors.text, point.why.answer);
   if (point.why.step > 0) {
     if (button(ui, fmt::format("To step {}", point.why.step), "point.why"))
       ui.emit("step.goto", std::to_string(point.why.step));
@@ -94,12 +94,12 @@ void draw_station(const Ui& ui, const LifeEvent& event, std::size_t index) {
   const std::string widget = fmt::format("point.life.{}", index);
   const bool later = event.step > now;
   if (event.step < 0) {
-    paragraph(ui.colors.text, event.text);
+    math_paragraph(ui, ui.colors.text, event.text);
     ui.name(widget);
     return;
   }
   const ImVec2 min = ImGui::GetCursorScreenPos();
-  paragraph(later ? ui.colors.muted : ui.colors.text, event.text);
+  math_paragraph(ui, later ? ui.colors.muted : ui.colors.text, event.text);
   ui.name(widget);
   const ImVec2 max(min.x + ImGui::GetContentRegionAvail().x, ImGui::GetItemRectMax().y);
   if (!ImGui::IsMouseHoveringRect(min, max) || !ImGui::IsWindowHovered()) return;

@@ -69,7 +69,9 @@ void draw_controls(const Ui& ui) {
     ImGui::SameLine();
   }
   const std::string text = event ? describe_event(*run, ui.state.view.step)
-                                 : "before the first event: all points wait in the root";
+                           : run->steps() == 0
+                               ? "nothing to step through on this frame"
+                               : "before the first event: all points wait in the root";
   const bool cut = math_width(ui, text) > ImGui::GetContentRegionAvail().x;
   math_text(ui, ui.colors.text, text);
   if (cut && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
