@@ -45,7 +45,7 @@ void search_fix(State& state) {
   if (state.view.truth_plane > 0) {
     begun.target = target_of_truth(run, state.view.truth_plane);
   } else if (!state.document.marked.empty()) {
-    begun.target = {state.document.marked, "marked region"};
+    begun.target = {state.document.marked, "marked region", false};
   } else {
     return say(state, "nothing to recover: choose a plane of the ground truth, or mark a region");
   }

@@ -16,7 +16,7 @@ bool steers_segmentation(const OptionInfo& info) {
   return info.section == "criteria" || info.section == "refinements";
 }
 
-/// IoU of the target with the plane that overlaps it most.
+/// IoU of the target with the plane that overlaps it most; of a part the share that is in it.
 double iou_of(const std::vector<std::int32_t>& plane_of, const FixTarget& target) {
   const std::int32_t planes =
       plane_of.empty() ? 0 : *std::max_element(plane_of.begin(), plane_of.end());
@@ -26,8 +26,8 @@ double iou_of(const std::vector<std::int32_t>& plane_of, const FixTarget& target
     if (voxel < plane_of.size()) ++shared[plane_of[voxel]];
   double best = 0;
   for (std::int32_t p = 1; p <= planes; ++p) {
-    const double all = sizes[p] + static_cast<double>(target.voxels.size()) - shared[p];
-    best = std::max(best, shared[p] / all);
+    const auto wanted = static_cast<double>(target.voxels.size());
+    best = std::max(best, shared[p] / (target.whole ? sizes[p] + wanted - shared[p] : wanted));
   }
   return best;
 }
@@ -40,6 +40,8 @@ class Search {
 
   std::optional<Fix> by_number();
   std::optional<Fix> by_value(const std::string& value);
+  /// Of a limit that recovers and a looser one that does not: the loosest that does, to 1 %.
+  std::optional<Fix> by_limit(double recovers, double fails);
 
  private:
   bool recovers(const std::string& value) {
@@ -147,6 +149,15 @@ std::optional<Fix> Search::by_value(const std::string& value) {
   return fix(value, std::max(1.0, changes));
 }
 
+std::optional<Fix> Search::by_limit(double recovers, double fails) {
+  double tight = scale_.position(recovers), loose = scale_.position(fails);
+  while (loose - tight > 0.01 && !stop_.stop_requested()) {
+    const double middle = (tight + loose) / 2;
+    (recovers_at(middle) ? tight : loose) = middle;
+  }
+  return by_value(scale_.text_at(tight));
+}
+
 /// What a switch or a choice can be.
 std::vector<std::string> values_of(const OptionInfo& info) {
   if (info.kind == OptionKind::on_off) return {"on", "off"};
@@ -167,9 +178,15 @@ void search_number(Search& search,
       if (!add(search.by_number())) add(search.by_value("0"));
       return;
     }
-    for (const char* limit : {"0.2", "0.15", "0.1", "0.07", "0.05", "0.04", "0.03", "0.02", "0.015",
-                              "0.01", "0.007", "0.005"})
-      if (add(search.by_value(limit))) return;
+    double looser = 0.3;
+    for (const double limit :
+         {0.2, 0.15, 0.1, 0.07, 0.05, 0.04, 0.03, 0.02, 0.015, 0.01, 0.007, 0.005}) {
+      if (search.by_value(fmt::format("{}", limit))) {
+        add(search.by_limit(limit, looser));
+        return;
+      }
+      looser = limit;
+    }
     return;
   }
   add(search.by_number());

@@ -18,7 +18,8 @@ namespace planescope {
 /// What is to come out: these voxels as one plane, IoU >= kDetectedIou.
 struct FixTarget {
   std::vector<std::uint32_t> voxels;
-  std::string name;  // "truth plane 4", "marked region"
+  std::string name;   // "truth plane 4", "marked region"
+  bool whole = true;  // false: part of a surface; that share of it in one plane is enough
 };
 FixTarget target_of_truth(const Run& run, std::int32_t truth_plane);
 /// Is it one plane of the run already?
@@ -28,7 +29,7 @@ struct Fix {
   std::string option;
   std::string before, after;  // as --set takes them
   double change = 0;          // |log ratio| of numbers, of the odds of shares; per switch 1
-  double iou = 0;             // of the target with it
+  double iou = 0;             // of the target with it, or its share in one plane
   QuickScore score;           // of this frame with it; empty without truth
 };
 

@@ -132,8 +132,12 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   return why;
 }
 
-/// The first merge that joined two true planes in what became this plane of the result; 0 if none.
-std::int32_t step_of_wrong_merge(const Run& run, std::int32_t id) {
+/// The first wrong merge of a node on either of two true planes into what became this plane of the
+/// result; 0 if none.
+std::int32_t step_of_wrong_merge(const Run& run,
+                                 std::int32_t id,
+                                 std::int32_t own,
+                                 std::int32_t most) {
   const std::vector<std::uint8_t> wrong = wrong_decisions(run);
   const auto ends_in = [&](std::int32_t plane) {
     const PlaneChange* last = run.timeline.plane_at(plane, run.steps());
@@ -145,9 +149,9 @@ std::int32_t step_of_wrong_merge(const Run& run, std::int32_t id) {
   };
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);
-    if (wrong[static_cast<std::size_t>(step - 1)] && event.type == EventType::merge &&
-        ends_in(event.plane) == id)
-      return step;
+    if (!wrong[static_cast<std::size_t>(step - 1)] || event.type != EventType::merge) continue;
+    const std::int32_t joins = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
+    if ((joins == own || joins == most) && ends_in(event.plane) == id) return step;
   }
   return 0;
 }
@@ -170,7 +174,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
                         : std::string(", but it belongs to no plane");
   why.answer += fmt::format(", and most of that plane to {}", most);
-  const std::int32_t merge = step_of_wrong_merge(run, id);
+  const std::int32_t merge = step_of_wrong_merge(run, id, own, most);
   if (merge == 0) return why;
   why.step = merge;
   why.node = run.event_at(merge)->node;
