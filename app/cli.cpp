@@ -173,6 +173,8 @@ void define_view(Line& line) {
       "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
       "Without a display, --screenshot draws the same window into a picture.");
   add_inputs(view, t, kManyInputs);
+  view->get_option("--frames")->description("The frame to begin with; all are in the strip");
+  view->get_option("--frames")->type_name("N");
   const auto option = [&](const char* name, std::string& value, const char* type,
                           const char* help) {
     add(view, name, value, type, help)->group("Window");

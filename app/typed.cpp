@@ -106,6 +106,11 @@ ViewArgs view_args(const Typed& typed) {
   ViewArgs args;
   args.input = input_args(typed);
   args.open = typed.open;
+  const bool options_given = !typed.profile.empty() || !typed.set.empty() ||
+                             !typed.gravity.empty() || !typed.max_range.empty() ||
+                             !typed.voxel.empty() || !typed.classifier.empty();
+  if (!typed.open.empty() && options_given)
+    throw Error("--open brings the options of the session: leave out --profile, --set and such");
   args.script = typed.script;
   args.screenshot = typed.screenshot;
   args.state = typed.state;

@@ -96,7 +96,9 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   } catch (const NoDisplay& none) {
     fmt::print(stderr,
                "planescope: {}; without a display, `planescope report` and `planescope segment` "
-               "work, and `planescope view --screenshot FILE.png` draws this window\n",
+               "work, and `planescope view --screenshot FILE.png`, or --offscreen with a script, "
+               "draws this "
+               "window\n",
                none.what());
     return 3;
   }

@@ -43,6 +43,7 @@ void select_pixel(State& state, int u, int v) {
 void mark_pixels(State& state, const std::vector<double>& box) {
   const Subject& subject = *state.run()->subject;
   const Image16& depth = subject.frame.depth;
+  if (depth.empty()) throw Error("action mark.pixels: a cloud has no image to mark");
   std::vector<std::uint8_t> seen(subject.voxel_count(), 0);
   std::vector<std::uint32_t>& marked = state.document.marked;
   for (const std::uint32_t voxel : marked)

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "app/desktop/session_json.hpp"
 #include "app/desktop/state_facts.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
@@ -39,7 +40,7 @@ class Player {
       return settle(shell_, stage_, stop_);
     }
     if (step.contains("do"))
-      shell_.perform({step.at("do"), step.value("with", std::string())}, true);
+      perform(step.at("do"), step.value("with", std::string()));
     else if (step.contains("click"))
       click(step);
     else if (step.contains("drag"))
@@ -70,6 +71,13 @@ class Player {
  private:
   inline static const Json kMiddle = Json::array({0.5, 0.5});
 
+  void perform(const std::string& action, const std::string& argument) {
+    shell_.perform({action, argument}, true);
+    // The window shows what is wrong with a filter while it is typed; a script has typed it whole.
+    const FilterProblem& problem = shell_.state().view.search.problem;
+    if (action == "filter.set" && !problem.message.empty())
+      throw Error(fmt::format("filter '{}', at {}: {}", argument, problem.begin, problem.message));
+  }
   WidgetRect widget(const std::string& name) const {
     const auto found = shell_.widgets().find(name);
     if (found != shell_.widgets().end()) return found->second;
@@ -198,7 +206,7 @@ Script Script::read(const fs::path& path) {
   try {
     json = Json::parse(file);
   } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no script, its JSON is damaged: " + error.what());
+    throw Error(path.string() + ": is no script, its JSON is damaged: " + json_problem(error));
   }
   if (!json.is_object() || !json.contains("actions") || !json.at("actions").is_array())
     throw Error(path.string() + R"(: is no script, expected {"actions": [...]})");
@@ -219,11 +227,11 @@ void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
     try {
       player.play(step);
     } catch (const Json::exception& error) {
-      throw Error(where() + ": " + error.what());
+      throw Error(where() + ": " + json_problem(error));
     } catch (const ExpectationFailed& error) {
       throw ExpectationFailed(where() + ": " + error.what());
     } catch (const Error& error) {
-      throw Error(where() + ": " + error.what());
+      throw Error(where() + ": " + json_problem(error));
     }
   }
 }

@@ -41,7 +41,7 @@ Json read_json(const fs::path& path) {
   try {
     return Json::parse(file);
   } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no session, its JSON is damaged: " + error.what());
+    throw Error(path.string() + ": is no session, its JSON is damaged: " + json_problem(error));
   }
 }
 
@@ -98,7 +98,7 @@ Session read_session(const State& state, const fs::path& path) {
                               path.string(), open.path.string(), session.frame));
     return session;
   } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no session that can be read: " + error.what());
+    throw Error(path.string() + ": is no session that can be read: " + json_problem(error));
   }
 }
 

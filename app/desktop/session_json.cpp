@@ -42,6 +42,12 @@ void share_of(const Json& json, const char* key, double& value) {
 
 }  // namespace
 
+std::string json_problem(const std::exception& problem) {
+  const std::string text = problem.what();
+  const std::size_t at = text.starts_with("[json.exception") ? text.find("] ") : std::string::npos;
+  return at == std::string::npos ? text : text.substr(at + 2);
+}
+
 Json bookmark_json(const Bookmark& b) {
   return {{"name", b.name},   {"note", b.note},     {"frame", b.frame},
           {"step", b.step},   {"node", b.node},     {"plane", b.plane},

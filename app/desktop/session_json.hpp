@@ -2,11 +2,16 @@
 
 // Parts of session and settings files. Readers throw nlohmann's exceptions, or Error.
 
+#include <exception>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "app/desktop/state.hpp"
 
 namespace planescope::desktop {
+
+/// What one of nlohmann's exceptions says, without its own name and number.
+std::string json_problem(const std::exception& problem);
 
 nlohmann::ordered_json bookmark_json(const Bookmark& bookmark);
 Bookmark bookmark_of(const nlohmann::ordered_json& json);
