@@ -132,13 +132,9 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   return why;
 }
 
-/// The first wrong merge of a node on either of two true planes into what became this plane of the
-/// result; 0 if none.
-std::int32_t step_of_wrong_merge(const Run& run,
-                                 std::int32_t id,
-                                 std::int32_t own,
-                                 std::int32_t most) {
-  const std::vector<std::uint8_t> wrong = wrong_decisions(run);
+/// The first merge after which what became this plane of the result holds nodes of both true
+/// planes; 0 if there is none.
+std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, std::int32_t most) {
   const auto ends_in = [&](std::int32_t plane) {
     const PlaneChange* last = run.timeline.plane_at(plane, run.steps());
     while (!last->alive && last->into >= 0) {
@@ -147,11 +143,15 @@ std::int32_t step_of_wrong_merge(const Run& run,
     }
     return run.timeline.result_of_plane(plane);
   };
+  bool has_own = false, has_most = false;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);
-    if (!wrong[static_cast<std::size_t>(step - 1)] || event.type != EventType::merge) continue;
-    const std::int32_t joins = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
-    if ((joins == own || joins == most) && ends_in(event.plane) == id) return step;
+    const bool joins = event.type == EventType::found || event.type == EventType::merge;
+    if (!joins || event.node < 0 || ends_in(event.plane) != id) continue;
+    const std::int32_t truth = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
+    if (truth != own && truth != most) continue;
+    (truth == own ? has_own : has_most) = true;
+    if (has_own && has_most) return event.type == EventType::merge ? step : 0;
   }
   return 0;
 }
@@ -174,7 +174,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
                         : std::string(", but it belongs to no plane");
   why.answer += fmt::format(", and most of that plane to {}", most);
-  const std::int32_t merge = step_of_wrong_merge(run, id, own, most);
+  const std::int32_t merge = step_of_fusion(run, id, own, most);
   if (merge == 0) return why;
   why.step = merge;
   why.node = run.event_at(merge)->node;
