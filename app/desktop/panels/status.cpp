@@ -9,8 +9,10 @@ namespace {
 std::string left_text(const State& state) {
   const OpenRecording* open = state.document.current();
   if (!open) return "no recording is open";
-  std::string text = fmt::format("{}  ·  frame {} of {}", open->path.filename().string(),
-                                 state.document.frame, open->recording->frame_count());
+  // Numbered from 0, as everywhere.
+  const int frames = open->recording->frame_count();
+  std::string text = fmt::format("{}  ·  frame {} ({} frame{})", open->path.filename().string(),
+                                 state.document.frame, frames, frames == 1 ? "" : "s");
   if (const Run* run = state.run()) {
     const PreparedFrame& prepared = run->subject->prepared;
     text += fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
