@@ -64,8 +64,8 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   Offscreen nothing({}, view.width, view.height, scale);
   settle(nothing.shell(), nothing, stop);
   settle(window.shell(), window, stop);
-  const Run* run = window.shell().state().run();
-  if (!run) throw Error(window.shell().state().results.refusal);
+  if (!window.shell().state().run()) throw Error(window.shell().state().results.refusal);
+  const std::shared_ptr<const Run> run = window.shell().state().run_view()->run;
   window.shell().perform({"tab.tool", "histograms"});  // no searches in the background
   window.shell().perform({"strip.cancel", ""});
   settle(window.shell(), window, stop);

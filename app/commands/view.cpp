@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "app/assets.hpp"
 #include "app/desktop/offscreen.hpp"
@@ -78,7 +77,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
   if (!args.state.empty()) {
     std::ofstream file(args.state, std::ios::binary);
-    file << state_facts(offscreen->shell().state(), true).dump(2) << '\n';
+    file << state_text(offscreen->shell().state(), true);
     file.close();
     if (!file) throw Error(args.state.string() + ": the state cannot be written there");
   }

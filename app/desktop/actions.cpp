@@ -114,6 +114,13 @@ void go_to_step(State& state, std::int32_t step) {
   state.view.selected = selected;
 }
 
+void unflash(State& state) {
+  if (!state.view.flash) return;
+  const std::shared_ptr<const RunView> before = state.results.pinned;
+  state.view.flash = false;
+  if (before) follow_run(state, *before->run);
+}
+
 void refresh_matches(State& state) {
   Search& search = state.view.search;
   search.matches.clear();

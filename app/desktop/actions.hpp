@@ -59,11 +59,18 @@ std::vector<Action> document_actions();
 void go_to_step(State& state, std::int32_t step);
 /// Evaluates the search on the run that is shown.
 void refresh_matches(State& state);
+/// What a breakpoint stops at, in the language of filters.
+std::string filter_of(const Breakpoint& breakpoint);
 /// Every step at which a breakpoint stops, ascending.
 std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
 void follow_run(State& state, const Run& before);
+/// Shows B again where A is flashed.
+void unflash(State& state);
+/// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
+/// New options as an undo step of their own.
+void change_options(State& state, const PipelineOptions& after);
 void say(State& state, std::string message, bool is_error = false);
 
 }  // namespace planescope::desktop

@@ -15,13 +15,6 @@ bool has_truth(const State& state) {
   return has_current(state) && state.results.current->run->subject->voxel_truth.known();
 }
 
-void unflash(State& state) {
-  if (!state.view.flash) return;
-  const std::shared_ptr<const RunView> before = state.results.pinned;
-  state.view.flash = false;
-  if (before) follow_run(state, *before->run);
-}
-
 void pin(State& state) {
   unflash(state);
   state.results.pinned = state.results.current;
@@ -32,8 +25,6 @@ void pin(State& state) {
 
 void flash(State& state) {
   const Run* before = state.run();
-  const std::shared_ptr<const RunView> keep =
-      state.view.flash ? state.results.pinned : state.results.current;
   state.view.flash = !state.view.flash;
   if (before) follow_run(state, *before);
 }
@@ -42,13 +33,11 @@ void search_fix(State& state) {
   FixSearch& fix = state.results.fix;
   const Run& run = *state.results.current->run;
   FixSearch begun;
-  if (state.view.truth_plane > 0) {
-    begun.target = target_of_truth(run, state.view.truth_plane);
-  } else if (!state.document.marked.empty()) {
-    begun.target = {state.document.marked, "marked region", false};
-  } else {
+  begun.target = state.view.truth_plane > 0
+                     ? target_of_truth(run, state.view.truth_plane)
+                     : FixTarget{state.document.marked, "marked region", false};
+  if (begun.target.voxels.empty())
     return say(state, "nothing to recover: choose a plane of the ground truth, or mark a region");
-  }
   begun.running = true;
   fix = begun;
   state.view.tool_tab = "fix";
@@ -93,12 +82,7 @@ std::vector<Action> compare_actions() {
        menu,
        "Ctrl+Shift+A",
        "",
-       [](State& s, const std::string&) {
-         const PipelineOptions options = s.results.pinned->run->options;
-         s.undo.push_back({s.document.options, options, ""});
-         s.redo.clear();
-         s.document.options = options;
-       },
+       [](State& s, const std::string&) { change_options(s, s.results.pinned->run->options); },
        has_pinned,
        {}},
       {"compare.against",
@@ -173,9 +157,10 @@ std::vector<Action> compare_actions() {
        "",
        "NUMBER",
        [](State& s, const std::string& text) {
-         fix_at(s, "fix.check", text);
-         s.results.fix.checked = whole_argument("fix.check", text, 0, 1 << 20);
-         s.results.fix.effects.clear();
+         FixSearch& fix = s.results.fix;
+         fix.checked = static_cast<int>(&fix_at(s, "fix.check", text) - fix.fixes.data());
+         fix.check_begun = false;
+         fix.effects.clear();
        },
        {},
        {}},
@@ -188,9 +173,7 @@ std::vector<Action> compare_actions() {
          const Fix fix = fix_at(s, "fix.apply", text);
          PipelineOptions after = s.document.options;
          set_option(after, fix.option, fix.after);
-         s.undo.push_back({s.document.options, after, ""});
-         s.redo.clear();
-         s.document.options = after;
+         change_options(s, after);
          say(s, fmt::format("{} = {} (was {}); Ctrl+Z takes it back", fix.option, fix.after,
                             fix.before));
        },

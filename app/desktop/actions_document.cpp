@@ -19,12 +19,13 @@ bool has_recording(const State& state) { return state.document.current() != null
 
 /// What belonged to the frame before is let go of; the view stays.
 void leave_frame(State& state) {
+  unflash(state);  // the selection is A's
   state.document.marked.clear();
   state.results.pinned = nullptr;
   state.results.comparison = nullptr;
   state.results.fix = {};
   state.results.sensitivity.clear();
-  state.view.flash = false;
+  state.view.arrival.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
@@ -85,6 +86,11 @@ Bookmark& bookmark_at(State& state, const char* action, const std::string& text)
 }  // namespace
 
 void go_to_bookmark(State& state, const Bookmark& bookmark) {
+  const OpenRecording* open = state.document.current();
+  const int count = open ? open->recording->frame_count() : 0;
+  if (bookmark.frame < 0 || bookmark.frame >= count)
+    throw Error(fmt::format("bookmark '{}' is on frame {}, but the recording has {}", bookmark.name,
+                            bookmark.frame, count));
   const bool other_frame = bookmark.frame != state.document.frame;
   if (other_frame) show_frame(state, bookmark.frame);
   state.view.camera = bookmark.camera;
@@ -93,10 +99,13 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
     go_to_step(state, bookmark.step);
     const int nodes = static_cast<int>(state.run()->octree().nodes.size());
     const int voxels = static_cast<int>(state.run()->subject->voxel_count());
-    state.view.selected = {
-        .node = bookmark.node < nodes ? bookmark.node : -1,
-        .plane = bookmark.plane < state.run()->timeline.plane_count() ? bookmark.plane : -1,
-        .voxel = bookmark.voxel < voxels ? bookmark.voxel : -1};
+    const int planes = state.run()->timeline.plane_count();
+    const auto known = [](std::int32_t index, int size) {
+      return index >= 0 && index < size ? index : -1;
+    };
+    state.view.selected = {.node = known(bookmark.node, nodes),
+                           .plane = known(bookmark.plane, planes),
+                           .voxel = known(bookmark.voxel, voxels)};
   } else {
     state.view.arrival = bookmark;
   }

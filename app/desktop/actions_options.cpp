@@ -20,7 +20,7 @@ std::pair<std::string, std::string> name_and_value(const std::string& action,
 }
 
 /// `gesture` empty: an entry of its own.
-void change_options(State& state, const PipelineOptions& after, const std::string& gesture) {
+void change_by(State& state, const PipelineOptions& after, const std::string& gesture) {
   const bool goes_on =
       !gesture.empty() && !state.undo.empty() && state.undo.back().gesture == gesture;
   if (goes_on)
@@ -36,7 +36,7 @@ void set(State& state, const std::string& action, const std::string& text, bool 
   const auto [name, value] = name_and_value(action, text);
   PipelineOptions after = state.document.options;
   set_option(after, name, value);
-  change_options(state, after, drag ? name : "");
+  change_by(state, after, drag ? name : "");
 }
 
 void reset(State& state, const std::string& name) {
@@ -46,7 +46,7 @@ void reset(State& state, const std::string& name) {
   const OptionInfo& info = find_option(name);
   PipelineOptions after = now;
   info.set(after, info.get(defaults));
-  change_options(state, after, "");
+  change_options(state, after);
 }
 
 void move_change(State& state,
@@ -60,6 +60,8 @@ void move_change(State& state,
 }
 
 }  // namespace
+
+void change_options(State& state, const PipelineOptions& after) { change_by(state, after, ""); }
 
 std::vector<Action> option_actions() {
   const std::string menu = "Edit";
@@ -126,7 +128,7 @@ std::vector<Action> option_actions() {
        [](State& s, const std::string&) {
          PipelineOptions after;
          after.threads = s.document.options.threads;
-         change_options(s, after, "");
+         change_options(s, after);
        },
        {},
        {}},

@@ -77,17 +77,18 @@ Breakpoint& breakpoint_at(State& state, const char* action, const std::string& t
 
 }  // namespace
 
+std::string filter_of(const Breakpoint& breakpoint) {
+  if (breakpoint.kind == Breakpoint::Kind::filter) return breakpoint.filter;
+  const char* what = breakpoint.kind == Breakpoint::Kind::node ? "node" : "point";
+  return fmt::format("{}=={}", what, breakpoint.index);
+}
+
 std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document) {
   std::vector<std::int32_t> stops;
   for (const Breakpoint& breakpoint : document.breakpoints) {
     if (!breakpoint.enabled) continue;
     FilterProblem problem;
-    const std::string text =
-        breakpoint.kind == Breakpoint::Kind::filter
-            ? breakpoint.filter
-            : fmt::format("{}=={}", breakpoint.kind == Breakpoint::Kind::node ? "node" : "point",
-                          breakpoint.index);
-    if (const auto filter = Filter::parse(text, problem))
+    if (const auto filter = Filter::parse(filter_of(breakpoint), problem))
       for (const std::int32_t step : filter->matching(run)) stops.push_back(step);
   }
   std::sort(stops.begin(), stops.end());

@@ -27,13 +27,13 @@ void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
   selected.plane = timeline.point_at(voxel, state.view.step).plane;
 }
 
-void select_pixel(State& state, int u, int v) {
+void select_pixel(State& state, double u, double v) {
   const Subject& subject = *state.run()->subject;
   const Image16& depth = subject.frame.depth;
-  if (u < 0 || v < 0 || u >= depth.width || v >= depth.height)
+  if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height))
     throw Error(fmt::format("action select.pixel: {},{} is outside the {} x {} image", u, v,
                             depth.width, depth.height));
-  const std::int64_t source = static_cast<std::int64_t>(v) * depth.width + u;
+  const std::int64_t source = static_cast<std::int64_t>(v) * depth.width + static_cast<int>(u);
   const std::uint32_t voxel = subject.voxel_of_source(static_cast<std::size_t>(source));
   if (voxel != kNoVoxel) return select_voxel(state, static_cast<std::int32_t>(voxel), source);
   state.view.selected = {};
@@ -116,7 +116,7 @@ std::vector<Action> selection_actions() {
        "U,V",
        [](State& s, const std::string& text) {
          const auto uv = numbers_argument("select.pixel", text, 2);
-         select_pixel(s, static_cast<int>(uv[0]), static_cast<int>(uv[1]));
+         select_pixel(s, uv[0], uv[1]);
        },
        has_run,
        {}},

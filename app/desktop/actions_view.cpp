@@ -7,6 +7,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/camera.hpp"
+#include "core/base/error.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -150,6 +151,8 @@ std::vector<Action> view_actions() {
          Camera camera = camera_of(s);
          camera.eye = Vec3d(v[0], v[1], v[2]);
          camera.target = Vec3d(v[3], v[4], v[5]);
+         if ((camera.eye - camera.target).norm() < 1e-6)
+           throw Error("action camera.set: the camera stands on its target");
          s.view.camera = camera;
        },
        has_run,

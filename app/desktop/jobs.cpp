@@ -49,6 +49,9 @@ class Classifiers {
   std::shared_ptr<const Classifier> chosen_;
 };
 
+/// What the analysis worker does: one of these at a time, the later in place of the earlier.
+enum class Analysis : std::uint8_t { none, search, check, sensitivity };
+
 /// What is wanted of a frame.
 struct Wanted {
   std::shared_ptr<const Recording> recording;
@@ -62,6 +65,11 @@ struct Wanted {
   }
   bool operator==(const Wanted& other) const {
     return same_subject(other) && segment_key == other.segment_key;
+  }
+  /// The frame is still looked at: a result of another one must not take its place.
+  bool is_shown(const Document& document) const {
+    return document.current() && document.current()->recording == recording &&
+           document.frame == frame;
   }
 };
 
@@ -114,7 +122,7 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
                           : shrink(image_step(*run, look, Backdrop::color, 0.6), kThumbnailWidth);
     thumbnail.planes = static_cast<int>(run->segmentation.planes.size());
     thumbnail.score = score_of(*run);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     thumbnail.refusal = error.what();
   }
   return thumbnail;
@@ -129,20 +137,26 @@ struct Jobs::Impl {
   Classifiers classifiers;
 
   // What was asked for last; touched by the window's thread only.
-  std::optional<Wanted> run_wanted, strip_wanted;
+  std::optional<Wanted> run_wanted;
+  std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
+  std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
+  std::shared_ptr<const Recording> strip_of;
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
+  int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
   std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
   Against compared_against = Against::nothing;
-  bool fix_begun = false;
-  int fix_checked = -1;
+  Analysis analysing = Analysis::none;
+  int analysis_number = 0;  // as strip_number
 
   // Touched by the run worker's thread only.
   std::optional<Wanted> loaded;
   std::shared_ptr<const Subject> subject;
   Camera home;
 
-  Worker runs, compares, strip, analysis;  // last: their threads use the above
+  // Last: their threads use the above. One that comes to rest may be what another waits for.
+  Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
+      analysis{[this] { wake(); }};
 
   void deliver(Delivery delivery) {
     {
@@ -153,6 +167,11 @@ struct Jobs::Impl {
   }
 
   void run_frame(const Wanted& wanted);
+  void show_run(State& state, const std::shared_ptr<const RunView>& view);
+  void stop_strip();
+  void stop_analysis();
+  void analyse(Analysis what, std::function<void(std::stop_token, int number)> work);
+  void deliver_analysis(int number, Delivery delivery);
   void pursue_run(State& state);
   void pursue_comparison(State& state);
   void pursue_strip(State& state);
@@ -171,33 +190,12 @@ void Jobs::Impl::run_frame(const Wanted& wanted) {
     auto run = make_run(subject, wanted.options);
     if (fresh) home = home_of(*run);
     const auto view = view_run(std::move(run), home);
-    deliver([view](State& state) {
-      const std::shared_ptr<const RunView> before = state.results.current;
-      const bool other_frame =
-          !before || before->run->subject->frame.index != view->run->subject->frame.index ||
-          state.results.loading;
-      state.results.current = view;
-      state.results.loading = false;
-      state.results.refusal.clear();
-      state.results.sensitivity.clear();
-      // Voxels are numbered anew with every subject.
-      if (before && before->run->subject != view->run->subject) state.document.marked.clear();
-      std::erase_if(state.document.marked, [&](std::uint32_t voxel) {
-        return voxel >= view->run->subject->voxel_count();
-      });
-      if (state.view.arrival) {
-        const Bookmark arrival = *state.view.arrival;
-        state.view.arrival.reset();
-        go_to_bookmark(state, arrival);
-      } else if (other_frame) {
-        go_to_step(state, view->run->steps());
-        refresh_matches(state);
-      } else if (!state.view.flash) {
-        follow_run(state, *before->run);
-      }
+    deliver([this, wanted, view](State& state) {
+      if (wanted.is_shown(state.document)) show_run(state, view);
     });
   } catch (const std::exception& error) {
-    deliver([message = std::string(error.what())](State& state) {
+    deliver([wanted, message = std::string(error.what())](State& state) {
+      if (!wanted.is_shown(state.document)) return;
       state.results.current = nullptr;
       state.results.loading = false;
       state.results.refusal = message;
@@ -205,6 +203,31 @@ void Jobs::Impl::run_frame(const Wanted& wanted) {
       state.view.step = 0;
       refresh_matches(state);
     });
+  }
+}
+
+void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& view) {
+  const std::shared_ptr<const RunView> before = state.results.current;
+  const bool other_frame = !before ||
+                           before->run->subject->frame.index != view->run->subject->frame.index ||
+                           state.results.loading;
+  state.results.current = view;
+  state.results.loading = false;
+  state.results.refusal.clear();
+  state.results.sensitivity.clear();
+  // Voxels are numbered anew with every subject.
+  if (before && before->run->subject != view->run->subject) state.document.marked.clear();
+  std::erase_if(state.document.marked,
+                [&](std::uint32_t voxel) { return voxel >= view->run->subject->voxel_count(); });
+  if (state.view.arrival) {
+    const Bookmark arrival = *state.view.arrival;
+    state.view.arrival.reset();
+    go_to_bookmark(state, arrival);
+  } else if (other_frame) {
+    go_to_step(state, view->run->steps());
+    refresh_matches(state);
+  } else if (!state.view.flash) {
+    follow_run(state, *before->run);
   }
 }
 
@@ -233,75 +256,111 @@ void Jobs::Impl::pursue_comparison(State& state) {
     state.results.comparison = nullptr;
     return;
   }
-  compares.replace([this, a, b](std::stop_token) {
+  compares.replace([this, a, b, against](std::stop_token) {
     const auto comparison = std::make_shared<const Comparison>(a ? compare_runs(*a->run, *b->run)
                                                                  : compare_with_truth(*b->run));
-    deliver([comparison](State& s) { s.results.comparison = comparison; });
+    deliver([this, a, b, against, comparison](State& s) {
+      if (a != compared_a || b != compared_b || against != compared_against) return;
+      s.results.comparison = comparison;
+      s.results.compared_a = a;
+      s.results.compared_b = b;
+    });
   });
 }
 
+void Jobs::Impl::stop_strip() {
+  strip.cancel();
+  strip_wanted.reset();
+  ++strip_number;
+}
+
 void Jobs::Impl::pursue_strip(State& state) {
+  strip_waits = false;
   if (!state.document.current() || state.results.loading || runs.busy()) return;
   Wanted wanted = wanted_of(state.document, 0);
-  if (strip_wanted && *strip_wanted == wanted) {
-    if (state.view.strip_stopped) strip.cancel();
-    return;
-  }
-  const bool same_recording = strip_wanted && strip_wanted->recording == wanted.recording;
-  strip_wanted = wanted;
-  state.view.strip_stopped = false;
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
-  if (!same_recording || state.results.strip.size() != count) state.results.strip.assign(count, {});
+  const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
+  if (same_recording && strip_next && *strip_next == wanted) {
+    if (strip_wanted && state.view.strip_stopped) strip.cancel();
+    if (strip_wanted) return;
+  } else {
+    stop_strip();
+    strip_next = wanted;
+    strip_due = std::chrono::steady_clock::now() + kStripDelay;
+  }
+  strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
+  if (strip_waits) return;
+  strip_wanted = wanted;
+  strip_of = wanted.recording;
+  state.view.strip_stopped = false;
+  if (!same_recording) state.results.strip.assign(count, {});
   state.results.strip_done = 0;
-  strip.cancel();
-  const int first = state.document.frame;
-  strip.replace([this, wanted, first, count](std::stop_token stop) mutable {
+  const int first = state.document.frame, number = ++strip_number;
+  strip.replace([this, wanted, first, count, number](std::stop_token stop) mutable {
     for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
-      wanted.frame = static_cast<int>((first + i) % count);
+      wanted.frame = static_cast<int>((static_cast<std::size_t>(first) + i) % count);
       if (stop.stop_requested()) return;
       Thumbnail thumbnail = thumbnail_of(wanted, classifiers);
       if (stop.stop_requested()) return;
-      deliver([thumbnail = std::move(thumbnail), recording = wanted.recording,
-               frame = wanted.frame](State& s) {
-        if (!s.document.current() || s.document.current()->recording != recording) return;
-        s.results.strip[static_cast<std::size_t>(frame)] = thumbnail;
+      deliver([this, thumbnail = std::move(thumbnail), frame = wanted.frame, number](State& s) {
+        const auto index = static_cast<std::size_t>(frame);
+        if (number != strip_number || index >= s.results.strip.size()) return;
+        s.results.strip[index] = thumbnail;
         ++s.results.strip_done;
       });
     }
   });
 }
 
+void Jobs::Impl::stop_analysis() {
+  analysis.cancel();
+  if (analysing == Analysis::sensitivity) sensitivity_of_run = nullptr;  // to be begun again
+  analysing = Analysis::none;
+  ++analysis_number;
+}
+
+void Jobs::Impl::analyse(Analysis what, std::function<void(std::stop_token, int)> work) {
+  stop_analysis();
+  analysing = what;
+  analysis.replace([this, work = std::move(work), number = analysis_number](std::stop_token stop) {
+    work(stop, number);
+    deliver_analysis(number, [this](State&) { analysing = Analysis::none; });
+  });
+}
+
+void Jobs::Impl::deliver_analysis(int number, Delivery delivery) {
+  deliver([this, number, delivery = std::move(delivery)](State& state) {
+    if (number == analysis_number) delivery(state);
+  });
+}
+
 void Jobs::Impl::pursue_fix(State& state) {
   FixSearch& fix = state.results.fix;
-  if (!fix.running && fix_begun && !fix.finished) analysis.cancel();
-  if (!fix.running) fix_begun = false;
-  if (fix.running && !fix_begun && state.results.current) {
-    fix_begun = true;
-    fix_checked = -1;
-    analysis.cancel();
-    analysis.replace(
-        [this, target = fix.target, view = state.results.current](std::stop_token stop) {
-          const auto found = find_fixes(*view->run, target, stop, [&](int done, int total) {
-            deliver([done, total](State& s) {
-              s.results.fix.done = done;
-              s.results.fix.total = total;
-            });
-          });
-          const bool whole = !stop.stop_requested();
-          deliver([found, whole](State& s) {
-            s.results.fix.running = false;
-            s.results.fix.finished = whole;
-            if (whole) s.results.fix.fixes = found;
-          });
+  const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
+  if (analysing == Analysis::search && !searches) stop_analysis();
+  if (analysing == Analysis::check && !checks) stop_analysis();
+  if (fix.running && !fix.begun && state.results.current) {
+    fix.begun = true;
+    analyse(Analysis::search, [this, target = fix.target, view = state.results.current](
+                                  std::stop_token stop, int number) {
+      const auto found = find_fixes(*view->run, target, stop, [&](int done, int total) {
+        deliver_analysis(number, [done, total](State& s) {
+          s.results.fix.done = done;
+          s.results.fix.total = total;
         });
+      });
+      deliver_analysis(number, [found](State& s) {
+        s.results.fix.running = false;
+        s.results.fix.finished = true;
+        s.results.fix.fixes = found;
+      });
+    });
   }
-  if (fix.checked < 0) fix_checked = -1;
-  if (fix.finished && fix.checked >= 0 && fix.checked != fix_checked && state.document.current()) {
-    fix_checked = fix.checked;
+  if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
+    fix.check_begun = true;
     const Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
-    Wanted wanted = wanted_of(state.document, 0);
-    analysis.cancel();
-    analysis.replace([this, wanted, chosen](std::stop_token stop) mutable {
+    analyse(Analysis::check, [this, wanted = wanted_of(state.document, 0), chosen](
+                                 std::stop_token stop, int number) mutable {
       PipelineOptions after = wanted.options;
       set_option(after, chosen.option, chosen.after);
       for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
@@ -311,8 +370,8 @@ void Jobs::Impl::pursue_fix(State& state) {
           if (!with->voxel_truth.known()) continue;
           FixEffect effect = effect_of(*make_run(with, wanted.options), after);
           effect.frame = i;
-          deliver([effect](State& s) { s.results.fix.effects.push_back(effect); });
-        } catch (const Error&) {
+          deliver_analysis(number, [effect](State& s) { s.results.fix.effects.push_back(effect); });
+        } catch (const std::exception&) {
           // A frame that cannot be run has nothing to break; its own place in the strip says why.
         }
       }
@@ -322,23 +381,26 @@ void Jobs::Impl::pursue_fix(State& state) {
 
 void Jobs::Impl::pursue_sensitivity(State& state) {
   const auto& view = state.results.current;
-  if (view == sensitivity_of_run || state.view.tool_tab != "criteria" || runs.busy() ||
-      state.results.fix.running || fix_checked >= 0)
+  const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
+  if (view == sensitivity_of_run || state.view.tool_tab != "criteria" || runs.busy() || fixing)
     return;
-  sensitivity_of_run = view;
-  analysis.cancel();
-  if (!view) return;
-  analysis.replace([this, view](std::stop_token stop) {
+  if (!view) {
+    stop_analysis();
+    sensitivity_of_run = nullptr;
+    return;
+  }
+  analyse(Analysis::sensitivity, [this, view](std::stop_token stop, int number) {
     for (const OptionInfo& info : option_table()) {
       if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
         continue;
       const Sensitivity sensitivity = sensitivity_of(*view->run, info.name, stop);
       if (stop.stop_requested()) return;
-      deliver([sensitivity, view](State& s) {
+      deliver_analysis(number, [sensitivity, view](State& s) {
         if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;
       });
     }
   });
+  sensitivity_of_run = view;
 }
 
 Jobs::Jobs(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {

@@ -169,7 +169,7 @@ class Player {
   }
   void write_state(const fs::path& path) {
     std::ofstream file(path, std::ios::binary);
-    file << state_facts(shell_.state(), shell_.idle()).dump(2) << '\n';
+    file << state_text(shell_.state(), shell_.idle());
     file.close();
     if (!file) throw Error(path.string() + ": the state cannot be written there");
   }
@@ -191,12 +191,15 @@ class Player {
 }  // namespace
 
 void settle(Shell& shell, Stage& stage, std::stop_token stop) {
-  stage.draw_frame();
-  while (!shell.idle()) {
-    if (stop.stop_requested()) throw Cancelled();
-    if (!shell.needs_frame()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  do {  // the last frame may see that something is missing that could not be begun before
     stage.draw_frame();
-  }
+    while (!shell.idle()) {
+      if (stop.stop_requested()) throw Cancelled();
+      if (!shell.needs_frame()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      stage.draw_frame();
+    }
+    stage.draw_frame();
+  } while (!shell.idle());
 }
 
 Script Script::read(const fs::path& path) {

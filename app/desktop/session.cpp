@@ -78,6 +78,9 @@ Session read_session(const State& state, const fs::path& path) {
     session.frame = json.at("recording").at("frame");
     session.cursor = bookmark_of(json.at("cursor"));
     session.view = state.view;
+    session.view.flash = session.view.marking = false;
+    session.view.playing.direction = 0;
+    if (session.view.against == Against::pinned) session.view.against = Against::nothing;
     view_of(json.at("view"), session.view);
     for (const Json& one : json.at("breakpoints"))
       session.breakpoints.push_back(breakpoint_of(one));
@@ -139,7 +142,7 @@ void save_session(const State& state, const fs::path& path) {
   // Beside it first: a full disk must not cost the session that was there.
   const fs::path staged = path.string() + ".part";
   std::ofstream file(staged, std::ios::binary);
-  file << json.dump(2) << '\n';
+  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
   std::error_code failed;
   if (file) fs::rename(staged, path, failed);
@@ -162,6 +165,10 @@ void open_session(State& state, const std::string& where) {
       throw Error(fmt::format("{}: has no bookmark '{}'", path.string(), name));
     arrival = *found;
   }
+  const int count = session.recording.recording->frame_count();
+  if (arrival.frame < 0 || arrival.frame >= count)
+    throw Error(fmt::format("{}: it leads to frame {}, but {} has {} frames", path.string(),
+                            arrival.frame, session.recording.path.string(), count));
 
   Document& document = state.document;
   document.recordings.erase(

@@ -63,7 +63,7 @@ void save_settings(const Settings& settings) {
   }
   const fs::path staged = path.string() + ".part";
   std::ofstream file(staged, std::ios::binary);
-  file << json.dump(2) << '\n';
+  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   file.close();
   if (file) fs::rename(staged, path, failed);
 }

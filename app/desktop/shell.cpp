@@ -25,7 +25,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
-/// A panel in its place. An exception in one is a message in its place, not the end of the window.
+/// A panel in its place.
 template <typename Draw>
 void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags, Draw draw) {
   ImGui::SetNextWindowPos(ImVec2(rect.x, rect.y));
@@ -122,6 +122,8 @@ Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> 
   io.LogFilename = nullptr;
   io.ConfigInputTextCursorBlink = false;  // a window that rests draws nothing
   io.ConfigWindowsMoveFromTitleBarOnly = true;
+  // A huge window has more than 65536 vertices; the one renderer that draws us can take them.
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   map_keys(io);
 }
 
@@ -162,7 +164,7 @@ void Shell::perform(const Command& command, bool strict) {
     const bool asks =
         !strict && command.argument.empty() && needs_argument(find_action(command.action));
     apply(state_, asks ? Command{"palette.ask", command.action} : command);
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {  // an Error, or one of the file system
     if (strict) throw;
     say(state_, error.what(), true);
   }
@@ -204,7 +206,8 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     playing.due -= steps;
     const std::int32_t target = state_.view.step + playing.direction * steps;
     if (steps > 0) go_to_step(state_, target);
-    if (target >= state_.run()->steps() || target <= 0) playing.direction = 0;
+    const bool arrived = playing.direction > 0 ? target >= state_.run()->steps() : target <= 0;
+    if (arrived) playing.direction = 0;
     frames_to_draw_ = std::max(frames_to_draw_, 2);
   }
 

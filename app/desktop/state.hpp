@@ -89,10 +89,12 @@ struct RunView {
 struct FixSearch {
   FixTarget target;
   bool running = false;
+  bool begun = false;  // the job knows of it
   int done = 0, total = 0;
   bool finished = false;  // fixes is what there is
   std::vector<Fix> fixes;
   int checked = -1;                // the fix whose effect is shown
+  bool check_begun = false;        // the job knows of that, too
   std::vector<FixEffect> effects;  // of it, on the labelled frames of the recording
 };
 
@@ -100,6 +102,8 @@ struct Results {
   std::shared_ptr<const RunView> current;        // B, what the options give; null before the first
   std::shared_ptr<const RunView> pinned;         // A
   std::shared_ptr<const Comparison> comparison;  // A with B, or truth with B
+  std::shared_ptr<const RunView> compared_a;     // what it compares: `current` may be newer
+  std::shared_ptr<const RunView> compared_b;     // `compared_a` null: the truth
   std::string refusal;                           // why the frame could not be run, one line
   bool loading = false;                          // a frame is read and prepared
   std::vector<Thumbnail> strip;                  // of the recording looked at
@@ -166,7 +170,7 @@ struct ViewState {
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::string octree_search;
   bool only_matches = false;  // the event list shows what the filter finds
-  bool show_keys = false, show_palette = false, show_timing = false, show_about = false;
+  bool show_keys = false, show_palette = false, show_timing = false;
   bool marking = false;  // dragging in the image marks a region
   Against against = Against::nothing;
   bool flash = false;            // A is shown in place of B

@@ -51,4 +51,9 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   return json;
 }
 
+std::string state_text(const State& state, bool idle) {
+  using Json = nlohmann::ordered_json;
+  return state_facts(state, idle).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
 }  // namespace planescope::desktop

@@ -47,6 +47,7 @@ struct BreakpointStops {
 
 /// What the point panel tells, kept until another point or run is looked at.
 struct PointStory {
+  std::shared_ptr<const Recording> recording;
   std::shared_ptr<const RunView> of;
   std::int64_t source = -1;
   std::vector<LifeEvent> life;

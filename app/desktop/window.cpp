@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/state_facts.hpp"
@@ -233,7 +232,7 @@ void Window::show_cursor() {
 }
 
 void Window::write_state() {
-  const std::string facts = state_facts(shell_->state(), shell_->idle()).dump(2) + '\n';
+  const std::string facts = state_text(shell_->state(), shell_->idle());
   if (facts == written_) return;
   written_ = facts;
   // Whoever reads it must never see half of it.
@@ -268,11 +267,13 @@ void Window::keep_settings() const {
   settings.maximized = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
   if (!settings.maximized) glfwGetWindowSize(window_, &settings.width, &settings.height);
   if (const OpenRecording* open = state.document.current()) {
-    settings.last_recording = std::filesystem::absolute(open->path);
+    std::error_code gone;  // the folder that it is relative to
+    settings.last_recording = std::filesystem::absolute(open->path, gone);
     settings.last_frame = state.document.frame;
   }
   settings.camera = state.view.camera;
   settings.view = state.view;
+  settings.view.truth_plane = 0;  // of that recording
   save_settings(settings);
 }
 

@@ -15,7 +15,9 @@ class Worker {
  public:
   using Work = std::function<void(std::stop_token)>;
 
-  Worker() : thread_([this](std::stop_token stop) { loop(stop); }) {}
+  /// `rested`: called from the thread after each piece of work, when busy() no longer counts it.
+  explicit Worker(std::function<void()> rested)
+      : rested_(std::move(rested)), thread_([this](std::stop_token stop) { loop(stop); }) {}
   ~Worker() {
     cancel();
     thread_.request_stop();
@@ -53,9 +55,13 @@ class Worker {
       work(token);
       lock.lock();
       working_ = false;
+      lock.unlock();
+      rested_();
+      lock.lock();
     }
   }
 
+  std::function<void()> rested_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   std::deque<Work> waiting_;

@@ -56,7 +56,7 @@ Correspondence::Correspondence(const Run& from, const Run& to) : from_(from), to
 
 std::int32_t Correspondence::node(std::int32_t node) const {
   const Octree& octree = to_.octree();
-  if (!same_cube(from_.octree().cube, octree.cube)) return -1;
+  if (octree.nodes.empty() || !same_cube(from_.octree().cube, octree.cube)) return -1;
   const OctreeNode& wanted = from_.octree().nodes[node];
   std::int32_t at = 0;
   while (octree.nodes[at].depth < wanted.depth) {

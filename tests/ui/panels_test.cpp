@@ -143,6 +143,17 @@ TEST_F(Panels, TheKeySheetOpensWithAQuestionMarkAndClosesWithEscape) {
   EXPECT_FALSE(shown("keys"));
 }
 
+TEST_F(Panels, ThePaletteClosesWithEscapeWhileOneTypes) {
+  shell.perform({"palette", ""});
+  settle(shell, stage, {});
+  shell.input().push({.type = InputEvent::Type::text, .character = U'x'});
+  settle(shell, stage, {});
+  ASSERT_TRUE(shown("palette.text"));
+  tap(Key::escape);
+  EXPECT_FALSE(state().view.show_palette);
+  EXPECT_FALSE(shown("palette.text"));
+}
+
 TEST_F(Panels, AtRestNothingIsDrawn) {
   EXPECT_TRUE(shell.idle());
   shell.perform({"step.previous", ""});

@@ -90,6 +90,39 @@ TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
   EXPECT_NE(refusal(state, (dir / "absent.json").string()), "");
 }
 
+TEST(Session, WithPlacesThatDoNotExistLeadsToWhereOneIs) {
+  const fs::path dir = scratch_dir();
+  State state = run_state();
+  apply(state, {"bookmark.add", "far"});
+  Bookmark& far = state.document.bookmarks[0];
+  far.frame = 77;
+  far.node = -5;
+  state.view.truth_plane = 1 << 30;
+  state.view.inspector_tab = "nonsense";
+  state.document.marked = {0xfffffff0u};
+  state.document.breakpoints = {{Breakpoint::Kind::node, "", -9},
+                                {Breakpoint::Kind::point, "", 1 << 30}};
+  state.view.step = 1 << 30;
+  state.view.selected = {.node = 1 << 30, .plane = -7, .voxel = 1 << 30};
+  save_session(state, dir / "s.json");
+  EXPECT_NE(refusal(run_state(), (dir / "s.json").string() + "#far").find("77"), std::string::npos);
+  State flashing = run_state();
+  apply(flashing, {"run.pin", ""});
+  apply(flashing, {"run.flash", ""});
+  Shell shell(std::move(flashing), nullptr, [] {});
+  NoStage stage(shell);
+  shell.perform({"session.open", (dir / "s.json").string()}, true);
+  settle(shell, stage, {});
+  ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
+  EXPECT_FALSE(shell.state().view.flash);
+  EXPECT_EQ(shell.state().view.step, shell.state().run()->steps());
+  EXPECT_EQ(shell.state().view.selected.node, -1);
+  EXPECT_TRUE(shell.state().document.marked.empty());
+  shell.perform({"fix.search", ""}, true);
+  EXPECT_FALSE(shell.state().results.fix.running);
+  shell.perform({"run.back", ""}, true);
+}
+
 TEST(Session, OfAnotherRecordingIsRefused) {
   const fs::path dir = scratch_dir();
   const State state = run_state();

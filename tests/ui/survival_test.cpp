@@ -126,9 +126,15 @@ TEST(Survival, ATinyWindowAndAHugeOneDrawEveryPanel) {
   Shell shell(open_state(), nullptr, [] {});
   NoStage stage(shell);
   settle(shell, stage, {});
-  for (const auto& [width, height] : {std::pair{320, 200}, {640, 400}, {7680, 4320}, {1, 1}})
-    for (const float scale : {1.0f, 2.0f})
-      for (int i = 0; i < 2; ++i) shell.frame(width, height, scale, 0.01);
+  for (const char* share : {"0.3", "0", "0.9"})
+    for (const char* tool : {"criteria", "histograms", "compare", "fix"}) {
+      for (const char* name : {"left", "right", "bottom", "image", "octree", "tools"})
+        shell.perform({"layout.set", std::string(name) + "=" + share}, true);
+      shell.perform({"tab.tool", tool}, true);
+      for (const auto& [width, height] : {std::pair{320, 200}, {640, 400}, {7680, 4320}, {1, 1}})
+        for (const float scale : {1.0f, 2.0f})
+          for (int i = 0; i < 2; ++i) shell.frame(width, height, scale, 0.01);
+    }
 }
 
 }  // namespace

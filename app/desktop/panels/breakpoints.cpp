@@ -5,18 +5,6 @@
 namespace planescope::desktop {
 namespace {
 
-std::string filter_of(const Breakpoint& breakpoint) {
-  switch (breakpoint.kind) {
-    case Breakpoint::Kind::filter:
-      return breakpoint.filter;
-    case Breakpoint::Kind::node:
-      return fmt::format("node=={}", breakpoint.index);
-    case Breakpoint::Kind::point:
-      return fmt::format("point=={}", breakpoint.index);
-  }
-  return {};
-}
-
 std::string title_of(const Breakpoint& breakpoint) {
   switch (breakpoint.kind) {
     case Breakpoint::Kind::filter:

@@ -196,23 +196,24 @@ void draw_compare(const Ui& ui) {
   ImGui::Spacing();
   if (!results.current)
     return paragraph(ui.colors.muted, "Once a frame is shown, its run can be pinned as A.");
-  const Against against = ui.state.view.against;
-  const RunView* a = against == Against::pinned ? results.pinned.get() : nullptr;
-  if (against == Against::nothing) {
+  if (ui.state.view.against == Against::nothing) {
     paragraph(ui.colors.muted,
               "Pin a run as A, then change an option: the run with it is B. Or compare with the "
               "ground truth, where there is one.");
     return;
   }
+  if (!results.comparison) return ImGui::TextDisabled("comparing …");
+  // Of the runs that were compared: a newer one may be shown already, with fewer nodes and planes.
+  const Comparison& comparison = *results.comparison;
+  const RunView* a = results.compared_a.get();
+  const RunView& b = *results.compared_b;
   if (a) {
     heading(ui, "Options");
-    draw_options(ui, *a->run, *results.current->run);
+    draw_options(ui, *a->run, *b.run);
     ImGui::Spacing();
   }
-  draw_scores(ui, a, *results.current);
+  draw_scores(ui, a, b);
   ImGui::Spacing();
-  if (!results.comparison) return ImGui::TextDisabled("comparing …");
-  const Comparison& comparison = *results.comparison;
   if (a) draw_divergence(ui, comparison);
   if (comparison.compared_sources > 0)
     paragraph(ui.colors.text,
@@ -221,8 +222,8 @@ void draw_compare(const Ui& ui) {
                           100.0 * static_cast<double>(comparison.changed_sources.size()) /
                               static_cast<double>(comparison.compared_sources),
                           a ? "change plane" : "are not in the plane that matches their own"));
-  draw_planes(ui, a ? a->run.get() : nullptr, *results.current->run, comparison);
-  if (a) draw_nodes(ui, *a->run, *results.current->run, comparison);
+  draw_planes(ui, a ? a->run.get() : nullptr, *b.run, comparison);
+  if (a) draw_nodes(ui, *a->run, *b.run, comparison);
 }
 
 }  // namespace planescope::desktop

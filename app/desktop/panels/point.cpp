@@ -29,14 +29,16 @@ const PointStory* story(const Ui& ui) {
   const std::shared_ptr<const RunView>& view =
       flashed ? ui.state.results.pinned : ui.state.results.current;
   PointStory& point = ui.memory.point;
+  const std::shared_ptr<const Recording>& recording = ui.state.document.current()->recording;
   const bool other_frame =
-      point.of && point.of->run->subject->frame.index != view->run->subject->frame.index;
+      point.of && (point.recording != recording ||
+                   point.of->run->subject->frame.index != view->run->subject->frame.index);
   if (other_frame) point = {};
   const std::int64_t source = source_to_tell(ui, *view->run);
   if (source < 0) return nullptr;
   if (point.of != view || point.source != source) {
     const auto index = static_cast<std::size_t>(source);
-    point = {view, source, life_of(*view->run, index), why_not(*view->run, index)};
+    point = {recording, view, source, life_of(*view->run, index), why_not(*view->run, index)};
   }
   return &point;
 }

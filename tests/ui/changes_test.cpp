@@ -1,0 +1,209 @@
+// What is changed while jobs run: their results are for what was wanted, not for what is by now.
+
+#include <nlohmann/json.hpp>
+
+#include "app/desktop/state_facts.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct Changes : testing::Test {
+  Shell shell{open_state(), nullptr, [] {}};
+  NoStage stage{shell};
+
+  const State& state() const { return shell.state(); }
+  const Results& results() const { return shell.state().results; }
+  void perform(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument});
+    ASSERT_FALSE(state().view.message_is_error) << state().view.message;
+  }
+  /// Some frames, as quick as they come: jobs are at it all the while.
+  void draw(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      stage.draw_frame();
+      if (const auto& view = results().current) {
+        ASSERT_EQ(view->run->subject->frame.index, state().document.frame)
+            << "a frame that was left";
+      }
+      ASSERT_LE(results().strip_done, static_cast<int>(results().strip.size()));
+      if (!state().run()) continue;
+      ASSERT_LE(state().view.step, state().run()->steps());
+      ASSERT_LT(state().view.selected.node,
+                static_cast<std::int32_t>(state().run()->octree().nodes.size()));
+    }
+  }
+  void expect_whole_strip() const {
+    const auto count = state().document.current()->recording->frame_count();
+    ASSERT_EQ(results().strip.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(results().strip_done, count);
+    for (const Thumbnail& thumbnail : results().strip) EXPECT_TRUE(thumbnail.ready);
+  }
+  /// Opens a cloud of points beside the sample.
+  void open_cloud() {
+    PointSet set;
+    for (int i = 0; i < 4000; ++i)
+      set.points.push_back(
+          Vec3f(1 + 0.01f * static_cast<float>(i % 80), 0.01f * static_cast<float>(i / 80), 0));
+    const std::filesystem::path path = scratch_dir() / "cloud.ply";
+    write_ply(path, set);
+    perform("recording.open", path.string());
+  }
+};
+
+TEST_F(Changes, OfTheFrameNeverShowAnotherOne) {
+  for (int i = 0; i < 12; ++i) {
+    perform("frame.show", std::to_string(i % 3));
+    draw(1 + i % 4);
+  }
+  settle(shell, stage, {});
+  draw(1);
+  EXPECT_EQ(results().current->run->subject->frame.index, 2);
+  expect_whole_strip();
+}
+
+TEST_F(Changes, OfTheRecordingFillItsOwnStrip) {
+  settle(shell, stage, {});
+  perform("frame.show", "2");
+  settle(shell, stage, {});
+  perform("option.set", "theta_n_in=8");
+  while (results().strip_done == 3) draw(1);  // until it is filled anew
+  open_cloud();
+  draw(1);
+  perform("recording.show", "0");
+  draw(3);
+  perform("recording.show", "1");
+  draw(2);
+  perform("recording.show", "0");
+  settle(shell, stage, {});
+  expect_whole_strip();
+  perform("recording.show", "1");
+  settle(shell, stage, {});
+  expect_whole_strip();
+}
+
+TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
+  settle(shell, stage, {});
+  perform("run.pin");
+  for (const char* against : {"pinned", "truth", "pinned"}) {
+    perform("compare.against", against);
+    for (int i = 0; i < 10; ++i) {
+      perform("option.drag", "theta_n_in=" + std::to_string(5 + 60 * (i % 3)));
+      draw(3);
+      if (i % 4 == 1) perform("run.flash");
+    }
+  }
+  perform("option.drop");
+  settle(shell, stage, {});
+  EXPECT_EQ(results().compared_a, results().pinned);
+  EXPECT_EQ(results().compared_b, results().current);
+  EXPECT_EQ(state().undo.size(), 1u);
+  expect_whole_strip();
+}
+
+TEST_F(Changes, OfTheFrameWhileAIsFlashedKeepNothingOfIt) {
+  settle(shell, stage, {});
+  perform("run.pin");
+  perform("option.set", "voxel_size_m=0.05");  // a smaller tree
+  settle(shell, stage, {});
+  perform("run.flash");
+  const auto nodes = state().run()->octree().nodes.size();
+  ASSERT_GT(nodes, results().current->run->octree().nodes.size());
+  perform("select.node", std::to_string(nodes - 1));
+  perform("frame.next");
+  draw(2);
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().view.flash);
+}
+
+TEST_F(Changes, OfTheTargetSearchForTheLastOne) {
+  settle(shell, stage, {});
+  for (const char* plane : {"1", "2", "3"}) {
+    perform("fix.plane", plane);
+    draw(2);
+  }
+  settle(shell, stage, {});
+  EXPECT_EQ(results().fix.target.name, "truth plane 3");
+  EXPECT_TRUE(results().fix.finished);
+  perform("fix.plane", "1");
+  draw(1);
+  perform("fix.cancel");
+  perform("fix.plane", "2");
+  settle(shell, stage, {});
+  EXPECT_TRUE(results().fix.finished);
+  EXPECT_EQ(results().fix.target.name, "truth plane 2");
+}
+
+TEST_F(Changes, SensitivitiesComeBackAfterASearch) {
+  perform("tab.tool", "criteria");
+  settle(shell, stage, {});
+  const std::size_t all = results().sensitivity.size();
+  ASSERT_GT(all, 5u);
+  perform("option.set", "theta_n_in=6");
+  while (results().sensitivity.empty() || results().sensitivity.size() == all) draw(1);
+  perform("fix.plane", "1");
+  settle(shell, stage, {});
+  perform("tab.tool", "criteria");
+  settle(shell, stage, {});
+  EXPECT_EQ(results().sensitivity.size(), all);
+}
+
+TEST_F(Changes, OfTheFrameOnTheWayToABookmarkCallItOff) {
+  settle(shell, stage, {});
+  perform("step.goto", "10");
+  perform("bookmark.add", "here");
+  perform("frame.show", "1");
+  settle(shell, stage, {});
+  perform("bookmark.go", "here");
+  perform("frame.show", "2");
+  settle(shell, stage, {});
+  EXPECT_EQ(state().document.frame, 2);
+  EXPECT_EQ(results().current->run->subject->frame.index, 2);
+  perform("bookmark.go", "here");
+  settle(shell, stage, {});
+  EXPECT_EQ(state().document.frame, 0);
+  EXPECT_EQ(state().view.step, 10);
+}
+
+TEST_F(Changes, LeaveABookmarkOfALongerRecordingWhereItIs) {
+  perform("frame.show", "2");
+  settle(shell, stage, {});
+  perform("bookmark.add", "there");
+  open_cloud();
+  settle(shell, stage, {});
+  shell.perform({"bookmark.go", "there"});
+  EXPECT_NE(state().view.message.find("frame 2"), std::string::npos) << state().view.message;
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().view.arrival);
+}
+
+TEST_F(Changes, PlayingGoesOnHoweverSlowItIs) {
+  settle(shell, stage, {});
+  perform("step.first");
+  perform("step.rate", "20");
+  perform("step.play");
+  draw(20);  // a third of a second
+  EXPECT_EQ(state().view.step, 6);
+  perform("step.play_back");
+  draw(30);
+  EXPECT_EQ(state().view.step, 0);
+  EXPECT_EQ(state().view.playing.direction, 0);
+}
+
+TEST_F(Changes, WhatTheFileSystemRefusesIsSaid) {
+  shell.perform({"recording.open", std::string(5000, 'x')});
+  EXPECT_TRUE(state().view.message_is_error);
+  shell.perform({"session.open", std::string(5000, 'x')});
+  EXPECT_TRUE(state().view.message_is_error);
+  settle(shell, stage, {});
+  shell.perform({"bookmark.add", "\xff is no UTF-8"});
+  shell.perform({"recording.open", "\xff"});
+  EXPECT_NE(state_text(state(), true), "");
+  const std::filesystem::path session = scratch_dir() / "s.json";
+  perform("session.save", session.string());
+  perform("session.open", session.string());
+}
+
+}  // namespace
+}  // namespace planescope::desktop
