@@ -44,6 +44,19 @@ struct DrawBox {
   bool operator==(const DrawBox&) const = default;
 };
 
+/// Calls edge(from, to) for each of a box's twelve edges.
+template <typename Edge>
+void each_edge(const DrawBox& box, const Edge& edge) {
+  const auto corner = [&box](int bits) {
+    return Vec3f((bits & 1) != 0 ? box.max.x() : box.min.x(),
+                 (bits & 2) != 0 ? box.max.y() : box.min.y(),
+                 (bits & 4) != 0 ? box.max.z() : box.min.z());
+  };
+  for (int from = 0; from < 8; ++from)
+    for (int bit = 1; bit <= 4; bit <<= 1)
+      if ((from & bit) == 0) edge(corner(from), corner(from | bit));
+}
+
 struct DrawPolygon {           // convex, planar, filled and outlined
   std::vector<Vec3f> corners;  // world [m]
   Rgba fill;

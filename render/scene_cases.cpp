@@ -79,15 +79,7 @@ DrawList scene_cases(const FrameResult& result) {
   list.title = "Octree nodes by case";
   list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +
                   " nodes visited; voxels in the colour of the node that settled them";
-  const auto entry = [&](Case c, const std::string& meaning) {
-    list.legend.push_back({Mark::box, case_color(c),
-                           std::string(to_string(c)) + "  " + meaning + "  " +
-                               std::to_string(count[static_cast<int>(c)])});
-  };
-  entry(Case::I, "impure");
-  entry(Case::II, "too few points");
-  entry(Case::III, "not planar");
-  entry(Case::IV, "plane candidate");
+  add_case_legend(count, list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(Case::III),
                            "I or III at full depth: left over  " + std::to_string(hatched)});

@@ -137,6 +137,18 @@ std::string percent(std::size_t part, std::size_t whole) {
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
 }
 
+void add_case_legend(std::span<const std::size_t> count, DrawList& list) {
+  const auto entry = [&](Case c, const std::string& meaning) {
+    list.legend.push_back({LegendEntry::Mark::box, case_color(c),
+                           std::string(to_string(c)) + "  " + meaning + "  " +
+                               std::to_string(count[static_cast<int>(c)])});
+  };
+  entry(Case::I, "impure");
+  entry(Case::II, "too few points");
+  entry(Case::III, "not planar");
+  entry(Case::IV, "plane candidate");
+}
+
 void add_plane_legend(const FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {

@@ -43,6 +43,9 @@ void add_gravity(const FrameResult& result, DrawList& list);
 /// "12.3 %" of the whole.
 std::string percent(std::size_t part, std::size_t whole);
 
+/// How many nodes ended in each case. `count`: indexed by Case.
+void add_case_legend(std::span<const std::size_t> count, DrawList& list);
+
 /// The largest planes with their label and size.
 void add_plane_legend(const FrameResult& result,
                       std::span<const int> color_of_plane,

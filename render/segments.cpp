@@ -80,18 +80,9 @@ void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& se
     width_px = static_cast<float>(std::clamp(0.08 * edge_m * scale, 0.5, 1.4));
   }
   const float bias_m = 0.02f * edge_m + 0.0005f;
-  const auto corner = [&box](int bits) {
-    return Vec3f((bits & 1) != 0 ? box.max.x() : box.min.x(),
-                 (bits & 2) != 0 ? box.max.y() : box.min.y(),
-                 (bits & 4) != 0 ? box.max.z() : box.min.z());
-  };
-  for (int from = 0; from < 8; ++from) {
-    for (int bit = 1; bit <= 4; bit <<= 1) {
-      if ((from & bit) != 0) continue;
-      segments.push_back(
-          {corner(from), corner(from | bit), box.color, width_px, 0, bias_m, box.id});
-    }
-  }
+  each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
+    segments.push_back({from, to, box.color, width_px, 0, bias_m, box.id});
+  });
 }
 
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments) {

@@ -103,19 +103,11 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::str
   DrawLines edges;
   edges.width_px = width_px;
   edges.shine_through = true;
-  const auto corner = [&box](int bits) {
-    return Vec3f((bits & 1) != 0 ? box.max.x() : box.min.x(),
-                 (bits & 2) != 0 ? box.max.y() : box.min.y(),
-                 (bits & 4) != 0 ? box.max.z() : box.min.z());
-  };
-  for (int from = 0; from < 8; ++from) {
-    for (int bit = 1; bit <= 4; bit <<= 1) {
-      if ((from & bit) != 0) continue;
-      edges.positions.push_back(corner(from));
-      edges.positions.push_back(corner(from | bit));
-      edges.colors.push_back(color);
-    }
-  }
+  each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
+    edges.positions.push_back(from);
+    edges.positions.push_back(to);
+    edges.colors.push_back(color);
+  });
   list.lines.push_back(std::move(edges));
   box.color = color;
   list.boxes.push_back(box);  // to be picked by

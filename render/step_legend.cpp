@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 #include "render/step_parts.hpp"
 
 namespace planescope {
@@ -22,15 +23,7 @@ void add_cases(const Run& run, std::int32_t step, Rgba waiting, DrawList& list) 
       queued += run.timeline.queued_at()[i] <= step;
     }
   }
-  const auto entry = [&](Case c, const std::string& meaning) {
-    list.legend.push_back({Mark::box, case_color(c),
-                           std::string(to_string(c)) + "  " + meaning + "  " +
-                               std::to_string(count[static_cast<int>(c)])});
-  };
-  entry(Case::I, "impure");
-  entry(Case::II, "too few points");
-  entry(Case::III, "not planar");
-  entry(Case::IV, "plane candidate");
+  add_case_legend(count, list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(Case::III),
                            "at full depth: left over  " + std::to_string(hatched)});

@@ -14,17 +14,7 @@
 namespace planescope::desktop {
 namespace {
 
-struct AnalysisPanels : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
-  void play(const std::string& actions) {
-    const std::filesystem::path path = scratch_dir() / "script.json";
-    std::ofstream(path) << R"({"actions": [)" << actions << "]}";
-    Script::read(path).play(shell, stage, {});
-  }
+struct AnalysisPanels : OpenDesktop {
   const Histogram& histogram(const std::string& quantity) const {
     for (const Histogram& h : state().results.current->histograms)
       if (h.quantity == quantity) return h;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "app/desktop/actions.hpp"
@@ -67,5 +68,20 @@ inline std::filesystem::path scratch_dir() {
   std::filesystem::create_directories(dir);
   return dir;
 }
+
+/// The sample has been opened and run; panels are drawn nowhere.
+struct OpenDesktop : testing::Test {
+  Shell shell{open_state(), nullptr, [] {}};
+  NoStage stage{shell};
+
+  void SetUp() override { settle(shell, stage, {}); }
+  const State& state() const { return shell.state(); }
+  /// `actions`: the elements of a script's list.
+  void play(const std::string& actions) {
+    const std::filesystem::path path = scratch_dir() / "script.json";
+    std::ofstream(path) << R"({"actions": [)" << actions << "]}";
+    Script::read(path).play(shell, stage, {});
+  }
+};
 
 }  // namespace planescope::desktop

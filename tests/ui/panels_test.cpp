@@ -8,12 +8,7 @@
 namespace planescope::desktop {
 namespace {
 
-struct Panels : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
+struct Panels : OpenDesktop {
   bool shown(const std::string& widget) const { return shell.widgets().count(widget) > 0; }
   ImVec2 middle(const std::string& widget) const {
     const WidgetRect& rect = shell.widgets().at(widget);

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/view.hpp"
 #include "app/desktop/offscreen.hpp"
 #include "core/base/error.hpp"
 #include "core/image/png.hpp"
@@ -66,10 +67,11 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
   for (const auto& entry : std::filesystem::directory_iterator(docs / "tour")) {
     const std::filesystem::path drawn =
         docs / "pictures" / ("tour_" + entry.path().stem().string() + ".png");
-    State state = open_state();
-    state.document.options.classifier = "gcn";
-    state.document.frame = 1;
-    Offscreen offscreen(std::move(state), 1440, 900, 1);
+    ViewArgs args;  // --frames 1 --profile paper
+    args.input.inputs = {sample_path()};
+    args.input.frames = parse_frame_slice("1");
+    args.input.pipeline.segment = profile_options(Profile::paper);
+    Offscreen offscreen(view_state(args), args.width, args.height, 1);
     settle(offscreen.shell(), offscreen, {});
     Script::read(entry.path()).play(offscreen.shell(), offscreen, {});
     EXPECT_LE(difference(offscreen.picture(), read_png_rgb(drawn)), kSame)

@@ -9,19 +9,7 @@
 namespace planescope::desktop {
 namespace {
 
-struct SearchPanels : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  void SetUp() override { settle(shell, stage, {}); }
-
-  /// Plays a script's actions, JSON without the outer brackets.
-  void play(const std::string& actions) {
-    const auto path = scratch_dir() / "script.json";
-    std::ofstream(path) << "{\"actions\": [" << actions << "]}";
-    Script::read(path).play(shell, stage, {});
-  }
-  const State& state() const { return shell.state(); }
+struct SearchPanels : OpenDesktop {
   const planescope::Run& run() const { return *state().run(); }
   bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
   std::vector<std::int32_t> numbers_of(const std::string& prefix) const {

@@ -10,17 +10,7 @@
 namespace planescope::desktop {
 namespace {
 
-struct Views : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
-  void play(const std::string& actions) {
-    const std::filesystem::path path = scratch_dir() / "script.json";
-    std::ofstream(path) << "{\"actions\": [" << actions << "]}";
-    Script::read(path).play(shell, stage, {});
-  }
+struct Views : OpenDesktop {
   double camera_distance() const {
     const Camera camera = camera_of(state());
     return (camera.eye - camera.target).norm();

@@ -1,0 +1,92 @@
+#include "app/desktop/frame_work.hpp"
+
+#include <fmt/format.h>
+
+#include "app/commands/inputs.hpp"
+#include "app/desktop/cloud_thumbnail.hpp"
+#include "core/pipeline/options_table.hpp"
+#include "core/report/thumbnail.hpp"
+#include "render/scenes.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr int kThumbnailWidth = 200;  // [px]
+
+/// The options of some sections as one text.
+std::string options_key(const PipelineOptions& options, bool preparing) {
+  std::string key;
+  for (const OptionInfo& info : option_table()) {
+    const bool segments = info.section == "criteria" || info.section == "refinements";
+    if (segments != preparing) key += info.get(options) + '|';
+  }
+  return key;
+}
+
+std::optional<QuickScore> score_of(const Run& run) {
+  if (!run.subject->voxel_truth.known()) return std::nullopt;
+  return quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
+}
+
+}  // namespace
+
+std::shared_ptr<const Classifier> Classifiers::get(const PipelineOptions& options) {
+  const std::lock_guard lock(mutex_);
+  const std::string key = fmt::format("{}|{}|{}", options.classifier, options.pca.neighbours,
+                                      options.pca.max_angle_deg);
+  if (key != key_) chosen_ = choose_classifier(options).classifier;
+  key_ = key;
+  return chosen_;
+}
+
+Wanted wanted_of(const Document& document, int frame) {
+  const OpenRecording& open = *document.current();
+  return {open.recording,
+          open.label_dir,
+          frame,
+          document.options,
+          options_key(document.options, true),
+          options_key(document.options, false)};
+}
+
+std::shared_ptr<const Subject> load_subject(const Wanted& wanted, Classifiers& classifiers) {
+  const std::shared_ptr<const Classifier> classifier = classifiers.get(wanted.options);
+  Frame frame = wanted.recording->frame(wanted.frame);
+  std::optional<SourceTruth> truth =
+      frame_truth(frame, wanted.label_dir, wanted.recording->frame_hash(wanted.frame));
+  return make_subject(std::move(frame), std::move(truth), wanted.options, classifier.get());
+}
+
+std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home) {
+  auto view = std::make_shared<RunView>();
+  view->histograms = histograms_of(*run);
+  view->score = score_of(*run);
+  view->home = home;
+  view->run = std::move(run);
+  return view;
+}
+
+Camera home_of(const Run& run) {
+  return frame_camera(run.subject->prepared, run.segmentation, 4.0 / 3);
+}
+
+Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
+  Thumbnail thumbnail;
+  thumbnail.ready = true;
+  try {
+    const auto run = make_run(load_subject(wanted, classifiers), wanted.options);
+    StepLook look;
+    look.step = run->steps();
+    look.color_by = ColorBy::planes;
+    thumbnail.image = run->subject->frame.depth.empty()
+                          ? cloud_thumbnail(*run, kThumbnailWidth)
+                          : shrink(image_step(*run, look, Backdrop::color, 0.6), kThumbnailWidth);
+    thumbnail.planes = static_cast<int>(run->segmentation.planes.size());
+    thumbnail.score = score_of(*run);
+  } catch (const std::exception& error) {
+    thumbnail.refusal = error.what();
+  }
+  return thumbnail;
+}
+
+}  // namespace planescope::desktop
