@@ -284,12 +284,17 @@ Image8 Renderer::render(
   const RestoredBindings restored;
   draw(list, camera, width, height, theme);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->fine.resolved);
+  Image8 image = read_picture(width, height);
+  check_gl("reading a picture back");
+  return image;
+}
+
+Image8 read_picture(int width, int height) {
   Image8 image(width, height, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   flip_rows(image);
-  check_gl("reading a picture back");
   return image;
 }
 

@@ -46,6 +46,9 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
+/// The bound framebuffer's lower left part as an RGB picture, row 0 at the top.
+Image8 read_picture(int width, int height);
+
 /// Text drawn into an RGB image on the CPU with the same font: for overlays on camera images.
 /// (x, y): left end of the baseline [px]. Returns the advance [px].
 double draw_text(

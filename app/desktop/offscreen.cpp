@@ -4,6 +4,7 @@
 
 #include "core/image/png.hpp"
 #include "render/gl.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::desktop {
 
@@ -56,15 +57,8 @@ void Offscreen::finish() {
 Image8 Offscreen::picture() {
   context_->make_current();
   glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
-  Image8 flipped(width_, height_, 3), image(width_, height_, 3);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, flipped.data.data());
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  Image8 image = read_picture(width_, height_);
   check_gl("reading the off-screen window");
-  const std::size_t row = static_cast<std::size_t>(width_) * 3;
-  for (int y = 0; y < height_; ++y)
-    std::copy_n(flipped.data.begin() + static_cast<std::ptrdiff_t>(row * y), row,
-                image.data.begin() + static_cast<std::ptrdiff_t>(row * (height_ - 1 - y)));
   return image;
 }
 

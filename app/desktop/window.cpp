@@ -15,6 +15,7 @@
 #include "core/image/png.hpp"
 #include "render/context.hpp"
 #include "render/gl.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -249,16 +250,8 @@ void Window::write_state() {
 void Window::screenshot(const std::filesystem::path& path) {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
-  Image8 flipped(width, height, 3), image(width, height, 3);
   glReadBuffer(GL_FRONT);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, flipped.data.data());
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  const std::size_t row = static_cast<std::size_t>(width) * 3;
-  for (int y = 0; y < height; ++y)
-    std::copy_n(flipped.data.begin() + static_cast<std::ptrdiff_t>(row * y), row,
-                image.data.begin() + static_cast<std::ptrdiff_t>(row * (height - 1 - y)));
-  write_png(path, image);
+  write_png(path, read_picture(width, height));
 }
 
 void Window::keep_settings() const {
