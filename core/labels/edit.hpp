@@ -21,11 +21,11 @@ struct LabelRun {
   bool operator==(const LabelRun&) const = default;
 };
 
-struct PlaneChange {
+struct LabelPlaneChange {
   int id = 0;
   std::optional<LabelPlane> before, after;
 
-  bool operator==(const PlaneChange&) const = default;
+  bool operator==(const LabelPlaneChange&) const = default;
 };
 
 /// The rest of FrameLabels that edits change.
@@ -43,7 +43,7 @@ struct LabelEdit {
   int frame = 0;
   std::string title;                // "Brush P3", as the undo list names it
   std::vector<LabelRun> runs;       // ascending, disjoint
-  std::vector<PlaneChange> planes;  // by id
+  std::vector<LabelPlaneChange> planes;  // by id
   std::optional<NotesChange> notes;
 
   bool empty() const { return runs.empty() && planes.empty() && !notes; }
