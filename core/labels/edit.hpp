@@ -41,8 +41,8 @@ struct NotesChange {
 
 struct LabelEdit {
   int frame = 0;
-  std::string title;                // "Brush P3", as the undo list names it
-  std::vector<LabelRun> runs;       // ascending, disjoint
+  std::string title;                     // "Brush P3", as the undo list names it
+  std::vector<LabelRun> runs;            // ascending, disjoint
   std::vector<LabelPlaneChange> planes;  // by id
   std::optional<NotesChange> notes;
 
