@@ -50,6 +50,7 @@ FrameLabels split_by_parts(const FrameLabels& labels,
                            int gap_px = 2);
 /// Pixels to the right of the line from -> to become a plane of their own. `side`: per pixel of the
 /// image, > 0 right of it; made by sides_of_line() on the image, from projected points in space.
+/// Nothing changes where all of them are on one side.
 FrameLabels split_by_side(const FrameLabels& labels,
                           const LabelGrid& grid,
                           int plane,

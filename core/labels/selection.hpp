@@ -9,7 +9,8 @@
 
 namespace planescope {
 
-/// In pixels of the picture it was drawn on: depth pixels on the image, view pixels in space.
+/// In pixels of the picture it was drawn on: depth pixels on the image, view pixels in space. Pixel
+/// (x, y) covers [x, x + 1) x [y, y + 1), from the top left corner; its centre is in the middle.
 struct DrawnShape {
   enum class Kind : std::uint8_t {
     stroke,  // all within `radius_px` of the path: a brush

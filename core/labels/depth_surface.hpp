@@ -1,0 +1,27 @@
+#pragma once
+
+// How noisy a depth image is, and which way its surface faces: by plane fits in small windows.
+// Internal to core/labels.
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/types.hpp"
+
+namespace planescope {
+
+/// On a plane inverse depth is linear in the ray (x, y, 1), and stereo measures it equally well at
+/// any range.
+struct InverseDepth {
+  int width = 0, height = 0;
+  std::vector<Vec2d> rays;    // per pixel
+  std::vector<double> per_m;  // 1 / z; 0 where not measured
+};
+
+/// Standard deviation of the measured inverse depth [1/m].
+double inverse_depth_noise(const InverseDepth& depth);
+
+/// Unit, towards the sensor; zero where too little is measured around. Windows end at depth edges.
+std::vector<Vec3f> surface_normals(const InverseDepth& depth, double noise);
+
+}  // namespace planescope
