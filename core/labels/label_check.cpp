@@ -35,9 +35,27 @@ void check_numbers(const FrameLabels& labels, const std::string& where) {
   for (const double value : k.coefficients) finite = finite && std::isfinite(value);
   for (const LabelPlane& plane : labels.planes) {
     finite = finite && plane.normal.allFinite() && std::isfinite(plane.offset_m) &&
-             std::isfinite(plane.rms_m) && std::isfinite(plane.tolerance_m);
+             std::isfinite(plane.rms_m) && std::isfinite(plane.tolerance_m) &&
+             std::isfinite(plane.confidence);
   }
   if (!finite) throw Error(where + ": a number is not finite");
+  for (const LabelPlane& plane : labels.planes) {
+    if (plane.confidence < 0 || plane.confidence > 1) {
+      throw Error(where + ": plane " + std::to_string(plane.id) + " has confidence " +
+                  std::to_string(plane.confidence) + ", expected 0..1");
+    }
+  }
+}
+
+void check_review(const FrameLabels& labels, const std::string& where) {
+  const std::size_t pixels = labels.plane.pixels();
+  for (const ReviewNote& note : labels.review) {
+    if (note.pixel >= pixels || note.pixels > pixels) {
+      throw Error(where + ": a review note about " + std::to_string(note.pixels) +
+                  " pixels at pixel " + std::to_string(note.pixel) + ", the image has " +
+                  std::to_string(pixels));
+    }
+  }
 }
 
 void check_ids(const FrameLabels& labels, const std::string& where) {
@@ -71,6 +89,7 @@ void check_labels(const FrameLabels& labels, const std::string& where) {
   check_sizes(labels, where);
   check_numbers(labels, where);
   check_ids(labels, where);
+  check_review(labels, where);
 }
 
 }  // namespace planescope

@@ -1,11 +1,13 @@
 #include "core/labels/label_files.hpp"
 
+#include <algorithm>
 #include <cstdio>
-#include <span>
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
+#include "core/base/file_descriptor.hpp"
 #include "core/image/png.hpp"
+#include "core/labels/label_file_bytes.hpp"
 #include "core/labels/label_json.hpp"
 
 namespace planescope {
@@ -14,37 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxJsonBytes = 64u << 20;  // 65534 planes need about 15 MB
-
-struct LabelPaths {
-  fs::path plane, hv, json;
-};
-
-LabelPaths label_paths(const fs::path& dir, int frame_index) {
-  char stem[16];
-  std::snprintf(stem, sizeof(stem), "%06d", frame_index);
-  return {dir / (stem + std::string(".plane.png")), dir / (stem + std::string(".hv.png")),
-          dir / (stem + std::string(".json"))};
-}
-
-/// Writes beside the target and renames: whoever reads meanwhile, or after a crash, finds a whole
-/// file.
-void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
-  fs::path temporary = path;
-  temporary += ".tmp";
-  std::error_code error;
-  try {
-    write_file_bytes(temporary, bytes);
-  } catch (const Error&) {
-    fs::remove(temporary, error);
-    throw;
-  }
-  fs::rename(temporary, path, error);
-  if (error) {
-    const std::string reason = error.message();
-    fs::remove(temporary, error);
-    throw Error(path.string() + ": cannot be replaced: " + reason);
-  }
-}
 
 bool is_there(const fs::path& path) {
   std::error_code error;
@@ -61,38 +32,48 @@ fs::path default_label_dir(const fs::path& recording) {
   return path;
 }
 
-void write_frame_labels(const fs::path& dir, int frame_index, const FrameLabels& labels) {
-  const LabelPaths paths = label_paths(dir, frame_index);
-  check_labels(labels, paths.json.string());
-  const auto plane = encode_png(labels.plane);
-  const auto hv = encode_png(labels.hv);
-  const std::string json = label_json(frame_index, labels);
+std::array<fs::path, kLabelFiles> label_file_paths(const fs::path& dir, int frame_index) {
+  char stem[16];
+  std::snprintf(stem, sizeof(stem), "%06d", frame_index);
+  return {dir / (stem + std::string(".plane.png")), dir / (stem + std::string(".hv.png")),
+          dir / (stem + std::string(".json"))};
+}
 
+LabelFileBytes encode_label_files(const fs::path& dir, int frame_index, const FrameLabels& labels) {
+  check_labels(labels, label_file_paths(dir, frame_index).back().string());
+  const std::string json = label_json(frame_index, labels);
+  return {encode_png(labels.plane), encode_png(labels.hv), {json.begin(), json.end()}};
+}
+
+void write_label_files(const fs::path& dir, int frame_index, const LabelFileBytes& bytes) {
   std::error_code error;
   fs::create_directories(dir, error);
   if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
-  replace_file(paths.plane, plane);
-  replace_file(paths.hv, hv);
-  replace_file(paths.json,
-               std::span(reinterpret_cast<const unsigned char*>(json.data()), json.size()));
+  const auto paths = label_file_paths(dir, frame_index);
+  for (std::size_t i = 0; i < kLabelFiles; ++i) replace_file(paths[i], bytes[i]);
+}
+
+void write_frame_labels(const fs::path& dir, int frame_index, const FrameLabels& labels) {
+  write_label_files(dir, frame_index, encode_label_files(dir, frame_index, labels));
 }
 
 std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
                                              int frame_index,
                                              const std::string& expected_sha256) {
-  const LabelPaths paths = label_paths(dir, frame_index);
-  if (!is_there(paths.json) && !is_there(paths.plane) && !is_there(paths.hv)) return std::nullopt;
+  const auto paths = label_file_paths(dir, frame_index);
+  if (std::none_of(paths.begin(), paths.end(), is_there)) return std::nullopt;
 
-  const auto bytes = read_file_bytes(paths.json, kMaxJsonBytes);
+  const auto& [plane_path, hv_path, json_path] = paths;
+  const auto bytes = read_file_bytes(json_path, kMaxJsonBytes);
   FrameLabels labels =
-      parse_label_json(std::string(bytes.begin(), bytes.end()), frame_index, paths.json.string());
+      parse_label_json(std::string(bytes.begin(), bytes.end()), frame_index, json_path.string());
   if (!expected_sha256.empty() && labels.depth_sha256 != expected_sha256) {
-    throw Error(paths.json.string() + ": made for a depth image with SHA-256 " +
+    throw Error(json_path.string() + ": made for a depth image with SHA-256 " +
                 labels.depth_sha256.substr(0, 12) + ", this recording's frame has " +
                 expected_sha256.substr(0, 12));
   }
   // The headers first: images that would be refused for their size are not decoded.
-  for (const fs::path& path : {paths.plane, paths.hv}) {
+  for (const fs::path& path : {plane_path, hv_path}) {
     const PngInfo info = png_info(path);
     if (info.width != labels.intrinsics.width || info.height != labels.intrinsics.height) {
       throw Error(path.string() + ": " + std::to_string(info.width) + "x" +
@@ -101,9 +82,9 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
                   std::to_string(labels.intrinsics.height));
     }
   }
-  labels.plane = read_png_16(paths.plane);
-  labels.hv = read_png_grey(paths.hv);
-  check_labels(labels, paths.json.string());
+  labels.plane = read_png_16(plane_path);
+  labels.hv = read_png_grey(hv_path);
+  check_labels(labels, json_path.string());
   return labels;
 }
 

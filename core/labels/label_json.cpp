@@ -15,6 +15,10 @@ constexpr std::array kLabelNames = {"unknown", "h", "v"};  // by Label
 constexpr std::array kDistortionNames = {"none", "brown_conrady", "inverse_brown_conrady"};
 constexpr std::array kGravitySources = {"option", "sidecar",  "imu",
                                         "picked", "estimate", "assumed"};  // by GravitySource
+constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "imported"};
+constexpr std::array kDisagreements = {"missed", "invented",   "split",
+                                       "merged", "class_flip", "boundary"};
+constexpr std::array kDecisions = {"keep", "take", "edit", "ignore"};
 
 Json to_json(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -73,14 +77,23 @@ Gravity gravity_from(const Json& json, const std::string& where) {
   return gravity;
 }
 
+/// What most planes have in common is left out.
 Json to_json(const LabelPlane& plane) {
-  return {{"id", plane.id},
-          {"label", kLabelNames[static_cast<std::size_t>(plane.label)]},
-          {"normal", to_json(plane.normal)},
-          {"offset_m", plane.offset_m},
-          {"rms_m", plane.rms_m},
-          {"tolerance_m", plane.tolerance_m},
-          {"fragments", plane.fragments}};
+  Json json = {{"id", plane.id},
+               {"label", kLabelNames[static_cast<std::size_t>(plane.label)]},
+               {"normal", to_json(plane.normal)},
+               {"offset_m", plane.offset_m},
+               {"rms_m", plane.rms_m},
+               {"tolerance_m", plane.tolerance_m},
+               {"fragments", plane.fragments}};
+  const LabelPlane usual;
+  if (plane.origin != usual.origin) {
+    json["origin"] = kOrigins[static_cast<std::size_t>(plane.origin)];
+  }
+  if (plane.confidence != usual.confidence) json["confidence"] = plane.confidence;
+  if (plane.locked) json["locked"] = true;
+  if (plane.hidden) json["hidden"] = true;
+  return json;
 }
 
 LabelPlane plane_from(const Json& json, const std::string& where) {
@@ -93,7 +106,40 @@ LabelPlane plane_from(const Json& json, const std::string& where) {
   plane.rms_m = json.at("rms_m").get<double>();
   plane.tolerance_m = json.at("tolerance_m").get<double>();
   plane.fragments = json.at("fragments").get<int>();
+  if (json.contains("origin")) {
+    const auto origin = json.at("origin").get<std::string>();
+    plane.origin = static_cast<LabelOrigin>(index_of(kOrigins, origin, where));
+  }
+  plane.confidence = json.value("confidence", plane.confidence);
+  plane.locked = json.value("locked", plane.locked);
+  plane.hidden = json.value("hidden", plane.hidden);
   return plane;
+}
+
+Json to_json(const ReviewNote& note) {
+  return {{"kind", kDisagreements[static_cast<std::size_t>(note.kind)]},
+          {"pixel", note.pixel},
+          {"pixels", note.pixels},
+          {"label_plane", note.label_plane},
+          {"other_plane", note.other_plane},
+          {"decision", kDecisions[static_cast<std::size_t>(note.decision)]},
+          {"reviewer", note.reviewer},
+          {"time_s", note.time_s}};
+}
+
+ReviewNote note_from(const Json& json, const std::string& where) {
+  ReviewNote note;
+  const auto kind = json.at("kind").get<std::string>();
+  note.kind = static_cast<DisagreementKind>(index_of(kDisagreements, kind, where));
+  note.pixel = json.at("pixel").get<std::uint32_t>();
+  note.pixels = json.at("pixels").get<std::uint32_t>();
+  note.label_plane = json.at("label_plane").get<int>();
+  note.other_plane = json.at("other_plane").get<int>();
+  const auto decision = json.at("decision").get<std::string>();
+  note.decision = static_cast<ReviewDecision>(index_of(kDecisions, decision, where));
+  note.reviewer = json.at("reviewer").get<std::string>();
+  note.time_s = json.at("time_s").get<std::int64_t>();
+  return note;
 }
 
 FrameLabels labels_from(const Json& json, int frame_index, const std::string& where) {
@@ -112,6 +158,9 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
   for (const Json& plane : json.at("planes")) labels.planes.push_back(plane_from(plane, where));
   labels.annotator = json.at("annotator").get<std::string>();
   labels.review_state = json.at("review_state").get<std::string>();
+  if (json.contains("review")) {
+    for (const Json& note : json.at("review")) labels.review.push_back(note_from(note, where));
+  }
   return labels;
 }
 
@@ -120,14 +169,15 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
 std::string label_json(int frame_index, const FrameLabels& labels) {
   Json planes = Json::array();
   for (const LabelPlane& plane : labels.planes) planes.push_back(to_json(plane));
-  const Json json = {{"schema", kSchema},
-                     {"frame", frame_index},
-                     {"depth_sha256", labels.depth_sha256},
-                     {"intrinsics", to_json(labels.intrinsics)},
-                     {"gravity", to_json(labels.gravity)},
-                     {"planes", planes},
-                     {"annotator", labels.annotator},
-                     {"review_state", labels.review_state}};
+  Json json = {{"schema", kSchema},
+               {"frame", frame_index},
+               {"depth_sha256", labels.depth_sha256},
+               {"intrinsics", to_json(labels.intrinsics)},
+               {"gravity", to_json(labels.gravity)},
+               {"planes", planes},
+               {"annotator", labels.annotator},
+               {"review_state", labels.review_state}};
+  for (const ReviewNote& note : labels.review) json["review"].push_back(to_json(note));
   // Text of people may hold any bytes: what is not UTF-8 is replaced, not thrown at them.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

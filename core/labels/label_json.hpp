@@ -15,7 +15,8 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
 
 /// Throws Error unless the images have one channel, the same size and that of the intrinsics, the
 /// plane ids are distinct and in 1..65534, every id in the image is listed, the h/v values are
-/// known ones and all numbers are finite. `where` opens the message.
+/// known ones, all numbers are finite, confidences are 0..1 and review notes are about pixels of
+/// the image. `where` opens the message.
 void check_labels(const FrameLabels& labels, const std::string& where);
 
 }  // namespace planescope

@@ -98,6 +98,31 @@ TEST(LabelFiles, WhatIsWrittenIsReadBackExactly) {
   EXPECT_EQ(read->review_state, "reviewed");
 }
 
+TEST(LabelFiles, OriginConfidenceFlagsAndReviewNotesAreReadBack) {
+  const fs::path dir = fresh_dir("details");
+  FrameLabels written = two_planes();
+  written.planes[1].origin = LabelOrigin::carried;
+  written.planes[1].confidence = 1.0 / 3;
+  written.planes[0].locked = written.planes[1].hidden = true;
+  written.review = {{DisagreementKind::class_flip, 47, 12, 7, 3, ReviewDecision::ignore, "bob", 5},
+                    {DisagreementKind::missed, 0, 1, 0, 9, ReviewDecision::take, "", 1763750000}};
+  write_frame_labels(dir, 0, written);
+  const auto read = read_frame_labels(dir, 0, "");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->planes, written.planes);
+  EXPECT_EQ(read->review, written.review);
+}
+
+TEST(LabelFiles, WhatIsAsUsualIsNotWritten) {
+  const fs::path dir = fresh_dir("usual");
+  write_frame_labels(dir, 0, two_planes());
+  const auto bytes = read_file_bytes(dir / "000000.json");
+  const std::string text(bytes.begin(), bytes.end());
+  for (const char* key : {"origin", "confidence", "locked", "hidden", "\"review\""}) {
+    EXPECT_EQ(text.find(key), std::string::npos) << key;
+  }
+}
+
 TEST(LabelFiles, TheSameLabelsGiveTheSameBytes) {
   const fs::path dir = fresh_dir("same_bytes");
   const FrameLabels labels = two_planes();
@@ -189,6 +214,12 @@ TEST(LabelFiles, InconsistentLabelsAreNotWritten) {
   labels = two_planes();
   labels.intrinsics.width = 9;
   expect_refused([&] { write_frame_labels(dir, 0, labels); }, "9x6");
+  labels = two_planes();
+  labels.planes[0].confidence = 1.5;
+  expect_refused([&] { write_frame_labels(dir, 0, labels); }, "expected 0..1");
+  labels = two_planes();
+  labels.review.emplace_back().pixel = 48;
+  expect_refused([&] { write_frame_labels(dir, 0, labels); }, "review note");
   EXPECT_FALSE(fs::exists(dir));
 }
 

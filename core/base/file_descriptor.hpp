@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace planescope {
+
+/// A POSIX file descriptor that is closed with its owner.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  FileDescriptor(FileDescriptor&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~FileDescriptor();
+
+  int get() const { return descriptor_; }
+  bool is_open() const { return descriptor_ >= 0; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// As open(2), never inherited by other programs; not open, errno set, where that fails.
+FileDescriptor open_file(const std::filesystem::path& path, int flags);
+
+/// All bytes from `offset` on, however many calls that takes. 0, or the errno of the call that
+/// failed.
+int write_fully(const FileDescriptor& file, std::span<const unsigned char> bytes, off_t offset);
+
+/// Makes names that were made, replaced or removed in the folder survive a loss of power. 0, or
+/// errno.
+int sync_folder(const std::filesystem::path& folder);
+
+/// What an errno says: "No space left on device".
+std::string error_text(int error);
+
+/// Replaces a file by these bytes: written beside it, made durable, renamed. Whoever reads
+/// meanwhile, or after a crash or a loss of power, finds the old file or the new one, whole. Throws
+/// Error naming the path; the old file then stays.
+void replace_file(const std::filesystem::path& path, std::span<const unsigned char> bytes);
+
+}  // namespace planescope
