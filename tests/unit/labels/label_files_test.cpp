@@ -118,7 +118,7 @@ TEST(LabelFiles, WhatIsAsUsualIsNotWritten) {
   write_frame_labels(dir, 0, two_planes());
   const auto bytes = read_file_bytes(dir / "000000.json");
   const std::string text(bytes.begin(), bytes.end());
-  for (const char* key : {"origin", "confidence", "locked", "hidden", "\"review\""}) {
+  for (const char* key : {"origin", "locked", "hidden", "\"review\""}) {
     EXPECT_EQ(text.find(key), std::string::npos) << key;
   }
 }
