@@ -83,8 +83,14 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-CloudBuilder::CloudBuilder(const std::filesystem::path& path, std::span<const CloudField> fields)
-    : fields_(fields.begin(), fields.end()) {
+CloudBuilder::CloudBuilder(const std::filesystem::path& path,
+                           std::span<const CloudField> fields,
+                           CloudExtras* extras)
+    : fields_(fields.begin(), fields.end()), extras_(extras) {
+  if (extras_) {
+    extras_->values.assign(extras_->names.size(), {});
+    extra_.assign(extras_->names.size(), -1);
+  }
   for (int i = 0; i < static_cast<int>(fields_.size()); ++i) {
     const std::string& name = fields_[i].name;
     const auto take = [&](const char* wanted, int& slot) {
@@ -102,6 +108,7 @@ CloudBuilder::CloudBuilder(const std::filesystem::path& path, std::span<const Cl
     }
     take("label", label_);
     take("instance", instance_);
+    for (std::size_t k = 0; k < extra_.size(); ++k) take(extras_->names[k].c_str(), extra_[k]);
   }
   if (std::any_of(xyz_.begin(), xyz_.end(), [](int i) { return i < 0; })) {
     std::string names;
@@ -116,6 +123,8 @@ void CloudBuilder::reserve(std::size_t points) {
   if (rgb_[0] >= 0 || packed_ >= 0) set_.rgb.reserve(3 * points);
   if (label_ >= 0) set_.label.reserve(points);
   if (instance_ >= 0) set_.instance.reserve(points);
+  for (std::size_t k = 0; k < extra_.size(); ++k)
+    if (extra_[k] >= 0) extras_->values[k].reserve(points);
 }
 
 std::uint8_t CloudBuilder::color_value(double value, int field) const {
@@ -150,6 +159,8 @@ void CloudBuilder::add(std::span<const double> values) {
   add_color(values);
   if (label_ >= 0) set_.label.push_back(saturate<std::uint8_t>(values[label_]));
   if (instance_ >= 0) set_.instance.push_back(saturate<std::int32_t>(values[instance_]));
+  for (std::size_t k = 0; k < extra_.size(); ++k)
+    if (extra_[k] >= 0) extras_->values[k].push_back(values[extra_[k]]);
 }
 
 PointSet CloudBuilder::finish() {

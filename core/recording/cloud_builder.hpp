@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/recording/byte_reader.hpp"
+#include "core/recording/cloud_file.hpp"
 #include "core/recording/frame.hpp"
 
 namespace planescope {
@@ -30,8 +31,10 @@ struct CloudField {
 /// x y z, colours (red green blue, or packed rgb), label and instance.
 class CloudBuilder {
  public:
-  /// Throws Error naming the file when x, y or z is missing.
-  CloudBuilder(const std::filesystem::path& path, std::span<const CloudField> fields);
+  /// Throws Error naming the file when x, y or z is missing. `extras` may be null.
+  CloudBuilder(const std::filesystem::path& path,
+               std::span<const CloudField> fields,
+               CloudExtras* extras = nullptr);
 
   void reserve(std::size_t points);
   /// One value per field.
@@ -48,6 +51,8 @@ class CloudBuilder {
   int packed_ = -1;
   int label_ = -1;
   int instance_ = -1;
+  CloudExtras* extras_;
+  std::vector<int> extra_;  // field of each of extras_->names, -1 where there is none
   std::vector<Vec3d> points_;
   PointSet set_;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/recording/byte_reader.hpp"
+#include "core/recording/cloud_file.hpp"
 #include "core/recording/frame.hpp"
 
 // Shared by the readers of cloud files. Internal to core/recording.
@@ -15,8 +16,8 @@ namespace planescope {
 /// Each checks the header against the file's size, reading nothing else. Throws Error.
 void check_ply(const std::filesystem::path& path);
 void check_pcd(const std::filesystem::path& path);
-PointSet read_ply(const std::filesystem::path& path);
-PointSet read_pcd(const std::filesystem::path& path);
+PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras = nullptr);
+PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras = nullptr);
 
 /// Words of a text, separated by white space.
 class WordReader {

@@ -74,8 +74,8 @@ class CloudRecording : public Recording {
 
 }  // namespace
 
-PointSet read_cloud_file(const fs::path& path) {
-  return is_ply(path) ? read_ply(path) : read_pcd(path);
+PointSet read_cloud_file(const fs::path& path, CloudExtras* extras) {
+  return is_ply(path) ? read_ply(path, extras) : read_pcd(path, extras);
 }
 
 std::unique_ptr<Recording> open_clouds(const fs::path& path) {

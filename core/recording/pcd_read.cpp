@@ -219,7 +219,7 @@ void check_pcd(const std::filesystem::path& path) {
   check_promise(path, header, file.bytes().subspan(header.bytes));
 }
 
-PointSet read_pcd(const std::filesystem::path& path) {
+PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
   const MappedFile file(path);
   PcdHeader header = PcdHeaderParser(path, file.bytes()).parse();
   const Bytes body = file.bytes().subspan(header.bytes);
@@ -233,7 +233,7 @@ PointSet read_pcd(const std::filesystem::path& path) {
     }
     fields.push_back(field.field);
   }
-  CloudBuilder builder(path, fields);
+  CloudBuilder builder(path, fields, extras);
   builder.reserve(header.points);
   try {
     if (header.data == PcdData::ascii) {

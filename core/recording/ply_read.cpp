@@ -195,7 +195,7 @@ void check_ply(const std::filesystem::path& path) {
                 file.bytes().size() - header.bytes);
 }
 
-PointSet read_ply(const std::filesystem::path& path) {
+PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
   const MappedFile file(path);
   const PlyHeader header = HeaderParser(path, file.bytes()).parse();
   const Element& vertices = find_vertices(path, header);
@@ -204,7 +204,7 @@ PointSet read_ply(const std::filesystem::path& path) {
   for (const Property& property : vertices.properties) {
     if (!property.is_list) fields.push_back({property.name, property.type});
   }
-  CloudBuilder builder(path, fields);
+  CloudBuilder builder(path, fields, extras);
   std::vector<double> values;
   std::uint64_t done = 0;
   try {

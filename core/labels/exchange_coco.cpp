@@ -1,0 +1,247 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/labels/coco_mask.hpp"
+#include "core/labels/exchange_files.hpp"
+
+// COCO (https://cocodataset.org/#format-data), one image. What a reader of COCO ignores tells the
+// rest: each annotation's "plane".
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kMaxSide = 1 << 16;
+
+struct Category {
+  int id;
+  const char* name;
+  std::uint8_t label;
+};
+constexpr Category kCategories[] = {
+    {1, "h", 1}, {2, "v", 2}, {3, "unknown", 0}, {4, "ignore", kHvIgnore}};
+
+struct Mask {
+  std::vector<std::uint64_t> sorted;  // u * height + v
+  int left = kMaxSide, top = kMaxSide, right = 0, bottom = 0;
+};
+
+Json plane_json(int id, const LabelledPoints& points) {
+  Json json = {{"id", id}};
+  for (const LabelPlane& plane : points.planes) {
+    if (plane.id != id) continue;
+    json["normal"] = {plane.normal.x(), plane.normal.y(), plane.normal.z()};
+    json["offset_m"] = plane.offset_m;
+    json["rms_m"] = plane.rms_m;
+  }
+  return json;
+}
+
+/// By plane, then class: one mask for each plane, unless its pixels differ in class.
+std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
+  std::map<std::pair<int, int>, Mask> masks;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int label = points.label.empty() ? 0 : points.label[i];
+    if (points.instance[i] == 0 && label == 0) continue;
+    const auto [u, v] = points.pixel[i];
+    Mask& mask = masks[{points.instance[i], label}];
+    mask.sorted.push_back(
+        static_cast<std::uint64_t>(u) * static_cast<std::uint64_t>(points.height) + v);
+    mask.left = std::min<int>(mask.left, u);
+    mask.right = std::max<int>(mask.right, u);
+    mask.top = std::min<int>(mask.top, v);
+    mask.bottom = std::max<int>(mask.bottom, v);
+  }
+  for (auto& [key, mask] : masks) std::sort(mask.sorted.begin(), mask.sorted.end());
+  return masks;
+}
+
+/// What is read, on the image's pixels.
+class CocoReader {
+ public:
+  CocoReader(const Json& json, const std::string& where) : json_(json), where_(where) {}
+
+  LabelledPoints read() {
+    read_image();
+    read_categories();
+    for (const Json& annotation : json_.at("annotations")) note_plane_id(annotation);
+    std::size_t number = 0;
+    for (const Json& annotation : json_.at("annotations"))
+      read_annotation(annotation, where_ + ": annotation " + std::to_string(number++));
+    return points();
+  }
+
+ private:
+  void read_image() {
+    const Json& images = json_.at("images");
+    if (images.size() != 1)
+      throw Error(where_ + ": " + std::to_string(images.size()) + " images, expected one");
+    image_id_ = images.at(0).at("id");
+    width_ = images.at(0).at("width").get<int>();
+    height_ = images.at(0).at("height").get<int>();
+    if (width_ < 1 || height_ < 1 || width_ > kMaxSide || height_ > kMaxSide)
+      throw Error(where_ + ": an image of " + std::to_string(width_) + "x" +
+                  std::to_string(height_) + " pixels");
+    check_count(pixels(), where_);
+    instance_.assign(pixels(), 0);
+    label_.assign(pixels(), 0);
+  }
+
+  void read_categories() {
+    for (const Json& category : json_.at("categories")) {
+      const auto name = category.at("name").get<std::string>();
+      const auto known = std::find_if(std::begin(kCategories), std::end(kCategories),
+                                      [&](const Category& c) { return name == c.name; });
+      if (known == std::end(kCategories))
+        throw Error(where_ + ": category \"" + name + "\", expected h, v, unknown or ignore");
+      label_of_category_[category.at("id").get<int>()] = known->label;
+    }
+  }
+
+  void note_plane_id(const Json& annotation) {
+    if (!annotation.contains("plane")) return;
+    const int id = annotation.at("plane").at("id").get<int>();
+    if (id < 0 || id > kPlaneIgnore)
+      throw Error(where_ + ": plane id " + std::to_string(id) + ", expected 0 to 65535");
+    used_.insert(id);
+  }
+
+  /// Annotations of other tools have no plane: each is one.
+  int plane_id(const Json& annotation) {
+    if (annotation.contains("plane")) return annotation.at("plane").at("id").get<int>();
+    while (used_.contains(next_)) ++next_;
+    if (next_ >= kPlaneIgnore) throw Error(where_ + ": more than 65534 planes");
+    used_.insert(next_);
+    return next_;
+  }
+
+  std::vector<MaskRun> runs_of(const Json& segmentation, const std::string& where) const {
+    if (segmentation.is_array()) {
+      std::vector<MaskRun> runs;
+      for (const Json& polygon : segmentation) {
+        const auto numbers = polygon.get<std::vector<double>>();
+        std::vector<std::pair<double, double>> corners;
+        for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
+          corners.emplace_back(numbers[i], numbers[i + 1]);
+        const auto more = polygon_runs(corners, width_, height_);
+        runs.insert(runs.end(), more.begin(), more.end());
+      }
+      return runs;
+    }
+    const auto size = segmentation.at("size").get<std::array<int, 2>>();
+    if (size[0] != height_ || size[1] != width_)
+      throw Error(where + ": a mask of " + std::to_string(size[1]) + "x" + std::to_string(size[0]) +
+                  ", the image is " + std::to_string(width_) + "x" + std::to_string(height_));
+    const Json& counts = segmentation.at("counts");
+    return mask_runs(counts.is_string() ? counts_of_text(counts.get<std::string>(), where)
+                                        : counts.get<std::vector<std::uint64_t>>(),
+                     pixels(), where);
+  }
+
+  void read_annotation(const Json& annotation, const std::string& where) {
+    if (annotation.at("image_id") != image_id_)
+      throw Error(where + ": of an image that the file does not have");
+    const auto label = label_of_category_.find(annotation.at("category_id").get<int>());
+    if (label == label_of_category_.end())
+      throw Error(where + ": of a category that the file does not have");
+    const int id = plane_id(annotation);
+    for (const MaskRun& run : runs_of(annotation.at("segmentation"), where)) {
+      for (std::uint64_t at = run.first; at < run.first + run.count; ++at) {
+        const std::size_t pixel = at % height_ * static_cast<std::size_t>(width_) + at / height_;
+        instance_[pixel] = id;
+        label_[pixel] = label->second;
+      }
+    }
+    if (annotation.contains("plane") && annotation["plane"].contains("normal"))
+      read_plane(annotation["plane"], static_cast<Label>(label->second));
+  }
+
+  void read_plane(const Json& json, Label label) {
+    LabelPlane plane;
+    plane.id = json.at("id").get<int>();
+    plane.label = label;
+    const auto normal = json.at("normal").get<std::array<double, 3>>();
+    plane.normal = Vec3d(normal[0], normal[1], normal[2]);
+    plane.offset_m = json.at("offset_m").get<double>();
+    plane.rms_m = json.at("rms_m").get<double>();
+    planes_.push_back(plane);
+  }
+
+  LabelledPoints points() {
+    LabelledPoints points;
+    points.width = width_;
+    points.height = height_;
+    points.planes = std::move(planes_);
+    for (std::size_t i = 0; i < pixels(); ++i) {
+      if (instance_[i] == 0 && label_[i] == 0) continue;
+      points.instance.push_back(instance_[i]);
+      points.label.push_back(label_[i]);
+      points.pixel.push_back({static_cast<std::uint16_t>(i % static_cast<std::size_t>(width_)),
+                              static_cast<std::uint16_t>(i / static_cast<std::size_t>(width_))});
+    }
+    return points;
+  }
+
+  std::uint64_t pixels() const {
+    return static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
+  }
+
+  const Json& json_;
+  const std::string& where_;
+  Json image_id_;
+  int width_ = 0, height_ = 0;
+  std::map<int, std::uint8_t> label_of_category_;
+  std::set<int> used_;
+  int next_ = 1;
+  std::vector<std::int32_t> instance_;
+  std::vector<std::uint8_t> label_;
+  std::vector<LabelPlane> planes_;
+};
+
+}  // namespace
+
+FileBytes coco_bytes(const LabelledPoints& points, const std::string& name) {
+  Json json;
+  json["info"] = {{"description", "Planes of a depth image, by planescope"}, {"version", "1"}};
+  json["images"] = Json::array({{{"id", 1},
+                                 {"width", points.width},
+                                 {"height", points.height},
+                                 {"file_name", name + ".png"}}});
+  json["categories"] = Json::array();
+  for (const Category& category : kCategories)
+    json["categories"].push_back(
+        {{"id", category.id}, {"name", category.name}, {"supercategory", "plane"}});
+  json["annotations"] = Json::array();
+  const auto pixels =
+      static_cast<std::uint64_t>(points.width) * static_cast<std::uint64_t>(points.height);
+  for (const auto& [key, mask] : masks_of(points)) {
+    const auto category =
+        std::find_if(std::begin(kCategories), std::end(kCategories),
+                     [&, label = key.second](const Category& c) { return c.label == label; });
+    json["annotations"].push_back(
+        {{"id", json["annotations"].size() + 1},
+         {"image_id", 1},
+         {"category_id", category->id},
+         {"iscrowd", 1},
+         {"area", mask.sorted.size()},
+         {"bbox", {mask.left, mask.top, mask.right - mask.left + 1, mask.bottom - mask.top + 1}},
+         {"segmentation",
+          {{"size", {points.height, points.width}}, {"counts", mask_counts(mask.sorted, pixels)}}},
+         {"plane", plane_json(key.first, points)}});
+  }
+  const std::string text = json.dump() + "\n";
+  return {text.begin(), text.end()};
+}
+
+LabelledPoints parse_coco(Bytes file, const std::string& where) {
+  try {
+    const auto* text = reinterpret_cast<const char*>(file.data());
+    const Json json = Json::parse(text, text + file.size());
+    return CocoReader(json, where).read();
+  } catch (const Json::exception& error) {
+    throw Error(where + ": not a COCO file (" + error.what() + ")");
+  }
+}
+
+}  // namespace planescope
