@@ -1,0 +1,87 @@
+#pragma once
+
+// A small frame with holes, random labels on it, and a folder for their files.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "core/labels/exchange.hpp"
+#include "random_labels.hpp"
+
+namespace planescope {
+
+inline constexpr const char* kHash =
+    "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
+
+inline LabelGrid random_grid(Random& random, int width = 31, int height = 22) {
+  Frame frame;
+  frame.depth = Image16(width, height);
+  frame.depth_unit_m = 0.001;
+  frame.intrinsics = {width, height, 30.5, 30.25, width / 2.0, height / 2.0};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      frame.depth.at(x, y) = random.uniform() < 0.15
+                                 ? std::uint16_t{0}
+                                 : static_cast<std::uint16_t>(900 + 11 * y + random.integer(0, 6));
+  if (random.integer(0, 1)) {
+    frame.color = Image8(width, height, 3);
+    for (std::uint8_t& value : frame.color.data)
+      value = static_cast<std::uint8_t>(random.integer(0, 255));
+    frame.color_aligned = true;
+  }
+  Gravity gravity;
+  gravity.direction = Vec3d(0.1, 0.8, 0.3).normalized();
+  return make_label_grid(frame, gravity);
+}
+
+/// Planes, class alone, "do not score" and nothing, all of it on measured pixels.
+inline FrameLabels random_labels(const LabelGrid& grid, Random& random) {
+  FrameLabels labels = empty_labels(grid, kHash);
+  for (int i = 0; i < 15; ++i) labels = after_random_gesture(labels, random);
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    if (!grid.measured[i]) labels.plane.data[i] = labels.hv.data[i] = 0;
+  labels.gravity = grid.gravity;
+  refit_planes(labels, grid);
+  return labels;
+}
+
+class Exchange : public testing::Test {
+ protected:
+  void SetUp() override {
+    dir_ =
+        std::filesystem::path(testing::TempDir()) /
+        ("exchange_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(dir_);
+    std::filesystem::create_directories(dir_);
+  }
+  void TearDown() override { std::filesystem::remove_all(dir_); }
+
+  /// Out to files and back onto the frame.
+  FrameLabels there_and_back(const FrameLabels& labels, const LabelGrid& grid, LabelFormat format) {
+    const auto paths = write_labelled(dir_ / "frame", format, points_of_labels(labels, grid));
+    return labels_of_points(read_labelled(paths.back(), format), grid, kHash, paths[0].string());
+  }
+
+  std::filesystem::path dir_;
+};
+
+inline std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// That the message is one line and says `part`.
+inline void expect_refused(const std::function<void()>& action, const std::string& part) {
+  const std::string message = message_of(action);
+  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+}  // namespace planescope
