@@ -1,0 +1,85 @@
+#pragma once
+
+// What the parts of the wand share. Internal to core/labels.
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/moments.hpp"
+#include "core/geometry/types.hpp"
+#include "core/labels/grid.hpp"
+#include "core/labels/wand.hpp"
+
+namespace planescope {
+
+/// Part of an image: [u0, u1) x [v0, v1).
+struct PixelBox {
+  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
+};
+inline PixelBox box_around(const LabelGrid& grid, std::uint32_t pixel, int reach) {
+  const int u = static_cast<int>(pixel) % grid.width, v = static_cast<int>(pixel) / grid.width;
+  return {std::max(0, u - reach), std::max(0, v - reach), std::min(grid.width, u + reach + 1),
+          std::min(grid.height, v + reach + 1)};
+}
+/// Calls visit(pixel) row by row.
+template <typename Visit>
+void for_pixels(const LabelGrid& grid, const PixelBox& box, const Visit& visit) {
+  for (int v = box.v0; v < box.v1; ++v)
+    for (int u = box.u0; u < box.u1; ++u) visit(static_cast<std::uint32_t>(v * grid.width + u));
+}
+
+/// normal . x = offset, in floats: it is asked of every pixel.
+struct Sheet {
+  Vec3f normal = Vec3f::UnitZ();
+  float offset_m = 0;
+
+  float distance_m(const Vec3f& point) const { return normal.dot(point) - offset_m; }
+};
+/// nullopt where there are too few points, or all in a line. Moments about the sensor are exact
+/// enough: a few metres in doubles.
+std::optional<Sheet> sheet_through(const Moments& moments);
+
+/// A frame, and how far from a plane its pixels may lie.
+struct WandField {
+  const LabelGrid& grid;
+  WandOptions options;
+  std::vector<float> noise;           // across a sheet at 1 m of offset, per pixel [m]
+  std::vector<std::uint8_t> allowed;  // measured, and free to take
+
+  /// At close range the option itself; from where three times the noise is more, in that ratio.
+  float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
+    constexpr double kCloseNoise_m = 0.008 / 3;
+    const float tolerance = static_cast<float>(options.tolerance_m);
+    return tolerance * std::max(1.0f, noise[pixel] * std::abs(sheet.offset_m) *
+                                          static_cast<float>(1 / kCloseNoise_m));
+  }
+};
+WandField make_wand_field(const LabelGrid& grid,
+                          const FrameLabels* labels,
+                          const WandOptions& options);
+
+/// The plane that most of the pixels in `box` lie on, of those where `usable` is not 0; the nearer
+/// to the pixel `at`, the more they count, by half at `half_px`. A fixed series of random samples.
+struct LocalFit {
+  Sheet sheet;
+  double share = 0;  // of the weights, on the sheet
+  int pixels = 0;    // looked at
+};
+std::optional<LocalFit> fit_around(const WandField& field,
+                                   const std::vector<std::uint8_t>& usable,
+                                   const PixelBox& box,
+                                   std::uint32_t at,
+                                   double half_px);
+
+/// Takes pixels off `region` that lie on another surface which meets the sheet at a crease:
+/// `region` is all within tolerance of it, and what runs on beyond tells where the other lies.
+void cut_at_creases(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region);
+
+/// Lets colour decide at the border of the region where depth leaves it open.
+void settle_border_by_color(const WandField& field,
+                            const Sheet& sheet,
+                            std::vector<std::uint8_t>& region);
+
+}  // namespace planescope
