@@ -1,10 +1,9 @@
 #include "core/labels/exchange.hpp"
 
 #include <cassert>
-#include <cmath>
-#include <cstdio>
 
 #include "core/base/file_bytes.hpp"
+#include "core/base/file_descriptor.hpp"
 #include "core/cloud/cloud.hpp"
 #include "core/labels/exchange_files.hpp"
 #include "core/recording/sniff.hpp"
@@ -63,25 +62,6 @@ std::vector<WrittenFile> files_of(const fs::path& stem,
       return {{named(".ply"), voxel_bytes(points, voxel_size_m)}};
   }
   return {};
-}
-
-/// All beside their targets first: a full disk leaves what was there.
-void replace_files(const std::vector<WrittenFile>& files) {
-  std::vector<fs::path> temporary;
-  std::error_code error;
-  try {
-    for (const WrittenFile& file : files) {
-      temporary.push_back(with_extension(file.path, ".tmp"));
-      write_file_bytes(temporary.back(), file.bytes);
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      fs::rename(temporary[i], files[i].path, error);
-      if (error) throw Error(files[i].path.string() + ": cannot be replaced: " + error.message());
-    }
-  } catch (const Error&) {
-    for (const fs::path& path : temporary) fs::remove(path, error);
-    throw;
-  }
 }
 
 Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
@@ -145,10 +125,17 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
                                      LabelFormat format,
                                      const LabelledPoints& points,
                                      double voxel_size_m) {
+  [[maybe_unused]] const auto fits = [&](std::size_t size, std::size_t each) {
+    return size == 0 || size == each * points.size();
+  };
+  assert(fits(points.points.size(), 1) && fits(points.rgb.size(), 3) &&
+         fits(points.label.size(), 1) && fits(points.pixel.size(), 1));
   const std::vector<WrittenFile> files = files_of(stem, format, points, voxel_size_m);
-  replace_files(files);
   std::vector<fs::path> paths;
-  for (const WrittenFile& file : files) paths.push_back(file.path);
+  for (const WrittenFile& file : files) {
+    replace_file(file.path, file.bytes);
+    paths.push_back(file.path);
+  }
   return paths;
 }
 
@@ -170,57 +157,6 @@ LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
   }
   throw Error(path.string() +
               ": labels of voxels are made from labels of points and not read back");
-}
-
-void check_count(std::uint64_t points, const std::string& where) {
-  if (points > kMaxLabelledPoints)
-    throw Error(where + ": " + std::to_string(points) + " points, expected at most " +
-                std::to_string(kMaxLabelledPoints));
-}
-
-template <typename T>
-std::vector<T> whole_numbers(std::span<const double> values,
-                             double low,
-                             double high,
-                             const std::string& where) {
-  std::vector<T> whole(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double value = values[i];
-    if (!(value >= low && value <= high) || value != std::floor(value)) {
-      char text[128];
-      std::snprintf(text, sizeof(text),
-                    ": %g at place %zu, expected a whole number of %.0f to %.0f", value, i, low,
-                    high);
-      throw Error(where + text);
-    }
-    whole[i] = static_cast<T>(value);
-  }
-  return whole;
-}
-template std::vector<std::uint8_t> whole_numbers(std::span<const double>,
-                                                 double,
-                                                 double,
-                                                 const std::string&);
-template std::vector<std::uint16_t> whole_numbers(std::span<const double>,
-                                                  double,
-                                                  double,
-                                                  const std::string&);
-template std::vector<std::int32_t> whole_numbers(std::span<const double>,
-                                                 double,
-                                                 double,
-                                                 const std::string&);
-
-std::vector<std::int32_t> instances_of(std::span<const double> values, const std::string& where) {
-  return whole_numbers<std::int32_t>(values, 0, kPlaneIgnore, where + ": plane id");
-}
-
-std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::string& where) {
-  const auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
-  for (std::size_t i = 0; i < classes.size(); ++i)
-    if (classes[i] > 2 && classes[i] != kHvIgnore)
-      throw Error(where + ": class " + std::to_string(classes[i]) + " at place " +
-                  std::to_string(i) + ", expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
-  return classes;
 }
 
 }  // namespace planescope

@@ -48,8 +48,8 @@ struct LabelledPoints {
 
 LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid);
 
-/// `stem`: the path without extension; one or two files are written, whole or not at all. Returns
-/// their paths. `voxel_size_m`: of `voxels` only.
+/// `stem`: the path without extension; one or two files are written, each whole or not at all.
+/// Returns their paths. `voxel_size_m`: of `voxels` only.
 std::vector<std::filesystem::path> write_labelled(const std::filesystem::path& stem,
                                                   LabelFormat format,
                                                   const LabelledPoints& points,

@@ -94,7 +94,8 @@ class CocoReader {
       const auto known = std::find_if(std::begin(kCategories), std::end(kCategories),
                                       [&](const Category& c) { return name == c.name; });
       if (known == std::end(kCategories))
-        throw Error(where_ + ": category \"" + name + "\", expected h, v, unknown or ignore");
+        throw Error(where_ + ": category \"" + printable(name) +
+                    "\", expected h, v, unknown or ignore");
       label_of_category_[category.at("id").get<int>()] = known->label;
     }
   }

@@ -16,6 +16,9 @@ using FileBytes = std::vector<unsigned char>;
 inline constexpr std::uint64_t kMaxLabelledPoints = std::uint64_t{1} << 25;
 void check_count(std::uint64_t points, const std::string& where);
 
+/// Text of a file, for a message of one line: what cannot be printed is a '?'.
+std::string printable(std::string_view text);
+
 /// Each as a whole number of low..high. Throws Error naming `where` and the first that is not.
 template <typename T>
 std::vector<T> whole_numbers(std::span<const double> values,

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/error.hpp"
+#include "core/labels/exchange_files.hpp"
 #include "core/recording/cloud_formats.hpp"
 
 // https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
@@ -34,7 +34,7 @@ class NpyHeader {
         array.shape = shape();
         has_shape = true;
       } else {
-        fail("has the unknown entry \"" + std::string(key) + "\"");
+        fail("has the unknown entry \"" + printable(key) + "\"");
       }
       if (!take(',')) {
         expect('}');
@@ -112,7 +112,7 @@ class NpyHeader {
       array.big_endian = text[0] == '>';
       return;
     }
-    fail("says values of type \"" + std::string(text) + "\", expected whole numbers or floats");
+    fail("says values of type \"" + printable(text) + "\", expected whole numbers or floats");
   }
 
   std::string_view rest_;

@@ -226,7 +226,7 @@ TEST_F(Exchange, AFormatThatNeedsMoreThanThereIsSaysWhat) {
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
   expect_refused([&] { label_format_of("a.txt"); }, "a.txt: expected a name that ends in .npy");
   expect_refused([&] { write_labelled(dir_ / "none/a", LabelFormat::evops, points); },
-                 "none/a.npy.tmp: cannot be opened");
+                 "none/a.npy: cannot be written");
 }
 
 }  // namespace
