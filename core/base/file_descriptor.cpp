@@ -37,6 +37,18 @@ int write_fully(const FileDescriptor& file, std::span<const unsigned char> bytes
   return 0;
 }
 
+std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> bytes, off_t offset) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count = ::pread(file.get(), bytes.data() + done, bytes.size() - done,
+                                  offset + static_cast<off_t>(done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
+
 int sync_folder(const fs::path& folder) {
   const FileDescriptor file =
       open_file(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);

@@ -34,6 +34,9 @@ FileDescriptor open_file(const std::filesystem::path& path, int flags);
 /// failed.
 int write_fully(const FileDescriptor& file, std::span<const unsigned char> bytes, off_t offset);
 
+/// Up to all bytes from `offset` on: fewer where the file ends before, or where reading fails.
+std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> bytes, off_t offset);
+
 /// Makes names that were made, replaced or removed in the folder survive a loss of power. 0, or
 /// errno.
 int sync_folder(const std::filesystem::path& folder);

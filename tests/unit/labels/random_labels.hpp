@@ -46,7 +46,7 @@ inline FrameLabels after_random_gesture(FrameLabels labels, Random& random) {
     note.kind = static_cast<DisagreementKind>(random.integer(0, 5));
     note.decision = static_cast<ReviewDecision>(random.integer(0, 3));
     note.pixel = random.integer(0, width * height - 1);
-    note.pixels = random.integer(0, 500);
+    note.pixels = random.integer(0, width * height);
     note.label_plane = random.integer(0, 9);
     note.reviewer = "bob";
     note.time_s = random.integer(0, 1 << 30);
