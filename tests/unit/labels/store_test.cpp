@@ -2,33 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "random_labels.hpp"
+#include "store_fixture.hpp"
 
 namespace planescope {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path fresh_dir(const std::string& name) {
-  const fs::path dir = fs::path(testing::TempDir()) / ("label_store_" + name);
-  fs::remove_all(dir);
-  return dir;
-}
-
-FrameLabels blank(int frame) { return blank_labels(23, 17, static_cast<char>('a' + frame)); }
-
-LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
-
-/// A random gesture on a frame of the store, kept.
-void gesture(LabelStore& store, int frame, Random& random, const std::string& title = "gesture") {
-  const auto before = store.labels(frame);
-  const FrameLabels after = after_random_gesture(*before, random);
-  store.commit(make_edit(frame, title, *before, after));
-}
 
 TEST(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
   const fs::path dir = fresh_dir("nothing");
@@ -57,7 +36,7 @@ TEST(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
     store->open(frame, blank(frame));
     const FrameLabels labels = *store->labels(frame);
     gesture(*store, frame, random);
-    if (store->undo_count() > before.size()) before.emplace_back(frame, labels);
+    before.emplace_back(frame, labels);
     if (i % 17 == 0) store->save_all();
   }
   std::vector<std::pair<int, FrameLabels>> after;
@@ -126,6 +105,104 @@ TEST(LabelStores, WhatIsNotSavedIsThereAfterARestart) {
   store.undo();
   expect_same(*store.labels(7), saved);
   EXPECT_FALSE(store.unsaved(7));
+}
+
+TEST(LabelStores, LabelsHandedOutStayAsTheyWere) {
+  Random random(5);
+  LabelStore store(fresh_dir("handed_out"), by("ann"));
+  const auto first = store.open(0, blank(0));
+  const auto version = store.version(0);
+  gesture(store, 0, random);
+  expect_same(*first, blank(0));
+  EXPECT_GT(store.version(0), version);
+  EXPECT_NE(store.labels(0), first);
+}
+
+TEST(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
+  std::int64_t now_ms = 1000;
+  LabelStore store(fresh_dir("history"), {"ann", [&] { return now_ms; }});
+  store.open(3, blank(3));
+  FrameLabels labels = blank(3);
+  labels.hv.data[5] = labels.hv.data[6] = 1;
+  store.commit(make_edit(3, "Brush h", *store.labels(3), labels));
+  store.set_annotator("bob");
+  now_ms = 2000;
+  labels.hv.data[9] = kHvIgnore;
+  store.commit(make_edit(3, "Ignore", *store.labels(3), labels));
+  store.commit(make_edit(3, "Nothing", *store.labels(3), labels));
+  const auto history = store.history(10);
+  ASSERT_EQ(history.size(), 2u);
+  EXPECT_EQ(history[0].title, "Ignore");
+  EXPECT_EQ(history[0].annotator, "bob");
+  EXPECT_EQ(history[0].time_ms, 2000);
+  EXPECT_EQ(history[1].title, "Brush h");
+  EXPECT_EQ(history[1].annotator, "ann");
+  EXPECT_EQ(history[1].frame, 3);
+  EXPECT_EQ(history[1].pixels, 2u);
+  EXPECT_EQ(store.history(1).size(), 1u);
+}
+
+TEST(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
+  const fs::path dir = fresh_dir("save_all");
+  Random random(6);
+  FrameLabels labels;
+  {
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    gesture(store, 0, random);
+    labels = *store.labels(0);
+  }
+  LabelStore store(dir, by("ann"));
+  store.save_all();
+  EXPECT_FALSE(store.any_unsaved());
+  const auto files = read_frame_labels(dir, 0, blank(0).depth_sha256);
+  ASSERT_TRUE(files);
+  EXPECT_EQ(files->plane.data, labels.plane.data);
+}
+
+TEST(LabelStores, FilesNameTheAnnotatorWhereTheLabelsNameNone) {
+  const fs::path dir = fresh_dir("annotator");
+  LabelStore store(dir, by("ann"));
+  FrameLabels labels = *store.open(0, blank(0));
+  labels.hv.data[0] = 1;
+  store.commit(make_edit(0, "Brush h", *store.labels(0), labels));
+  store.save(0);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->annotator, "ann");
+}
+
+TEST(WorkTimes, GapsOfMoreThanAMinuteCountAsAMinute) {
+  const fs::path dir = fresh_dir("work_times");
+  EXPECT_TRUE(work_times(dir).empty());
+  std::int64_t now_s = 100;
+  Random random(7);
+  LabelStore store(dir, {"ann", [&] { return now_s * 1000; }});
+  store.open(0, blank(0));
+  store.open(4, blank(4));
+  const auto at = [&](std::int64_t time_s, int frame) {
+    now_s = time_s;
+    gesture(store, frame, random);
+  };
+  at(100, 4);
+  at(110, 4);
+  at(5000, 0);
+  store.set_annotator("bob");
+  at(5005, 4);
+  at(5020, 4);
+  now_s = 5030;
+  store.undo();
+  store.save_all();
+  const auto times = work_times(dir);
+  ASSERT_EQ(times.size(), 3u);
+  EXPECT_EQ(times[0].frame, 0);
+  EXPECT_EQ(times[0].seconds, 60);
+  EXPECT_EQ(times[0].gestures, 1u);
+  EXPECT_EQ(times[1].annotator, "ann");
+  EXPECT_EQ(times[1].seconds, 10);
+  EXPECT_EQ(times[1].gestures, 2u);
+  EXPECT_EQ(times[2].annotator, "bob");
+  EXPECT_EQ(times[2].frame, 4);
+  EXPECT_EQ(times[2].seconds, 25);
+  EXPECT_EQ(times[2].gestures, 3u);
 }
 
 }  // namespace

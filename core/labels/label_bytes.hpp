@@ -1,0 +1,31 @@
+#pragma once
+
+// The parts of FrameLabels as the journal keeps them: exactly, text with whatever bytes it has.
+
+#include "core/labels/byte_stream.hpp"
+#include "core/labels/edit.hpp"
+
+namespace planescope {
+
+inline constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, where it is read
+
+template <typename Enum>
+Enum read_enum(ByteReader& in, Enum last) {
+  return static_cast<Enum>(in.number(static_cast<std::uint64_t>(last)));
+}
+
+template <typename Enum>
+void write_enum(ByteWriter& out, Enum value) {
+  out.number(static_cast<std::uint64_t>(value));
+}
+
+void write(ByteWriter& out, const LabelPlane& plane);
+void write(ByteWriter& out, const LabelNotes& notes);
+void write(ByteWriter& out, const Intrinsics& intrinsics);
+
+// All throw Error where the bytes hold something else.
+LabelPlane read_plane(ByteReader& in);
+LabelNotes read_notes(ByteReader& in);
+Intrinsics read_intrinsics(ByteReader& in);
+
+}  // namespace planescope

@@ -1,0 +1,49 @@
+#pragma once
+
+// What the tests of the label store share.
+
+#include <functional>
+
+#include "core/base/error.hpp"
+#include "core/labels/store.hpp"
+#include "random_labels.hpp"
+
+namespace planescope {
+
+inline std::filesystem::path fresh_dir(const std::string& name) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / ("label_store_" + name);
+  std::filesystem::remove_all(dir);
+  return dir;
+}
+
+inline FrameLabels blank(int frame) { return blank_labels(23, 17, static_cast<char>('a' + frame)); }
+
+inline LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
+
+/// A random gesture that changes something, on a frame that is open.
+inline void gesture(LabelStore& store, int frame, Random& random) {
+  const auto before = store.labels(frame);
+  LabelEdit edit;
+  while (edit.empty()) {
+    edit = make_edit(frame, "gesture", *before, after_random_gesture(*before, random));
+  }
+  store.commit(edit);
+}
+
+inline std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// That the message is one line and says `part`.
+inline void expect_refused(const std::function<void()>& action, const std::string& part) {
+  const std::string message = message_of(action);
+  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+}  // namespace planescope
