@@ -11,12 +11,17 @@
 namespace planescope {
 namespace {
 
-constexpr int kBlock_px = 16;            // side of the windows that tell the noise
-constexpr double kLeastNoise = 0.0005;   // [1/m]
-constexpr double kMostNoise = 0.012;     // rougher is no noise but shape [1/m]
-constexpr int kLeastReach_px = 2;        // of a normal's window from its middle
-constexpr double kReachPerDepth_px = 2;  // per metre of depth, on top of 4: noise grows
-constexpr int kMostReach_px = 9;
+constexpr int kBlock_px = 48;  // stereo noise is correlated over some 20 pixels
+constexpr int kBlockStep_px = 16;
+constexpr double kLeastNoise = 0.0005;  // [1/m]
+constexpr double kMostNoise = 0.012;    // rougher is no noise but shape [1/m]
+constexpr double kUsualNoise = 0.004;   // where the image does not tell
+constexpr double kLeastFill = 0.6;      // of a block must be measured
+constexpr std::size_t kSmoothPart = 5;  // one of so many blocks shows a smooth surface alone
+constexpr int kLeastReach_px = 2;       // of a normal's window from its middle
+constexpr int kWanted_px = 4;           // reach where there is hardly any noise
+constexpr double kReachNoises = 6;      // reach in space: tilts the fit by some ten degrees
+constexpr int kMostReach_px = 24;
 constexpr int kGap_px = 8;             // not measured, and still looked across for an edge
 constexpr double kEdgeRatio = 0.025;   // of depth: a greater step from pixel to pixel is an edge
 constexpr double kEdgeNoises = 5;      // and at least so many times the noise
@@ -157,51 +162,48 @@ void spread_towards_edges(const InverseDepth& depth,
       }
 }
 
-}  // namespace
-
-double inverse_depth_noise(const InverseDepth& depth) {
+/// Standard deviation of inverse depth, from the residuals of large blocks [1/m].
+double noise_of(const InverseDepth& depth, const SummedArea& sums) {
   std::vector<double> roughness;
-  for (int v = 0; v + kBlock_px <= depth.height; v += kBlock_px)
-    for (int u = 0; u + kBlock_px <= depth.width; u += kBlock_px) {
-      Sums sums{};
-      for (int dv = 0; dv < kBlock_px; ++dv)
-        for (int du = 0; du < kBlock_px; ++du) {
-          const std::size_t i = static_cast<std::size_t>(v + dv) * depth.width + u + du;
-          const double w = depth.per_m[i], x = depth.rays[i].x(), y = depth.rays[i].y();
-          if (!(w > 0)) continue;
-          const Sums add{1, x, y, w, x * x, x * y, y * y, x * w, y * w, w * w};
-          for (int k = 0; k < kSums; ++k) sums[k] += add[k];
-        }
-      if (sums[kN] < 0.6 * kBlock_px * kBlock_px) continue;
-      if (const Fit f = fit(sums); f.solved) roughness.push_back(f.rms);
+  for (int v = 0; v + kBlock_px <= depth.height; v += kBlockStep_px)
+    for (int u = 0; u + kBlock_px <= depth.width; u += kBlockStep_px) {
+      const Sums block = sums.window(u, v, u + kBlock_px, v + kBlock_px);
+      if (block[kN] < kLeastFill * kBlock_px * kBlock_px) continue;
+      if (const Fit f = fit(block); f.solved) roughness.push_back(f.rms);
     }
-  if (roughness.empty()) return kMostNoise / 4;
-  // Edges make the upper part of the blocks rough; the smoother ones tell the noise.
-  const auto third = roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 3);
-  std::nth_element(roughness.begin(), third, roughness.end());
-  return std::clamp(1.2 * *third, kLeastNoise, kMostNoise);
+  if (roughness.empty()) return kUsualNoise;
+  // Most blocks show edges and clutter; the smoother ones tell the noise.
+  const auto smooth =
+      roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / kSmoothPart);
+  std::nth_element(roughness.begin(), smooth, roughness.end());
+  return std::clamp(*smooth, kLeastNoise, kMostNoise);
 }
 
-std::vector<Vec3f> surface_normals(const InverseDepth& depth, double noise) {
-  std::vector<Vec3f> normals(depth.per_m.size(), Vec3f::Zero());
+}  // namespace
+
+DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
   const SummedArea sums(depth);
-  const std::vector<std::uint8_t> distance = distance_to_edge(depth, noise);
+  DepthSurface surface;
+  surface.noise = noise_of(depth, sums);
+  surface.normals.resize(depth.per_m.size(), Vec3f::Zero());
+  const std::vector<std::uint8_t> distance = distance_to_edge(depth, surface.noise);
   for (int v = 0; v < depth.height; ++v)
     for (int u = 0; u < depth.width; ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * depth.width + u;
       const double w = depth.per_m[i];
       if (!(w > 0) || distance[i] <= kLeastReach_px) continue;
-      const int wanted =
-          std::min(kMostReach_px, 4 + static_cast<int>(kReachPerDepth_px * std::min(1 / w, 9.0)));
-      const int reach = std::min(wanted, distance[i] - 1);
-      const Fit f = fit(sums.window(std::max(0, u - reach), std::max(0, v - reach),
-                                    std::min(depth.width, u + reach + 1),
-                                    std::min(depth.height, v + reach + 1)));
+      const double wanted = kReachNoises * surface.noise / w * focal_px;
+      const int reach = std::clamp(static_cast<int>(std::min(wanted, double{kMostReach_px})),
+                                   kWanted_px, kMostReach_px);
+      const int r = std::min(reach, distance[i] - 1);
+      const Fit f =
+          fit(sums.window(std::max(0, u - r), std::max(0, v - r), std::min(depth.width, u + r + 1),
+                          std::min(depth.height, v + r + 1)));
       // Towards the sensor: the ray's z and the inverse depth are positive.
-      if (f.solved) normals[i] = -Vec3d(f.a, f.b, f.c).normalized().cast<float>();
+      if (f.solved) surface.normals[i] = -Vec3d(f.a, f.b, f.c).normalized().cast<float>();
     }
-  spread_towards_edges(depth, noise, distance, normals);
-  return normals;
+  spread_towards_edges(depth, surface.noise, distance, surface.normals);
+  return surface;
 }
 
 }  // namespace planescope

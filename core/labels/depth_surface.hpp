@@ -18,10 +18,12 @@ struct InverseDepth {
   std::vector<double> per_m;  // 1 / z; 0 where not measured
 };
 
-/// Standard deviation of the measured inverse depth [1/m].
-double inverse_depth_noise(const InverseDepth& depth);
+struct DepthSurface {
+  double noise = 0;            // standard deviation of the measured inverse depth [1/m]
+  std::vector<Vec3f> normals;  // unit, towards the sensor; zero where too little is measured around
+};
 
-/// Unit, towards the sensor; zero where too little is measured around. Windows end at depth edges.
-std::vector<Vec3f> surface_normals(const InverseDepth& depth, double noise);
+/// Windows of the normals end at depth edges, and are the larger the noisier it is.
+DepthSurface measure_surface(const InverseDepth& depth, double focal_px);
 
 }  // namespace planescope

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/error.hpp"
 #include "core/cloud/camera.hpp"
@@ -57,15 +58,16 @@ LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
     inverse.per_m[i] = 1 / z;
     ++grid.measured_count;
   }
-  const double noise = inverse_depth_noise(inverse);
+  DepthSurface surface = measure_surface(inverse, std::abs(frame.intrinsics.fx));
   const double count_sigma_m = frame.depth_unit_m / std::sqrt(12.0);  // of rounding to counts
   for (std::size_t i = 0; i < pixels; ++i) {
     if (!grid.measured[i]) continue;
-    const double z = 1 / inverse.per_m[i], sigma_z = std::hypot(noise * z * z, count_sigma_m);
+    const double z = 1 / inverse.per_m[i],
+                 sigma_z = std::hypot(surface.noise * z * z, count_sigma_m);
     const double stretch = std::sqrt(1 + inverse.rays[i].squaredNorm());  // along the ray
     grid.sigma_m[i] = static_cast<float>(sigma_z * stretch);
   }
-  grid.normals = surface_normals(inverse, noise);
+  grid.normals = std::move(surface.normals);
   if (frame.color_aligned && frame.color.channels == 3 && frame.color.width == grid.width &&
       frame.color.height == grid.height)
     grid.color = frame.color;

@@ -17,13 +17,13 @@ namespace {
 constexpr int kNearClick_px = 4;     // a click may miss the surface by so much
 constexpr int kLeastWindow_px = 10;  // of the fit at the click, to each side
 constexpr int kMostWindow_px = 40;
-constexpr double kLeastShare = 0.45;  // of the weights around the click must be on a plane
-constexpr double kHalfWeight_px = 4;
-constexpr int kGap_px = 2;      // a region crosses twice that where nothing was measured
-constexpr int kTurned_px = 10;  // as far may normals be wrong beside an edge
+constexpr double kWindowTolerances = 2.5;  // and at least so many tolerances in space
+constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
+constexpr int kGap_px = 2;                 // a region crosses twice that where nothing was measured
+constexpr int kTurned_px = 24;             // as far may normals be wrong beside an edge
 constexpr int kLastRefits = 2;
 constexpr int kLeastPixels = 25;  // of a plane
-constexpr int kSpeck_px = 40;     // smaller holes are filled
+constexpr int kSpeck_px = 100;    // smaller holes are filled
 
 /// Which pixels of a box lie on the sheet (1), and of these, where the surface faces with it (2).
 void mark_inliers(const WandField& field,
@@ -36,7 +36,7 @@ void mark_inliers(const WandField& field,
   for_pixels(grid, box, [&](std::uint32_t i) {
     on[i] = 0;
     if (!field.allowed[i]) return;
-    if (!(std::abs(sheet.distance_m(grid.points[i])) <= field.tolerance_m(sheet, i))) return;
+    if (!field.lies_on(sheet, i)) return;
     const Vec3f& normal = grid.normals[i];
     on[i] = normal.isZero(0) || normal.dot(sheet.normal) >= least_cosine ? 2 : 1;
   });
@@ -76,12 +76,13 @@ class Growth {
 
   /// The plane around a click; nullopt where there is none.
   std::optional<LocalFit> fit_at(std::uint32_t click) const {
-    const double z = grid_.points[click].z();
-    const double reach = 2.5 * field_.options.tolerance_m * std::abs(grid_.intrinsics.fx) / z;
+    const Vec3f& point = grid_.points[click];
+    const double tolerance_m = field_.tolerance_m({-point.normalized(), -point.norm()}, click);
+    const double reach =
+        kWindowTolerances * tolerance_m * std::abs(grid_.intrinsics.fx) / point.z();
     const int window =
         static_cast<int>(std::clamp(reach, double{kLeastWindow_px}, double{kMostWindow_px}));
-    return fit_around(field_, field_.grid.measured, box_around(grid_, click, window), click,
-                      kHalfWeight_px);
+    return fit_around(field_, field_.grid.measured, box_around(grid_, click, window), click);
   }
 
   std::vector<std::uint8_t> reach(const std::vector<std::uint32_t>& clicks,
@@ -151,6 +152,11 @@ std::optional<std::uint32_t> nearest_allowed(const WandField& field, std::uint32
   return nearest;
 }
 
+void fill_specks(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
+  for (const std::uint32_t i : small_holes(region, field.grid.width, field.grid.height, kSpeck_px))
+    if (field.allowed[i] && field.lies_on(sheet, i, 2)) region[i] = 1;
+}
+
 }  // namespace
 
 std::optional<WandResult> grow_plane(const LabelGrid& grid,
@@ -208,12 +214,10 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   }
   region = growth.reach(clicks, sheet, whole, facing);
   spread(growth.on(), grid.width, grid.height, kTurned_px, region);
-  cut_at_creases(field, sheet, region);
+  fill_specks(field, sheet, region);
+  if (!getenv("NOCUT")) cut_at_creases(field, sheet, region);
   if (options.use_color && !grid.color.empty()) settle_border_by_color(field, sheet, region);
-  for (const std::uint32_t i : small_holes(region, grid.width, grid.height, kSpeck_px))
-    if (field.allowed[i] &&
-        std::abs(sheet.distance_m(grid.points[i])) <= 2 * field.tolerance_m(sheet, i))
-      region[i] = 1;
+  fill_specks(field, sheet, region);
 
   // What was cut off from the clicks falls away.
   const std::vector<std::uint8_t> pass = passable(field, region, whole, 1);

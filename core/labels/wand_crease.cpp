@@ -12,98 +12,163 @@ namespace planescope {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr int kBeyond_px = 12;       // so far out of a tile is looked for the other surface
-constexpr int kDeep_px = 20;         // so far into the region it may reach
-constexpr int kLeastContact_px = 3;  // of a tile's pixels
+constexpr double kWindowTolerances = 2;  // of the fit, beyond the tile, in space
+constexpr int kLeastWindow_px = 12;
+constexpr int kMostWindow_px = 32;
+constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
 constexpr double kLeastShare = 0.3;
-constexpr double kLeastAngle_deg = 8;  // between the two: flatter creases are no creases
+constexpr double kLeastAngle_deg = 8;  // flatter creases are no creases
+constexpr float kLeaves = 1.8f;        // tolerances from the sheet: a surface, not a bump
+constexpr double kLeastLeaving = 0.2;  // of the other surface's pixels are that far
 constexpr int kTwo = 2;                // surfaces at most that meet the region in one tile
+constexpr std::size_t kRemembered = 6;
+
+using Tile = std::vector<std::uint32_t>;
 
 /// Pixels that go on from the region without a step, just out of it.
-std::vector<std::vector<std::uint32_t>> contacts_by_tile(const WandField& field,
-                                                         const Sheet& sheet,
-                                                         const std::vector<std::uint8_t>& region,
-                                                         int tiles_across,
-                                                         int tiles_down) {
+std::vector<Tile> contacts_by_tile(const WandField& field,
+                                   const Sheet& sheet,
+                                   const std::vector<std::uint8_t>& region) {
   const LabelGrid& grid = field.grid;
   const int width = grid.width, height = grid.height;
-  std::vector<std::vector<std::uint32_t>> tiles(static_cast<std::size_t>(tiles_across) *
-                                                tiles_down);
+  const int across = (width + kTile_px - 1) / kTile_px, down = (height + kTile_px - 1) / kTile_px;
+  std::vector<Tile> tiles(static_cast<std::size_t>(across) * down);
   for (int v = 1; v + 1 < height; ++v)
     for (int u = 1; u + 1 < width; ++u) {
       const auto i = static_cast<std::uint32_t>(v * width + u);
       if (region[i] || !grid.measured[i]) continue;
       if (!region[i - 1] && !region[i + 1] && !region[i - width] && !region[i + width]) continue;
-      if (std::abs(sheet.distance_m(grid.points[i])) > 3 * field.tolerance_m(sheet, i)) continue;
-      tiles[static_cast<std::size_t>(v / kTile_px) * tiles_across + u / kTile_px].push_back(i);
+      if (field.lies_on(sheet, i, 3)) tiles[v / kTile_px * across + u / kTile_px].push_back(i);
     }
   return tiles;
 }
 
-/// Signed distance from a plane, averaged over the pixels around that are about as far.
-float smooth_distance(const WandField& field, const Sheet& sheet, std::uint32_t pixel) {
-  const LabelGrid& grid = field.grid;
-  const float middle = sheet.distance_m(grid.points[pixel]);
-  const float most = field.tolerance_m(sheet, pixel);
-  float sum = 0, count = 0;
-  for_pixels(grid, box_around(grid, pixel, 1), [&](std::uint32_t i) {
-    const float d = sheet.distance_m(grid.points[i]);
-    if (!(std::abs(d - middle) <= most)) return;  // also where not measured
-    sum += d;
-    count += 1;
-  });
-  return sum / count;
-}
+class CreaseCut {
+ public:
+  CreaseCut(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region)
+      : field_(field),
+        grid_(field.grid),
+        sheet_(sheet),
+        region_(region),
+        outside_(grid_.pixels(), 0),
+        goes_(grid_.pixels(), 0) {
+    for (std::size_t i = 0; i < outside_.size(); ++i) outside_[i] = grid_.measured[i] && !region[i];
+  }
+
+  void cut_at(const Tile& contacts) {
+    Tile open = contacts;
+    for (int k = 0; k < kTwo && open.size() >= kLeastContact_px; ++k) {
+      const std::uint32_t middle = open[open.size() / 2];
+      const double tolerance_px = field_.tolerance_m(sheet_, middle) *
+                                  std::abs(grid_.intrinsics.fx) / grid_.points[middle].z();
+      const int beyond = std::clamp(static_cast<int>(kWindowTolerances * tolerance_px),
+                                    kLeastWindow_px, kMostWindow_px);
+      const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
+      LocalFitOptions options;
+      options.half_px = beyond;
+      options.samples = 32;
+      options.most_pixels = 144;
+      options.hints = known_;
+      const auto fit = fit_around(field_, outside_, box, middle, options);
+      if (!fit || fit->share < kLeastShare) return;
+      Tile front;
+      std::erase_if(open, [&](std::uint32_t i) {
+        const bool on = field_.lies_on(fit->sheet, i);
+        if (on) front.push_back(i);
+        return on;
+      });
+      if (front.empty()) return;
+      const double sine = fit->sheet.normal.cross(sheet_.normal).norm();
+      if (sine < std::sin(kLeastAngle_deg * std::numbers::pi / 180)) continue;
+      if (!leaves(fit->sheet, box)) continue;
+      remember(fit->sheet);
+      const int deep = static_cast<int>(std::min(1.3 * tolerance_px / sine, 60.0)) + 2;
+      take(fit->sheet, std::move(front), deep);
+    }
+  }
+
+  void finish() {
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      if (goes_[i]) region_[i] = 0;
+  }
+
+ private:
+  void remember(const Sheet& other) {
+    if (std::ranges::any_of(known_, [&](const Sheet& s) {
+          return s.normal == other.normal && s.offset_m == other.offset_m;
+        }))
+      return;
+    if (known_.size() == kRemembered) known_.erase(known_.begin());
+    known_.push_back(other);
+  }
+
+  /// Whether the other surface goes farther than noise would.
+  bool leaves(const Sheet& other, const PixelBox& box) const {
+    int on = 0, far = 0;
+    for (int v = box.v0; v < box.v1; v += 2)
+      for (int u = box.u0; u < box.u1; u += 2) {
+        const auto i = static_cast<std::uint32_t>(v * grid_.width + u);
+        if (!outside_[i] || !field_.lies_on(other, i)) continue;
+        ++on;
+        far += !field_.lies_on(sheet_, i, kLeaves);
+      }
+    return far > kLeastLeaving * on;
+  }
+
+  /// Into the region from where the other surface touches it, `deep` pixels at most.
+  void take(const Sheet& other, Tile front, int deep) {
+    Tile next;
+    for (int step = 0; step < deep && !front.empty(); ++step) {
+      next.clear();
+      for (const std::uint32_t i : front)
+        visit_around(i, [&](std::uint32_t j) {
+          if (!region_[j] || goes_[j] || !is_nearer(other, j)) return;
+          goes_[j] = 1;
+          next.push_back(j);
+        });
+      front.swap(next);
+    }
+  }
+
+  template <typename Visit>
+  void visit_around(std::uint32_t i, const Visit& visit) const {
+    const int u = static_cast<int>(i) % grid_.width, v = static_cast<int>(i) / grid_.width;
+    if (u > 0) visit(i - 1);
+    if (u + 1 < grid_.width) visit(i + 1);
+    if (v > 0) visit(i - grid_.width);
+    if (v + 1 < grid_.height) visit(i + grid_.width);
+  }
+
+  /// Of the other plane than of the sheet, by the mean of the pixels around.
+  bool is_nearer(const Sheet& other, std::uint32_t pixel) const {
+    const float middle = sheet_.distance_m(grid_.points[pixel]);
+    const float most = field_.tolerance_m(sheet_, pixel);
+    float to_sheet = 0, to_other = 0;
+    for_pixels(grid_, box_around(grid_, pixel, 1), [&](std::uint32_t i) {
+      const float d = sheet_.distance_m(grid_.points[i]);
+      if (!(std::abs(d - middle) <= most)) return;  // also where not measured
+      to_sheet += d;
+      to_other += other.distance_m(grid_.points[i]);
+    });
+    return std::abs(to_other) < std::abs(to_sheet);
+  }
+
+  const WandField& field_;
+  const LabelGrid& grid_;
+  const Sheet& sheet_;
+  std::vector<std::uint8_t>& region_;
+  std::vector<std::uint8_t> outside_;  // measured, and none of the region
+  std::vector<std::uint8_t> goes_;     // to another surface
+  std::vector<Sheet> known_;           // other surfaces, met in the last tiles
+};
 
 }  // namespace
 
 void cut_at_creases(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
-  const LabelGrid& grid = field.grid;
-  const int width = grid.width;
-  const int tiles_across = (width + kTile_px - 1) / kTile_px;
-  const int tiles_down = (grid.height + kTile_px - 1) / kTile_px;
-  const auto tiles = contacts_by_tile(field, sheet, region, tiles_across, tiles_down);
-  const float parallel = static_cast<float>(std::cos(kLeastAngle_deg * std::numbers::pi / 180));
-
-  std::vector<std::uint8_t> outside(grid.pixels(), 0);
-  for (std::size_t i = 0; i < grid.pixels(); ++i) outside[i] = grid.measured[i] && !region[i];
-  std::vector<std::uint8_t> other_side(grid.pixels(), 0);  // 1: goes to another surface
-  std::vector<std::uint32_t> front;
-  for (const std::vector<std::uint32_t>& tile : tiles) {
-    std::vector<std::uint32_t> open = tile;
-    for (int k = 0; k < kTwo && open.size() >= kLeastContact_px; ++k) {
-      const std::uint32_t middle = open[open.size() / 2];
-      const PixelBox box = box_around(grid, middle, kTile_px / 2 + kBeyond_px);
-      const auto fit = fit_around(field, outside, box, middle, kBeyond_px);
-      if (!fit || fit->share < kLeastShare) break;
-      const Sheet& other = fit->sheet;
-      // Into the region from where the other surface touches it.
-      front.clear();
-      std::erase_if(open, [&](std::uint32_t i) {
-        const bool on = std::abs(other.distance_m(grid.points[i])) <= field.tolerance_m(other, i);
-        if (on) front.push_back(i);
-        return on;
-      });
-      if (front.empty()) break;
-      if (std::abs(other.normal.dot(sheet.normal)) > parallel) continue;
-      const PixelBox reach = box_around(grid, middle, kTile_px / 2 + kDeep_px);
-      for (std::size_t f = 0; f < front.size(); ++f) {
-        const std::uint32_t i = front[f];
-        const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
-        if (u <= reach.u0 || v <= reach.v0 || u + 1 >= reach.u1 || v + 1 >= reach.v1) continue;
-        for (const std::uint32_t j : {i - 1, i + 1, i - width, i + width}) {
-          if (!region[j] || other_side[j]) continue;
-          if (std::abs(smooth_distance(field, other, j)) >=
-              std::abs(smooth_distance(field, sheet, j)))
-            continue;
-          other_side[j] = 1;
-          front.push_back(j);
-        }
-      }
-    }
-  }
-  for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (other_side[i]) region[i] = 0;
+  CreaseCut cut(field, sheet, region);
+  for (const Tile& tile : contacts_by_tile(field, sheet, region))
+    if (tile.size() >= kLeastContact_px) cut.cut_at(tile);
+  cut.finish();
 }
 
 }  // namespace planescope

@@ -2,9 +2,11 @@
 
 // What the parts of the wand share. Internal to core/labels.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/moments.hpp"
@@ -48,30 +50,38 @@ struct WandField {
   std::vector<float> noise;           // across a sheet at 1 m of offset, per pixel [m]
   std::vector<std::uint8_t> allowed;  // measured, and free to take
 
-  /// At close range the option itself; from where three times the noise is more, in that ratio.
+  /// At close range the option itself; where noise is more than it allows for, in that ratio.
   float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
-    constexpr double kCloseNoise_m = 0.008 / 3;
+    constexpr double kCloseNoise_m = 0.0023;
     const float tolerance = static_cast<float>(options.tolerance_m);
     return tolerance * std::max(1.0f, noise[pixel] * std::abs(sheet.offset_m) *
                                           static_cast<float>(1 / kCloseNoise_m));
+  }
+  bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
+    return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);
   }
 };
 WandField make_wand_field(const LabelGrid& grid,
                           const FrameLabels* labels,
                           const WandOptions& options);
 
-/// The plane that most of the pixels in `box` lie on, of those where `usable` is not 0; the nearer
-/// to the pixel `at`, the more they count, by half at `half_px`. A fixed series of random samples.
+struct LocalFitOptions {
+  double half_px = 4;              // so far from the middle a pixel counts half
+  int samples = 64;                // a fixed series of random ones
+  int most_pixels = 256;           // are looked at, evenly spread
+  std::span<const Sheet> hints{};  // spare the search where one holds most of the pixels
+};
 struct LocalFit {
   Sheet sheet;
   double share = 0;  // of the weights, on the sheet
-  int pixels = 0;    // looked at
 };
+/// The plane that most of the pixels in `box` lie on, of those where `usable` is not 0; the nearer
+/// to the pixel `middle`, the more they count.
 std::optional<LocalFit> fit_around(const WandField& field,
                                    const std::vector<std::uint8_t>& usable,
                                    const PixelBox& box,
-                                   std::uint32_t at,
-                                   double half_px);
+                                   std::uint32_t middle,
+                                   const LocalFitOptions& options = {});
 
 /// Takes pixels off `region` that lie on another surface which meets the sheet at a crease:
 /// `region` is all within tolerance of it, and what runs on beyond tells where the other lies.

@@ -9,9 +9,9 @@
 namespace planescope {
 namespace {
 
-constexpr int kSamples = 64;
-constexpr int kMostPixels = 256;  // of a box are looked at, evenly spread
+constexpr std::size_t kLeastPixels = 6;
 constexpr int kRefits = 3;
+constexpr double kHintShare = 0.7;
 constexpr double kLine = 1e-6;  // eigenvalues, the second against the third
 
 struct Weighted {
@@ -34,6 +34,26 @@ float score(const WandField& field, const std::vector<Weighted>& all, const Shee
     sum += weight * std::max(0.0f, 1 - d * d);
   }
   return sum;
+}
+
+std::optional<Sheet> best_of_samples(const WandField& field,
+                                     const std::vector<Weighted>& all,
+                                     int samples) {
+  Random random(1);
+  const int last = static_cast<int>(all.size()) - 1;
+  std::optional<Sheet> best;
+  float best_score = 0;
+  for (int k = 0; k < samples; ++k) {
+    std::array<Vec3f, 3> points;
+    for (Vec3f& point : points) point = field.grid.points[all[random.integer(0, last)].pixel];
+    const auto sheet = sheet_through(points[0], points[1], points[2]);
+    if (!sheet) continue;
+    if (const float s = score(field, all, *sheet); s > best_score) {
+      best_score = s;
+      best = sheet;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -66,57 +86,45 @@ WandField make_wand_field(const LabelGrid& grid,
 std::optional<LocalFit> fit_around(const WandField& field,
                                    const std::vector<std::uint8_t>& usable,
                                    const PixelBox& box,
-                                   std::uint32_t at,
-                                   double half_px) {
+                                   std::uint32_t middle,
+                                   const LocalFitOptions& options) {
   const LabelGrid& grid = field.grid;
-  const int width = box.u1 - box.u0, height = box.v1 - box.v0;
-  const int step =
-      std::max(1, static_cast<int>(std::ceil(std::sqrt(width * height / double{kMostPixels}))));
-  const int at_u = static_cast<int>(at) % grid.width, at_v = static_cast<int>(at) / grid.width;
+  const double area = static_cast<double>(box.u1 - box.u0) * (box.v1 - box.v0);
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / options.most_pixels))));
+  const int middle_u = static_cast<int>(middle) % grid.width;
+  const int middle_v = static_cast<int>(middle) / grid.width;
   std::vector<Weighted> all;
-  float weights = 0;
-  for (int v = box.v0 + (at_v - box.v0) % step; v < box.v1; v += step)
-    for (int u = box.u0 + (at_u - box.u0) % step; u < box.u1; u += step) {
+  double weights = 0;
+  for (int v = box.v0 + (middle_v - box.v0) % step; v < box.v1; v += step)
+    for (int u = box.u0 + (middle_u - box.u0) % step; u < box.u1; u += step) {
       const auto pixel = static_cast<std::uint32_t>(v * grid.width + u);
       if (!usable[pixel]) continue;
-      const double du = (u - at_u) / half_px, dv = (v - at_v) / half_px;
+      const double du = (u - middle_u) / options.half_px, dv = (v - middle_v) / options.half_px;
       all.push_back({pixel, static_cast<float>(1 / (1 + du * du + dv * dv))});
       weights += all.back().weight;
     }
-  if (all.size() < 6) return std::nullopt;
+  if (all.size() < kLeastPixels) return std::nullopt;
 
-  Random random(1);
-  const int last = static_cast<int>(all.size()) - 1;
-  std::optional<Sheet> best;
-  float best_score = 0;
-  for (int k = 0; k < kSamples; ++k) {
-    const std::array<int, 3> pick{random.integer(0, last), random.integer(0, last),
-                                  random.integer(0, last)};
-    const auto sheet =
-        sheet_through(grid.points[all[pick[0]].pixel], grid.points[all[pick[1]].pixel],
-                      grid.points[all[pick[2]].pixel]);
-    if (!sheet) continue;
-    if (const float s = score(field, all, *sheet); s > best_score) {
-      best_score = s;
-      best = sheet;
-    }
-  }
+  const auto share_of = [&](const Sheet& sheet) {
+    double share = 0;
+    for (const auto& [pixel, weight] : all)
+      if (field.lies_on(sheet, pixel)) share += weight;
+    return share / weights;
+  };
+  for (const Sheet& hint : options.hints)
+    if (const double share = share_of(hint); share >= kHintShare) return LocalFit{hint, share};
+
+  std::optional<Sheet> best = best_of_samples(field, all, options.samples);
   for (int k = 0; k < kRefits && best; ++k) {
     Moments moments;
     for (const auto& [pixel, weight] : all)
-      if (std::abs(best->distance_m(grid.points[pixel])) <= field.tolerance_m(*best, pixel))
-        moments.add(grid.points[pixel].cast<double>());
+      if (field.lies_on(*best, pixel)) moments.add(grid.points[pixel].cast<double>());
     const auto refitted = sheet_through(moments);
     if (!refitted) break;
     best = refitted;
   }
   if (!best) return std::nullopt;
-  LocalFit result{*best, 0, static_cast<int>(all.size())};
-  for (const auto& [pixel, weight] : all)
-    if (std::abs(best->distance_m(grid.points[pixel])) <= field.tolerance_m(*best, pixel))
-      result.share += weight;
-  result.share /= weights;
-  return result;
+  return LocalFit{*best, share_of(*best)};
 }
 
 }  // namespace planescope
