@@ -15,9 +15,19 @@ namespace planescope::desktop {
 const std::vector<Action>& action_table() {
   static const std::vector<Action> table = [] {
     std::vector<Action> all;
-    for (auto part : {document_actions, view_actions, step_actions, search_actions,
-                      selection_actions, option_actions, compare_actions})
+    const auto add = [&all](std::vector<Action> part, KeyMode mode) {
+      for (Action& action : part) {
+        action.mode = mode;
+        all.push_back(std::move(action));
+      }
+    };
+    for (auto part : {document_actions, label_mode_actions, view_actions})
       for (Action& action : part()) all.push_back(std::move(action));
+    for (auto part :
+         {step_actions, search_actions, selection_actions, option_actions, compare_actions})
+      add(part(), KeyMode::debugger);
+    for (auto part : {label_tool_actions, label_plane_actions, label_review_actions})
+      add(part(), KeyMode::labels);
     return all;
   }();
   return table;
@@ -39,11 +49,22 @@ bool needs_argument(const Action& action) {
   return !action.takes.empty() && action.takes[0] != '[';
 }
 
-const Action* action_of_key(const std::string& key) {
-  for (const Action& action : action_table())
-    for (const std::string& one : split(action.keys, ' '))
-      if (one == key) return &action;
-  return nullptr;
+bool fits(const Action& action, Mode mode) {
+  return action.mode == KeyMode::anywhere ||
+         (action.mode == KeyMode::labels) == (mode == Mode::labels);
+}
+
+const Action* action_of_key(const std::string& key, Mode mode) {
+  const Action* anywhere = nullptr;
+  for (const Action& action : action_table()) {
+    if (!fits(action, mode)) continue;
+    for (const std::string& one : split(action.keys, ' ')) {
+      if (one != key) continue;
+      if (action.mode != KeyMode::anywhere) return &action;
+      anywhere = &action;
+    }
+  }
+  return anywhere;
 }
 
 void apply(State& state, const Command& command) {
@@ -56,12 +77,13 @@ void apply(State& state, const Command& command) {
   action.run(state, command.argument);
 }
 
-std::vector<const Action*> matching_actions(const std::string& typed) {
+std::vector<const Action*> matching_actions(const std::string& typed, Mode mode) {
   std::string wanted;
   for (const char c : typed)
     if (c != ' ') wanted += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   std::vector<std::pair<int, const Action*>> found;
   for (const Action& action : action_table()) {
+    if (!fits(action, mode)) continue;
     int score = 0;
     std::size_t next = 0;
     char before = ' ';

@@ -17,6 +17,9 @@ struct Command {
   std::string argument;
 };
 
+/// Where an action's key holds. A label key stands before one that holds anywhere.
+enum class KeyMode : std::uint8_t { anywhere, debugger, labels };
+
 struct Action {
   std::string name;   // "step.next"
   std::string title;  // "Step forward"
@@ -26,6 +29,8 @@ struct Action {
   std::function<void(State&, const std::string&)> run;
   std::function<bool(const State&)> enabled;  // empty: always
   std::function<bool(const State&)> checked;  // empty: not a switch
+  KeyMode mode = KeyMode::anywhere;
+  bool key_is_argument = false;  // "3" runs it with "3"
 };
 
 const std::vector<Action>& action_table();
@@ -33,8 +38,10 @@ const std::vector<Action>& action_table();
 const Action& find_action(const std::string& name);
 /// From a key or a menu it is asked for.
 bool needs_argument(const Action& action);
-/// Null where no action has this key ("Ctrl+P").
-const Action* action_of_key(const std::string& key);
+/// Null where no action has this key ("Ctrl+P") in that mode.
+const Action* action_of_key(const std::string& key, Mode mode);
+/// The action belongs to what the window is for in that mode.
+bool fits(const Action& action, Mode mode);
 
 /// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
 /// unchanged.
@@ -42,7 +49,7 @@ void apply(State& state, const Command& command);
 
 /// The commands whose titles fit what was typed, best first: letters in order, starts of words
 /// count more.
-std::vector<const Action*> matching_actions(const std::string& typed);
+std::vector<const Action*> matching_actions(const std::string& typed, Mode mode);
 
 // Tables by subject; action_table() is all of them.
 std::vector<Action> step_actions();
@@ -52,6 +59,10 @@ std::vector<Action> option_actions();
 std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
 std::vector<Action> document_actions();
+std::vector<Action> label_mode_actions();    // in and out, history, saving
+std::vector<Action> label_tool_actions();    // tools, strokes, wand
+std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
+std::vector<Action> label_review_actions();  // queue, checks
 
 // What several of them share.
 
@@ -71,6 +82,10 @@ void unflash(State& state);
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
 void change_options(State& state, const PipelineOptions& after);
+/// Into the journal and onto the screen, or an Error.
+void commit_labels(State& state, const std::string& title, const FrameLabels& after);
+/// Writes the label files where something is not written yet.
+void save_labels(State& state);
 void say(State& state, std::string message, bool is_error = false);
 
 }  // namespace planescope::desktop

@@ -19,6 +19,7 @@ bool has_recording(const State& state) { return state.document.current() != null
 
 /// What belonged to the frame before is let go of; the view stays.
 void leave_frame(State& state) {
+  save_labels(state);
   unflash(state);  // the selection is A's
   state.document.marked.clear();
   state.results.pinned = nullptr;
@@ -28,6 +29,13 @@ void leave_frame(State& state) {
   state.view.arrival.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
+  LabelView& label = state.view.label;
+  label.wand = {};
+  label.stroke.reset();
+  label.polygon.reset();
+  label.plane = 0;
+  label.hover = -1;
+  label.review_item = label.finding = -1;
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 

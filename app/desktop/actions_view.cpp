@@ -256,6 +256,17 @@ std::vector<Action> view_actions() {
        },
        {},
        {}},
+      {"tab.label",
+       "Tab of the label mode",
+       "",
+       "",
+       "planes|review|checks|statistics",
+       [](State& s, const std::string& text) {
+         choice_argument("tab.label", text, {"planes", "review", "checks", "statistics"});
+         s.view.label.tab = text;
+       },
+       {},
+       {}},
       {"octree.search",
        "Search the octree view",
        "",

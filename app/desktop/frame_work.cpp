@@ -45,6 +45,7 @@ Wanted wanted_of(const Document& document, int frame) {
           open.label_dir,
           frame,
           document.options,
+          document.labels_version,
           options_key(document.options, true),
           options_key(document.options, false)};
 }

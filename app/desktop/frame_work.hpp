@@ -29,10 +29,12 @@ struct Wanted {
   std::filesystem::path label_dir;
   int frame = 0;
   PipelineOptions options;
+  int labels_version = 0;                // truth is read from label files
   std::string prepare_key, segment_key;  // of the options: equal texts, equal results
 
   bool same_subject(const Wanted& other) const {
-    return recording == other.recording && frame == other.frame && prepare_key == other.prepare_key;
+    return recording == other.recording && frame == other.frame &&
+           labels_version == other.labels_version && prepare_key == other.prepare_key;
   }
   bool operator==(const Wanted& other) const {
     return same_subject(other) && segment_key == other.segment_key;

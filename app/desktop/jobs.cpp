@@ -5,6 +5,7 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/frame_work.hpp"
+#include "app/desktop/label_jobs.hpp"
 #include "app/desktop/worker.hpp"
 #include "core/pipeline/options_table.hpp"
 
@@ -46,6 +47,7 @@ struct Jobs::Impl {
   // Last: their threads use the above. One that comes to rest may be what another waits for.
   Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
       analysis{[this] { wake(); }};
+  LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
 
   void deliver(Delivery delivery) {
     {
@@ -306,6 +308,7 @@ void Jobs::pursue(State& state) {
   impl_->pursue_strip(state);
   impl_->pursue_fix(state);
   impl_->pursue_sensitivity(state);
+  impl_->labels.pursue(state);
 }
 
 bool Jobs::collect(State& state) {
@@ -322,6 +325,7 @@ bool Jobs::busy() const {
   if (impl_->strip_waits) return true;
   for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
     if (worker->busy()) return true;
+  if (impl_->labels.busy()) return true;
   const std::lock_guard lock(impl_->mutex);
   return !impl_->deliveries.empty();
 }

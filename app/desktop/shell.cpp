@@ -25,6 +25,9 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFla
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
+constexpr ImGuiWindowFlags kStill =
+    ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
+
 /// A panel in its place.
 template <typename Draw>
 void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags, Draw draw) {
@@ -111,6 +114,92 @@ void draw_timing(const Ui& ui) {
   ImGui::End();
 }
 
+/// Where panels lie that every mode has, and the room between them.
+struct Places {
+  float top = 0, body = 0, status = 0;  // below the menu; between it and the status bar; that one
+  float left = 0, right = 0;            // widths of the columns at the sides
+  float x1 = 0, x2 = 0, middle = 0;     // the room between them: from x1, `middle` wide
+  float grip = 0;                       // of splitters
+};
+
+/// No panel ever vanishes: each share leaves room for the others.
+float share(double s, double low, double high) {
+  return static_cast<float>(std::clamp(s, low, high));
+}
+
+Places places_of(const Ui& ui, float w, float h) {
+  const Layout& layout = ui.state.view.layout;
+  Places at;
+  at.top = ImGui::GetFrameHeight();
+  at.status = ImGui::GetFrameHeight() + ui.px(2);
+  at.grip = std::round(ui.px(4));
+  at.body = h - at.top - at.status;
+  at.left = std::round(w * share(layout.left, 0.06, 0.25));
+  at.right = std::round(w * share(layout.right, 0.15, 0.45));
+  at.middle = w - at.left - at.right - 2 * at.grip;
+  at.x1 = at.left + at.grip;
+  at.x2 = at.x1 + at.middle;
+  return at;
+}
+
+void draw_debugger(const Ui& ui, const Places& at) {
+  const ViewState& view = ui.state.view;
+  const Layout& layout = view.layout;
+  const float timeline = std::round(ui.px(78)), grip = at.grip, x1 = at.x1, middle = at.middle;
+  const float bottom = std::round(at.body * share(layout.bottom, 0.1, 0.6));
+  const float top = at.body - bottom - timeline - grip;
+  const float image = std::round(middle * share(layout.image, 0.0, 0.8));
+  const float octree = std::round(middle * share(layout.octree, 0.15, 0.85));
+  const float tools = std::round(at.body * share(layout.tools, 0.15, 0.8));
+  const float y1 = at.top + top, y2 = at.top + at.body - bottom, y3 = at.top + at.body - tools;
+  const float x3 = at.x2 + grip;
+
+  panel(ui, "view3d", {x1, at.top, middle - image - grip, top}, kStill, [&] { draw_view3d(ui); });
+  panel(ui, "image", {x1 + middle - image, at.top, image, top}, kStill, [&] { draw_image(ui); });
+  panel(ui, "timeline", {x1, y1, middle, timeline}, kStill, [&] { draw_timeline(ui); });
+  panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
+  panel(ui, "events", {x1 + octree + grip, y2, middle - octree - grip, bottom}, kStill,
+        [&] { draw_events(ui); });
+  panel(ui, "inspector", {x3, at.top, at.right, at.body - tools - grip}, kStill, [&] {
+    tabs(ui, "##inspector_tabs", view.inspector_tab, "tab.inspector",
+         {{"inspector", "Inspector", draw_inspector},
+          {"point", "Point", draw_point},
+          {"bookmarks", "Bookmarks", draw_bookmarks}});
+  });
+  panel(ui, "tools", {x3, y3, at.right, tools}, kStill, [&] {
+    tabs(ui, "##tool_tabs", view.tool_tab, "tab.tool",
+         {{"criteria", "Criteria", draw_criteria},
+          {"histograms", "Histograms", draw_histograms},
+          {"compare", "A/B", draw_compare},
+          {"fix", "Fix", draw_fix}});
+  });
+  splitter(ui, "image", {x1 + middle - image - grip, at.top, grip, top}, true, layout.image, middle,
+           -1);
+  splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, layout.bottom, at.body, -1);
+  splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, layout.octree, middle, 1);
+  splitter(ui, "tools", {x3, y3 - grip, at.right, grip}, false, layout.tools, at.body, -1);
+}
+
+void draw_label_mode(const Ui& ui, const Places& at) {
+  const Layout& layout = ui.state.view.layout;
+  const float bar = std::round(ImGui::GetFrameHeight() + ui.px(14)), grip = at.grip;
+  const float image = std::round(at.middle * share(layout.image + 0.1, 0.0, 0.8));
+  const float y = at.top + bar, height = at.body - bar, space = at.middle - image - grip;
+
+  panel(ui, "label_tools", {at.x1, at.top, at.middle, bar}, kStill, [&] { draw_label_tools(ui); });
+  panel(ui, "view3d", {at.x1, y, space, height}, kStill, [&] { draw_label_space(ui); });
+  panel(ui, "image", {at.x1 + space + grip, y, image, height}, kStill,
+        [&] { draw_label_image(ui); });
+  panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill, [&] {
+    tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label",
+         {{"planes", "Planes", draw_label_planes},
+          {"review", "Review", draw_label_review},
+          {"checks", "Checks", draw_label_checks},
+          {"statistics", "Statistics", draw_label_statistics}});
+  });
+  splitter(ui, "image", {at.x1 + space, y, grip, height}, true, layout.image, at.middle, -1);
+}
+
 }  // namespace
 
 Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
@@ -194,8 +283,9 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (typing && (!ours || edits)) return;
     if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
     if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
-    if (const Action* action = action_of_key(key))
-      if (!action->enabled || action->enabled(state_)) perform({action->name, ""});
+    if (const Action* action = action_of_key(key, state_.view.mode))
+      if (!action->enabled || action->enabled(state_))
+        perform({action->name, action->key_is_argument ? key : ""});
   });
 
   if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);
@@ -234,64 +324,19 @@ void Shell::draw(int width, int height) {
   // Below this nothing could be read: what does not fit is cut off, not squeezed.
   const float w = std::max(static_cast<float>(width), ui.px(640));
   const float h = std::max(static_cast<float>(height), ui.px(400));
-  const Layout& layout = state_.view.layout;
   if (ImGui::BeginMainMenuBar()) {
     draw_menu(ui);
     ImGui::EndMainMenuBar();
   }
-  const float menu = ImGui::GetFrameHeight();
-  const float status = ImGui::GetFrameHeight() + ui.px(2);
-  const float grip = std::round(ui.px(4));
-  const float body = h - menu - status;
-  // No panel ever vanishes: each share leaves room for the others.
-  const auto share = [](double s, double low, double high) {
-    return static_cast<float>(std::clamp(s, low, high));
-  };
-  const float left = std::round(w * share(layout.left, 0.06, 0.25));
-  const float right = std::round(w * share(layout.right, 0.15, 0.45));
-  const float middle = w - left - right - 2 * grip;
-  const float timeline = std::round(ui.px(78));
-  const float bottom = std::round(body * share(layout.bottom, 0.1, 0.6));
-  const float top = body - bottom - timeline - grip;
-  const float image = std::round(middle * share(layout.image, 0.0, 0.8));
-  const float octree = std::round(middle * share(layout.octree, 0.15, 0.85));
-  const float tools = std::round(body * share(layout.tools, 0.15, 0.8));
-  const float x1 = left + grip, x2 = left + grip + middle;
-  const float y1 = menu + top;
-  const ImGuiWindowFlags still = ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
-
-  panel(ui, "frames", {0, menu, left, body}, 0, [&] { draw_frames(ui); });
-  panel(ui, "view3d", {x1, menu, middle - image - grip, top}, still, [&] { draw_view3d(ui); });
-  panel(ui, "image", {x1 + middle - image, menu, image, top}, still, [&] { draw_image(ui); });
-  panel(ui, "timeline", {x1, y1, middle, timeline}, still, [&] { draw_timeline(ui); });
-  panel(ui, "octree", {x1, h - status - bottom, octree, bottom}, still, [&] { draw_octree(ui); });
-  panel(ui, "events", {x1 + octree + grip, h - status - bottom, middle - octree - grip, bottom},
-        still, [&] { draw_events(ui); });
-  panel(ui, "inspector", {x2 + grip, menu, right, body - tools - grip}, still, [&] {
-    tabs(ui, "##inspector_tabs", state_.view.inspector_tab, "tab.inspector",
-         {{"inspector", "Inspector", draw_inspector},
-          {"point", "Point", draw_point},
-          {"bookmarks", "Bookmarks", draw_bookmarks}});
-  });
-  panel(ui, "tools", {x2 + grip, h - status - tools, right, tools}, still, [&] {
-    tabs(ui, "##tool_tabs", state_.view.tool_tab, "tab.tool",
-         {{"criteria", "Criteria", draw_criteria},
-          {"histograms", "Histograms", draw_histograms},
-          {"compare", "A/B", draw_compare},
-          {"fix", "Fix", draw_fix}});
-  });
-  panel(ui, "status", {0, h - status, w, status}, still, [&] { draw_status(ui); });
-
-  splitter(ui, "left", {left, menu, grip, body}, true, layout.left, w, 1);
-  splitter(ui, "right", {x2, menu, grip, body}, true, layout.right, w, -1);
-  splitter(ui, "image", {x1 + middle - image - grip, menu, grip, top}, true, layout.image, middle,
-           -1);
-  splitter(ui, "bottom", {x1, h - status - bottom - grip, middle, grip}, false, layout.bottom, body,
-           -1);
-  splitter(ui, "octree", {x1 + octree, h - status - bottom, grip, bottom}, true, layout.octree,
-           middle, 1);
-  splitter(ui, "tools", {x2 + grip, h - status - tools - grip, right, grip}, false, layout.tools,
-           body, -1);
+  const Places places = places_of(ui, w, h);
+  panel(ui, "frames", {0, places.top, places.left, places.body}, 0, [&] { draw_frames(ui); });
+  state_.view.mode == Mode::labels ? draw_label_mode(ui, places) : draw_debugger(ui, places);
+  panel(ui, "status", {0, h - places.status, w, places.status}, kStill, [&] { draw_status(ui); });
+  const Layout& layout = state_.view.layout;
+  const Rect left{places.left, places.top, places.grip, places.body};
+  const Rect right{places.x2, places.top, places.grip, places.body};
+  splitter(ui, "left", left, true, layout.left, w, 1);
+  splitter(ui, "right", right, true, layout.right, w, -1);
 
   if (state_.view.show_palette) draw_palette(ui);
   if (state_.view.show_keys) draw_keys(ui);

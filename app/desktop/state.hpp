@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "app/desktop/label_state.hpp"
 #include "core/explain/compare.hpp"
 #include "core/explain/fix.hpp"
 #include "core/explain/histogram.hpp"
@@ -30,7 +31,8 @@ namespace planescope::desktop {
 struct OpenRecording {
   std::filesystem::path path;
   std::shared_ptr<const Recording> recording;
-  std::filesystem::path label_dir;  // may not exist
+  std::filesystem::path label_dir;          // may not exist
+  std::shared_ptr<LabelStore> labels = {};  // null before the label mode was entered on it
 };
 
 /// Where running stops. Kept by what it means, so that it outlives a run.
@@ -60,6 +62,8 @@ struct Document {
   std::vector<Breakpoint> breakpoints;
   std::vector<Bookmark> bookmarks;
   std::vector<std::uint32_t> marked;  // voxels of the region that the user marked
+  bool labels_written = false;        // since the label mode was entered ...
+  int labels_version = 0;             // ... and as the debugger's ground truth was read
   std::filesystem::path session;      // the file that it was read from or written to last
 
   const OpenRecording* current() const {
@@ -110,6 +114,7 @@ struct Results {
   int strip_done = 0;
   std::map<std::string, Sensitivity> sensitivity;  // by option; of `current`
   FixSearch fix;
+  LabelResults label;
 };
 
 // ---- View --------------------------------------------------------------------------------------
@@ -148,6 +153,8 @@ struct Playing {
 enum class Against : std::uint8_t { nothing, pinned, truth };
 
 struct ViewState {
+  Mode mode = Mode::debugger;
+  LabelView label;
   std::int32_t step = 0;
   Selection selected;
   Search search;
@@ -204,6 +211,19 @@ struct State {
   }
   const RunView* run_view() const {
     return view.flash && results.pinned ? results.pinned.get() : results.current.get();
+  }
+  /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
+  const LabelFrame* label_frame() const {
+    const LabelFrame* made = results.label.frame.get();
+    const OpenRecording* open = document.current();
+    return made && open && made->recording == open->recording && made->frame == document.frame
+               ? made
+               : nullptr;
+  }
+  /// Its labels; null where label_frame() is.
+  std::shared_ptr<const FrameLabels> labels() const {
+    const OpenRecording* open = document.current();
+    return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
   }
   /// The event that led to the cursor; null at step 0.
   const TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }

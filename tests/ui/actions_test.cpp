@@ -15,7 +15,7 @@ namespace {
 const TraceEvent& event_of(const State& state) { return *state.event(); }
 
 TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
-  std::set<std::string> names, keys;
+  std::set<std::string> names, keys;  // keys: with their mode
   for (const Action& action : action_table()) {
     EXPECT_TRUE(names.insert(action.name).second) << action.name;
     EXPECT_FALSE(action.title.empty()) << action.name;
@@ -26,8 +26,10 @@ TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
     }
     if (action.keys.empty()) continue;
     for (const std::string& key : split(action.keys, ' ')) {
-      EXPECT_TRUE(keys.insert(key).second) << key << " of " << action.name;
-      EXPECT_EQ(action_of_key(key), &action);
+      const bool labels = action.mode == KeyMode::labels;
+      EXPECT_TRUE(keys.insert(key + (labels ? " labels" : "")).second)
+          << key << " of " << action.name;
+      EXPECT_EQ(action_of_key(key, labels ? Mode::labels : Mode::debugger), &action);
       std::string last = key;
       for (const std::string modifier : {"Ctrl+", "Shift+", "Alt+"})
         if (last.starts_with(modifier)) last = last.substr(modifier.size());
@@ -247,10 +249,16 @@ TEST(Flashing, ShowsAAndKeepsTheNode) {
 }
 
 TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
-  EXPECT_EQ(matching_actions("next match").front()->name, "filter.next");
-  EXPECT_EQ(matching_actions("look above").front()->name, "camera.top");
-  EXPECT_TRUE(matching_actions("qqqqzz").empty());
-  EXPECT_EQ(matching_actions("").size(), action_table().size());
+  EXPECT_EQ(matching_actions("next match", Mode::debugger).front()->name, "filter.next");
+  EXPECT_EQ(matching_actions("look above", Mode::debugger).front()->name, "camera.top");
+  EXPECT_TRUE(matching_actions("qqqqzz", Mode::debugger).empty());
+  const std::size_t everywhere = matching_actions("", Mode::debugger).size();
+  EXPECT_LT(everywhere, action_table().size());
+  EXPECT_EQ(
+      everywhere + matching_actions("", Mode::labels).size(),
+      action_table().size() + static_cast<std::size_t>(std::count_if(
+                                  action_table().begin(), action_table().end(),
+                                  [](const Action& a) { return a.mode == KeyMode::anywhere; })));
 }
 
 TEST(Camera, OrbitsAtTheSameDistanceAndNeverTurnsOver) {

@@ -10,16 +10,20 @@ namespace {
 
 constexpr std::size_t kColumns = 3;
 
+std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
+
 struct Section {
   std::string menu;
   std::vector<const Action*> actions;
 };
 using Column = std::vector<Section>;
 
-std::vector<Section> sections() {
+std::vector<Section> sections(Mode mode) {
   std::vector<Section> all;
   for (const Action& action : action_table()) {
-    if (action.keys.empty()) continue;
+    if (action.keys.empty() || !fits(action, mode)) continue;
+    // A key that means something else here.
+    if (action_of_key(first_key(action), mode) != &action) continue;
     const auto same = [&](const Section& section) { return section.menu == action.menu; };
     auto section = std::find_if(all.begin(), all.end(), same);
     if (section == all.end()) section = all.insert(all.end(), {action.menu, {}});
@@ -35,8 +39,8 @@ std::size_t lines_of(const Column& column) {
 }
 
 /// Menus from top to bottom, in columns of about the same length.
-std::vector<Column> columns() {
-  std::vector<Section> all = sections();
+std::vector<Column> columns(Mode mode) {
+  std::vector<Section> all = sections(mode);
   const std::size_t each = lines_of(all) / kColumns;
   std::vector<Column> columns(1);
   for (Section& section : all) {
@@ -47,8 +51,6 @@ std::vector<Column> columns() {
   }
   return columns;
 }
-
-std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
 
 /// Of the widest text among those of a column's actions.
 template <typename TextOf>
@@ -76,7 +78,7 @@ void draw_column(const Ui& ui, const Column& column, float title_at) {
 }  // namespace
 
 void draw_keys(const Ui& ui) {
-  const std::vector<Column> all = columns();
+  const std::vector<Column> all = columns(ui.state.view.mode);
   const float gap = ui.px(10), between = ui.px(14), line = ImGui::GetTextLineHeightWithSpacing();
   std::vector<float> titles_at, widths;
   ImVec2 size(2 * ui.px(12), 0);

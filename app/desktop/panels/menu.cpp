@@ -21,7 +21,8 @@ void draw_menu(const Ui& ui) {
   // In the order in which the table first names each menu.
   std::vector<std::string> menus;
   for (const Action& action : action_table())
-    if (!action.menu.empty() && std::find(menus.begin(), menus.end(), action.menu) == menus.end())
+    if (!action.menu.empty() && fits(action, ui.state.view.mode) &&
+        std::find(menus.begin(), menus.end(), action.menu) == menus.end())
       menus.push_back(action.menu);
   for (const std::string& menu : menus) {
     const bool open = ImGui::BeginMenu(menu.c_str());
@@ -29,7 +30,7 @@ void draw_menu(const Ui& ui) {
     if (!open) continue;
     std::string group;
     for (const Action& action : action_table()) {
-      if (action.menu != menu) continue;
+      if (action.menu != menu || !fits(action, ui.state.view.mode)) continue;
       if (!group.empty() && group != group_of(action)) ImGui::Separator();
       group = group_of(action);
       const bool enabled = !action.enabled || action.enabled(ui.state);

@@ -60,7 +60,8 @@ void draw_palette(const Ui& ui) {
     return;
   }
   if (memory.palette_text != before) memory.palette_index = 0;
-  const std::vector<const Action*> found = matching_actions(memory.palette_text);
+  const std::vector<const Action*> found =
+      matching_actions(memory.palette_text, ui.state.view.mode);
   const int shown = std::min(kMostShown, static_cast<int>(found.size()));
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow))) ++memory.palette_index;
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow))) --memory.palette_index;

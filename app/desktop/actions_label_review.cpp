@@ -1,0 +1,7 @@
+#include "app/desktop/actions.hpp"
+
+namespace planescope::desktop {
+
+std::vector<Action> label_review_actions() { return {}; }
+
+}  // namespace planescope::desktop

@@ -1,0 +1,110 @@
+#pragma once
+
+// The label mode in plain data: the frame as labels are drawn on it, tools, and what jobs found.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/labels/audit.hpp"
+#include "core/labels/carry.hpp"
+#include "core/labels/review.hpp"
+#include "core/labels/store.hpp"
+#include "core/labels/wand.hpp"
+#include "core/recording/recording.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope::desktop {
+
+/// What the window is for at the moment: other panels, other keys.
+enum class Mode : std::uint8_t { debugger, labels };
+
+/// A frame made ready for labeling, by a job.
+struct LabelFrame {
+  std::shared_ptr<const Recording> recording;
+  int frame = 0;
+  std::string sha256;  // Recording::frame_hash
+  LabelGrid grid;
+  Pose T_world_sensor = Pose::Identity();
+  std::vector<Vec3f> world;  // per pixel, as the scene draws it [m]; NaN where not measured
+};
+
+/// Labels and algorithm side by side, of one version of both.
+struct ReviewQueue {
+  std::uint64_t labels_version = 0;
+  std::string other;  // "refined", or the folder of another annotator
+  std::shared_ptr<const OtherLabels> other_labels;
+  std::vector<Disagreement> items;     // undecided first, then by area
+  std::optional<Agreement> agreement;  // with another annotator
+};
+
+struct Audit {
+  std::uint64_t labels_version = 0;
+  std::vector<Finding> findings;
+  LabelStatistics statistics;
+};
+
+/// Labels being carried to the frame looked at.
+struct CarryJob {
+  bool running = false, begun = false;
+  int from = 0;
+  double progress = 0;
+  std::shared_ptr<const CarriedLabels> done;  // its doubt is shown until Escape or another frame
+};
+
+struct LabelResults {
+  std::shared_ptr<const LabelFrame> frame;  // check State::label_frame()
+  std::string refusal;                      // why the frame cannot be labelled, one line
+  std::shared_ptr<const ReviewQueue> review;
+  std::shared_ptr<const Audit> audit;
+  std::vector<WorkTime> work;  // of all frames, with `audit`
+  CarryJob carry;
+};
+
+enum class LabelTool : std::uint8_t { wand, brush, rectangle, lasso, polygon, cut };
+enum class DrawnIn : std::uint8_t { image, space };
+/// What strokes leave behind.
+enum class Paints : std::uint8_t { plane, ignore, erase, h_only, v_only };
+
+/// A wand preview: what `Enter` would make a plane.
+struct WandPreview {
+  std::vector<std::uint32_t> seeds;
+  std::shared_ptr<const WandResult> found;  // null: `why_not` says why
+  std::string why_not;
+};
+
+/// What a stroke that is being drawn would change, in both views.
+struct StrokePreview {
+  PixelSet pixels;
+  std::size_t hidden = 0;  // points under it that are not visible
+};
+
+/// A polygon, corner by corner; closed by Enter.
+struct OpenPolygon {
+  DrawnIn where = DrawnIn::image;
+  std::vector<Vec2f> corners;       // depth pixels; in space, pixels of a view of `view_size`
+  Vec2f view_size = Vec2f::Zero();  // in space
+  Camera camera;                    // in space: it is let go of where that moves
+};
+
+struct LabelView {
+  LabelTool tool = LabelTool::wand;
+  Paints paints = Paints::plane;
+  int plane = 0;         // the active one; 0: a new plane with the next gesture
+  double brush_px = 10;  // radius, in pixels of the view or depth pixels of the image
+  bool through = false;  // strokes in space take hidden points too
+  WandOptions wand_options;
+  WandPreview wand;
+  std::optional<StrokePreview> stroke;
+  std::optional<OpenPolygon> polygon;
+  std::int64_t hover = -1;     // pixel under the mouse in either view; -1: none
+  bool show_class = false;     // colours by h and v instead of by plane
+  std::string tab = "planes";  // planes | review | checks | statistics
+  std::string compare_with;    // the review's other side: empty: the run, else a label folder
+  int review_item = -1;        // of the queue
+  int finding = -1;            // of the audit
+};
+
+}  // namespace planescope::desktop
