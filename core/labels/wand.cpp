@@ -21,6 +21,8 @@ constexpr double kWindowTolerances = 2.5;  // and at least so many tolerances in
 constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
 constexpr int kGap_px = 2;                 // a region crosses twice that where nothing was measured
 constexpr int kTurned_px = 24;             // as far may normals be wrong beside an edge
+constexpr int kFirstReach_px = 20;
+constexpr double kLeastFacing = 0.3;  // of what lies on the plane; else normals tell nothing
 constexpr int kLastRefits = 2;
 constexpr int kLeastPixels = 25;  // of a plane
 constexpr int kSpeck_px = 100;    // smaller holes are filled
@@ -183,14 +185,18 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   // Strips narrower than the windows of the normals face nowhere: there distance alone must do.
   bool facing = true;
   std::vector<std::uint8_t> region;
-  for (int reach = 2 * kLeastWindow_px;; reach *= 2) {
+  for (int reach = kFirstReach_px;; reach *= 2) {
     const PixelBox box = box_around(grid, *click, reach);
     region = growth.reach(clicks, sheet, box, facing);
     Moments moments = moments_of(grid, region, box);
-    if (facing && moments.count < kLeastPixels) {
-      facing = false;
-      region = growth.reach(clicks, sheet, box, facing);
-      moments = moments_of(grid, region, box);
+    if (facing && reach == kFirstReach_px) {
+      const auto all = growth.reach(clicks, sheet, box, false);
+      const Moments moments_of_all = moments_of(grid, all, box);
+      if (moments.count < kLeastFacing * moments_of_all.count) {
+        facing = false;
+        region = all;
+        moments = moments_of_all;
+      }
     }
     const auto refitted = sheet_through(moments);
     if (!refitted || moments.count < kLeastPixels) return refuse("no plane there");
@@ -215,7 +221,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   region = growth.reach(clicks, sheet, whole, facing);
   spread(growth.on(), grid.width, grid.height, kTurned_px, region);
   fill_specks(field, sheet, region);
-  if (!getenv("NOCUT")) cut_at_creases(field, sheet, region);
+  cut_at_creases(field, sheet, region);
   if (options.use_color && !grid.color.empty()) settle_border_by_color(field, sheet, region);
   fill_specks(field, sheet, region);
 

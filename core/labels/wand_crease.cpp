@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/labels/wand_field.hpp"
 
@@ -12,14 +14,16 @@ namespace planescope {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr double kWindowTolerances = 2;  // of the fit, beyond the tile, in space
 constexpr int kLeastWindow_px = 12;
-constexpr int kMostWindow_px = 32;
+constexpr int kMostWindow_px = 80;
 constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
 constexpr double kLeastShare = 0.3;
-constexpr double kLeastAngle_deg = 8;  // flatter creases are no creases
+constexpr double kLeastSine = 0.12;  // of the angle: flatter creases are no creases
+constexpr double kFlat = 0.35;
 constexpr float kLeaves = 1.8f;        // tolerances from the sheet: a surface, not a bump
 constexpr double kLeastLeaving = 0.2;  // of the other surface's pixels are that far
+constexpr int kLong_px = 60;           // a window so large ...
+constexpr double kLeastLong = 0.3;     // ... is filled by the other surface to this share
 constexpr int kTwo = 2;                // surfaces at most that meet the region in one tile
 constexpr std::size_t kRemembered = 6;
 
@@ -61,29 +65,18 @@ class CreaseCut {
       const std::uint32_t middle = open[open.size() / 2];
       const double tolerance_px = field_.tolerance_m(sheet_, middle) *
                                   std::abs(grid_.intrinsics.fx) / grid_.points[middle].z();
-      const int beyond = std::clamp(static_cast<int>(kWindowTolerances * tolerance_px),
-                                    kLeastWindow_px, kMostWindow_px);
-      const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
-      LocalFitOptions options;
-      options.half_px = beyond;
-      options.samples = 32;
-      options.most_pixels = 144;
-      options.hints = known_;
-      const auto fit = fit_around(field_, outside_, box, middle, options);
-      if (!fit || fit->share < kLeastShare) return;
+      const auto other = surface_beyond(middle, tolerance_px);
+      if (!other) return;
       Tile front;
       std::erase_if(open, [&](std::uint32_t i) {
-        const bool on = field_.lies_on(fit->sheet, i);
+        const bool on = field_.lies_on(*other, i);
         if (on) front.push_back(i);
         return on;
       });
       if (front.empty()) return;
-      const double sine = fit->sheet.normal.cross(sheet_.normal).norm();
-      if (sine < std::sin(kLeastAngle_deg * std::numbers::pi / 180)) continue;
-      if (!leaves(fit->sheet, box)) continue;
-      remember(fit->sheet);
+      const double sine = sine_to(*other);
       const int deep = static_cast<int>(std::min(1.3 * tolerance_px / sine, 60.0)) + 2;
-      take(fit->sheet, std::move(front), deep);
+      take(*other, std::move(front), deep, sine < kFlat ? 3 : 1);
     }
   }
 
@@ -93,6 +86,29 @@ class CreaseCut {
   }
 
  private:
+  double sine_to(const Sheet& other) const { return other.normal.cross(sheet_.normal).norm(); }
+
+  /// The surface that goes on out of the region at `middle`. The flatter the crease, the farther
+  /// out it must be looked at to tell the two apart.
+  std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
+    for (const double tolerances : {2.0, 5.0}) {
+      const int beyond =
+          std::clamp(static_cast<int>(tolerances * tolerance_px), kLeastWindow_px, kMostWindow_px);
+      const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
+      LocalFitOptions options;
+      options.half_px = beyond;
+      options.samples = 32;
+      options.most_pixels = 144;
+      options.hints = known_;
+      const auto fit = fit_around(field_, outside_, box, middle, options);
+      if (!fit || fit->share < kLeastShare) return std::nullopt;
+      if (sine_to(fit->sheet) < kLeastSine || !is_surface(fit->sheet, box)) continue;
+      remember(fit->sheet);
+      return fit->sheet;
+    }
+    return std::nullopt;
+  }
+
   void remember(const Sheet& other) {
     if (std::ranges::any_of(known_, [&](const Sheet& s) {
           return s.normal == other.normal && s.offset_m == other.offset_m;
@@ -102,27 +118,28 @@ class CreaseCut {
     known_.push_back(other);
   }
 
-  /// Whether the other surface goes farther than noise would.
-  bool leaves(const Sheet& other, const PixelBox& box) const {
-    int on = 0, far = 0;
+  /// Not a bump in the region's own: it goes farther off than noise would, or far along.
+  bool is_surface(const Sheet& other, const PixelBox& box) const {
+    int all = 0, on = 0, far = 0;
     for (int v = box.v0; v < box.v1; v += 2)
       for (int u = box.u0; u < box.u1; u += 2) {
         const auto i = static_cast<std::uint32_t>(v * grid_.width + u);
+        ++all;
         if (!outside_[i] || !field_.lies_on(other, i)) continue;
         ++on;
         far += !field_.lies_on(sheet_, i, kLeaves);
       }
-    return far > kLeastLeaving * on;
+    return far > kLeastLeaving * on || (box.u1 - box.u0 > kLong_px && on > kLeastLong * all);
   }
 
   /// Into the region from where the other surface touches it, `deep` pixels at most.
-  void take(const Sheet& other, Tile front, int deep) {
+  void take(const Sheet& other, Tile front, int deep, int blur) {
     Tile next;
     for (int step = 0; step < deep && !front.empty(); ++step) {
       next.clear();
       for (const std::uint32_t i : front)
         visit_around(i, [&](std::uint32_t j) {
-          if (!region_[j] || goes_[j] || !is_nearer(other, j)) return;
+          if (!region_[j] || goes_[j] || !is_nearer(other, j, blur)) return;
           goes_[j] = 1;
           next.push_back(j);
         });
@@ -140,11 +157,11 @@ class CreaseCut {
   }
 
   /// Of the other plane than of the sheet, by the mean of the pixels around.
-  bool is_nearer(const Sheet& other, std::uint32_t pixel) const {
+  bool is_nearer(const Sheet& other, std::uint32_t pixel, int blur) const {
     const float middle = sheet_.distance_m(grid_.points[pixel]);
     const float most = field_.tolerance_m(sheet_, pixel);
     float to_sheet = 0, to_other = 0;
-    for_pixels(grid_, box_around(grid_, pixel, 1), [&](std::uint32_t i) {
+    for_pixels(grid_, box_around(grid_, pixel, blur), [&](std::uint32_t i) {
       const float d = sheet_.distance_m(grid_.points[i]);
       if (!(std::abs(d - middle) <= most)) return;  // also where not measured
       to_sheet += d;
