@@ -57,6 +57,14 @@ int sync_folder(const fs::path& folder) {
   return ::fsync(file.get()) == 0 || errno == EINVAL ? 0 : errno;
 }
 
+fs::path unused_path(const fs::path& prefix) {
+  for (int i = 1;; ++i) {
+    fs::path path = prefix;
+    path += std::to_string(i);
+    if (!fs::exists(path)) return path;
+  }
+}
+
 std::string error_text(int error) { return std::generic_category().message(error); }
 
 void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {

@@ -41,6 +41,9 @@ std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> byte
 /// errno.
 int sync_folder(const std::filesystem::path& folder);
 
+/// The first of PREFIX1, PREFIX2, ... that does not exist.
+std::filesystem::path unused_path(const std::filesystem::path& prefix);
+
 /// What an errno says: "No space left on device".
 std::string error_text(int error);
 

@@ -73,7 +73,7 @@ class ByteReader {
     return byte;
   }
   [[noreturn]] static void fail() {
-    throw Error("label journal: a record does not hold what its kind needs");
+    throw Error("a record of labels does not hold what its kind needs");
   }
 
   std::span<const unsigned char> bytes_;

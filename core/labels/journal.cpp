@@ -116,7 +116,14 @@ void Journal::scan(const Visitor& visit) {
     const auto record = window.at(end_, kHead + bytes);
     if (record.size() < kHead + bytes) return;
     const auto content = content_of(record);
-    if (content.empty() || !visit({end_, bytes}, content)) return;
+    if (content.empty()) return;
+    try {
+      if (!visit({end_, bytes}, content)) return;
+    } catch (const Error& error) {
+      // Its checksum is right: this is how it was written.
+      throw Error(path_.string() + ": made by a later version of planescope? At byte " +
+                  std::to_string(end_) + ": " + error.what());
+    }
     end_ += kHead + bytes;
   }
 }
@@ -124,11 +131,7 @@ void Journal::scan(const Visitor& visit) {
 fs::path Journal::set_damaged_aside() {
   std::vector<unsigned char> rest(static_cast<std::size_t>(damaged()));
   rest.resize(read_fully(file_, rest, static_cast<off_t>(end_)));
-  fs::path aside;
-  for (int i = 1; aside.empty() || fs::exists(aside); ++i) {
-    aside = path_;
-    aside += ".damaged-" + std::to_string(i);
-  }
+  const fs::path aside = unused_path(path_.string() + ".damaged-");
   replace_file(aside, rest);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0) {
     throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +

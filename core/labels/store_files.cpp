@@ -67,6 +67,7 @@ LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
   auto found = read_frame_labels(dir, frame, blank.depth_sha256);
   if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
   FrameLabels labels = found ? std::move(*found) : blank;
+  if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
   std::sort(labels.planes.begin(), labels.planes.end(),
             [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
   open.labels = std::make_shared<const FrameLabels>(std::move(labels));
@@ -110,31 +111,45 @@ void LabelStore::State::compare_with_files(int frame) {
   }
 }
 
-/// Makes what others wrote an edit, so that both states are kept.
-void LabelStore::State::take_over(int frame, const LabelDigests& digests) {
+/// Makes what others wrote an edit, so that both states are kept. False where their files cannot
+/// be read.
+bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
   OpenFrame& open = frames.at(frame);
   std::optional<FrameLabels> files;
   try {
     files = read_frame_labels(dir, frame, "");
   } catch (const Error& error) {
-    notices.push_back(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
-                      " are kept, saving replaces the files");
-    return;
+    notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
+           " are kept, saving sets the files aside");
+    return false;
   }
   require_same_depth(*files, *open.labels, label_file_paths(dir, frame).back().string());
   const LabelEdit edit = make_edit(frame, "changed outside planescope", *open.labels, *files);
   if (!read_only.empty()) {
     open.labels = std::make_shared<const FrameLabels>(std::move(*files));
     open.in_files = mark(frame);
-    return;
+    return true;
   }
   if (!edit.empty()) {
     commit(edit);
-    notices.push_back(dir.string() + ": the label files of " + name_of(frame) +
-                      " were changed outside planescope: taken over, undo takes that back");
+    notice(dir.string() + ": the label files of " + name_of(frame) +
+           " were changed outside planescope: taken over, undo takes that back");
   }
   append({saving(frame, digests), entry(RecordKind::written, frame)});
   open.in_files = mark(frame);
+  return true;
+}
+
+void LabelStore::State::set_files_aside(int frame) const {
+  for (const fs::path& path : label_file_paths(dir, frame)) {
+    if (fs::exists(path)) fs::rename(path, unused_path(path.string() + ".outside-"));
+  }
+}
+
+void LabelStore::State::notice(std::string text) {
+  if (std::find(notices.begin(), notices.end(), text) == notices.end()) {
+    notices.push_back(std::move(text));
+  }
 }
 
 bool LabelStore::State::unsaved(int frame) const {
@@ -149,17 +164,18 @@ void LabelStore::State::save(int frame) {
   require_writable();
   if (!frames.contains(frame) && !history.find(frame)) return;
   OpenFrame& open = this->open(frame, nullptr);
-  if (!is_ours(frame, digests_of_files(frame))) {
-    // Both states stay in the history: the other's, and on it what is saved now.
+  if (const auto digests = digests_of_files(frame); !is_ours(frame, digests)) {
     const auto ours = open.labels;
-    take_over(frame, digests_of_files(frame));
-    commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+    if (take_over(frame, digests)) {
+      // Both states stay in the history: the other's, and on it what is saved now.
+      commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+    } else {
+      set_files_aside(frame);
+    }
   }
   if (!unsaved(frame)) return;
 
-  FrameLabels labels = *open.labels;
-  if (labels.annotator.empty()) labels.annotator = options.annotator;
-  const LabelFileBytes bytes = encode_label_files(dir, frame, labels);
+  const LabelFileBytes bytes = encode_label_files(dir, frame, *open.labels);
   LabelDigests digests;
   std::transform(bytes.begin(), bytes.end(), digests.begin(),
                  [](const auto& file) { return digest_of(file); });

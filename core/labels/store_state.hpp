@@ -49,7 +49,9 @@ struct LabelStore::State {
   LabelDigests digests_of_files(int frame) const;
   bool is_ours(int frame, const LabelDigests& digests) const;
   void compare_with_files(int frame);
-  void take_over(int frame, const LabelDigests& digests);
+  bool take_over(int frame, const LabelDigests& digests);
+  void set_files_aside(int frame) const;
+  void notice(std::string text);
   bool unsaved(int frame) const;
   void save(int frame);
 

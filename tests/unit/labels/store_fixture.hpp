@@ -16,7 +16,11 @@ inline std::filesystem::path fresh_dir(const std::string& name) {
   return dir;
 }
 
-inline FrameLabels blank(int frame) { return blank_labels(23, 17, static_cast<char>('a' + frame)); }
+inline FrameLabels blank(int frame) {
+  FrameLabels labels = blank_labels(23, 17, static_cast<char>('a' + frame));
+  labels.annotator = "ann";
+  return labels;
+}
 
 inline LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
 

@@ -160,10 +160,10 @@ TEST(LabelStores, SaveAllAlsoWritesFramesThatWereNotOpenedSinceTheRestart) {
   EXPECT_EQ(files->plane.data, labels.plane.data);
 }
 
-TEST(LabelStores, FilesNameTheAnnotatorWhereTheLabelsNameNone) {
+TEST(LabelStores, LabelsThatBeginHereNameTheirAnnotator) {
   const fs::path dir = fresh_dir("annotator");
   LabelStore store(dir, by("ann"));
-  FrameLabels labels = *store.open(0, blank(0));
+  FrameLabels labels = *store.open(0, blank_labels(23, 17));
   labels.hv.data[0] = 1;
   store.commit(make_edit(0, "Brush h", *store.labels(0), labels));
   store.save(0);
