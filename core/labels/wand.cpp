@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "core/labels/region.hpp"
@@ -19,13 +20,14 @@ constexpr int kLeastWindow_px = 10;  // of the fit at the click, to each side
 constexpr int kMostWindow_px = 40;
 constexpr double kWindowTolerances = 2.5;  // and at least so many tolerances in space
 constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
-constexpr int kGap_px = 2;                 // a region crosses twice that where nothing was measured
-constexpr int kTurned_px = 24;             // as far may normals be wrong beside an edge
+constexpr int kGap_px = 4;                 // a region crosses so much where nothing was measured
+constexpr std::uint8_t kCrossed = 2;
+constexpr int kTurned_px = 24;  // as far may normals be wrong beside an edge
 constexpr int kFirstReach_px = 20;
 constexpr double kLeastFacing = 0.3;  // of what lies on the plane; else normals tell nothing
-constexpr int kLastRefits = 2;
-constexpr int kLeastPixels = 25;  // of a plane
-constexpr int kSpeck_px = 100;    // smaller holes are filled
+constexpr int kMargin_px = 40;        // by which a region may still grow, once it is fitted
+constexpr int kLeastPixels = 25;      // of a plane
+constexpr int kSpeck_px = 100;        // smaller holes are filled
 
 /// Which pixels of a box lie on the sheet (1), and of these, where the surface faces with it (2).
 void mark_inliers(const WandField& field,
@@ -36,7 +38,6 @@ void mark_inliers(const WandField& field,
   const float least_cosine =
       static_cast<float>(std::cos(field.options.max_angle_deg * std::numbers::pi / 180));
   for_pixels(grid, box, [&](std::uint32_t i) {
-    on[i] = 0;
     if (!field.allowed[i]) return;
     if (!field.lies_on(sheet, i)) return;
     const Vec3f& normal = grid.normals[i];
@@ -52,23 +53,24 @@ std::vector<std::uint8_t> passable(const WandField& field,
   const LabelGrid& grid = field.grid;
   std::vector<std::uint8_t> pass(grid.pixels(), 0);
   for_pixels(grid, box, [&](std::uint32_t i) { pass[i] = on[i] >= least; });
-  const auto across = [&](std::uint32_t first, int step, int count) {
-    int last = -1;  // the last passable one
-    for (int k = 0; k < count; ++k) {
-      const std::uint32_t i = first + static_cast<std::uint32_t>(k * step);
-      if (pass[i] == 1) {
-        if (last >= 0 && k - last > 1)
-          for (int j = last + 1; j < k; ++j) pass[first + static_cast<std::uint32_t>(j * step)] = 3;
-        last = k;
-      } else if (grid.measured[i] || k - last > 2 * kGap_px) {
-        last = -1;
-      }
+  // `gap`: pixels without a measurement since the last inlier of the row or column; -1 no inlier.
+  const auto cross = [&](std::uint32_t i, int& gap, std::uint32_t step) {
+    if (pass[i] == 1) {
+      for (; gap > 0; --gap) pass[i - static_cast<std::uint32_t>(gap) * step] = kCrossed;
+      gap = 0;
+    } else if (gap >= 0) {
+      gap = grid.measured[i] || gap == kGap_px ? -1 : gap + 1;
     }
   };
-  for (int v = box.v0; v < box.v1; ++v)
-    across(static_cast<std::uint32_t>(v * grid.width + box.u0), 1, box.u1 - box.u0);
-  for (int u = box.u0; u < box.u1; ++u)
-    across(static_cast<std::uint32_t>(box.v0 * grid.width + u), grid.width, box.v1 - box.v0);
+  std::vector<int> gap_above(static_cast<std::size_t>(grid.width), -1);
+  for (int v = box.v0; v < box.v1; ++v) {
+    int gap_left = -1;
+    for (int u = box.u0; u < box.u1; ++u) {
+      const auto i = static_cast<std::uint32_t>(v * grid.width + u);
+      cross(i, gap_left, 1);
+      cross(i, gap_above[u], static_cast<std::uint32_t>(grid.width));
+    }
+  }
   return pass;
 }
 
@@ -91,6 +93,7 @@ class Growth {
                                   const Sheet& sheet,
                                   const PixelBox& box,
                                   bool facing) {
+    std::ranges::fill(on_, std::uint8_t{0});
     mark_inliers(field_, sheet, box, on_);
     const std::vector<std::uint8_t> pass = passable(field_, on_, box, facing ? 2 : 1);
     std::vector<std::uint8_t> region(grid_.pixels(), 0);
@@ -137,6 +140,24 @@ bool touches(const LabelGrid& grid, const std::vector<std::uint8_t>& region, con
         (box.u1 < grid.width && region[v * grid.width + box.u1 - 1]))
       return true;
   return false;
+}
+
+/// The region's pixels, with a margin around.
+PixelBox bounds_of(const LabelGrid& grid, const std::vector<std::uint8_t>& region, int margin) {
+  PixelBox box{grid.width, grid.height, 0, 0};
+  for (int v = 0; v < grid.height; ++v) {
+    const auto row = region.begin() + static_cast<std::ptrdiff_t>(v) * grid.width;
+    const auto end = row + grid.width;
+    const auto first = std::find(row, end, 1);
+    if (first == end) continue;
+    const auto last = std::find(std::reverse_iterator(end), std::reverse_iterator(row), 1);
+    box.u0 = std::min(box.u0, static_cast<int>(first - row));
+    box.u1 = std::max(box.u1, static_cast<int>(last.base() - row));
+    box.v0 = std::min(box.v0, v);
+    box.v1 = v + 1;
+  }
+  return {std::max(0, box.u0 - margin), std::max(0, box.v0 - margin),
+          std::min(grid.width, box.u1 + margin), std::min(grid.height, box.v1 + margin)};
 }
 
 /// The nearest free pixel to a click that may have hit a hole.
@@ -214,19 +235,18 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
         cosine >= std::cos(options.max_angle_deg * std::numbers::pi / 180);
     if (same) clicks.push_back(*other);
   }
-  for (int k = 0; k < kLastRefits; ++k) {
-    region = growth.reach(clicks, sheet, whole, facing);
-    if (const auto refitted = sheet_through(moments_of(grid, region, whole))) sheet = *refitted;
-  }
-  region = growth.reach(clicks, sheet, whole, facing);
+  const PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid, region, kMargin_px);
+  region = growth.reach(clicks, sheet, box, facing);
+  if (const auto refitted = sheet_through(moments_of(grid, region, box))) sheet = *refitted;
+  region = growth.reach(clicks, sheet, box, facing);
   spread(growth.on(), grid.width, grid.height, kTurned_px, region);
   fill_specks(field, sheet, region);
-  cut_at_creases(field, sheet, region);
-  if (options.use_color && !grid.color.empty()) settle_border_by_color(field, sheet, region);
+  cut_at_creases(field, sheet, box, region);
+  if (options.use_color && !grid.color.empty()) settle_border_by_color(field, sheet, box, region);
   fill_specks(field, sheet, region);
 
   // What was cut off from the clicks falls away.
-  const std::vector<std::uint8_t> pass = passable(field, region, whole, 1);
+  const std::vector<std::uint8_t> pass = passable(field, region, box, 1);
   std::vector<std::uint8_t> reached(grid.pixels(), 0);
   WandResult result;
   result.fragment_pixels.resize(seeds.size(), 0);

@@ -32,12 +32,13 @@ struct MeanColor {
 
 void settle_border_by_color(const WandField& field,
                             const Sheet& sheet,
+                            const PixelBox& box,
                             std::vector<std::uint8_t>& region) {
   const LabelGrid& grid = field.grid;
   const int width = grid.width, height = grid.height;
   std::vector<std::uint8_t> strip(grid.pixels(), 0);
-  for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
+  for (int v = box.v0; v < box.v1; ++v)
+    for (int u = box.u0; u < box.u1; ++u) {
       const int i = v * width + u;
       const bool right = u + 1 < width && region[i] != region[i + 1];
       const bool down = v + 1 < height && region[i] != region[i + width];
@@ -45,29 +46,28 @@ void settle_border_by_color(const WandField& field,
       for_pixels(grid, box_around(grid, static_cast<std::uint32_t>(i), kStrip_px),
                  [&](std::uint32_t j) { strip[j] = 1; });
     }
-  // 0 says nothing, 1 surely inside, 2 surely outside, 3 in doubt
-  std::vector<std::uint8_t> side(grid.pixels(), 0);
-  for (std::size_t i = 0; i < grid.pixels(); ++i) {
-    if (!grid.measured[i]) continue;
-    const auto pixel = static_cast<std::uint32_t>(i);
-    const float off = std::abs(sheet.distance_m(grid.points[i])) / field.tolerance_m(sheet, pixel);
-    if (region[i]) {
-      side[i] = strip[i] && off > kDoubtful ? 3 : 1;
-    } else {
-      side[i] = strip[i] && field.allowed[i] && off <= kNearly ? 3 : 2;
-    }
-  }
-  for (std::size_t i = 0; i < grid.pixels(); ++i) {
-    if (side[i] != 3) continue;
+  enum : std::uint8_t { kUnknown, kInside, kOutside };
+  std::vector<std::uint8_t> side(grid.pixels(), kUnknown);
+  std::vector<std::uint32_t> doubtful;
+  for_pixels(grid, box, [&](std::uint32_t i) {
+    if (!grid.measured[i]) return;
+    const bool in_doubt =
+        strip[i] && field.allowed[i] &&
+        (region[i] ? !field.lies_on(sheet, i, kDoubtful) : field.lies_on(sheet, i, kNearly));
+    if (in_doubt)
+      doubtful.push_back(i);
+    else
+      side[i] = region[i] ? kInside : kOutside;
+  });
+  for (const std::uint32_t i : doubtful) {
     MeanColor inside, outside;
-    for_pixels(grid, box_around(grid, static_cast<std::uint32_t>(i), kAround_px),
-               [&](std::uint32_t j) {
-                 if (side[j] == 1) inside.add(&grid.color.data[3 * std::size_t{j}]);
-                 if (side[j] == 2) outside.add(&grid.color.data[3 * std::size_t{j}]);
-               });
+    for_pixels(grid, box_around(grid, i, kAround_px), [&](std::uint32_t j) {
+      if (side[j] == kInside) inside.add(&grid.color.data[std::size_t{3} * j]);
+      if (side[j] == kOutside) outside.add(&grid.color.data[std::size_t{3} * j]);
+    });
     if (inside.count < kLeastPixels || outside.count < kLeastPixels) continue;
     if ((inside.value() - outside.value()).norm() < kContrast) continue;
-    const std::uint8_t* rgb = &grid.color.data[3 * i];
+    const std::uint8_t* rgb = &grid.color.data[std::size_t{3} * i];
     const Vec3f own(rgb[0], rgb[1], rgb[2]);
     const float to_inside = (own - inside.value()).norm();
     const float to_outside = (own - outside.value()).norm();

@@ -32,13 +32,14 @@ using Tile = std::vector<std::uint32_t>;
 /// Pixels that go on from the region without a step, just out of it.
 std::vector<Tile> contacts_by_tile(const WandField& field,
                                    const Sheet& sheet,
+                                   const PixelBox& box,
                                    const std::vector<std::uint8_t>& region) {
   const LabelGrid& grid = field.grid;
   const int width = grid.width, height = grid.height;
   const int across = (width + kTile_px - 1) / kTile_px, down = (height + kTile_px - 1) / kTile_px;
   std::vector<Tile> tiles(static_cast<std::size_t>(across) * down);
-  for (int v = 1; v + 1 < height; ++v)
-    for (int u = 1; u + 1 < width; ++u) {
+  for (int v = std::max(box.v0, 1); v < std::min(box.v1, height - 1); ++v)
+    for (int u = std::max(box.u0, 1); u < std::min(box.u1, width - 1); ++u) {
       const auto i = static_cast<std::uint32_t>(v * width + u);
       if (region[i] || !grid.measured[i]) continue;
       if (!region[i - 1] && !region[i + 1] && !region[i - width] && !region[i + width]) continue;
@@ -181,9 +182,12 @@ class CreaseCut {
 
 }  // namespace
 
-void cut_at_creases(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
+void cut_at_creases(const WandField& field,
+                    const Sheet& sheet,
+                    const PixelBox& box,
+                    std::vector<std::uint8_t>& region) {
   CreaseCut cut(field, sheet, region);
-  for (const Tile& tile : contacts_by_tile(field, sheet, region))
+  for (const Tile& tile : contacts_by_tile(field, sheet, box, region))
     if (tile.size() >= kLeastContact_px) cut.cut_at(tile);
   cut.finish();
 }

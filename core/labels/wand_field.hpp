@@ -85,11 +85,16 @@ std::optional<LocalFit> fit_around(const WandField& field,
 
 /// Takes pixels off `region` that lie on another surface which meets the sheet at a crease:
 /// `region` is all within tolerance of it, and what runs on beyond tells where the other lies.
-void cut_at_creases(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region);
+/// `box` holds the region.
+void cut_at_creases(const WandField& field,
+                    const Sheet& sheet,
+                    const PixelBox& box,
+                    std::vector<std::uint8_t>& region);
 
 /// Lets colour decide at the border of the region where depth leaves it open.
 void settle_border_by_color(const WandField& field,
                             const Sheet& sheet,
+                            const PixelBox& box,
                             std::vector<std::uint8_t>& region);
 
 }  // namespace planescope

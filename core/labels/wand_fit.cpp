@@ -72,7 +72,7 @@ WandField make_wand_field(const LabelGrid& grid,
   WandField field{grid, options, {}, grid.measured};
   field.noise.resize(grid.pixels(), 0);
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (grid.measured[i]) field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();
+    field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
   if (!labels) return field;
   std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, options.take_labelled ? 0 : 1);
   keeps[0] = 0;
