@@ -1,7 +1,7 @@
 #pragma once
 
-// Labels carried from one frame to the next: motion by RGB-D odometry or ICP (Open3D), then each
-// plane is fitted to the new frame's own points.
+// Labels carried from one frame to the next: motion by RGB-D odometry or ICP, then each plane is
+// fitted to the new frame's own points.
 
 #include <functional>
 #include <stop_token>
