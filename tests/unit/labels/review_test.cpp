@@ -1,0 +1,249 @@
+#include "core/labels/review.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "core/base/error.hpp"
+#include "core/base/random.hpp"
+#include "core/labels/operations.hpp"
+
+namespace planescope {
+namespace {
+
+/// A wall at 1 m, each pixel a square centimetre, all measured.
+LabelGrid wall(int width, int height) {
+  LabelGrid grid;
+  grid.width = width;
+  grid.height = height;
+  grid.intrinsics = {width, height, 100, 100, width / 2.0, height / 2.0};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      grid.points.emplace_back((x - width / 2.0) / 100, (y - height / 2.0) / 100, 1);
+      grid.normals.emplace_back(0, 0, -1);
+    }
+  }
+  grid.measured.assign(grid.points.size(), 1);
+  grid.sigma_m.assign(grid.points.size(), 0.001f);
+  grid.measured_count = grid.points.size();
+  return grid;
+}
+
+constexpr double kPixelM2 = 1e-4;
+
+/// P1 (v) on the left half, P2 (v) on the right, and an algorithm that says the same.
+struct Reviews : testing::Test {
+  LabelGrid grid = wall(64, 48);
+  FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
+  OtherLabels other;
+
+  Reviews() {
+    put(0, 0, 32, 48, 1);
+    put(32, 0, 64, 48, 2);
+    for (const int id : {1, 2}) {
+      LabelPlane plane;
+      plane.id = id;
+      plane.label = Label::v;
+      labels.planes.push_back(plane);
+    }
+    refit_planes(labels, grid);
+    other = other_of(labels);
+  }
+
+  void put(int x1, int y1, int x2, int y2, int id) {
+    for (int y = y1; y < y2; ++y) {
+      for (int x = x1; x < x2; ++x) {
+        labels.plane.at(x, y) = static_cast<std::uint16_t>(id);
+        labels.hv.at(x, y) = id == 0 ? 0 : id == kPlaneIgnore ? kHvIgnore : 2;
+      }
+    }
+  }
+  void put_other(int x1, int y1, int x2, int y2, int id) {
+    for (int y = y1; y < y2; ++y) {
+      for (int x = x1; x < x2; ++x) other.plane[y * 64 + x] = id;
+    }
+  }
+  std::vector<Disagreement> found() const { return find_disagreements(labels, other, grid); }
+
+  /// The only one, of this kind, in this box.
+  Disagreement only(DisagreementKind kind, int x1, int y1, int x2, int y2) const {
+    const auto all = found();
+    EXPECT_EQ(all.size(), 1u);
+    if (all.size() != 1) return {};
+    PixelSet box;
+    for (int y = y1; y < y2; ++y) {
+      for (int x = x1; x < x2; ++x) box.push_back(y * 64 + x);
+    }
+    EXPECT_EQ(all[0].kind, kind);
+    EXPECT_EQ(all[0].pixels, box);
+    EXPECT_NEAR(all[0].area_m2, static_cast<double>(box.size()) * kPixelM2, 1e-9);
+    return all[0];
+  }
+  FrameLabels take(const Disagreement& about) const {
+    return decided(labels, grid, about, other, ReviewDecision::take, "bob", 77);
+  }
+};
+
+TEST_F(Reviews, TheSameLabelsDisagreeNowhere) { EXPECT_TRUE(found().empty()); }
+
+TEST_F(Reviews, AMissedRegionIsLabelledAndTakingItsAbsenceUnlabelsIt) {
+  put_other(40, 10, 51, 21, 0);
+  const auto region = only(DisagreementKind::missed, 40, 10, 51, 21);
+  EXPECT_EQ(region.label_plane, 2);
+  EXPECT_EQ(region.other_plane, 0);
+  EXPECT_EQ(region.pixel, 15u * 64 + 45);
+  EXPECT_EQ(take(region).plane.at(45, 15), 0);
+}
+
+TEST_F(Reviews, AnInventedRegionIsUnlabelledAndTakenIntoThePlaneThatItBelongsTo) {
+  put(5, 5, 12, 12, 0);
+  const auto region = only(DisagreementKind::invented, 5, 5, 12, 12);
+  EXPECT_EQ(take(region).plane.at(7, 7), 1);
+}
+
+TEST_F(Reviews, AnInventedPlaneOfItsOwnIsTakenAsANewOne) {
+  put(5, 5, 12, 12, 0);
+  put_other(5, 5, 12, 12, 9);
+  other.label.resize(9, Label::h);
+  const FrameLabels taken = take(only(DisagreementKind::invented, 5, 5, 12, 12));
+  EXPECT_EQ(taken.plane.at(7, 7), 3);
+  ASSERT_TRUE(find_plane(taken, 3));
+  EXPECT_EQ(find_plane(taken, 3)->label, Label::h);
+  EXPECT_EQ(find_plane(taken, 3)->origin, LabelOrigin::algorithm);
+}
+
+TEST_F(Reviews, OfAPlaneThatTheOtherCutsTheSmallerPartIsSplit) {
+  put_other(0, 0, 10, 48, 3);
+  other.label.resize(3, Label::v);
+  const auto region = only(DisagreementKind::split, 0, 0, 10, 48);
+  EXPECT_EQ(region.label_plane, 1);
+  EXPECT_EQ(take(region).plane.at(3, 3), 3);
+}
+
+TEST_F(Reviews, WhereTheOthersPlaneRunsOnOverAnotherTheyAreMerged) {
+  put_other(32, 0, 45, 48, 1);
+  const auto region = only(DisagreementKind::merged, 32, 0, 45, 48);
+  EXPECT_EQ(region.label_plane, 2);
+  EXPECT_EQ(region.other_plane, 1);
+  EXPECT_EQ(take(region).plane.at(40, 3), 1);
+}
+
+TEST_F(Reviews, MatchedPlanesOfDifferentClassFlip) {
+  other.label[1] = Label::h;
+  const auto region = only(DisagreementKind::class_flip, 32, 0, 64, 48);
+  const FrameLabels taken = take(region);
+  EXPECT_EQ(find_plane(taken, 2)->label, Label::h);
+  EXPECT_EQ(taken.hv.at(50, 3), 1);
+  other.label[1] = Label::unknown;
+  EXPECT_TRUE(found().empty());
+}
+
+TEST_F(Reviews, AThinStripIsABoundary) {
+  put_other(32, 0, 35, 48, 1);
+  only(DisagreementKind::boundary, 32, 0, 35, 48);
+  put_other(35, 0, 36, 48, 1);
+  only(DisagreementKind::merged, 32, 0, 36, 48);
+}
+
+TEST_F(Reviews, WhatIsIgnoredNotMeasuredOrUnknownToTheOtherIsNoQuestion) {
+  put_other(40, 10, 60, 30, 0);
+  put(40, 10, 60, 20, kPlaneIgnore);
+  put_other(40, 20, 60, 25, -1);
+  for (int y = 25; y < 30; ++y) {
+    for (int x = 40; x < 60; ++x) grid.measured[y * 64 + x] = 0;
+  }
+  EXPECT_TRUE(found().empty());
+}
+
+TEST_F(Reviews, SmallRegionsAreNoQuestionAndLargeOnesComeFirst) {
+  put_other(2, 2, 4, 4, 0);
+  put_other(40, 10, 45, 15, 0);
+  put_other(50, 20, 60, 30, 0);
+  const auto all = found();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].pixels.size(), 100u);
+  EXPECT_EQ(all[1].pixels.size(), 25u);
+}
+
+TEST_F(Reviews, ADecidedRegionIsFoundAgainAfterItChangedALittle) {
+  put_other(40, 10, 51, 21, 0);
+  put_other(5, 5, 10, 10, 0);
+  labels = decided(labels, grid, found()[0], other, ReviewDecision::keep, "bob", 1763750000);
+  ASSERT_EQ(labels.review.size(), 1u);
+  EXPECT_EQ(labels.review[0].reviewer, "bob");
+  put_other(40, 10, 42, 21, 2);
+  put_other(51, 12, 53, 18, 0);
+  auto all = found();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_FALSE(all[0].note);  // the smaller one, undecided
+  ASSERT_TRUE(all[1].note);
+  EXPECT_EQ(all[1].note->decision, ReviewDecision::keep);
+  EXPECT_EQ(all[1].note->time_s, 1763750000);
+
+  labels = decided(labels, grid, all[1], other, ReviewDecision::edit, "carol", 1763750001);
+  ASSERT_EQ(labels.review.size(), 1u);
+  EXPECT_EQ(labels.review[0].reviewer, "carol");
+  put_other(32, 0, 64, 48, 0);  // another question altogether
+  all = found();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_FALSE(all[0].note);
+  EXPECT_FALSE(all[1].note);
+}
+
+TEST_F(Reviews, KeepingAndEditingLeaveTheLabelsAndIgnoringTakesThemOffTheScore) {
+  put_other(40, 10, 51, 21, 0);
+  const auto region = found()[0];
+  for (const auto decision : {ReviewDecision::keep, ReviewDecision::edit}) {
+    const auto after = decided(labels, grid, region, other, decision, "bob", 1);
+    EXPECT_EQ(after.plane.data, labels.plane.data);
+    EXPECT_EQ(after.review.size(), 1u);
+  }
+  const auto after = decided(labels, grid, region, other, ReviewDecision::ignore, "bob", 1);
+  EXPECT_EQ(after.plane.at(45, 15), kPlaneIgnore);
+  EXPECT_EQ(after.hv.at(45, 15), kHvIgnore);
+  EXPECT_EQ(after.plane.at(39, 15), 2);
+}
+
+TEST_F(Reviews, TakingWhatIsLockedIsRefused) {
+  put_other(40, 10, 51, 21, 0);
+  labels.planes[1].locked = true;
+  EXPECT_THROW(take(found()[0]), Error);
+}
+
+TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
+  Random random(3);
+  other.label.resize(6, Label::h);
+  for (int i = 0; i < 12; ++i) {
+    const int x = random.integer(0, 52), y = random.integer(0, 36);
+    put_other(x, y, x + random.integer(3, 12), y + random.integer(3, 12), random.integer(0, 6));
+  }
+  for (int i = 0; i < 100 && !found().empty(); ++i) labels = take(found()[0]);
+  EXPECT_TRUE(found().empty());
+}
+
+TEST(ReviewSpeed, AFullFrame) {
+  const LabelGrid grid = wall(640, 480);
+  FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    labels.plane.data[i] = static_cast<std::uint16_t>(1 + i % 640 / 80 + i / 640 / 80 * 8);
+  }
+  for (int id = 1; id <= 48; ++id) labels.planes.push_back(LabelPlane{.id = id, .label = Label::v});
+  OtherLabels other = other_of(labels);
+  Random random(4);
+  for (int i = 0; i < 400; ++i) {
+    const int x = random.integer(0, 600), y = random.integer(0, 440), id = random.integer(0, 48);
+    for (int v = y; v < y + 30; ++v) {
+      for (int u = x; u < x + 30; ++u) other.plane[v * 640 + u] = id;
+    }
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const auto found = find_disagreements(labels, other, grid);
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  std::printf("%zu disagreements in 640x480 pixels: %.1f ms\n", found.size(), elapsed.count());
+  EXPECT_GT(found.size(), 100u);
+}
+
+}  // namespace
+}  // namespace planescope
