@@ -61,7 +61,8 @@ fs::path unused_path(const fs::path& prefix) {
   for (int i = 1;; ++i) {
     fs::path path = prefix;
     path += std::to_string(i);
-    if (!fs::exists(path)) return path;
+    std::error_code error;
+    if (!fs::exists(path, error)) return path;
   }
 }
 

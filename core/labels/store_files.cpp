@@ -27,6 +27,11 @@ void require_same_depth(const FrameLabels& labels,
   }
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
 std::string digest_of(std::span<const unsigned char> bytes) {
   return sha256_hex(std::as_bytes(bytes));
 }
@@ -39,7 +44,7 @@ LabelDigests LabelStore::State::digests_of_files(int frame) const {
   const auto paths = label_file_paths(dir, frame);
   LabelDigests digests;
   for (std::size_t i = 0; i < kLabelFiles; ++i) {
-    if (fs::exists(paths[i])) digests[i] = sha256_hex_of_file(paths[i]);
+    if (is_there(paths[i])) digests[i] = sha256_hex_of_file(paths[i]);
   }
   return digests;
 }
@@ -142,7 +147,10 @@ bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
 
 void LabelStore::State::set_files_aside(int frame) const {
   for (const fs::path& path : label_file_paths(dir, frame)) {
-    if (fs::exists(path)) fs::rename(path, unused_path(path.string() + ".outside-"));
+    if (!is_there(path)) continue;
+    std::error_code error;
+    fs::rename(path, unused_path(path.string() + ".outside-"), error);
+    if (error) throw Error(path.string() + ": cannot be set aside (" + error.message() + ")");
   }
 }
 

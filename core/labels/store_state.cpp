@@ -16,8 +16,8 @@ constexpr const char* kNotKept = ": the gesture is not kept";
 
 /// Why nothing can be made in a folder that may not exist yet; empty where that is possible.
 std::string why_not_writable(const fs::path& folder) {
-  fs::path nearest = fs::absolute(folder);
   std::error_code error;
+  fs::path nearest = fs::absolute(folder, error);
   while (!fs::exists(nearest, error) && nearest.has_relative_path()) {
     nearest = nearest.parent_path();
   }
@@ -46,7 +46,7 @@ void LabelStore::State::attach() {
   lock = LabelLock::take(dir, options.annotator);
   if (!lock.is_held()) {
     read_only = "read-only: " + lock.why_not();
-  } else if (fs::exists(path) && ::access(path.c_str(), W_OK) != 0) {
+  } else if (::access(path.c_str(), W_OK) != 0 && errno != ENOENT) {
     read_only = "read-only: " + path.string() + " cannot be written (" + error_text(errno) + ")";
   }
   const auto access = read_only.empty() ? Journal::Access::write : Journal::Access::read;
