@@ -19,6 +19,7 @@ constexpr double kSameNoises = 4;       // a pixel sees what the other frame saw
 constexpr double kSameLeast_m = 0.015;  // ... this close at least
 constexpr int kRefits = 3;
 constexpr std::size_t kLeastPixels = 25;  // of a plane, to be fitted
+constexpr double kMostTurn_deg = 20;      // by fitting it anew
 constexpr int kExtend_px = 8;
 constexpr double kSamePlane_deg = 10;  // an existing plane of the same number is the same one
 constexpr double kRegistering = 0.7;   // of the whole work
@@ -60,7 +61,9 @@ Expected warped(const LabelGrid& from,
 }
 
 /// The plane where it is expected, fitted to what was measured there; nullopt where that is none.
-std::optional<Sheet> fitted(const WandField& field, Sheet sheet, const PixelSet& pixels) {
+std::optional<Sheet> fitted(const WandField& field, const Sheet& start, const PixelSet& pixels) {
+  const float least_cosine = static_cast<float>(std::cos(kMostTurn_deg * std::numbers::pi / 180));
+  Sheet sheet = start;
   for (int k = 0; k < kRefits; ++k) {
     Moments moments;
     for (const std::uint32_t i : pixels)
@@ -68,6 +71,8 @@ std::optional<Sheet> fitted(const WandField& field, Sheet sheet, const PixelSet&
     if (moments.count < kLeastPixels) return std::nullopt;
     const auto refitted = sheet_through(moments);
     if (!refitted) return std::nullopt;
+    // A strip lower than its noise has no direction of its own.
+    if (refitted->normal.dot(start.normal) < least_cosine) return start;
     sheet = *refitted;
   }
   return sheet;
