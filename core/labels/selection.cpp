@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace planescope {
 namespace {
@@ -60,18 +61,17 @@ class DepthBuffer {
         depth_(static_cast<std::size_t>(width) * height, kNothing) {}
 
   void draw(const Splat& splat) {
-    const float r = splat.radius_px;
-    const int top = std::max(0, static_cast<int>(std::ceil(splat.place.y() - r - 0.5f)));
-    const int bottom =
-        std::min(height_ - 1, static_cast<int>(std::floor(splat.place.y() + r - 0.5f)));
-    for (int y = top; y <= bottom; ++y) {
-      const float dy = static_cast<float>(y) + 0.5f - splat.place.y();
-      const float half = std::sqrt(std::max(0.0f, r * r - dy * dy));
-      const int left = std::max(0, static_cast<int>(std::ceil(splat.place.x() - half - 0.5f)));
-      const int right =
-          std::min(width_ - 1, static_cast<int>(std::floor(splat.place.x() + half - 0.5f)));
-      float* row = depth_.data() + static_cast<std::size_t>(y) * width_;
-      for (int x = left; x <= right; ++x) row[x] = std::min(row[x], splat.depth_m);
+    const float r = splat.radius_px, x = splat.place.x(), y = splat.place.y();
+    const auto [top, bottom] = covered(y, r, height_);
+    for (int row_index = top; row_index < bottom; ++row_index) {
+      float half = r;
+      if (r > kSquare_px) {
+        const float dy = static_cast<float>(row_index) + 0.5f - y;
+        half = std::sqrt(std::max(0.0f, r * r - dy * dy));
+      }
+      const auto [left, right] = covered(x, half, width_);
+      float* row = depth_.data() + static_cast<std::size_t>(row_index) * width_;
+      for (int i = left; i < right; ++i) row[i] = std::min(row[i], splat.depth_m);
     }
   }
   float nearest_at(const Vec2f& place) const {
@@ -81,6 +81,14 @@ class DepthBuffer {
   }
 
  private:
+  static constexpr float kSquare_px = 1.5f;  // rounder splats make no difference to so few pixels
+
+  /// Pixels whose centres lie within `reach` of a place: the first and one past the last.
+  static std::pair<int, int> covered(float place, float reach, int size) {
+    return {std::max(0, static_cast<int>(place - reach + 0.5f)),
+            std::min(size, static_cast<int>(place + reach + 0.5f))};
+  }
+
   int width_, height_;
   std::vector<float> depth_;
 };

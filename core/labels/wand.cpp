@@ -25,6 +25,7 @@ constexpr std::uint8_t kCrossed = 2;
 constexpr int kTurned_px = 24;  // as far may normals be wrong beside an edge
 constexpr int kFirstReach_px = 20;
 constexpr double kLeastFacing = 0.3;  // of what lies on the plane; else normals tell nothing
+constexpr int kManyPixels = 20000;    // of a box; then every fourth tells enough
 constexpr int kMargin_px = 40;        // by which a region may still grow, once it is fitted
 constexpr int kLeastPixels = 25;      // of a plane
 constexpr int kSpeck_px = 100;        // smaller holes are filled
@@ -124,9 +125,12 @@ Moments moments_of(const LabelGrid& grid,
                    const std::vector<std::uint8_t>& region,
                    const PixelBox& box) {
   Moments moments;
-  for_pixels(grid, box, [&](std::uint32_t i) {
-    if (region[i]) moments.add(grid.points[i].cast<double>());
-  });
+  const int step = (box.u1 - box.u0) * (box.v1 - box.v0) > kManyPixels ? 2 : 1;
+  for (int v = box.v0; v < box.v1; v += step)
+    for (int u = box.u0 + v / step % step; u < box.u1; u += step) {
+      const std::size_t i = static_cast<std::size_t>(v) * grid.width + u;
+      if (region[i]) moments.add(grid.points[i].cast<double>());
+    }
   return moments;
 }
 
@@ -206,7 +210,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   // Strips narrower than the windows of the normals face nowhere: there distance alone must do.
   bool facing = true;
   std::vector<std::uint8_t> region;
-  for (int reach = kFirstReach_px;; reach *= 2) {
+  for (int reach = kFirstReach_px;; reach = reach * 5 / 2) {
     const PixelBox box = box_around(grid, *click, reach);
     region = growth.reach(clicks, sheet, box, facing);
     Moments moments = moments_of(grid, region, box);
@@ -237,8 +241,10 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   }
   const PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid, region, kMargin_px);
   region = growth.reach(clicks, sheet, box, facing);
-  if (const auto refitted = sheet_through(moments_of(grid, region, box))) sheet = *refitted;
-  region = growth.reach(clicks, sheet, box, facing);
+  if (clicks.size() > 1) {  // together with the fragments
+    if (const auto refitted = sheet_through(moments_of(grid, region, box))) sheet = *refitted;
+    region = growth.reach(clicks, sheet, box, facing);
+  }
   spread(growth.on(), grid.width, grid.height, kTurned_px, region);
   fill_specks(field, sheet, region);
   cut_at_creases(field, sheet, box, region);
