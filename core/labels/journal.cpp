@@ -54,25 +54,38 @@ std::span<const unsigned char> content_of(std::span<const unsigned char> record)
   return content;
 }
 
+/// Not the end of the file, which is known: a disk that cannot be read is no damaged journal.
+void read_or_throw(const fs::path& path,
+                   const FileDescriptor& file,
+                   std::span<unsigned char> bytes,
+                   std::uint64_t offset) {
+  if (read_fully(file, bytes, static_cast<off_t>(offset)) == bytes.size()) return;
+  throw Error(path.string() + ": cannot be read at byte " + std::to_string(offset));
+}
+
 /// A file read from front to back in large pieces.
 class FileWindow {
  public:
-  explicit FileWindow(const FileDescriptor& file) : file_(file) {}
+  FileWindow(const fs::path& path, const FileDescriptor& file, std::uint64_t size)
+      : path_(path), file_(file), size_(size) {}
 
   /// Fewer than `count` where the file ends.
   std::span<const unsigned char> at(std::uint64_t offset, std::size_t count) {
-    if (offset < start_ || offset + count > start_ + bytes_.size()) {
-      bytes_.resize(std::max(count, kChunk));
-      bytes_.resize(read_fully(file_, bytes_, static_cast<off_t>(offset)));
+    const std::uint64_t end = std::min<std::uint64_t>(offset + count, size_);
+    if (offset < start_ || end > start_ + bytes_.size()) {
+      const auto most = std::max<std::uint64_t>(count, kChunk);
+      bytes_.resize(static_cast<std::size_t>(std::min(most, size_ - offset)));
+      read_or_throw(path_, file_, bytes_, offset);
       start_ = offset;
     }
-    const auto skip = static_cast<std::size_t>(offset - start_);
-    return std::span(bytes_).subspan(skip, std::min(count, bytes_.size() - skip));
+    return std::span(bytes_).subspan(static_cast<std::size_t>(offset - start_),
+                                     static_cast<std::size_t>(end - offset));
   }
 
  private:
+  const fs::path& path_;
   const FileDescriptor& file_;
-  std::uint64_t start_ = 0;
+  std::uint64_t size_ = 0, start_ = 0;
   std::vector<unsigned char> bytes_;
 };
 
@@ -105,7 +118,7 @@ Journal::Journal(fs::path path, Access access, const Visitor& visit) : path_(std
 }
 
 void Journal::scan(const Visitor& visit) {
-  FileWindow window(file_);
+  FileWindow window(path_, file_, size_);
   if (!has_header(path_, window.at(0, kHeader.size()))) return;
   end_ = kHeader.size();
   while (true) {
@@ -130,7 +143,7 @@ void Journal::scan(const Visitor& visit) {
 
 fs::path Journal::set_damaged_aside() {
   std::vector<unsigned char> rest(static_cast<std::size_t>(damaged()));
-  rest.resize(read_fully(file_, rest, static_cast<off_t>(end_)));
+  read_or_throw(path_, file_, rest, end_);
   const fs::path aside = unused_path(path_.string() + ".damaged-");
   replace_file(aside, rest);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0) {
@@ -181,8 +194,8 @@ void Journal::sync() {
 
 JournalBytes Journal::read(const JournalPlace& place) const {
   JournalBytes record(kHead + place.bytes);
-  const std::size_t count = read_fully(file_, record, static_cast<off_t>(place.offset));
-  if (count != record.size() || content_of(record).empty()) {
+  read_or_throw(path_, file_, record, place.offset);
+  if (content_of(record).empty()) {
     throw Error(path_.string() + ": the record at byte " + std::to_string(place.offset) +
                 " is damaged");
   }

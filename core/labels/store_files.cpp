@@ -140,7 +140,10 @@ bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
     notice(dir.string() + ": the label files of " + name_of(frame) +
            " were changed outside planescope: taken over, undo takes that back");
   }
-  append({saving(frame, digests), entry(RecordKind::written, frame)});
+  auto entries = base_entries(frame);
+  entries.push_back(saving(frame, digests));
+  entries.push_back(entry(RecordKind::written, frame));
+  append(entries);
   open.in_files = mark(frame);
   return true;
 }
@@ -174,11 +177,13 @@ void LabelStore::State::save(int frame) {
   OpenFrame& open = this->open(frame, nullptr);
   if (const auto digests = digests_of_files(frame); !is_ours(frame, digests)) {
     const auto ours = open.labels;
-    if (take_over(frame, digests)) {
+    const bool has_news = unsaved(frame);
+    if (!take_over(frame, digests)) {
+      set_files_aside(frame);
+      open.in_files.reset();
+    } else if (has_news) {
       // Both states stay in the history: the other's, and on it what is saved now.
       commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
-    } else {
-      set_files_aside(frame);
     }
   }
   if (!unsaved(frame)) return;

@@ -111,6 +111,16 @@ TEST_F(Outside, SavingOverWhatOthersWroteMeanwhileKeepsBothInTheHistory) {
   expect_same(*store.labels(0), latest);
 }
 
+TEST_F(Outside, SavingWithoutNewsTakesOverWhatOthersWroteMeanwhile) {
+  LabelStore store(dir, by("ann"));
+  store.open(0, blank(0));
+  store.save(0);
+  write_frame_labels(dir, 0, others);
+  store.save(0);
+  expect_same(*store.labels(0), others);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->plane.data, others.plane.data);
+}
+
 TEST_F(Outside, DamagedFilesLeaveTheJournalsLabels) {
   write_file_bytes(dir / kFiles[0], std::vector<unsigned char>{1, 2, 3});
   LabelStore store(dir, by("ann"));
@@ -157,6 +167,24 @@ TEST(LabelStores, LabelFilesWithoutAJournalAreWhereTheHistoryBegins) {
   EXPECT_EQ(store.labels(0)->plane.data, files.plane.data);
   EXPECT_FALSE(store.unsaved(0));
   EXPECT_EQ(store.undo_count(), 0u);
+}
+
+TEST(LabelStores, FilesThatWerePackedAnewBeforeThereWasAJournalDoItNoHarm) {
+  const fs::path dir = fresh_dir("packed_anew");
+  Random random(23);
+  write_frame_labels(dir, 0, blank(0));
+  {
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    auto bytes = read_file_bytes(dir / kFiles[2]);
+    bytes.push_back('\n');
+    write_file_bytes(dir / kFiles[2], bytes);
+    store.save(0);
+    gesture(store, 0, random);
+  }
+  LabelStore store(dir, by("ann"));
+  EXPECT_TRUE(store.notices().empty());
+  EXPECT_EQ(store.undo_count(), 1u);
 }
 
 TEST(LabelStores, FilesOfAnotherSizeAreRefused) {
