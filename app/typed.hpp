@@ -28,6 +28,8 @@ struct Typed {
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
        augmented = false, resume = false, balance_classes = false;
 
+  std::string format, recording;
+
   std::string open, script, screenshot, state, scale;
   bool actions = false, offscreen = false, fresh = false;
 };

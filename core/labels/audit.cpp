@@ -15,7 +15,7 @@ namespace {
 constexpr double kOutlierSigmas = 4;
 // Strips along the borders of labels are no region: one has a pixel this far from any label.
 constexpr int kStrip_px = 2;
-constexpr std::size_t kSpeck_px = 16;  // what ragged depth leaves of an edge is no part of a plane
+constexpr std::size_t kSpeck_px = 32;  // what ragged depth leaves of an edge is no part of a plane
 
 [[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
   char text[160];

@@ -59,7 +59,7 @@ std::vector<WrittenFile> files_of(const fs::path& stem,
       return {{named(".json"), coco_bytes(points, stem.filename().string())}};
     case LabelFormat::voxels:
       need(with_points, stem, format, "coordinates");
-      return {{named(".ply"), voxel_bytes(points, voxel_size_m)}};
+      return {{named(".voxels.ply"), voxel_bytes(points, voxel_size_m)}};
   }
   return {};
 }

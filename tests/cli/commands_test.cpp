@@ -14,29 +14,6 @@ using namespace planescope;
 using namespace planescope::testing_cli;
 using Json = nlohmann::json;
 
-namespace {
-
-// Exact truth of floor_and_wall(): 1 the floor, 2 the wall.
-FrameLabels truth_of(const Image16& depth, const Recording& recording) {
-  FrameLabels labels;
-  labels.depth_sha256 = recording.frame_hash(0);
-  labels.intrinsics = recording.info().intrinsics;
-  labels.plane = Image16(depth.width, depth.height);
-  labels.hv = Image8(depth.width, depth.height);
-  for (std::size_t i = 0; i < depth.data.size(); ++i) {
-    const bool wall = depth.data[i] == 1200;
-    labels.plane.data[i] = wall ? 2 : 1;
-    labels.hv.data[i] = wall ? 2 : 1;
-  }
-  labels.planes.resize(2);
-  labels.planes[0] = {1, Label::h, Vec3d(0, -1, 0), -0.5, 0, 0.01, 1};
-  labels.planes[1] = {2, Label::v, Vec3d(0, 0, -1), -1.2, 0, 0.01, 1};
-  labels.review_state = "reviewed";
-  return labels;
-}
-
-}  // namespace
-
 TEST(Info, ADepthFolderIsDescribed) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
@@ -76,7 +53,7 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   const auto dir = scratch();
   const Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth, 2);
-  write_frame_labels(dir / "rec.labels", 0, truth_of(depth, *open_recording(dir / "rec")));
+  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
   for (const char* classifier : {"gcn", "pca", "truth"}) {
     const Ran ran = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
                          "--classifier", classifier, "--frames", "0"});
@@ -99,7 +76,7 @@ TEST(Eval, LabelsOfOtherDepthAreRefused) {
   const auto dir = scratch();
   Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth);
-  write_frame_labels(dir / "truth", 0, truth_of(depth, *open_recording(dir / "rec")));
+  write_frame_labels(dir / "truth", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
   depth.data[5] = 999;
   write_depth_folder(dir / "rec", depth);
   const Ran ran = run(

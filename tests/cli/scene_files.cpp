@@ -29,6 +29,25 @@ Image16 floor_and_wall() {
   return depth;
 }
 
+FrameLabels floor_and_wall_labels(const Recording& recording, int frame) {
+  const Image16 depth = floor_and_wall();
+  FrameLabels labels;
+  labels.depth_sha256 = recording.frame_hash(frame);
+  labels.intrinsics = recording.info().intrinsics;
+  labels.plane = Image16(depth.width, depth.height);
+  labels.hv = Image8(depth.width, depth.height);
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    const bool wall = depth.data[i] == 1200;
+    labels.plane.data[i] = wall ? 2 : 1;
+    labels.hv.data[i] = wall ? 2 : 1;
+  }
+  labels.planes.resize(2);
+  labels.planes[0] = {1, Label::h, Vec3d(0, -1, 0), -0.5, 0, 0.01, 1};
+  labels.planes[1] = {2, Label::v, Vec3d(0, 0, -1), -1.2, 0, 0.01, 1};
+  labels.review_state = "reviewed";
+  return labels;
+}
+
 void write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }

@@ -3,13 +3,17 @@
 #include <filesystem>
 
 #include "core/image/image.hpp"
-#include "core/recording/frame.hpp"
+#include "core/labels/label_files.hpp"
+#include "core/recording/recording.hpp"
 
 namespace planescope::testing_cli {
 
 /// Depth in millimetres of a level camera that sees a floor 0.5 m below it and a wall 1.2 m ahead.
 /// 160x120, focal length 120, centre (80, 60). Gravity is 0,1,0.
 Image16 floor_and_wall();
+
+/// Its exact truth: plane 1 the floor, 2 the wall.
+FrameLabels floor_and_wall_labels(const Recording& recording, int frame = 0);
 
 /// A folder recording with depth/000000.png ... and an Open3D intrinsics file.
 void write_depth_folder(const std::filesystem::path& dir, const Image16& depth, int frames = 1);

@@ -1,0 +1,90 @@
+#include "app/commands/label_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/error.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSuffix = ".labels";
+constexpr std::size_t kLongestNumber = 9;  // that fits an int
+
+/// The frame that a label file is of; nullopt for other files.
+std::optional<int> frame_of(const std::string& name) {
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  const std::string rest = name.substr(digits);
+  if (digits < 6 || digits > kLongestNumber) return std::nullopt;
+  if (rest != ".json" && rest != ".plane.png" && rest != ".hv.png") return std::nullopt;
+  return std::stoi(name.substr(0, digits));
+}
+
+std::set<int> frames_in(const fs::path& dir) {
+  std::set<int> frames;
+  std::error_code error;
+  for (auto at = fs::directory_iterator(dir, error); !error && at != fs::directory_iterator();
+       at.increment(error))
+    if (const auto frame = frame_of(at->path().filename().string())) frames.insert(*frame);
+  if (error) throw Error(dir.string() + ": cannot be listed: " + error.message());
+  return frames;
+}
+
+fs::path without_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+bool is_label_folder(const fs::path& path) {
+  if (!fs::is_directory(path)) return false;
+  return without_slash(path).extension() == kSuffix || !frames_in(path).empty();
+}
+
+}  // namespace
+
+LabelFolder list_labels(const fs::path& dir) {
+  if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a folder of labels");
+  const std::set<int> frames = frames_in(dir);
+  if (frames.empty())
+    throw Error(dir.string() + ": no labels in it, expected files such as 000000.plane.png");
+  return {dir, {frames.begin(), frames.end()}};
+}
+
+LabelledRecording open_labels(const LabelsArgs& args) {
+  if (args.input.inputs.size() != 1)
+    throw Error(fmt::format("{} recordings or folders of labels are given, expected one",
+                            args.input.inputs.size()));
+  const fs::path& given = args.input.inputs[0];
+  LabelledRecording source;
+  if (is_label_folder(given)) {
+    source.labels = list_labels(given);
+    source.path = args.recording;
+    const fs::path beside = without_slash(given);
+    if (source.path.empty() && beside.extension() == kSuffix &&
+        fs::exists(fs::path(beside).replace_extension()))
+      source.path = fs::path(beside).replace_extension();
+  } else {
+    if (!fs::exists(given)) throw Error(given.string() + ": no such file or folder");
+    source.labels = list_labels(args.input.label_dir.value_or(default_label_dir(given)));
+    source.path = given;
+  }
+  if (!source.path.empty()) source.recording = open_recording(source.path, args.input.recording);
+  return source;
+}
+
+FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
+  const auto& recording = source.recording;
+  if (recording && frame >= recording->frame_count())
+    throw Error(fmt::format("{}/{:06}.json: labels of frame {}, the recording has {} frames",
+                            source.labels.dir.string(), frame, frame, recording->frame_count()));
+  auto labels = read_frame_labels(source.labels.dir, frame,
+                                  recording ? recording->frame_hash(frame) : std::string());
+  if (!labels)
+    throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), frame));
+  return std::move(*labels);
+}
+
+}  // namespace planescope

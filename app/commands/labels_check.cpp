@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/commands/label_folder.hpp"
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/labels/audit.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CheckedFrame {
+  int frame = 0;
+  int width = 0;
+  std::string file;
+  std::string damage;  // empty: none
+  std::size_t planes = 0;
+  std::vector<Finding> findings;
+};
+
+CheckedFrame check_frame(const LabelledRecording& source, int frame) {
+  CheckedFrame checked;
+  checked.frame = frame;
+  checked.file = (source.labels.dir / fmt::format("{:06}.json", frame)).string();
+  try {
+    const FrameLabels labels = read_labels_of(source, frame);
+    checked.planes = labels.planes.size();
+    checked.width = labels.plane.width;
+    if (source.recording)
+      checked.findings =
+          audit_labels(labels, make_label_grid(source.recording->frame(frame), labels.gravity));
+  } catch (const Error& error) {
+    checked.damage = error.what();
+  }
+  return checked;
+}
+
+Json to_json(const Finding& finding, int width) {
+  const auto pixel = static_cast<int>(finding.pixel);
+  return {{"kind", to_string(finding.kind)},
+          {"plane", finding.plane},
+          {"pixel", {pixel % width, pixel / width}},
+          {"pixels", finding.pixels.size()},
+          {"value", finding.value},
+          {"limit", finding.limit},
+          {"text", finding.text}};
+}
+
+void print_json(const LabelledRecording& source,
+                const std::vector<CheckedFrame>& frames,
+                std::size_t findings,
+                int damaged) {
+  Json json = {{"schema", "planescope.labels_check/1"}, {"labels", source.labels.dir.string()}};
+  json["recording"] = source.recording ? Json(source.path.string()) : Json(nullptr);
+  json["frames"] = Json::array();
+  for (const CheckedFrame& frame : frames) {
+    Json one = {{"frame", frame.frame}, {"file", frame.file}, {"planes", frame.planes}};
+    one["damage"] = frame.damage.empty() ? Json(nullptr) : Json(frame.damage);
+    one["findings"] = Json::array();
+    for (const Finding& finding : frame.findings)
+      one["findings"].push_back(to_json(finding, frame.width));
+    json["frames"].push_back(one);
+  }
+  json["findings"] = findings;
+  json["damaged"] = damaged;
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int run_labels_check(const LabelsArgs& args, std::stop_token stop) {
+  const LabelledRecording source = open_labels(args);
+  std::vector<CheckedFrame> frames;
+  std::size_t findings = 0;
+  int damaged = 0;
+  {
+    Progress progress("check", static_cast<int>(source.labels.frames.size()));
+    for (const int frame : source.labels.frames) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(frames.size()), fmt::format("frame {}", frame));
+      frames.push_back(check_frame(source, frame));
+      findings += frames.back().findings.size();
+      damaged += frames.back().damage.empty() ? 0 : 1;
+    }
+  }
+  if (args.json) {
+    print_json(source, frames, findings, damaged);
+  } else {
+    for (const CheckedFrame& frame : frames) {
+      if (!frame.damage.empty()) fmt::print("{}\n", frame.damage);
+      for (const Finding& f : frame.findings)
+        fmt::print("{}: frame {}: {}: {}, see pixel {},{}\n", frame.file, frame.frame,
+                   to_string(f.kind), f.text, static_cast<int>(f.pixel) % frame.width,
+                   static_cast<int>(f.pixel) / frame.width);
+    }
+    fmt::print("{}: {} labelled frames, {} damaged, {}\n", source.labels.dir.string(),
+               frames.size(), damaged,
+               source.recording ? fmt::format("{} findings", findings)
+                                : "planes not checked: no recording found, give --recording");
+  }
+  if (damaged > 0) return 2;
+  return findings > 0 ? 1 : 0;
+}
+
+}  // namespace planescope

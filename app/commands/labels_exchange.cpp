@@ -1,0 +1,208 @@
+// planescope labels export, import and convert.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/commands/label_folder.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/cloud/gravity.hpp"
+#include "core/labels/exchange.hpp"
+#include "core/labels/store.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+OpenInput open_one(const LabelsArgs& args, const std::string& command) {
+  if (args.input.inputs.size() != 1)
+    throw Error(fmt::format("labels {}: {} recordings are given, expected one", command,
+                            args.input.inputs.size()));
+  InputArgs input = args.input;
+  input.label_dir.reset();  // need not exist
+  OpenInput opened = std::move(open_inputs(input)[0]);
+  if (args.input.label_dir) opened.label_dir = *args.input.label_dir;
+  return opened;
+}
+
+bool is_below(const fs::path& path, const fs::path& folder) {
+  const fs::path relative =
+      fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(folder));
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+/// Neither into the recording nor among the labels, whose files have the same names.
+void check_export_dir(const fs::path& out, const OpenInput& input) {
+  check_output_dir(out);
+  if (fs::is_directory(input.path) && is_below(out, input.path))
+    throw Error(out.string() + ": is inside the recording, expected a folder elsewhere");
+  if (is_below(out, input.label_dir) && is_below(input.label_dir, out))
+    throw Error(out.string() + ": is the folder of the labels themselves, expected another");
+}
+
+const char* extension_of(LabelFormat format) {
+  switch (format) {
+    case LabelFormat::evops:
+      return ".npy";
+    case LabelFormat::ply:
+      return ".ply";
+    case LabelFormat::pcd:
+      return ".pcd";
+    case LabelFormat::kitti:
+      return ".label";
+    case LabelFormat::npz:
+      return ".npz";
+    case LabelFormat::coco:
+      return ".json";
+    case LabelFormat::voxels:
+      break;
+  }
+  return ".voxels.ply";
+}
+
+struct FileOfFrame {
+  int frame = 0;
+  fs::path path;
+};
+
+/// One file, for the one frame that is asked for; or those of a folder, named as export names them.
+std::vector<FileOfFrame> files_to_import(const LabelsArgs& args, const OpenInput& input) {
+  if (!fs::exists(args.from)) throw Error(args.from.string() + ": no such file or folder");
+  if (!fs::is_directory(args.from)) {
+    if (input.frames.size() != 1)
+      throw Error(fmt::format("{}: one file for {} frames, say for which with --frames N",
+                              args.from.string(), input.frames.size()));
+    return {{input.frames[0], args.from}};
+  }
+  const std::string extension = extension_of(parse_label_format(args.format));
+  std::vector<FileOfFrame> files;
+  for (const int frame : input.frames) {
+    const fs::path path = args.from / fmt::format("{:06}{}", frame, extension);
+    if (fs::exists(path)) files.push_back({frame, path});
+  }
+  if (files.empty())
+    throw Error(fmt::format("{}: no file for any of the frames, expected names such as {:06}{}",
+                            args.from.string(), input.frames[0], extension));
+  return files;
+}
+
+struct Import {
+  LabelEdit edit;
+  std::size_t planes = 0, pixels = 0;
+  std::size_t dropped = 0;  // labels on pixels without depth
+};
+
+std::size_t labelled_in(const LabelledPoints& points) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    count += points.instance[i] != 0 || (!points.label.empty() && points.label[i] != 0);
+  return count;
+}
+
+Import read_import(const FileOfFrame& file,
+                   LabelFormat format,
+                   const Recording& recording,
+                   const PipelineOptions& options,
+                   LabelStore& store) {
+  const LabelledPoints points = read_labelled(file.path, format);
+  const Frame frame = recording.frame(file.frame);
+  const std::string hash = recording.frame_hash(file.frame);
+  const LabelGrid grid = make_label_grid(frame, resolve_gravity(frame, options.gravity));
+  const auto before = store.open(file.frame, empty_labels(grid, hash));
+  FrameLabels after = labels_of_points(points, grid, hash, file.path.string());
+  after.annotator = before->annotator;
+
+  Import import;
+  import.edit = make_edit(file.frame, "Import " + file.path.filename().string(), *before, after);
+  import.planes = after.planes.size();
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    import.pixels += after.plane.data[i] != 0 || after.hv.data[i] != 0;
+  import.dropped = labelled_in(points) - import.pixels;
+  return import;
+}
+
+}  // namespace
+
+int run_labels_export(const LabelsArgs& args, std::stop_token stop) {
+  const LabelFormat format = parse_label_format(args.format);
+  const OpenInput input = open_one(args, "export");
+  check_export_dir(args.out, input);
+  LabelledRecording source;
+  source.labels = list_labels(input.label_dir);
+  source.path = input.path;
+  std::vector<int> frames;
+  std::ranges::set_intersection(input.frames, source.labels.frames, std::back_inserter(frames));
+  if (frames.empty())
+    throw Error(input.label_dir.string() + ": no labels of the frames that are asked for");
+  std::vector<fs::path> written;
+  {
+    Progress progress("export", static_cast<int>(frames.size()));
+    for (const int index : frames) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(written.size()), fmt::format("frame {}", index));
+      const auto labels =
+          read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+      if (!labels) continue;
+      const LabelGrid grid = make_label_grid(input.recording->frame(index), labels->gravity);
+      fs::create_directories(args.out);
+      const auto paths =
+          write_labelled(args.out / fmt::format("{:06}", index), format,
+                         points_of_labels(*labels, grid), args.input.pipeline.cloud.voxel_size_m);
+      written.insert(written.end(), paths.begin(), paths.end());
+    }
+  }
+  for (const fs::path& path : written) fmt::print("{}\n", path.string());
+  return 0;
+}
+
+int run_labels_import(const LabelsArgs& args, std::stop_token stop) {
+  if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
+  if (args.format.empty() && fs::is_directory(args.from))
+    throw Error("labels import needs --format for the files of a folder");
+  const LabelFormat format =
+      args.format.empty() ? label_format_of(args.from) : parse_label_format(args.format);
+  const OpenInput input = open_one(args, "import");
+  const auto files = files_to_import(args, input);
+  LabelStore store(input.label_dir);
+  if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
+  for (const std::string& notice : store.notices())
+    fmt::print(stderr, "planescope: warning: {}\n", notice);
+
+  std::vector<Import> imports;
+  {
+    Progress progress("import", static_cast<int>(files.size()));
+    for (const FileOfFrame& file : files) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(imports.size()), fmt::format("frame {}", file.frame));
+      imports.push_back(read_import(file, format, *input.recording, args.input.pipeline, store));
+    }
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    store.commit(imports[i].edit);
+    store.save(files[i].frame);
+    fmt::print("frame {}: {}: {} planes, {} pixels labelled{}{}\n", files[i].frame,
+               files[i].path.string(), imports[i].planes, imports[i].pixels,
+               imports[i].dropped > 0
+                   ? fmt::format(", {} labels left out for want of depth", imports[i].dropped)
+                   : "",
+               imports[i].edit.empty() ? ", as it was" : "");
+  }
+  return 0;
+}
+
+int run_labels_convert(const LabelsArgs& args) {
+  if (args.input.inputs.size() != 1)
+    throw Error(
+        fmt::format("labels convert: {} files are given, expected one", args.input.inputs.size()));
+  const fs::path& in = args.input.inputs[0];
+  const LabelFormat to = label_format_of(args.out);
+  const LabelledPoints points = read_labelled(in, label_format_of(in));
+  for (const fs::path& path : write_labelled(fs::path(args.out).replace_extension(), to, points))
+    fmt::print("{}\n", path.string());
+  return 0;
+}
+
+}  // namespace planescope

@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/label_folder.hpp"
+#include "app/progress.hpp"
+#include "core/base/error.hpp"
+#include "core/labels/audit.hpp"
+#include "core/labels/store.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FrameStatistics {
+  int frame = 0;
+  std::string annotator, review_state;
+  LabelStatistics of;
+  std::vector<WorkTime> work;
+
+  double seconds() const {
+    double sum = 0;
+    for (const WorkTime& w : work) sum += w.seconds;
+    return sum;
+  }
+};
+
+/// Pixels and planes without the recording; area and measured pixels need its depth.
+LabelStatistics count_pixels(const FrameLabels& labels) {
+  LabelGrid grid;
+  grid.width = labels.plane.width;
+  grid.height = labels.plane.height;
+  grid.intrinsics = labels.intrinsics;
+  grid.measured.assign(labels.plane.pixels(), 1);
+  grid.points.assign(labels.plane.pixels(), Vec3f(0, 0, 1));
+  LabelStatistics statistics = statistics_of(labels, grid);
+  statistics.measured = 0;
+  statistics.labelled_m2 = 0;
+  return statistics;
+}
+
+std::string duration_text(double seconds) {
+  const int whole = static_cast<int>(seconds + 0.5);
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::string work_text(const std::vector<WorkTime>& work) {
+  std::string text;
+  for (const WorkTime& w : work)
+    text += fmt::format("{}{} {} ({} gestures)", text.empty() ? "" : ", ", w.annotator,
+                        duration_text(w.seconds), w.gestures);
+  return text.empty() ? "-" : text;
+}
+
+void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
+  fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", "frame", "planes",
+             "h", "v", "labelled", "measured", "ignored", "area m2", "review", "time");
+  LabelStatistics sum;
+  double seconds = 0;
+  const auto row = [&](const std::string& name, const LabelStatistics& s, const std::string& review,
+                       const std::string& time) {
+    fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", name, s.planes, s.h,
+               s.v, s.labelled, with_depth ? fmt::format("{}", s.measured) : "-", s.ignored,
+               with_depth ? fmt::format("{:.2f}", s.labelled_m2) : "-", review, time);
+  };
+  for (const FrameStatistics& f : frames) {
+    row(std::to_string(f.frame), f.of, f.review_state, work_text(f.work));
+    sum.planes += f.of.planes;
+    sum.h += f.of.h;
+    sum.v += f.of.v;
+    sum.labelled += f.of.labelled;
+    sum.measured += f.of.measured;
+    sum.ignored += f.of.ignored;
+    sum.labelled_m2 += f.of.labelled_m2;
+    seconds += f.seconds();
+  }
+  row("sum", sum, "", duration_text(seconds));
+}
+
+Json to_json(const FrameStatistics& f, bool with_depth) {
+  Json json = {{"frame", f.frame},
+               {"annotator", f.annotator},
+               {"review_state", f.review_state},
+               {"planes", f.of.planes},
+               {"h", f.of.h},
+               {"v", f.of.v},
+               {"labelled", f.of.labelled},
+               {"ignored", f.of.ignored},
+               {"hidden", f.of.hidden}};
+  json["measured"] = with_depth ? Json(f.of.measured) : Json(nullptr);
+  json["labelled_m2"] = with_depth ? Json(f.of.labelled_m2) : Json(nullptr);
+  json["work"] = Json::array();
+  for (const WorkTime& w : f.work)
+    json["work"].push_back(
+        {{"annotator", w.annotator}, {"seconds", w.seconds}, {"gestures", w.gestures}});
+  return json;
+}
+
+}  // namespace
+
+int run_labels_stats(const LabelsArgs& args, std::stop_token stop) {
+  const LabelledRecording source = open_labels(args);
+  std::map<int, std::vector<WorkTime>> work;
+  for (const WorkTime& w : work_times(source.labels.dir)) work[w.frame].push_back(w);
+  std::vector<FrameStatistics> frames;
+  {
+    Progress progress("stats", static_cast<int>(source.labels.frames.size()));
+    for (const int frame : source.labels.frames) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(frames.size()), fmt::format("frame {}", frame));
+      const FrameLabels labels = read_labels_of(source, frame);
+      frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame]});
+      frames.back().of = source.recording
+                             ? statistics_of(labels, make_label_grid(source.recording->frame(frame),
+                                                                     labels.gravity))
+                             : count_pixels(labels);
+    }
+  }
+  if (!args.json) {
+    print_table(frames, source.recording != nullptr);
+    return 0;
+  }
+  Json json = {{"schema", "planescope.labels_stats/1"}, {"labels", source.labels.dir.string()}};
+  json["recording"] = source.recording ? Json(source.path.string()) : Json(nullptr);
+  json["frames"] = Json::array();
+  for (const FrameStatistics& f : frames)
+    json["frames"].push_back(to_json(f, source.recording != nullptr));
+  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  return 0;
+}
+
+}  // namespace planescope

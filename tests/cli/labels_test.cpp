@@ -1,0 +1,233 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/labels/exchange.hpp"
+#include "core/labels/store.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// Three frames of a floor and a wall, the first two labelled.
+class Labels : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_depth_folder(rec, floor_and_wall(), 3);
+    for (const int frame : {0, 1}) write_labels(rec.string() + ".labels", frame);
+  }
+
+  void write_labels(const fs::path& to, int frame) {
+    write_frame_labels(to, frame, floor_and_wall_labels(*open_recording(rec), frame));
+  }
+  Ran labels(const std::string& command, std::vector<std::string> args) {
+    args.insert(args.begin(), {"labels", command});
+    return run(args);
+  }
+  void expect_refused(const Ran& ran, const std::string& part) {
+    EXPECT_EQ(ran.code, 2) << ran.out;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+  }
+  std::vector<std::uint16_t> planes_in(const fs::path& folder, int frame) {
+    return read_frame_labels(folder, frame, "")->plane.data;
+  }
+
+  const fs::path dir = scratch(), rec = dir / "rec", own = dir / "rec.labels";
+};
+
+}  // namespace
+
+TEST_F(Labels, CheckFindsNothingInGoodLabels) {
+  for (const fs::path& what : {rec, own}) {
+    const Ran ran = labels("check", {what.string()});
+    EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+    EXPECT_NE(ran.out.find("2 labelled frames, 0 damaged, 0 findings"), std::string::npos)
+        << ran.out;
+  }
+}
+
+TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
+  FrameLabels wrong = floor_and_wall_labels(*open_recording(rec), 1);
+  wrong.planes[0].label = Label::v;
+  write_frame_labels(own, 1, wrong);
+  const Ran ran = labels("check", {own.string()});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.out.find("000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
+                         "expected at least 60"),
+            std::string::npos)
+      << ran.out;
+  const Json json = Json::parse(labels("check", {own.string(), "--json"}).out);
+  EXPECT_EQ(json["findings"], 1);
+  EXPECT_EQ(json["frames"][1]["findings"][0]["kind"], "class_normal");
+  EXPECT_EQ(json["frames"][1]["findings"][0]["plane"], 1);
+  EXPECT_EQ(json["frames"][1]["findings"][0]["limit"], 60);
+}
+
+TEST_F(Labels, CheckTellsDamagedFilesFromFindings) {
+  fs::resize_file(own / "000000.plane.png", 60);
+  fs::remove(own / "000001.hv.png");
+  write_labels(own, 2);
+  fs::rename(own / "000002.json", own / "000007.json");
+  const Ran ran = labels("check", {own.string()});
+  EXPECT_EQ(ran.code, 2);
+  for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
+                           "labels of frame 7, the recording has 3", "4 damaged"})
+    EXPECT_NE(ran.out.find(part), std::string::npos) << part << "\n" << ran.out;
+}
+
+TEST_F(Labels, CheckRefusesLabelsOfAnotherDepthImage) {
+  Image16 other = floor_and_wall();
+  other.at(5, 5) = 777;
+  write_depth_folder(dir / "other", other, 2);
+  const Ran ran = labels("check", {own.string(), "--recording", (dir / "other").string()});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_NE(ran.out.find("made for a depth image with SHA-256"), std::string::npos) << ran.out;
+}
+
+TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
+  fs::rename(own, dir / "alone.labels");
+  const Ran ran = labels("check", {(dir / "alone.labels").string()});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("no recording found, give --recording"), std::string::npos) << ran.out;
+}
+
+TEST_F(Labels, WhatIsExportedComesBackByImport) {
+  for (const char* format : {"evops", "ply", "pcd", "kitti", "npz", "coco"}) {
+    SCOPED_TRACE(format);
+    const std::string out = (dir / format).string(), back = out + ".labels";
+    const Ran exported = labels("export", {rec.string(), "--format", format, "-o", out});
+    ASSERT_EQ(exported.code, 0) << exported.err;
+    EXPECT_NE(exported.out.find("000001"), std::string::npos);
+    const Ran imported = labels("import", {rec.string(), "--format", format, "--from", out,
+                                           "--labels", back, "--gravity", "0,1,0"});
+    ASSERT_EQ(imported.code, 0) << imported.err;
+    EXPECT_NE(imported.out.find("frame 1: "), std::string::npos) << imported.out;
+    for (const int frame : {0, 1}) {
+      const auto before = read_frame_labels(own, frame, ""),
+                 after = read_frame_labels(back, frame, "");
+      ASSERT_TRUE(after);
+      EXPECT_EQ(after->plane.data, before->plane.data);
+      EXPECT_EQ(after->hv.data, before->hv.data);
+      EXPECT_EQ(after->depth_sha256, before->depth_sha256);
+    }
+    EXPECT_FALSE(fs::exists(fs::path(back) / "000002.json"));
+  }
+  EXPECT_EQ(files_below(rec).size(), 4u);  // nothing was written there
+}
+
+TEST_F(Labels, AnImportCanBeTakenBack) {
+  LabelledPoints points;
+  points.instance.assign(160 * 120, 5);
+  write_labelled(dir / "five", LabelFormat::evops, points);
+  const auto before = planes_in(own, 1);
+  const Ran ran = labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
+                                    "1", "--gravity", "0,1,0"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(planes_in(own, 1), std::vector<std::uint16_t>(160 * 120, 5));
+  LabelStore store(own);
+  const auto recording = open_recording(rec);
+  store.open(1, floor_and_wall_labels(*recording, 1));
+  ASSERT_EQ(store.undo_frame(), 1);
+  EXPECT_EQ(store.history(1).at(0).title, "Import five.npy");
+  store.undo();
+  EXPECT_EQ(store.labels(1)->plane.data, before);
+}
+
+TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
+  LabelledPoints points;
+  points.instance.assign(100, 5);
+  fs::create_directories(dir / "in");
+  write_labelled(dir / "in/000001", LabelFormat::evops, points);
+  points.instance.assign(160 * 120, 5);
+  write_labelled(dir / "in/000000", LabelFormat::evops, points);
+  const auto import = [&](std::vector<std::string> args) {
+    args.insert(args.begin(), {rec.string(), "--gravity", "0,1,0", "--from"});
+    return labels("import", args);
+  };
+  const std::string in = (dir / "in").string();
+  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points, expected 19200");
+  expect_refused(import({in}), "--format");
+  expect_refused(import({in, "--format", "evop"}), "expected one of evops");
+  expect_refused(import({in, "--format", "npz"}), "expected names such as 000000.npz");
+  expect_refused(import({in + "/000000.npy"}), "--frames N");
+  expect_refused(import({in + "/nothing.npy"}), "nothing.npy: no such file");
+  expect_refused(import({(rec / "camera_intrinsic.json").string(), "--frames", "0"}),
+                 "not a COCO file");
+  EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*open_recording(rec)).plane.data);
+  EXPECT_FALSE(fs::exists(own / "journal"));
+}
+
+TEST_F(Labels, NothingIsImportedWhereAnotherInstanceIsAtWork) {
+  LabelledPoints points;
+  points.instance.assign(160 * 120, 5);
+  write_labelled(dir / "five", LabelFormat::evops, points);
+  LabelStore held(own, {"ann", {}});
+  const auto before = held.open(0, floor_and_wall_labels(*open_recording(rec)));
+  FrameLabels after = *before;
+  after.planes[0].locked = true;
+  held.commit(make_edit(0, "Lock P1", *before, after));
+  expect_refused(labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
+                                   "0", "--gravity", "0,1,0"}),
+                 "read-only: held by ann");
+}
+
+TEST_F(Labels, ExportsStayOutOfTheRecordingAndOfTheLabels) {
+  const auto export_to = [&](const fs::path& out, const std::string& frames = "0:") {
+    return labels("export",
+                  {rec.string(), "--format", "coco", "-o", out.string(), "--frames", frames});
+  };
+  expect_refused(export_to(rec / "out"), "inside the recording");
+  expect_refused(export_to(own), "the folder of the labels themselves");
+  expect_refused(export_to(dir / "out", "2"), "no labels of the frames");
+  expect_refused(labels("export", {rec.string(), "--format", "coco"}), "-o DIR");
+  EXPECT_FALSE(fs::exists(dir / "out"));
+  const Ran voxels = labels("export", {rec.string(), "--format", "voxels", "-o",
+                                       (dir / "out").string(), "--voxel", "0.05"});
+  EXPECT_EQ(voxels.code, 0) << voxels.err;
+  EXPECT_TRUE(fs::exists(dir / "out/000001.voxels.ply"));
+}
+
+TEST_F(Labels, PointFormatsConvertIntoEachOther) {
+  ASSERT_EQ(labels("export", {rec.string(), "--format", "npz", "-o", dir.string()}).code, 0);
+  const auto convert = [&](const char* in, const char* out) {
+    return labels("convert", {(dir / in).string(), "-o", (dir / out).string()});
+  };
+  for (const auto& [in, out] : {std::pair{"000000.npz", "a.ply"},
+                                {"a.ply", "b.pcd"},
+                                {"b.pcd", "c.label"},
+                                {"c.bin", "d.npy"},
+                                {"000000.npz", "e.json"}}) {
+    const Ran ran = convert(in, out);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+  }
+  const LabelledPoints first = read_labelled(dir / "000000.npz", LabelFormat::npz);
+  EXPECT_EQ(read_labelled(dir / "b.pcd", LabelFormat::pcd).pixel, first.pixel);
+  EXPECT_EQ(read_labelled(dir / "c.bin", LabelFormat::kitti).label, first.label);
+  EXPECT_EQ(read_labelled(dir / "d.npy", LabelFormat::evops).instance, first.instance);
+  expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
+  expect_refused(convert("d.npy", "f.txt"), "f.txt: expected a name that ends in");
+}
+
+TEST_F(Labels, StatsCountAreaPlanesAndTime) {
+  const Json json = Json::parse(labels("stats", {rec.string(), "--json"}).out);
+  ASSERT_EQ(json["frames"].size(), 2u);
+  const Json& frame = json["frames"][0];
+  EXPECT_EQ(frame["planes"], 2);
+  EXPECT_EQ(frame["h"], 1);
+  EXPECT_EQ(frame["labelled"], 160 * 120);
+  EXPECT_EQ(frame["measured"], 160 * 120);
+  // The wall: 1.2 m / 120 per pixel, in the rows above the foot at 60 + 120 * 0.5 / 1.2.
+  EXPECT_GT(frame["labelled_m2"], 1.6 * 1.1);
+  EXPECT_LT(frame["labelled_m2"], 1.6 * 1.1 + 0.4);
+  const Ran text = labels("stats", {own.string()});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("sum"), std::string::npos) << text.out;
+  expect_refused(labels("stats", {(dir / "rec/depth").string(), "--labels", dir.string()}),
+                 "no labels in it");
+}
