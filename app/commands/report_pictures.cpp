@@ -6,6 +6,7 @@
 #include "core/image/png.hpp"
 #include "core/report/thumbnail.hpp"
 #include "render/scenes.hpp"
+#include "render/truth_image.hpp"
 
 namespace planescope {
 namespace {
@@ -29,6 +30,23 @@ ReportPicture keep(const Image8& image,
   write_png(job.dir / (name + ".png"), image);
   picture.jpeg = encode_jpeg(shrink(image, job.copy_width), kJpegQuality);
   return picture;
+}
+
+/// Ground truth against the result: on the depth image, or of a cloud in space.
+std::optional<Image8> draw_truth(const LoadedFrame& loaded,
+                                 const JudgedFrame& judged,
+                                 const std::vector<int>& color_of_plane,
+                                 Renderer* renderer) {
+  if (!loaded.frame.is_cloud())
+    return image_truth(loaded.frame, loaded.result, judged, color_of_plane);
+  if (!renderer) return std::nullopt;
+  constexpr int kPanelWidth = 800, kPanelHeight = 720;
+  const Camera camera =
+      frame_camera(loaded.result, static_cast<double>(kPanelWidth) / kPanelHeight);
+  std::vector<Image8> panels;
+  for (const DrawList& list : scenes_truth(loaded.result, judged, color_of_plane))
+    panels.push_back(renderer->render(list, camera, kPanelWidth, kPanelHeight, Theme::light));
+  return side_by_side(panels);
 }
 
 std::string in_planes(const FrameResult& result) {
@@ -75,6 +93,15 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
          fmt::format("The cloud's points with {} coloured and numbered.", in_planes(result)));
     draw(scene_heights(result), "heights", "Points by height",
          fmt::format("{} points coloured by their height.", result.cloud.counts.kept));
+  }
+  if (loaded.truth) {
+    const JudgedFrame judged = judge_frame(result, *loaded.truth);
+    if (const auto image = draw_truth(loaded, judged, color_of_plane, renderer))
+      pictures.push_back(keep(*image, "truth", "Labels, found, and errors",
+                              fmt::format("Side by side the labelled planes, the planes found in "
+                                          "the same colours, and the points where they differ: {}.",
+                                          errors_text(judged)),
+                              job));
   }
   if (!renderer) return pictures;
 

@@ -5,41 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/evaluate/assignment.hpp"
 #include "core/evaluate/label_accuracy.hpp"
+#include "core/evaluate/plane_match.hpp"
 #include "core/geometry/plane.hpp"
 
 namespace planescope {
 namespace {
 
 constexpr double kOverlap = 0.8;  // SegComp (Hoover et al. 1996): a match is 80 % of the points
-
-/// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
-struct Overlap {
-  int truth = 0, found = 0;  // largest ids
-  std::vector<std::uint64_t> shared;
-  std::vector<std::uint64_t> truth_size, found_size;
-  std::uint64_t at(int t, int f) const {
-    return shared[static_cast<std::size_t>(t) * (found + 1) + f];
-  }
-};
-
-Overlap count_overlap(const MetricsInput& input) {
-  Overlap o;
-  for (const std::int32_t t : input.truth) o.truth = std::max(o.truth, t);
-  for (const std::int32_t f : input.found) o.found = std::max(o.found, f);
-  o.shared.assign(static_cast<std::size_t>(o.truth + 1) * (o.found + 1), 0);
-  o.truth_size.assign(o.truth + 1, 0);
-  o.found_size.assign(o.found + 1, 0);
-  for (std::size_t i = 0; i < input.truth.size(); ++i) {
-    if (input.truth[i] < 0) continue;
-    const int t = input.truth[i], f = std::max(0, input.found[i]);
-    ++o.shared[static_cast<std::size_t>(t) * (o.found + 1) + f];
-    ++o.truth_size[t];
-    ++o.found_size[f];
-  }
-  return o;
-}
 
 std::vector<Vec3d> truth_normals(const MetricsInput& input, int planes) {
   std::vector<Vec3d> normals(planes + 1, Vec3d::Zero());
@@ -62,7 +35,7 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
 
 /// Sec. V: mean angle between each found plane's normal and that of the true plane which most of
 /// its points belong to.
-double mean_normal_error(const MetricsInput& input, const Overlap& o) {
+double mean_normal_error(const MetricsInput& input, const PlaneOverlap& o) {
   const std::vector<Vec3d> normals = truth_normals(input, o.truth);
   double sum = 0;
   int count = 0;
@@ -77,22 +50,15 @@ double mean_normal_error(const MetricsInput& input, const Overlap& o) {
   return count > 0 ? sum / count : 0;
 }
 
-void match_planes(const Overlap& o, Metrics& m) {
-  std::vector<double> iou(static_cast<std::size_t>(o.truth) * o.found, 0);
-  for (int t = 1; t <= o.truth; ++t)
-    for (int f = 1; f <= o.found; ++f) {
-      const auto shared = static_cast<double>(o.at(t, f));
-      const double all = static_cast<double>(o.truth_size[t] + o.found_size[f]) - shared;
-      if (all > 0) iou[static_cast<std::size_t>(t - 1) * o.found + (f - 1)] = shared / all;
-    }
-  const std::vector<int> match = best_assignment(iou, o.truth, o.found);
+void score_matches(const PlaneOverlap& o, Metrics& m) {
+  const std::vector<int> match = matched_planes(o);
   std::uint64_t correct = 0, in_planes = 0;
   double sum = 0;
   for (int t = 1; t <= o.truth; ++t) {
     in_planes += o.truth_size[t];
-    if (match[t - 1] < 0) continue;
-    correct += o.at(t, match[t - 1] + 1);
-    const double value = iou[static_cast<std::size_t>(t - 1) * o.found + match[t - 1]];
+    if (match[t - 1] == 0) continue;
+    correct += o.at(t, match[t - 1]);
+    const double value = o.iou(t, match[t - 1]);
     sum += value;
     if (value >= kOverlap) ++m.detected_iou80;
   }
@@ -102,7 +68,7 @@ void match_planes(const Overlap& o, Metrics& m) {
 }
 
 /// SegComp: correct, over- and under-segmented, missed and noise regions at 80 % overlap.
-void classify_regions(const Overlap& o, Metrics& m) {
+void classify_regions(const PlaneOverlap& o, Metrics& m) {
   const auto mostly = [](std::uint64_t part, std::uint64_t whole) {
     return whole > 0 && static_cast<double>(part) >= kOverlap * static_cast<double>(whole);
   };
@@ -157,7 +123,7 @@ void score_labels(const MetricsInput& input, Metrics& m) {
 Metrics evaluate(const MetricsInput& input) {
   assert(input.points.size() == input.truth.size() && input.points.size() == input.found.size());
   Metrics m;
-  const Overlap o = count_overlap(input);
+  const PlaneOverlap o = count_overlap(input.truth, input.found);
   std::uint64_t missing = 0, in_planes = 0;
   for (int t = 1; t <= o.truth; ++t) {
     m.planes_truth += o.truth_size[t] > 0;
@@ -169,7 +135,7 @@ Metrics evaluate(const MetricsInput& input) {
   m.alpha_deg = mean_normal_error(input, o);
   if (m.planes_truth > 0) m.r_p = 100.0 * m.planes_found / m.planes_truth;
   if (in_planes > 0) m.r_m = 100 * static_cast<double>(missing) / static_cast<double>(in_planes);
-  match_planes(o, m);
+  score_matches(o, m);
   classify_regions(o, m);
   score_labels(input, m);
   return m;

@@ -10,4 +10,22 @@ namespace planescope {
 /// not scored, nor are those whose truth says so.
 Metrics score_frame(const FrameResult& result, const SourceTruth& truth);
 
+/// What became of a point.
+enum class Verdict : std::uint8_t {
+  unscored,
+  right,
+  missed,       // on a true plane, and in no plane
+  invented,     // in a plane, and on none
+  wrong_plane,  // in another plane than the one that stands for its own
+  wrong_class,  // in the right plane, which is taken for h where it is v, or the reverse
+};
+
+struct JudgedFrame {
+  std::vector<std::int32_t>
+      true_plane;                // per cloud point, from 1 on without gaps; 0 none, -1 unknown
+  std::vector<Verdict> verdict;  // per cloud point
+  std::vector<int> found_of;     // by true_plane - 1: the found plane that stands for it, or 0
+};
+JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth);
+
 }  // namespace planescope

@@ -62,7 +62,8 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
   for (const Json& recording : report["recordings"]) {
     const Json& frame = recording["frames"][0];
     EXPECT_EQ(frame["planes"].size(), 2u);
-    EXPECT_EQ(frame["pictures"].size(), 7u);
+    const bool has_truth = recording["name"] == "cloud.ply";
+    EXPECT_EQ(frame["pictures"].size(), has_truth ? 8u : 7u);
     for (const Json& picture : frame["pictures"]) {
       const auto info = png_info(dir / "out" / picture["file"].get<std::string>());
       EXPECT_EQ(info.width, picture["width"]);
@@ -73,6 +74,28 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
       << "the cloud carries its truth";
   const std::string page = read_text(dir / "out" / "index.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
+}
+
+TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  FrameLabels labels = floor_and_wall_labels(*open_recording(dir / "rec"));
+  for (int i = 0; i < 160 * 30; ++i) labels.plane.data[i] = labels.hv.data[i] = 0;
+  write_frame_labels(dir / "rec.labels", 0, labels);
+  ASSERT_EQ(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"})).code, 0);
+  const Json frames = read_report(dir / "out")["recordings"][0]["frames"];
+  const auto truth_of = [](const Json& frame) {
+    for (const Json& picture : frame["pictures"])
+      if (picture["name"] == "truth") return picture;
+    return Json();
+  };
+  const Json picture = truth_of(frames[0]);
+  ASSERT_FALSE(picture.is_null());
+  EXPECT_NE(read_text(dir / "out/index.html").find("where they differ: invented 25"),
+            std::string::npos);
+  const auto info = png_info(dir / "out" / picture["file"].get<std::string>());
+  EXPECT_GT(info.width, 3 * info.height / 2) << "three pictures in a row";
+  EXPECT_TRUE(truth_of(frames[1]).is_null()) << "the second frame has no labels";
 }
 
 TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {

@@ -1,0 +1,30 @@
+#pragma once
+
+// Which found plane stands for which true one.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace planescope {
+
+/// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
+struct PlaneOverlap {
+  int truth = 0, found = 0;  // largest ids
+  std::vector<std::uint64_t> shared;
+  std::vector<std::uint64_t> truth_size, found_size;
+
+  std::uint64_t at(int t, int f) const {
+    return shared[static_cast<std::size_t>(t) * (found + 1) + f];
+  }
+  double iou(int t, int f) const;
+};
+
+/// Ids: > 0 a plane, 0 none; truth < 0 is not counted.
+PlaneOverlap count_overlap(std::span<const std::int32_t> truth,
+                           std::span<const std::int32_t> found);
+
+/// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
+std::vector<int> matched_planes(const PlaneOverlap& overlap);
+
+}  // namespace planescope

@@ -1,0 +1,178 @@
+#include "render/truth_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/paint.hpp"
+#include "render/region_image.hpp"
+#include "render/renderer.hpp"
+#include "render/scene_parts.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kTint = 0.55;
+constexpr Rgba kInk{32, 36, 42, 255};
+constexpr int kTitleRoom = 52, kLegendRoom = 52, kGap = 12;  // [px]
+constexpr const char* kTitles[] = {"Labels", "Found", "Errors"};
+constexpr std::size_t kVerdicts = 6;
+constexpr std::array<const char*, kVerdicts> kNames = {"not scored", "right",       "missed",
+                                                       "invented",   "wrong plane", "wrong class"};
+
+std::array<std::size_t, kVerdicts> counts_of(const JudgedFrame& judged) {
+  std::array<std::size_t, kVerdicts> counts{};
+  for (const Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
+  return counts;
+}
+
+/// What each of the three pictures shows of a point; alpha 0: nothing.
+struct PointColors {
+  std::vector<Rgba> of[3];
+};
+PointColors point_colors(const FrameResult& result,
+                         const JudgedFrame& judged,
+                         std::span<const int> color_of_plane) {
+  constexpr Rgba kNone{0, 0, 0, 0};
+  const std::vector<int> true_colors = true_plane_colors(judged, result, color_of_plane);
+  PointColors colors;
+  for (std::size_t i = 0; i < judged.verdict.size(); ++i) {
+    const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];
+    colors.of[0].push_back(truth > 0 ? color_of(truth, true_colors) : kNone);
+    colors.of[1].push_back(found > 0 ? color_of(found, color_of_plane) : kNone);
+    const Verdict verdict = judged.verdict[i];
+    colors.of[2].push_back(verdict == Verdict::right ? kNone : verdict_color(verdict));
+  }
+  return colors;
+}
+
+Image8 titled(const Image8& image, const std::string& title) {
+  Image8 result(image.width, image.height + kTitleRoom, 3, 255);
+  draw_text(result, 4, kTitleRoom - 16, title, 30, kInk);
+  std::copy(image.data.begin(), image.data.end(),
+            result.data.begin() + static_cast<std::ptrdiff_t>(3) * image.width * kTitleRoom);
+  return result;
+}
+
+Image8 with_legend(const Image8& image, const JudgedFrame& judged) {
+  Image8 result(image.width, image.height + kLegendRoom, 3, 255);
+  std::copy(image.data.begin(), image.data.end(), result.data.begin());
+  const int y = image.height + 12;
+  double x = 4;
+  const auto counts = counts_of(judged);
+  for (std::size_t k = 2; k < kVerdicts; ++k) {
+    fill_rect(result, static_cast<int>(x), y, 26, 26, verdict_color(static_cast<Verdict>(k)));
+    x += 36;
+    x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kInk) + 36;
+  }
+  return result;
+}
+
+}  // namespace
+
+Rgba verdict_color(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::missed:
+      return {0, 114, 178, 255};
+    case Verdict::invented:
+      return {230, 159, 0, 255};
+    case Verdict::wrong_plane:
+      return {204, 60, 130, 255};
+    case Verdict::wrong_class:
+      return {0, 158, 115, 255};
+    case Verdict::unscored:
+    case Verdict::right:
+      break;
+  }
+  return kSceneFaded;
+}
+
+std::vector<int> true_plane_colors(const JudgedFrame& judged,
+                                   const FrameResult& result,
+                                   std::span<const int> color_of_plane) {
+  int next = static_cast<int>(result.segmentation.planes.size());
+  for (const int id : color_of_plane) next = std::max(next, id);
+  std::vector<int> colors;
+  for (const int found : judged.found_of) {
+    if (found == 0)
+      colors.push_back(++next);
+    else
+      colors.push_back(
+          color_of_plane.empty() ? found : color_of_plane[static_cast<std::size_t>(found) - 1]);
+  }
+  return colors;
+}
+
+std::string errors_text(const JudgedFrame& judged) {
+  const auto counts = counts_of(judged);
+  const std::size_t scored = judged.verdict.size() - counts[0];
+  std::string text;
+  for (std::size_t k = 2; k < kVerdicts; ++k)
+    if (counts[k] > 0)
+      text +=
+          fmt::format("{}{} {}", text.empty() ? "" : ", ", kNames[k], percent(counts[k], scored));
+  return text.empty() ? "all right" : text;
+}
+
+Image8 image_truth(const Frame& frame,
+                   const FrameResult& result,
+                   const JudgedFrame& judged,
+                   std::span<const int> color_of_plane) {
+  const PointColors colors = point_colors(result, judged, color_of_plane);
+  const Image8 relief = shaded_depth(frame);
+  const int factor = enlargement(relief.width);
+  std::vector<Image8> panels;
+  for (int k = 0; k < 3; ++k) {
+    Image8 panel = relief;
+    for (std::size_t i = 0; i < result.cloud.source.size(); ++i) {
+      const auto pixel = static_cast<int>(result.cloud.source[i]);
+      const Rgba color = colors.of[k][i];
+      if (color.a > 0)
+        blend_pixel(panel, pixel % panel.width, pixel / panel.width, color, k < 2 ? kTint : 0.85);
+    }
+    panels.push_back(titled(enlarge(panel, factor), kTitles[k]));
+  }
+  return with_legend(side_by_side(panels), judged);
+}
+
+std::array<DrawList, 3> scenes_truth(const FrameResult& result,
+                                     const JudgedFrame& judged,
+                                     std::span<const int> color_of_plane) {
+  const PointColors colors = point_colors(result, judged, color_of_plane);
+  std::array<DrawList, 3> scenes;
+  for (int k = 0; k < 3; ++k) {
+    DrawPoints points;
+    points.size_m = 0.012F;
+    points.min_px = 2.5F;
+    for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
+      if (!result.cloud.kept[i]) continue;
+      points.positions.push_back(result.cloud.points[i]);
+      points.colors.push_back(colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded);
+    }
+    scenes[k].points.push_back(std::move(points));
+    scenes[k].title = kTitles[k];
+  }
+  const auto counts = counts_of(judged);
+  for (std::size_t v = 2; v < kVerdicts; ++v)
+    scenes[2].legend.push_back({LegendEntry::Mark::dot, verdict_color(static_cast<Verdict>(v)),
+                                fmt::format("{}  {}", kNames[v], counts[v])});
+  return scenes;
+}
+
+Image8 side_by_side(std::span<const Image8> images) {
+  int width = -kGap, height = 0;
+  for (const Image8& image : images) {
+    width += image.width + kGap;
+    height = std::max(height, image.height);
+  }
+  Image8 row(std::max(width, 0), height, 3, 255);
+  int left = 0;
+  for (const Image8& image : images) {
+    for (int y = 0; y < image.height; ++y)
+      std::copy_n(&image.at(0, y), 3 * image.width, &row.at(left, y));
+    left += image.width + kGap;
+  }
+  return row;
+}
+
+}  // namespace planescope
