@@ -1,0 +1,136 @@
+#include "core/labels/carry.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/labels/operations.hpp"
+#include "small_frames.hpp"
+
+namespace planescope {
+namespace {
+
+using test::TrueFrame;
+
+/// Two views of a scene, the second 3 cm and about 1.5 degrees on.
+struct Step {
+  TrueFrame from, to;
+  Pose T_to_from;
+};
+Step step_in(const std::string& name, bool color) {
+  const Scene scene = make_scene(name, 1);
+  CameraPose moved = scene.camera;
+  moved.position += Vec3d(0.025, 0.015, 0.005);
+  moved.yaw_deg += 1;
+  moved.pitch_deg -= 1;
+  moved.roll_deg += 0.5;
+  return {test::view_of(scene, scene.camera, color), test::view_of(scene, moved, color),
+          pose_of(moved).inverse() * pose_of(scene.camera)};
+}
+
+CarriedLabels carry(const Step& step, const FrameLabels& labels, const FrameLabels& existing) {
+  return carry_labels(step.from.frame, step.from.grid, labels, step.to.frame, step.to.grid,
+                      existing, {}, {});
+}
+
+TEST(Carry, LabelsLandOnTheirPlanesInTheNextFrame) {
+  for (const bool color : {true, false}) {
+    const Step step = step_in("boxes", color);
+    const CarriedLabels carried = carry(step, step.from.truth, empty_labels(step.to.grid, ""));
+    EXPECT_EQ(carried.method, color ? "RGB-D odometry" : "ICP");
+    EXPECT_GT(carried.fitness, 0.8);
+    const Pose error = step.T_to_from.inverse() * carried.T_to_from;
+    EXPECT_LT(error.translation().norm(), 0.003);
+    EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.002);
+    for (const LabelPlane& plane : step.to.truth.planes) {
+      const PixelSet expected = pixels_of_plane(step.to.truth, plane.id);
+      if (expected.size() < 3000) continue;
+      EXPECT_GT(test::iou(pixels_of_plane(carried.labels, plane.id), expected), 0.9)
+          << "P" << plane.id;
+      const LabelPlane* there = find_plane(carried.labels, plane.id);
+      ASSERT_TRUE(there);
+      EXPECT_EQ(there->origin, LabelOrigin::carried);
+      EXPECT_GT(there->confidence, 0.9);
+      EXPECT_GT(there->normal.dot(plane.normal), 0.999);
+    }
+  }
+}
+
+TEST(Carry, RepeatsBitByBit) {
+  const Step step = step_in("stairs", true);
+  const FrameLabels blank = empty_labels(step.to.grid, "");
+  const CarriedLabels first = carry(step, step.from.truth, blank);
+  const CarriedLabels second = carry(step, step.from.truth, blank);
+  EXPECT_EQ(first.T_to_from.matrix(), second.T_to_from.matrix());
+  EXPECT_EQ(first.labels.plane.data, second.labels.plane.data);
+  EXPECT_EQ(first.labels.planes, second.labels.planes);
+  EXPECT_EQ(first.doubt, second.doubt);
+}
+
+TEST(Carry, WhatIsLabelledAlreadyStays) {
+  const Step step = step_in("corner", false);
+  const FrameLabels blank = empty_labels(step.to.grid, "");
+  const PixelSet mine = test::rectangle(step.to.grid, 300, 300, 340, 340);
+  const FrameLabels existing = painted(blank, step.to.grid, mine, {1, Label::v}, PaintMode::over);
+  const CarriedLabels carried = carry(step, step.from.truth, existing);
+  for (const std::uint32_t i : mine)
+    ASSERT_EQ(carried.labels.plane.data[i], step.to.grid.measured[i] ? 1 : 0) << i;
+  EXPECT_EQ(find_plane(carried.labels, 1)->origin, LabelOrigin::hand);
+}
+
+TEST(Carry, APlaneThatIsNoLongerThereIsLeftToTheUser) {
+  Step step = step_in("corner", false);
+  // Something else lies where the plane was: all of its labels are wrong.
+  FrameLabels labels = empty_labels(step.from.grid, "");
+  PixelSet slanted;
+  for (const std::uint32_t i : test::rectangle(step.from.grid, 200, 200, 400, 400))
+    if (step.from.grid.measured[i]) slanted.push_back(i);
+  labels = painted(labels, step.from.grid, slanted, {7}, PaintMode::over);
+  labels.planes[0].offset_m -= 0.3;
+  const CarriedLabels carried = carry(step, labels, empty_labels(step.to.grid, ""));
+  ASSERT_EQ(carried.planes.size(), 1u);
+  EXPECT_EQ(carried.planes[0].pixels, 0u);
+  EXPECT_GT(carried.planes[0].doubtful, 10000u);
+  EXPECT_TRUE(carried.labels.planes.empty());
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(carried.doubt, 1)),
+            carried.planes[0].doubtful);
+}
+
+TEST(Carry, IgnoredPixelsAndClassesWithoutAPlaneAreCarriedToo) {
+  const Step step = step_in("corner", false);
+  FrameLabels labels = empty_labels(step.from.grid, "");
+  labels = painted(labels, step.from.grid, test::rectangle(step.from.grid, 200, 200, 300, 300),
+                   {kPlaneIgnore}, PaintMode::over);
+  labels = painted(labels, step.from.grid, test::rectangle(step.from.grid, 300, 200, 400, 300),
+                   {0, Label::h}, PaintMode::over);
+  const CarriedLabels carried = carry(step, labels, empty_labels(step.to.grid, ""));
+  EXPECT_GT(std::ranges::count(carried.labels.plane.data, kPlaneIgnore), 8000);
+  EXPECT_GT(std::ranges::count(carried.labels.hv.data, 1), 8000);
+}
+
+TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
+  Step step = step_in("corner", false);
+  const Scene other = make_scene("stairs", 4);
+  step.to = test::view_of(other, other.camera, false);
+  for (auto& depth : step.to.frame.depth.data) depth = static_cast<std::uint16_t>(depth * 3);
+  step.to.grid = make_label_grid(step.to.frame, step.to.truth.gravity);
+  try {
+    carry(step, step.from.truth, empty_labels(step.to.grid, ""));
+    FAIL() << "carried";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("corner"), std::string::npos) << message;
+    EXPECT_NE(message.find("expected at least 30 %"), std::string::npos) << message;
+  }
+}
+
+TEST(Carry, StopsWhenItIsTold) {
+  const Step step = step_in("corner", false);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THROW(carry_labels(step.from.frame, step.from.grid, step.from.truth, step.to.frame,
+                            step.to.grid, empty_labels(step.to.grid, ""), {}, stop.get_token()),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace planescope

@@ -1,0 +1,208 @@
+#include "core/labels/operations.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "small_frames.hpp"
+
+namespace planescope {
+namespace {
+
+using test::rectangle;
+
+class Operations : public testing::Test {
+ protected:
+  const LabelGrid grid = test::wall_grid();
+  const FrameLabels blank = empty_labels(grid, std::string(64, 'a'));
+
+  FrameLabels with_plane(const FrameLabels& labels, int id, const PixelSet& pixels) const {
+    return painted(labels, grid, pixels, {id}, PaintMode::over);
+  }
+};
+
+TEST_F(Operations, PaintingMakesAPlaneFittedToItsPixels) {
+  const PixelSet pixels = rectangle(grid, 4, 4, 14, 14);
+  const FrameLabels labels =
+      painted(blank, grid, pixels, {3, Label::unknown, LabelOrigin::wand}, PaintMode::over);
+  ASSERT_EQ(labels.planes.size(), 1u);
+  const LabelPlane& plane = labels.planes[0];
+  EXPECT_EQ(plane.id, 3);
+  EXPECT_EQ(plane.label, Label::v);  // by its tilt
+  EXPECT_EQ(plane.origin, LabelOrigin::wand);
+  EXPECT_LT((plane.normal - Vec3d(0, 0, -1)).norm(), 1e-6);
+  EXPECT_NEAR(plane.offset_m, -1, 1e-6);
+  EXPECT_EQ(plane.fragments, 1);
+  EXPECT_EQ(pixels_of_plane(labels, 3), pixels);
+  EXPECT_EQ(labels.hv.data[pixels[0]], 2);
+  EXPECT_EQ(blank.planes.size(), 0u);
+}
+
+TEST_F(Operations, AClassThatIsGivenWinsOverTheTilt) {
+  const FrameLabels labels =
+      painted(blank, grid, rectangle(grid, 4, 4, 14, 14), {1, Label::h}, PaintMode::over);
+  EXPECT_EQ(labels.planes[0].label, Label::h);
+  EXPECT_EQ(labels.hv.at(5, 5), 1);
+}
+
+TEST_F(Operations, PixelsThatWereNotMeasuredKeepNoLabel) {
+  Frame frame = test::frame_of(20, 20, [](int, int) { return 1.0; });
+  frame.depth.at(6, 6) = 0;
+  const LabelGrid holed = make_label_grid(frame, Gravity{});
+  const FrameLabels labels =
+      painted(empty_labels(holed, ""), holed, rectangle(holed, 4, 4, 14, 14), {1}, PaintMode::over);
+  EXPECT_EQ(labels.plane.at(6, 6), 0);
+  EXPECT_EQ(labels.plane.at(7, 6), 1);
+}
+
+TEST_F(Operations, AddingTakesOnlyWhatHadNoLabel) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = painted(labels, grid, rectangle(grid, 5, 0, 15, 10), {2}, PaintMode::add);
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 100u);
+  EXPECT_EQ(pixels_of_plane(labels, 2).size(), 50u);
+}
+
+TEST_F(Operations, SubtractingTakesOffThePaintsOwnLabelAlone) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = with_plane(labels, 2, rectangle(grid, 10, 0, 20, 10));
+  labels = painted(labels, grid, rectangle(grid, 5, 0, 15, 10), {1}, PaintMode::subtract);
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 50u);
+  EXPECT_EQ(pixels_of_plane(labels, 2).size(), 100u);
+}
+
+TEST_F(Operations, APlaneWithoutPixelsLeavesTheList) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = with_plane(labels, 2, rectangle(grid, 0, 0, 20, 20));
+  ASSERT_EQ(labels.planes.size(), 1u);
+  EXPECT_EQ(labels.planes[0].id, 2);
+}
+
+TEST_F(Operations, IgnoredAndClassAloneAreNoPlanes) {
+  FrameLabels labels =
+      painted(blank, grid, rectangle(grid, 0, 0, 5, 5), {kPlaneIgnore}, PaintMode::over);
+  labels = painted(labels, grid, rectangle(grid, 5, 0, 10, 5), {0, Label::h}, PaintMode::over);
+  EXPECT_TRUE(labels.planes.empty());
+  EXPECT_EQ(labels.plane.at(0, 0), kPlaneIgnore);
+  EXPECT_EQ(labels.hv.at(0, 0), kHvIgnore);
+  EXPECT_EQ(labels.plane.at(6, 0), 0);
+  EXPECT_EQ(labels.hv.at(6, 0), 1);
+  labels = painted(labels, grid, rectangle(grid, 0, 0, 10, 5), {0}, PaintMode::over);
+  EXPECT_EQ(labels.plane.data, blank.plane.data);
+  EXPECT_EQ(labels.hv.data, blank.hv.data);
+}
+
+TEST_F(Operations, LockedPlanesNeitherLoseNorGainPixels) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = with_flag(labels, 1, PlaneFlag::locked, true);
+  EXPECT_EQ(with_plane(labels, 1, rectangle(grid, 10, 0, 20, 10)).plane.data, labels.plane.data);
+  EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).plane.data, labels.plane.data);
+  EXPECT_TRUE(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).planes.size() == 1);
+  EXPECT_THROW(with_class(labels, 1, Label::h), Error);
+  EXPECT_THROW(without_plane(labels, grid, 1), Error);
+  EXPECT_THROW(split_by_parts(labels, grid, 1, 0), Error);
+  EXPECT_FALSE(with_flag(labels, 1, PlaneFlag::locked, false).planes[0].locked);
+}
+
+TEST_F(Operations, HiddenPlanesLoseNoPixel) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = with_flag(labels, 1, PlaneFlag::hidden, true);
+  labels = with_plane(labels, 2, rectangle(grid, 0, 0, 20, 10));
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 100u);
+  EXPECT_EQ(pixels_of_plane(labels, 2).size(), 100u);
+}
+
+TEST_F(Operations, TouchingACarriedPlaneSettlesIt) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels.planes[0].confidence = 0.4;
+  EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 20, 0, 30, 10)).planes[0].confidence, 0.4);
+  EXPECT_EQ(with_plane(labels, 1, rectangle(grid, 10, 0, 12, 10)).planes[0].confidence, 1);
+  EXPECT_EQ(with_class(labels, 1, Label::h).planes[0].confidence, 1);
+}
+
+TEST_F(Operations, TheSmallestFreeNumberIsGivenAway) {
+  EXPECT_EQ(free_plane_id(blank), 1);
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 5, 5));
+  labels = with_plane(labels, 3, rectangle(grid, 5, 0, 10, 5));
+  EXPECT_EQ(free_plane_id(labels), 2);
+  labels = with_plane(labels, 2, rectangle(grid, 10, 0, 15, 5));
+  EXPECT_EQ(free_plane_id(labels), 4);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(labels.planes[i].id, i + 1);  // in order
+}
+
+TEST_F(Operations, ChangingAClassChangesAllItsPixels) {
+  const FrameLabels labels =
+      with_class(with_plane(blank, 1, rectangle(grid, 0, 0, 5, 5)), 1, Label::h);
+  EXPECT_EQ(labels.planes[0].label, Label::h);
+  EXPECT_EQ(std::ranges::count(labels.hv.data, 1), 25);
+  EXPECT_THROW(with_class(labels, 2, Label::h), Error);
+}
+
+TEST_F(Operations, JoinedPlanesAreOne) {
+  FrameLabels labels =
+      painted(blank, grid, rectangle(grid, 0, 0, 5, 5), {1, Label::h}, PaintMode::over);
+  labels = with_plane(labels, 2, rectangle(grid, 20, 0, 25, 5));
+  labels = joined(labels, grid, 1, 2);
+  ASSERT_EQ(labels.planes.size(), 1u);
+  EXPECT_EQ(labels.planes[0].fragments, 2);
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 50u);
+  EXPECT_EQ(std::ranges::count(labels.hv.data, 1), 50);
+  EXPECT_THROW(joined(labels, grid, 1, 2), Error);
+}
+
+TEST_F(Operations, SplittingByPartsKeepsTheNumberForTheLargest) {
+  PixelSet pixels = rectangle(grid, 0, 0, 5, 5);
+  for (const std::uint32_t pixel : rectangle(grid, 20, 0, 30, 10)) pixels.push_back(pixel);
+  const FrameLabels labels = split_by_parts(with_plane(blank, 4, pixels), grid, 4, 0.001);
+  ASSERT_EQ(labels.planes.size(), 2u);
+  EXPECT_EQ(pixels_of_plane(labels, 4).size(), 100u);
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 25u);
+  EXPECT_EQ(labels.planes[0].fragments, 1);
+}
+
+TEST_F(Operations, SmallPartsGoWithTheNearestLargeOne) {
+  PixelSet pixels = rectangle(grid, 0, 0, 10, 10);
+  for (const std::uint32_t pixel : rectangle(grid, 28, 0, 40, 10)) pixels.push_back(pixel);
+  for (const std::uint32_t pixel : rectangle(grid, 12, 4, 14, 6)) pixels.push_back(pixel);
+  const FrameLabels labels = split_by_parts(with_plane(blank, 1, pixels), grid, 1, 0.005);
+  EXPECT_EQ(pixels_of_plane(labels, 1).size(), 120u);
+  EXPECT_EQ(pixels_of_plane(labels, 2).size(), 104u);
+}
+
+TEST_F(Operations, PartsMeetAcrossWhatWasNotMeasured) {
+  const LabelGrid gap = make_label_grid(
+      test::frame_of(40, 20, [](int u, int) { return u == 10 || u == 11 ? 0.0 : 1.0; }), Gravity{});
+  const FrameLabels labels =
+      painted(empty_labels(gap, ""), gap, rectangle(gap, 0, 0, 20, 10), {1}, PaintMode::over);
+  EXPECT_EQ(split_by_parts(labels, gap, 1, 0, 2).planes.size(), 1u);
+  EXPECT_EQ(split_by_parts(labels, gap, 1, 0, 1).planes.size(), 2u);
+}
+
+TEST_F(Operations, ACutTakesWhatLiesToTheRightOfIt) {
+  const FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 20, 10));
+  const auto down = sides_of_line(grid.width, grid.height, {12, 0}, {12, 20});
+  const FrameLabels cut = split_by_side(labels, grid, 1, down);
+  EXPECT_EQ(pixels_of_plane(cut, 1), rectangle(grid, 12, 0, 20, 10));
+  EXPECT_EQ(pixels_of_plane(cut, 2), rectangle(grid, 0, 0, 12, 10));  // right of the way down
+  const auto beside = sides_of_line(grid.width, grid.height, {30, 0}, {30, 20});
+  EXPECT_EQ(split_by_side(labels, grid, 1, beside).planes.size(), 1u);
+}
+
+TEST_F(Operations, ASegmentationReplacesAllButLockedAndHiddenPlanes) {
+  FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
+  labels = with_plane(labels, 2, rectangle(grid, 10, 0, 20, 10));
+  labels = with_flag(labels, 1, PlaneFlag::locked, true);
+  std::vector<std::int32_t> plane_of(grid.pixels(), 0);
+  for (const std::uint32_t pixel : rectangle(grid, 5, 0, 30, 10)) plane_of[pixel] = 1;
+  for (const std::uint32_t pixel : rectangle(grid, 0, 10, 30, 20)) plane_of[pixel] = 2;
+  const Label classes[] = {Label::h, Label::unknown};
+  labels = from_segmentation(labels, grid, plane_of, classes);
+  ASSERT_EQ(labels.planes.size(), 3u);
+  EXPECT_EQ(pixels_of_plane(labels, 1), rectangle(grid, 0, 0, 10, 10));
+  EXPECT_EQ(pixels_of_plane(labels, 2), rectangle(grid, 0, 10, 30, 20));
+  EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was taken
+  EXPECT_EQ(find_plane(labels, 3)->label, Label::h);
+  EXPECT_EQ(find_plane(labels, 2)->label, Label::v);  // by its tilt
+  EXPECT_EQ(find_plane(labels, 2)->origin, LabelOrigin::algorithm);
+}
+
+}  // namespace
+}  // namespace planescope

@@ -1,0 +1,73 @@
+#pragma once
+
+// Small depth frames with plain shapes, and views of the synthetic scenes with their truth.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <string>
+
+#include "core/labels/grid.hpp"
+#include "core/synthetic/render_scene.hpp"
+#include "core/synthetic/scenes.hpp"
+
+namespace planescope::test {
+
+/// Depth in metres of every pixel, 0 none. Millimetre counts, focal length 100 px.
+inline Frame frame_of(int width, int height, const std::function<double(int, int)>& depth_m) {
+  Frame frame;
+  frame.name = "small";
+  frame.depth = Image16(width, height);
+  frame.depth_unit_m = 0.001;
+  frame.intrinsics = {width, height, 100, 100, width / 2.0, height / 2.0, Distortion::none, {}};
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      frame.depth.at(u, v) = static_cast<std::uint16_t>(std::lround(1000 * depth_m(u, v)));
+  return frame;
+}
+
+/// An upright wall, 1 m before the camera.
+inline LabelGrid wall_grid(int width = 40, int height = 30) {
+  return make_label_grid(frame_of(width, height, [](int, int) { return 1.0; }), Gravity{});
+}
+
+inline std::uint32_t pixel_at(const LabelGrid& grid, int u, int v) {
+  return static_cast<std::uint32_t>(v * grid.width + u);
+}
+
+/// All pixels of [u0, u1) x [v0, v1).
+inline PixelSet rectangle(const LabelGrid& grid, int u0, int v0, int u1, int v1) {
+  PixelSet pixels;
+  for (int v = v0; v < v1; ++v)
+    for (int u = u0; u < u1; ++u) pixels.push_back(pixel_at(grid, u, v));
+  return pixels;
+}
+
+/// A scene of planescope synth, as the camera model sees it.
+struct TrueFrame {
+  Frame frame;
+  FrameLabels truth;  // measured pixels only
+  LabelGrid grid;
+};
+inline TrueFrame view_of(const Scene& scene, const CameraPose& camera, bool color = true) {
+  TrueFrame view;
+  D435Model model;
+  model.color = color;
+  view.frame = render_scene(scene, camera, model, 1, &view.truth);
+  view.frame.name = scene.name;
+  view.grid = make_label_grid(view.frame, view.truth.gravity);
+  for (std::size_t i = 0; i < view.grid.pixels(); ++i)
+    if (!view.grid.measured[i]) view.truth.plane.data[i] = view.truth.hv.data[i] = 0;
+  return view;
+}
+
+/// Shared of joint pixels; both ascending.
+inline double iou(const PixelSet& a, const PixelSet& b) {
+  PixelSet both;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  const double joint = static_cast<double>(a.size() + b.size() - both.size());
+  return joint > 0 ? static_cast<double>(both.size()) / joint : 0;
+}
+
+}  // namespace planescope::test

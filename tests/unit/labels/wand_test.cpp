@@ -1,0 +1,201 @@
+#include "core/labels/wand.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+
+#include "core/labels/operations.hpp"
+#include "core/labels/parts.hpp"
+#include "small_frames.hpp"
+
+namespace planescope {
+namespace {
+
+using test::TrueFrame;
+
+/// The connected part of a true plane around its pixel in the middle of the list.
+PixelSet largest_part(const TrueFrame& view, int plane) {
+  const auto parts = connected_parts(view.grid, pixels_of_plane(view.truth, plane), 4);
+  return *std::ranges::max_element(parts, {}, &PixelSet::size);
+}
+
+/// Of a part, the pixel farthest from anything else.
+std::uint32_t deepest(const TrueFrame& view, const PixelSet& part) {
+  std::vector<std::uint8_t> open(view.grid.pixels(), 0);
+  for (const std::uint32_t i : part) open[i] = 1;
+  PixelSet left = part, inner;
+  while (true) {
+    inner.clear();
+    for (const std::uint32_t i : left) {
+      int around = 0;
+      for_neighbours(i, view.grid.width, view.grid.height,
+                     [&](std::uint32_t j) { around += open[j]; });
+      if (around == 8) inner.push_back(i);
+    }
+    if (inner.empty()) return left[left.size() / 2];
+    for (const std::uint32_t i : left) open[i] = 0;
+    for (const std::uint32_t i : inner) open[i] = 1;
+    left.swap(inner);
+  }
+}
+
+TrueFrame scene(const std::string& name, std::uint64_t seed = 1) {
+  const Scene scene = make_scene(name, seed);
+  return test::view_of(scene, scene.camera);
+}
+
+TEST(Wand, OneClickTakesAPlaneOfASceneAndLittleElse) {
+  for (const char* name : {"stairs", "boxes", "corner"}) {
+    const TrueFrame view = scene(name);
+    for (const LabelPlane& plane : view.truth.planes) {
+      if (pixels_of_plane(view.truth, plane.id).size() < 6000) continue;
+      const PixelSet part = largest_part(view, plane.id);
+      const auto result = grow_plane(view.grid, nullptr, std::array{deepest(view, part)}, {});
+      ASSERT_TRUE(result) << name << " P" << plane.id;
+      EXPECT_GT(test::iou(result->pixels, part), 0.85) << name << " P" << plane.id;
+      EXPECT_EQ(result->label, plane.label) << name << " P" << plane.id;
+      EXPECT_GT(result->plane.normal.dot(plane.normal), 0.999) << name << " P" << plane.id;
+    }
+  }
+}
+
+TEST(Wand, PixelsAreAscendingConnectedAndMeasured) {
+  const TrueFrame view = scene("boxes");
+  const std::uint32_t click = deepest(view, largest_part(view, 1));
+  const auto result = grow_plane(view.grid, nullptr, std::array{click}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(std::ranges::adjacent_find(result->pixels, std::ranges::greater_equal{}),
+            result->pixels.end());
+  for (const std::uint32_t i : result->pixels) ASSERT_TRUE(view.grid.measured[i]);
+  EXPECT_EQ(result->fragment_pixels, std::vector<std::size_t>{result->pixels.size()});
+}
+
+TEST(Wand, TheSameClickGivesTheSameAnswer) {
+  const TrueFrame view = scene("stairs");
+  const std::uint32_t click = deepest(view, largest_part(view, 2));
+  const auto first = grow_plane(view.grid, nullptr, std::array{click}, {});
+  const auto second = grow_plane(view.grid, nullptr, std::array{click}, {});
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->pixels, second->pixels);
+  EXPECT_EQ(first->plane.normal, second->plane.normal);
+}
+
+/// A floor that meets a wall at row `crease`, without noise: 0.5 m below a camera 1 m before it.
+LabelGrid floor_and_wall(int holes_every = 0) {
+  return make_label_grid(test::frame_of(160, 120,
+                                        [&](int u, int v) {
+                                          if (holes_every > 0 && (u + 3 * v) % holes_every == 0)
+                                            return 0.0;
+                                          const double down = (v - 60) / 100.0;
+                                          return down * 1.0 > 0.3 ? 0.3 / down : 1.0;
+                                        }),
+                         Gravity{});
+}
+
+TEST(Wand, NeitherSideOfACreaseBleedsOntoTheOther) {
+  const LabelGrid grid = floor_and_wall();
+  const auto floor = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 110)}, {});
+  const auto wall = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 40)}, {});
+  ASSERT_TRUE(floor && wall);
+  EXPECT_EQ(floor->label, Label::h);
+  EXPECT_EQ(wall->label, Label::v);
+  // The crease is at row 90; it lies on both.
+  EXPECT_GE(floor->pixels.front() / 160, 90u);
+  EXPECT_LE(floor->pixels.front() / 160, 91u);
+  EXPECT_LE(wall->pixels.back() / 160, 90u);
+  EXPECT_GE(wall->pixels.back() / 160, 89u);
+  EXPECT_GT(floor->pixels.size(), 0.97 * 29 * 160);
+  EXPECT_GT(wall->pixels.size(), 0.97 * 90 * 160);
+}
+
+TEST(Wand, HolesDoNotCutASurfaceIntoPieces) {
+  const LabelGrid grid = floor_and_wall(5);
+  const auto wall = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 80, 40)}, {});
+  ASSERT_TRUE(wall);
+  EXPECT_GT(wall->pixels.size(), 0.95 * 0.8 * 90 * 160);
+}
+
+TEST(Wand, AClickInAHoleFindsTheSurfaceAroundIt) {
+  const LabelGrid grid = make_label_grid(
+      test::frame_of(80, 60, [](int u, int v) { return u == 40 && v == 30 ? 0.0 : 1.0; }),
+      Gravity{});
+  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 40, 30)}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->pixels.size(), 80u * 60 - 1);
+}
+
+TEST(Wand, AClickOnANoisyPixelFindsTheSurfaceAndFillsTheSpeck) {
+  const LabelGrid grid = make_label_grid(
+      test::frame_of(80, 60, [](int u, int v) { return u == 40 && v == 30 ? 1.011 : 1.0; }),
+      Gravity{});
+  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 40, 30)}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->pixels.size(), 80u * 60);
+}
+
+TEST(Wand, SaysWhyThereIsNoPlane) {
+  std::string why;
+  const LabelGrid hole = make_label_grid(
+      test::frame_of(80, 60, [](int u, int) { return u < 40 ? 1.0 : 0.0; }), Gravity{});
+  EXPECT_FALSE(grow_plane(hole, nullptr, std::array{test::pixel_at(hole, 70, 30)}, {}, &why));
+  EXPECT_EQ(why, "nothing was measured there");
+  const LabelGrid rough = make_label_grid(
+      test::frame_of(80, 60, [](int u, int v) { return 1 + 0.3 * ((u * 7 + v * 13) % 10); }),
+      Gravity{});
+  EXPECT_FALSE(grow_plane(rough, nullptr, std::array{test::pixel_at(rough, 40, 30)}, {}, &why));
+  EXPECT_EQ(why, "no plane there");
+}
+
+TEST(Wand, LeavesLabelledPixelsUnlessToldOtherwise) {
+  const LabelGrid grid = test::wall_grid(80, 60);
+  const FrameLabels labels = painted(empty_labels(grid, ""), grid,
+                                     test::rectangle(grid, 0, 0, 20, 60), {1}, PaintMode::over);
+  WandOptions options;
+  const std::array click{test::pixel_at(grid, 50, 30)};
+  EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 60u * 60);
+  options.take_labelled = true;
+  EXPECT_EQ(grow_plane(grid, &labels, click, options)->pixels.size(), 80u * 60);
+  const FrameLabels locked = with_flag(labels, 1, PlaneFlag::locked, true);
+  EXPECT_EQ(grow_plane(grid, &locked, click, options)->pixels.size(), 60u * 60);
+  std::string why;
+  EXPECT_FALSE(grow_plane(grid, &locked, std::array{test::pixel_at(grid, 8, 30)}, options, &why));
+  EXPECT_EQ(why, "it has a label already");
+}
+
+TEST(Wand, LaterSeedsAddFragmentsOfTheSamePlaneAndNothingElse) {
+  // A pillar before a wall cuts it in two.
+  const LabelGrid grid = make_label_grid(
+      test::frame_of(120, 60, [](int u, int) { return u >= 50 && u < 70 ? 0.7 : 1.0; }), Gravity{});
+  const std::array seeds{test::pixel_at(grid, 20, 30), test::pixel_at(grid, 100, 30),
+                         test::pixel_at(grid, 60, 30)};
+  const auto result = grow_plane(grid, nullptr, seeds, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->pixels.size(), 100u * 60);
+  EXPECT_EQ(result->fragment_pixels, (std::vector<std::size_t>{50 * 60, 50 * 60, 0}));
+}
+
+TEST(Wand, ColorDecidesWhereDepthIsRagged) {
+  // A board's right border: 5 columns that neither fit it nor are far off, painted as the board is
+  // in two of them.
+  Frame frame = test::frame_of(120, 80, [](int u, int) {
+    return u < 60 ? 1.0 : u < 65 ? 1.012 : 1.3;
+  });
+  frame.color = Image8(120, 80, 3);
+  for (int v = 0; v < 80; ++v)
+    for (int u = 0; u < 120; ++u)
+      for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = u < 62 ? 200 : 40;
+  frame.color_aligned = true;
+  const LabelGrid grid = make_label_grid(frame, Gravity{});
+  WandOptions options;
+  const std::array click{test::pixel_at(grid, 20, 40)};
+  const auto with_color = grow_plane(grid, nullptr, click, options);
+  options.use_color = false;
+  const auto without = grow_plane(grid, nullptr, click, options);
+  ASSERT_TRUE(with_color && without);
+  EXPECT_EQ(without->pixels.size(), 60u * 80);
+  EXPECT_EQ(with_color->pixels.size(), 62u * 80);
+}
+
+}  // namespace
+}  // namespace planescope
