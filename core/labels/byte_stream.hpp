@@ -58,7 +58,7 @@ class ByteReader {
   }
   std::string text() {
     const auto size = static_cast<std::size_t>(number(bytes_.size()));
-    const std::string value(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size));
+    std::string value(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size));
     bytes_ = bytes_.subspan(size);
     return value;
   }

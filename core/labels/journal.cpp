@@ -144,7 +144,7 @@ void Journal::scan(const Visitor& visit) {
 fs::path Journal::set_damaged_aside() {
   std::vector<unsigned char> rest(static_cast<std::size_t>(damaged()));
   read_or_throw(path_, file_, rest, end_);
-  const fs::path aside = unused_path(path_.string() + ".damaged-");
+  fs::path aside = unused_path(path_.string() + ".damaged-");
   replace_file(aside, rest);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0) {
     throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +

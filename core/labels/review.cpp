@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <ranges>
 
 #include "core/base/error.hpp"
 #include "core/labels/operations.hpp"
@@ -101,9 +102,9 @@ double area_of(const PixelSet& pixels, const LabelGrid& grid, const LabelPlane* 
 std::optional<ReviewNote> note_about(const Disagreement& region,
                                      const std::vector<ReviewNote>& notes) {
   const auto size = static_cast<double>(region.pixels.size());
-  for (auto note = notes.rbegin(); note != notes.rend(); ++note) {
-    if (note->kind != region.kind || note->pixels > 2 * size || size > 2.0 * note->pixels) continue;
-    if (std::binary_search(region.pixels.begin(), region.pixels.end(), note->pixel)) return *note;
+  for (const ReviewNote& note : notes | std::views::reverse) {
+    if (note.kind != region.kind || note.pixels > 2 * size || size > 2.0 * note.pixels) continue;
+    if (std::binary_search(region.pixels.begin(), region.pixels.end(), note.pixel)) return note;
   }
   return std::nullopt;
 }

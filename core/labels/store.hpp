@@ -41,7 +41,7 @@ class LabelStore {
   /// Creates the folder with the first edit, not before. Where another instance holds it, or it
   /// cannot be written, the store is read-only and says why. Throws Error where `dir` is no folder
   /// or the journal is of a later version.
-  LabelStore(std::filesystem::path dir, LabelStoreOptions options = {});
+  explicit LabelStore(std::filesystem::path dir, LabelStoreOptions options = {});
   ~LabelStore();  // saves nothing: what is not saved is in the journal
   LabelStore(const LabelStore&) = delete;
   LabelStore& operator=(const LabelStore&) = delete;

@@ -71,7 +71,8 @@ LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
   open.base_files = digests_of_files(frame);
   auto found = read_frame_labels(dir, frame, blank.depth_sha256);
   if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
-  FrameLabels labels = found ? std::move(*found) : blank;
+  FrameLabels labels = blank;
+  if (found) labels = std::move(*found);
   if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
   std::sort(labels.planes.begin(), labels.planes.end(),
             [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });

@@ -126,6 +126,7 @@ void LabelStore::State::append(const std::vector<Entry>& entries) {
   require_writable();
   if (!journal) create_folder();
   std::vector<JournalBytes> records;
+  records.reserve(entries.size());
   for (const Entry& each : entries) records.push_back(each.bytes);
   const auto places = journal->append(records);
   for (std::size_t i = 0; i < entries.size(); ++i) {

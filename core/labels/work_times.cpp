@@ -34,6 +34,7 @@ std::vector<WorkTime> work_times(const std::filesystem::path& dir) {
         return true;
       });
   std::vector<WorkTime> sorted;
+  sorted.reserve(times.size());
   for (const auto& [key, time] : times) sorted.push_back(time);
   return sorted;
 }
