@@ -35,7 +35,7 @@ double angle_deg(const Vec3d& a, const Vec3d& b) {
 
 /// Sec. V: mean angle between each found plane's normal and that of the true plane which most of
 /// its points belong to.
-double mean_normal_error(const MetricsInput& input, const PlaneOverlap& o) {
+double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
   const std::vector<Vec3d> normals = truth_normals(input, o.truth);
   double sum = 0;
   int count = 0;
@@ -50,8 +50,8 @@ double mean_normal_error(const MetricsInput& input, const PlaneOverlap& o) {
   return count > 0 ? sum / count : 0;
 }
 
-void score_matches(const PlaneOverlap& o, Metrics& m) {
-  const std::vector<int> match = matched_planes(o);
+void score_matches(const TruthOverlap& o, Metrics& m) {
+  const std::vector<int> match = found_of_truth(o);
   std::uint64_t correct = 0, in_planes = 0;
   double sum = 0;
   for (int t = 1; t <= o.truth; ++t) {
@@ -68,7 +68,7 @@ void score_matches(const PlaneOverlap& o, Metrics& m) {
 }
 
 /// SegComp: correct, over- and under-segmented, missed and noise regions at 80 % overlap.
-void classify_regions(const PlaneOverlap& o, Metrics& m) {
+void classify_regions(const TruthOverlap& o, Metrics& m) {
   const auto mostly = [](std::uint64_t part, std::uint64_t whole) {
     return whole > 0 && static_cast<double>(part) >= kOverlap * static_cast<double>(whole);
   };
@@ -123,7 +123,7 @@ void score_labels(const MetricsInput& input, Metrics& m) {
 Metrics evaluate(const MetricsInput& input) {
   assert(input.points.size() == input.truth.size() && input.points.size() == input.found.size());
   Metrics m;
-  const PlaneOverlap o = count_overlap(input.truth, input.found);
+  const TruthOverlap o = count_truth_overlap(input.truth, input.found);
   std::uint64_t missing = 0, in_planes = 0;
   for (int t = 1; t <= o.truth; ++t) {
     m.planes_truth += o.truth_size[t] > 0;

@@ -6,14 +6,14 @@
 
 namespace planescope {
 
-double PlaneOverlap::iou(int t, int f) const {
+double TruthOverlap::iou(int t, int f) const {
   const std::uint64_t both = at(t, f), all = truth_size[t] + found_size[f] - both;
   return all > 0 ? static_cast<double>(both) / static_cast<double>(all) : 0;
 }
 
-PlaneOverlap count_overlap(std::span<const std::int32_t> truth,
-                           std::span<const std::int32_t> found) {
-  PlaneOverlap o;
+TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
+                                 std::span<const std::int32_t> found) {
+  TruthOverlap o;
   for (const std::int32_t t : truth) o.truth = std::max(o.truth, t);
   for (const std::int32_t f : found) o.found = std::max(o.found, f);
   o.shared.assign(static_cast<std::size_t>(o.truth + 1) * (o.found + 1), 0);
@@ -29,7 +29,7 @@ PlaneOverlap count_overlap(std::span<const std::int32_t> truth,
   return o;
 }
 
-std::vector<int> matched_planes(const PlaneOverlap& o) {
+std::vector<int> found_of_truth(const TruthOverlap& o) {
   std::vector<double> iou;
   for (int t = 1; t <= o.truth; ++t)
     for (int f = 1; f <= o.found; ++f) iou.push_back(o.iou(t, f));

@@ -9,7 +9,7 @@
 namespace planescope {
 
 /// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
-struct PlaneOverlap {
+struct TruthOverlap {
   int truth = 0, found = 0;  // largest ids
   std::vector<std::uint64_t> shared;
   std::vector<std::uint64_t> truth_size, found_size;
@@ -21,10 +21,10 @@ struct PlaneOverlap {
 };
 
 /// Ids: > 0 a plane, 0 none; truth < 0 is not counted.
-PlaneOverlap count_overlap(std::span<const std::int32_t> truth,
-                           std::span<const std::int32_t> found);
+TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
+                                 std::span<const std::int32_t> found);
 
 /// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
-std::vector<int> matched_planes(const PlaneOverlap& overlap);
+std::vector<int> found_of_truth(const TruthOverlap& overlap);
 
 }  // namespace planescope

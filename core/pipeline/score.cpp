@@ -82,7 +82,7 @@ JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
   std::vector<std::int32_t> scored = judged.true_plane;
   for (std::size_t i = 0; i < scored.size(); ++i)
     if (result.voxels.voxel_of[i] == kNoVoxel) scored[i] = -1;
-  judged.found_of = matched_planes(count_overlap(scored, result.plane_of));
+  judged.found_of = found_of_truth(count_truth_overlap(scored, result.plane_of));
   judged.found_of.resize(dense.normals.size(), 0);  // planes that were cropped have no partner
   for (std::size_t i = 0; i < scored.size(); ++i) {
     const std::int32_t found = result.plane_of[i];
