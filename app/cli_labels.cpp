@@ -36,8 +36,8 @@ void keep_camera_options(CLI::App* command) {
 }  // namespace
 
 void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose) {
-  CLI::App* labels =
-      app.add_subcommand("labels", "Check, count, export and import ground truth (docs/labels.md)");
+  CLI::App* labels = app.add_subcommand(
+      "labels", "Check, compare, export and import ground truth (docs/labels.md)");
   Typed* t = &typed;
   const auto command = [&](const char* name, const char* help) {
     return labels->add_subcommand(name, help);
@@ -66,6 +66,13 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
   add_recording(stats, typed);
   add_json(stats, typed);
   runs(stats, run_labels_stats);
+
+  CLI::App* compare = command("compare", "How far two sets of labels of the same frames agree");
+  add_inputs(compare, typed, "Two folders of labels, DIR_A and DIR_B");
+  keep_camera_options(compare);
+  add_recording(compare, typed);
+  add_json(compare, typed);
+  runs(compare, run_labels_compare);
 
   CLI::App* exporting =
       command("export", "Write labels in another tool's format, a file per frame");

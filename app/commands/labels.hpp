@@ -1,6 +1,6 @@
 #pragma once
 
-// planescope labels check|export|import|convert|stats
+// planescope labels check|export|import|convert|compare|stats
 
 #include <filesystem>
 #include <stop_token>
@@ -23,6 +23,8 @@ struct LabelsArgs {
 int run_labels_check(const LabelsArgs& args, std::stop_token stop);
 /// Where people have worked: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, std::stop_token stop);
+/// How far two sets of labels of the same frames agree.
+int run_labels_compare(const LabelsArgs& args, std::stop_token stop);
 int run_labels_export(const LabelsArgs& args, std::stop_token stop);
 /// All files are read before any label is changed; what was there can be brought back by undo.
 int run_labels_import(const LabelsArgs& args, std::stop_token stop);

@@ -165,6 +165,9 @@ int run_labels_import(const LabelsArgs& args, std::stop_token stop) {
   const LabelFormat format =
       args.format.empty() ? label_format_of(args.from) : parse_label_format(args.format);
   const OpenInput input = open_one(args, "import");
+  if (fs::is_directory(input.path) && is_below(input.label_dir, input.path))
+    throw Error(input.label_dir.string() +
+                ": is inside the recording, expected a folder elsewhere");
   const auto files = files_to_import(args, input);
   LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -38,6 +39,12 @@ Json plane_json(int id, const LabelledPoints& points) {
   return json;
 }
 
+/// A whole number, whatever way it is written; nlohmann's get<int>() would take what does not fit.
+int whole_of(const Json& json, int low, int high, const std::string& where) {
+  const double value = json.get<double>();
+  return whole_numbers<std::int32_t>(std::span(&value, 1), low, high, where)[0];
+}
+
 /// By plane, then class: one mask for each plane, unless its pixels differ in class.
 std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
   std::map<std::pair<int, int>, Mask> masks;
@@ -65,7 +72,8 @@ class CocoReader {
   LabelledPoints read() {
     read_image();
     read_categories();
-    for (const Json& annotation : json_.at("annotations")) note_plane_id(annotation);
+    for (const Json& annotation : json_.at("annotations"))
+      if (annotation.contains("plane")) used_.insert(own_plane_id(annotation));
     std::size_t number = 0;
     for (const Json& annotation : json_.at("annotations"))
       read_annotation(annotation, where_ + ": annotation " + std::to_string(number++));
@@ -78,11 +86,8 @@ class CocoReader {
     if (images.size() != 1)
       throw Error(where_ + ": " + std::to_string(images.size()) + " images, expected one");
     image_id_ = images.at(0).at("id");
-    width_ = images.at(0).at("width").get<int>();
-    height_ = images.at(0).at("height").get<int>();
-    if (width_ < 1 || height_ < 1 || width_ > kMaxSide || height_ > kMaxSide)
-      throw Error(where_ + ": an image of " + std::to_string(width_) + "x" +
-                  std::to_string(height_) + " pixels");
+    width_ = whole_of(images.at(0).at("width"), 1, kMaxSide, where_ + ": width");
+    height_ = whole_of(images.at(0).at("height"), 1, kMaxSide, where_ + ": height");
     check_count(pixels(), where_);
     instance_.assign(pixels(), 0);
     label_.assign(pixels(), 0);
@@ -96,54 +101,57 @@ class CocoReader {
       if (known == std::end(kCategories))
         throw Error(where_ + ": category \"" + printable(name) +
                     "\", expected h, v, unknown or ignore");
-      label_of_category_[category.at("id").get<int>()] = known->label;
+      label_of_category_[category.at("id").dump()] = known->label;
     }
   }
 
-  void note_plane_id(const Json& annotation) {
-    if (!annotation.contains("plane")) return;
-    const int id = annotation.at("plane").at("id").get<int>();
-    if (id < 0 || id > kPlaneIgnore)
-      throw Error(where_ + ": plane id " + std::to_string(id) + ", expected 0 to 65535");
-    used_.insert(id);
+  int own_plane_id(const Json& annotation) const {
+    return whole_of(annotation.at("plane").at("id"), 0, kPlaneIgnore, where_ + ": plane id");
   }
 
   /// Annotations of other tools have no plane: each is one.
   int plane_id(const Json& annotation) {
-    if (annotation.contains("plane")) return annotation.at("plane").at("id").get<int>();
+    if (annotation.contains("plane")) return own_plane_id(annotation);
     while (used_.contains(next_)) ++next_;
     if (next_ >= kPlaneIgnore) throw Error(where_ + ": more than 65534 planes");
     used_.insert(next_);
     return next_;
   }
 
-  std::vector<MaskRun> runs_of(const Json& segmentation, const std::string& where) const {
-    if (segmentation.is_array()) {
-      std::vector<MaskRun> runs;
-      for (const Json& polygon : segmentation) {
-        const auto numbers = polygon.get<std::vector<double>>();
-        std::vector<std::pair<double, double>> corners;
-        for (std::size_t i = 0; i + 1 < numbers.size(); i += 2)
-          corners.emplace_back(numbers[i], numbers[i + 1]);
-        const auto more = polygon_runs(corners, width_, height_);
-        runs.insert(runs.end(), more.begin(), more.end());
+  std::vector<MaskRun> polygons_of(const Json& segmentation, const std::string& where) const {
+    std::vector<MaskRun> runs;
+    for (const Json& polygon : segmentation) {
+      const auto numbers = polygon.get<std::vector<double>>();
+      std::vector<std::pair<double, double>> corners;
+      for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+        if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxSide)
+          throw Error(where + ": a polygon that runs far out of the image");
+        corners.emplace_back(numbers[i], numbers[i + 1]);
       }
-      return runs;
+      const auto more = polygon_runs(corners, width_, height_);
+      runs.insert(runs.end(), more.begin(), more.end());
     }
+    return runs;
+  }
+
+  std::vector<MaskRun> runs_of(const Json& segmentation, const std::string& where) const {
+    if (segmentation.is_array()) return polygons_of(segmentation, where);
     const auto size = segmentation.at("size").get<std::array<int, 2>>();
     if (size[0] != height_ || size[1] != width_)
       throw Error(where + ": a mask of " + std::to_string(size[1]) + "x" + std::to_string(size[0]) +
                   ", the image is " + std::to_string(width_) + "x" + std::to_string(height_));
     const Json& counts = segmentation.at("counts");
-    return mask_runs(counts.is_string() ? counts_of_text(counts.get<std::string>(), where)
-                                        : counts.get<std::vector<std::uint64_t>>(),
-                     pixels(), where);
+    if (counts.is_string())
+      return mask_runs(counts_of_text(counts.get<std::string>(), where), pixels(), where);
+    const auto whole = whole_numbers<std::int32_t>(counts.get<std::vector<double>>(), 0,
+                                                   kMaxLabelledPoints, where + ": counts");
+    return mask_runs({whole.begin(), whole.end()}, pixels(), where);
   }
 
   void read_annotation(const Json& annotation, const std::string& where) {
     if (annotation.at("image_id") != image_id_)
       throw Error(where + ": of an image that the file does not have");
-    const auto label = label_of_category_.find(annotation.at("category_id").get<int>());
+    const auto label = label_of_category_.find(annotation.at("category_id").dump());
     if (label == label_of_category_.end())
       throw Error(where + ": of a category that the file does not have");
     const int id = plane_id(annotation);
@@ -155,13 +163,13 @@ class CocoReader {
       }
     }
     if (annotation.contains("plane") && annotation["plane"].contains("normal"))
-      read_plane(annotation["plane"], static_cast<Label>(label->second));
+      read_plane(annotation["plane"], id, label->second);
   }
 
-  void read_plane(const Json& json, Label label) {
+  void read_plane(const Json& json, int id, std::uint8_t label) {
     LabelPlane plane;
-    plane.id = json.at("id").get<int>();
-    plane.label = label;
+    plane.id = id;
+    plane.label = label == kHvIgnore ? Label::unknown : static_cast<Label>(label);
     const auto normal = json.at("normal").get<std::array<double, 3>>();
     plane.normal = Vec3d(normal[0], normal[1], normal[2]);
     plane.offset_m = json.at("offset_m").get<double>();
@@ -192,7 +200,7 @@ class CocoReader {
   const std::string& where_;
   Json image_id_;
   int width_ = 0, height_ = 0;
-  std::map<int, std::uint8_t> label_of_category_;
+  std::map<std::string, std::uint8_t> label_of_category_;  // by the id as it is written
   std::set<int> used_;
   int next_ = 1;
   std::vector<std::int32_t> instance_;

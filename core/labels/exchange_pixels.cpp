@@ -76,8 +76,8 @@ void check_points(const LabelledPoints& points,
   }
 }
 
-/// The planes that the image names: as given, else with the class that most of their pixels have.
-std::vector<LabelPlane> planes_of(const FrameLabels& labels, std::span<const LabelPlane> given) {
+/// The planes that the image names, with the class that most of their pixels have.
+std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   std::vector<std::array<std::size_t, 3>> votes(kPlaneIgnore);
   std::vector<bool> named(kPlaneIgnore, false);
   for (std::size_t i = 0; i < labels.plane.pixels(); ++i) {
@@ -93,8 +93,6 @@ std::vector<LabelPlane> planes_of(const FrameLabels& labels, std::span<const Lab
     LabelPlane plane;
     plane.id = id;
     plane.label = static_cast<Label>(most - votes[id].begin());
-    for (const LabelPlane& known : given)
-      if (known.id == id) plane = known;
     plane.origin = LabelOrigin::imported;
     planes.push_back(plane);
   }
@@ -134,7 +132,7 @@ FrameLabels labels_of_points(const LabelledPoints& points,
     labels.plane.data[indices[i]] = static_cast<std::uint16_t>(points.instance[i]);
     if (!points.label.empty()) labels.hv.data[indices[i]] = points.label[i];
   }
-  labels.planes = planes_of(labels, points.planes);
+  labels.planes = planes_of(labels);
   refit_planes(labels, grid);
   if (points.label.empty()) classify_by_tilt(labels);
   return labels;

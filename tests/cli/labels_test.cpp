@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.hpp"
@@ -160,6 +161,8 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
   expect_refused(import({(rec / "camera_intrinsic.json").string(), "--frames", "0"}),
                  "not a COCO file");
   EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*open_recording(rec)).plane.data);
+  expect_refused(import({in + "/000000.npy", "--frames", "0", "--labels", (rec / "l").string()}),
+                 "inside the recording");
   EXPECT_FALSE(fs::exists(own / "journal"));
 }
 
@@ -214,6 +217,34 @@ TEST_F(Labels, PointFormatsConvertIntoEachOther) {
   expect_refused(convert("d.npy", "f.txt"), "f.txt: expected a name that ends in");
 }
 
+TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
+  const fs::path ann = dir / "ann.labels";
+  write_labels(ann, 1);
+  const auto compare = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {own.string(), ann.string()});
+    return labels("compare", more);
+  };
+  Json json = Json::parse(compare({"--json"}).out);
+  EXPECT_EQ(json["frames"].size(), 1u);
+  EXPECT_EQ(json["frames"][0]["frame"], 1);
+  EXPECT_EQ(json["mean"]["mean_iou"], 1);
+  EXPECT_EQ(json["frames_in_one_only"], Json::array({0}));
+
+  FrameLabels other = floor_and_wall_labels(*open_recording(rec), 1);
+  for (int i = 0; i < 4000; ++i) other.plane.data[i] = 1;
+  write_frame_labels(ann, 1, other);
+  json = Json::parse(compare({"--json"}).out);
+  EXPECT_LT(json["mean"]["mean_iou"], 0.9);
+  const Ran text = compare({"--recording", rec.string()});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("mean"), std::string::npos);
+
+  other.depth_sha256 = std::string(64, 'f');
+  write_frame_labels(ann, 1, other);
+  expect_refused(compare({}), "made for different depth images");
+  expect_refused(labels("compare", {own.string()}), "expected two");
+}
+
 TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   const Json json = Json::parse(labels("stats", {rec.string(), "--json"}).out);
   ASSERT_EQ(json["frames"].size(), 2u);
@@ -230,4 +261,24 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   EXPECT_NE(text.out.find("sum"), std::string::npos) << text.out;
   expect_refused(labels("stats", {(dir / "rec/depth").string(), "--labels", dir.string()}),
                  "no labels in it");
+}
+
+TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const fs::path dir = scratch(), rec = dir / "icl";
+  fs::copy(fs::path(data) / "NOT_REAL_icl_nuim_with_plane_gt", rec);
+  const auto command = [&](std::vector<std::string> args) {
+    args.insert(args.end(), {rec.string(), "--depth-unit", "0.0002"});
+    return run(args);
+  };
+  const Ran imported = command({"labels", "import", "--from", (rec / "gt_0.npy").string()});
+  ASSERT_EQ(imported.code, 0) << imported.err;
+  EXPECT_NE(imported.out.find("17 planes, 272893 pixels labelled"), std::string::npos)
+      << imported.out;
+  const Ran scored = command({"eval", "--json", "--max-range", "8"});
+  ASSERT_EQ(scored.code, 0) << scored.err;
+  const Json mean = Json::parse(scored.out)["mean"];
+  EXPECT_EQ(mean["planes_truth"], 17);
+  EXPECT_GT(mean["point_accuracy"], 80);
 }

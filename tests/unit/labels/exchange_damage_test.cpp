@@ -118,7 +118,7 @@ TEST_F(ExchangeDamage, CocoFilesThatContradictThemselvesAreRefused) {
   expect_bad("c.json", "{", "not a COCO file");
   expect_bad("c.json", "{}", "not a COCO file");
   expect_bad("c.json", R"({"images":[]})", "0 images, expected one");
-  expect_bad("c.json", R"({"images":[{"id":1,"width":-4,"height":3}]})", "an image of -4x3");
+  expect_bad("c.json", R"({"images":[{"id":1,"width":-4,"height":3}]})", "width: -4 at place 0");
   expect_bad("c.json", R"({"images":[{"id":1,"width":60000,"height":60000}]})",
              "3600000000 points");
   expect_bad("c.json",
@@ -128,9 +128,11 @@ TEST_F(ExchangeDamage, CocoFilesThatContradictThemselvesAreRefused) {
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,99]})"), "runs past the 12 pixels");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[2,3]})"), "covers 5 pixels");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[-2]})"), "annotation 0");
+  expect_bad("c.json", coco(R"({"size":[3,4],"counts":[4294967308]})"), "annotation 0: counts");
+  expect_bad("c.json", coco("[[0,0,1e300,0,1,1]]"), "runs far out of the image");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":"o"})"), "compressed mask is damaged");
   expect_bad("c.json", coco(R"({"size":[3,4],"counts":[12]})", R"(,"plane":{"id":70000})"),
-             "plane id 70000");
+             "plane id: 70000");
 }
 
 TEST_F(ExchangeDamage, CocoMasksOfOtherToolsAreRead) {
