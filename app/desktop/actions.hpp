@@ -60,7 +60,9 @@ std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
 std::vector<Action> document_actions();
 std::vector<Action> label_mode_actions();    // in and out, history, saving
-std::vector<Action> label_tool_actions();    // tools, strokes, wand
+std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
+std::vector<Action> label_draw_actions();    // strokes, areas, cuts
+std::vector<Action> label_wand_actions();    // the wand; accepting and leaving what is shown
 std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
 std::vector<Action> label_review_actions();  // queue, checks
 
@@ -82,6 +84,8 @@ void unflash(State& state);
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
 void change_options(State& state, const PipelineOptions& after);
+/// What was drawn on the frame so far, but is no label yet.
+void let_go(LabelView& view);
 /// Into the journal and onto the screen, or an Error.
 void commit_labels(State& state, const std::string& title, const FrameLabels& after);
 /// Writes the label files where something is not written yet.

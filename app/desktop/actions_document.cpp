@@ -30,9 +30,7 @@ void leave_frame(State& state) {
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
   LabelView& label = state.view.label;
-  label.wand = {};
-  label.stroke.reset();
-  label.polygon.reset();
+  let_go(label);
   label.plane = 0;
   label.hover = -1;
   label.review_item = label.finding = -1;

@@ -3,22 +3,15 @@
 #include <fmt/format.h>
 
 #include "app/desktop/actions.hpp"
+#include "app/desktop/label_gesture.hpp"
 #include "core/base/error.hpp"
 
 namespace planescope::desktop {
 namespace {
 
-bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
 LabelStore* store_of(const State& state) {
   const OpenRecording* open = state.document.current();
   return open ? open->labels.get() : nullptr;
-}
-
-/// What was drawn on the frame so far, but is no label yet.
-void let_go(LabelView& view) {
-  view.wand = {};
-  view.stroke.reset();
-  view.polygon.reset();
 }
 
 void enter(State& state) {
@@ -63,6 +56,12 @@ void travel(State& state, bool back) {
 }
 
 }  // namespace
+
+void let_go(LabelView& view) {
+  view.wand = {};
+  view.stroke.reset();
+  view.polygon.reset();
+}
 
 void commit_labels(State& state, const std::string& title, const FrameLabels& after) {
   LabelStore* store = store_of(state);

@@ -97,7 +97,7 @@ std::vector<Action> view_actions() {
       {"image.backdrop",
        "Colour or depth behind the image",
        menu,
-       "I",
+       "I Shift+I",
        "",
        [](State& s, const std::string&) {
          s.view.backdrop = s.view.backdrop == Backdrop::color ? Backdrop::depth : Backdrop::color;

@@ -76,4 +76,17 @@ Camera zoomed(const Camera& camera, double factor) {
   return result;
 }
 
+Camera fitted(Camera camera, double aspect) {
+  constexpr double kMadeFor = 4.0 / 3;
+  if (aspect >= kMadeFor) return camera;
+  const double half = camera.fov_y_deg * kDeg / 2;
+  camera.fov_y_deg = 2 / kDeg * std::atan(std::tan(half) * kMadeFor / aspect);
+  return camera;
+}
+
+bool same_camera(const Camera& a, const Camera& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_deg == b.fov_y_deg &&
+         a.orthographic == b.orthographic && a.ortho_height_m == b.ortho_height_m;
+}
+
 }  // namespace planescope::desktop

@@ -19,4 +19,8 @@ Camera panned(const Camera& camera, double right, double up);
 /// Nearer to the target for factors above 1.
 Camera zoomed(const Camera& camera, double factor);
 
+/// Cameras are made for views of 4:3; a narrower one shows as much from side to side.
+Camera fitted(Camera camera, double aspect);
+bool same_camera(const Camera& a, const Camera& b);
+
 }  // namespace planescope::desktop

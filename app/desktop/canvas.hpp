@@ -7,11 +7,14 @@
 #include <memory>
 #include <string>
 
+#include "render/label_scene.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
 
 using TextureId = std::uint64_t;  // 0: nothing to show
+
+struct LabelFrame;
 
 class Canvas {
  public:
@@ -30,6 +33,16 @@ class Canvas {
                           const StepLook& look,
                           Backdrop backdrop,
                           double opacity) = 0;
+  /// The same for labels: the frame's points, and one texel per depth pixel.
+  virtual TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
+                                const LabelLook& look,
+                                const Camera& camera,
+                                int width,
+                                int height) = 0;
+  virtual TextureId label_image(const std::shared_ptr<const LabelFrame>& frame,
+                                const LabelLook& look,
+                                Backdrop backdrop,
+                                double opacity) = 0;
   /// Any picture by a key; uploaded again when `version` differs. Row 0 at the top.
   virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;
 };

@@ -1,16 +1,15 @@
+#include <algorithm>
 #include <map>
 
+#include "app/desktop/camera.hpp"
 #include "app/desktop/canvas.hpp"
+#include "app/desktop/label_state.hpp"
+#include "core/labels/selection.hpp"
 #include "render/image_texture.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope::desktop {
 namespace {
-
-bool same_camera(const Camera& a, const Camera& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_deg == b.fov_y_deg &&
-         a.orthographic == b.orthographic && a.ortho_height_m == b.ortho_height_m;
-}
 
 /// What a look depends on, to compare with the next.
 struct LookKey {
@@ -33,6 +32,31 @@ struct LookKey {
   }
 };
 
+/// The same of labels. Labels themselves never change: other ones are elsewhere.
+struct LabelLookKey {
+  std::weak_ptr<const LabelFrame> frame;
+  LabelLook look;
+  std::vector<std::uint32_t> preview, marked;
+  std::vector<std::uint8_t> doubt;
+
+  bool same(const std::shared_ptr<const LabelFrame>& other_frame, const LabelLook& other) const {
+    return frame.lock() == other_frame && look.labels == other.labels &&
+           look.plane == other.plane && look.show_class == other.show_class &&
+           look.preview_takes == other.preview_takes && look.theme == other.theme &&
+           std::ranges::equal(preview, other.preview) && std::ranges::equal(marked, other.marked) &&
+           std::ranges::equal(doubt, other.doubt);
+  }
+  void set(const std::shared_ptr<const LabelFrame>& new_frame, const LabelLook& new_look) {
+    frame = new_frame;
+    look = new_look;
+    preview.assign(new_look.preview.begin(), new_look.preview.end());
+    marked.assign(new_look.marked.begin(), new_look.marked.end());
+    doubt.assign(new_look.doubt.begin(), new_look.doubt.end());
+    look.preview = look.marked = {};
+    look.doubt = {};
+  }
+};
+
 class GlCanvas : public Canvas {
  public:
   TextureId scene(const std::shared_ptr<const Run>& run,
@@ -40,23 +64,36 @@ class GlCanvas : public Canvas {
                   const Camera& camera,
                   int width,
                   int height) override {
-    const bool same_list = scene_texture_ != 0 && scene_key_.same(run, look);
-    const bool same =
-        same_list && same_camera(camera, camera_) && width == width_ && height == height_;
-    if (same && fine_) return scene_texture_;
-    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
-    fine_ = same;
-    if (!same) ids_ = {};
+    const bool same_list = shows_ == Shows::step && scene_key_.same(run, look);
     if (!same_list) {
       list_ = scene_step(*run, look);
       scene_key_.set(run, look);
+      shows_ = Shows::step;
     }
-    camera_ = camera;
-    width_ = width;
-    height_ = height;
-    scene_texture_ = renderer_.draw(list_, camera, width, height, look.theme,
-                                    fine_ ? Effort::fine : Effort::quick);
-    return scene_texture_;
+    return draw(same_list, camera, width, height, look.theme);
+  }
+
+  TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
+                        const LabelLook& look,
+                        const Camera& camera,
+                        int width,
+                        int height) override {
+    const bool same_list = shows_ == Shows::labels && label_key_.same(frame, look);
+    if (!same_list) {
+      // Points stay where they are while only colours change.
+      std::vector<std::uint8_t> shown;
+      if (look.labels) shown = shown_pixels(*look.labels);
+      if (shows_ != Shows::labels || label_key_.frame.lock() != frame || shown != shown_) {
+        list_ = {};
+        list_.points.push_back(label_points(frame->grid, frame->world, shown));
+        point_ground_ = label_ground(frame->grid, Backdrop::color);
+        shown_ = std::move(shown);
+      }
+      color_label_points(list_.points.back(), point_ground_, frame->grid, look);
+      label_key_.set(frame, look);
+      shows_ = Shows::labels;
+    }
+    return draw(same_list, camera, width, height, look.theme);
   }
 
   Picked pick(int x, int y) override {
@@ -86,6 +123,24 @@ class GlCanvas : public Canvas {
     return image_.id();
   }
 
+  TextureId label_image(const std::shared_ptr<const LabelFrame>& frame,
+                        const LabelLook& look,
+                        Backdrop backdrop,
+                        double opacity) override {
+    const bool same_ground = label_image_.id() != 0 && label_image_key_.frame.lock() == frame &&
+                             backdrop == label_backdrop_;
+    if (same_ground && label_image_key_.same(frame, look) && opacity == label_opacity_)
+      return label_image_.id();
+    if (!same_ground) image_ground_ = label_ground(frame->grid, backdrop);
+    Image8 picture = image_ground_;
+    paint_labels(picture, frame->grid, look, opacity);
+    label_image_.upload(picture);
+    label_image_key_.set(frame, look);
+    label_backdrop_ = backdrop;
+    label_opacity_ = opacity;
+    return label_image_.id();
+  }
+
   TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) override {
     if (image.empty()) return 0;
     Picture& picture = pictures_[key];
@@ -95,23 +150,47 @@ class GlCanvas : public Canvas {
   }
 
  private:
+  enum class Shows : std::uint8_t { nothing, step, labels };
+
+  /// The list as it is, anew where it has changed or is seen otherwise.
+  TextureId draw(bool same_list, const Camera& camera, int width, int height, Theme theme) {
+    const bool same =
+        same_list && same_camera(camera, camera_) && width == width_ && height == height_;
+    if (same && fine_) return scene_texture_;
+    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
+    fine_ = same;
+    if (!same) ids_ = {};
+    camera_ = camera;
+    width_ = width;
+    height_ = height;
+    scene_texture_ =
+        renderer_.draw(list_, camera, width, height, theme, fine_ ? Effort::fine : Effort::quick);
+    return scene_texture_;
+  }
+
   struct Picture {
     ImageTexture texture;
     std::uint64_t version = 0;
   };
   Renderer renderer_;
   DrawList list_;
+  Shows shows_ = Shows::nothing;  // in list_
   LookKey scene_key_, image_key_;
+  LabelLookKey label_key_, label_image_key_;
+  std::vector<std::uint8_t> shown_;  // of the labels in list_
+  Image8 point_ground_, image_ground_;
   Camera camera_;
   int width_ = 0, height_ = 0;
   TextureId scene_texture_ = 0;
   bool fine_ = false;
   Image<std::uint32_t> ids_;  // of the scene drawn last; empty until someone asks
-  ImageTexture image_;
+  ImageTexture image_, label_image_;
   Backdrop backdrop_ = Backdrop::color;
   std::weak_ptr<const Subject> backdrop_subject_;
   Image8 backdrop_image_;
   double opacity_ = 0;
+  Backdrop label_backdrop_ = Backdrop::color;
+  double label_opacity_ = 0;
   std::map<std::string, Picture> pictures_;
 };
 

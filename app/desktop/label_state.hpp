@@ -10,7 +10,9 @@
 
 #include "core/labels/audit.hpp"
 #include "core/labels/carry.hpp"
+#include "core/labels/operations.hpp"
 #include "core/labels/review.hpp"
+#include "core/labels/selection.hpp"
 #include "core/labels/store.hpp"
 #include "core/labels/wand.hpp"
 #include "core/recording/recording.hpp"
@@ -71,6 +73,7 @@ enum class Paints : std::uint8_t { plane, ignore, erase, h_only, v_only };
 /// A wand preview: what `Enter` would make a plane.
 struct WandPreview {
   std::vector<std::uint32_t> seeds;
+  bool onto_active = false;                 // it joins the active plane instead
   std::shared_ptr<const WandResult> found;  // null: `why_not` says why
   std::string why_not;
 };
@@ -79,11 +82,22 @@ struct WandPreview {
 struct StrokePreview {
   PixelSet pixels;
   std::size_t hidden = 0;  // points under it that are not visible
+  bool takes = false;      // it takes labels off
+};
+
+/// The points of a frame as a view in space shows them.
+struct SpaceSight {
+  std::shared_ptr<const LabelFrame> frame;
+  std::shared_ptr<const FrameLabels> labels;  // that say what is hidden
+  std::vector<std::uint8_t> shown;
+  Camera camera;
+  SeenPoints points;
 };
 
 /// A polygon, corner by corner; closed by Enter.
 struct OpenPolygon {
   DrawnIn where = DrawnIn::image;
+  PaintMode mode = PaintMode::over;
   std::vector<Vec2f> corners;       // depth pixels; in space, pixels of a view of `view_size`
   Vec2f view_size = Vec2f::Zero();  // in space
   Camera camera;                    // in space: it is let go of where that moves
@@ -99,12 +113,14 @@ struct LabelView {
   WandPreview wand;
   std::optional<StrokePreview> stroke;
   std::optional<OpenPolygon> polygon;
-  std::int64_t hover = -1;     // pixel under the mouse in either view; -1: none
-  bool show_class = false;     // colours by h and v instead of by plane
-  std::string tab = "planes";  // planes | review | checks | statistics
-  std::string compare_with;    // the review's other side: empty: the run, else a label folder
-  int review_item = -1;        // of the queue
-  int finding = -1;            // of the audit
+  std::shared_ptr<const SpaceSight> sight;  // of the latest gesture in space
+  std::int64_t hover = -1;                  // pixel under the mouse in either view; -1: none
+  std::size_t hover_hidden = 0;             // points under the brush in space that are not visible
+  bool show_class = false;                  // colours by h and v instead of by plane
+  std::string tab = "planes";               // planes | review | checks | statistics
+  std::string compare_with;  // the review's other side: empty: the run, else a label folder
+  int review_item = -1;      // of the queue
+  int finding = -1;          // of the audit
 };
 
 }  // namespace planescope::desktop

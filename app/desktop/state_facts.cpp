@@ -1,10 +1,38 @@
 #include "app/desktop/state_facts.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
+
+namespace {
+
+void add_label_facts(const State& state, nlohmann::ordered_json& json) {
+  static constexpr const char* kTools[] = {"wand", "brush", "rectangle", "lasso", "polygon", "cut"};
+  const LabelView& view = state.view.label;
+  const OpenRecording* open = state.document.current();
+  const LabelStore* store = open ? open->labels.get() : nullptr;
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  json["mode"] = state.view.mode == Mode::labels ? "labels" : "debugger";
+  json["label_tool"] = kTools[static_cast<std::size_t>(view.tool)];
+  json["label_plane"] = view.plane;
+  json["label_planes"] = labels ? labels->planes.size() : 0;
+  json["labelled_pixels"] =
+      labels ? labels->plane.data.size() -
+                   static_cast<std::size_t>(std::ranges::count(labels->plane.data, 0))
+             : 0;
+  json["unsaved"] = store && store->any_unsaved();
+  json["label_undo"] = store ? store->undo_count() : 0;
+  json["stroke_pixels"] = view.stroke ? view.stroke->pixels.size() : 0;
+  json["wand_pixels"] = view.wand.found ? view.wand.found->pixels.size() : 0;
+  json["hovered_pixel"] = view.hover;
+  json["read_only"] = store ? store->read_only() : "";
+  json["label_refusal"] = state.results.label.refusal;
+}
+
+}  // namespace
 
 nlohmann::ordered_json state_facts(const State& state, bool idle) {
   nlohmann::ordered_json json;
@@ -46,6 +74,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["tool"] = view.tool_tab;
   json["message"] = view.message;
   json["undo"] = state.undo.size();
+  add_label_facts(state, json);
   for (const OptionInfo& info : option_table())
     json["options"][info.name] = info.get(document.options);
   return json;

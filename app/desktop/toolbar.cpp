@@ -23,6 +23,27 @@ void action_button(const Ui& ui, const char* action, const char* label) {
         "%s", what.keys.empty() ? what.title.c_str() : (what.title + "   " + what.keys).c_str());
 }
 
+void draw_image_tools(const Ui& ui, const char* of_opacity) {
+  const ViewState& view = ui.state.view;
+  action_button(ui, "image.backdrop", view.backdrop == Backdrop::color ? "colour" : "depth");
+  ImGui::SameLine();
+  if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
+  ui.name("image.fit");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the whole image");
+  ImGui::SameLine();
+  auto percent = static_cast<float>(100 * view.overlay_opacity);
+  const std::string text = fmt::format("{:.0f} %", percent);
+  // The number stands beside the slider: on it, the grab would hide it.
+  const float number = ImGui::CalcTextSize("100 %").x + ui.px(6);
+  ImGui::SetNextItemWidth(std::max(ui.px(24), ImGui::GetContentRegionAvail().x - number));
+  if (ImGui::SliderFloat("##opacity", &percent, 0, 100, ""))
+    ui.emit("image.opacity", fmt::format("{:.4g}", percent / 100));
+  ui.name("image.opacity");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", of_opacity);
+  ImGui::SameLine(0, ui.px(6));
+  ImGui::TextDisabled("%s", text.c_str());
+}
+
 void draw_notice(const Ui& ui, const std::string& text, ImU32 color) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float wrap = std::min(room.x, ui.px(420));
@@ -43,6 +64,13 @@ void draw_absence(const Ui& ui) {
   if (results.loading) return draw_notice(ui, "Reading the frame …", ui.colors.muted);
   if (!ui.state.document.current())
     draw_notice(ui, "No recording is open. Press Ctrl+O to open one.", ui.colors.muted);
+}
+
+void draw_label_absence(const Ui& ui) {
+  const std::string& refusal = ui.state.results.label.refusal;
+  if (!refusal.empty()) return draw_notice(ui, refusal, ui.colors.bad);
+  if (!ui.state.run()) return draw_absence(ui);
+  draw_notice(ui, "Making the frame ready for labels …", ui.colors.muted);
 }
 
 std::string describe_node(const State& state, std::int32_t node) {

@@ -54,6 +54,28 @@ struct PointStory {
   WhyNot why;
 };
 
+/// What is being drawn on labels, until the mouse lets go.
+struct LabelDrag {
+  bool on = false;
+  DrawnIn where = DrawnIn::image;
+  PaintMode mode = PaintMode::over;
+  std::vector<Vec2f> path;
+  bool ignore_release = false;  // of a double click, whose first one did it all
+};
+
+/// Where the mouse is, or was last, in a view of labels.
+struct LabelPointing {
+  bool now = false;
+  DrawnIn where = DrawnIn::space;
+  Vec2f at = Vec2f::Zero();
+};
+
+/// Where planes' names stand, kept while the labels are the same.
+struct LabelNames {
+  std::shared_ptr<const FrameLabels> of;
+  std::vector<LabelPlace> places;
+};
+
 /// Text being typed and such: what lives in panels only.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
@@ -66,6 +88,9 @@ struct PanelMemory {
   BreakpointStops breakpoint_stops;
   PointStory point;
   Histogram grabbed;  // as it was when its threshold was taken hold of
+  LabelDrag label_drag;
+  LabelNames label_names;
+  LabelPointing label_pointing;
   std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
 };
 

@@ -15,7 +15,7 @@ LabelPlane* find_plane(FrameLabels& labels, int id) {
   return const_cast<LabelPlane*>(find_plane(std::as_const(labels), id));
 }
 
-/// What painting writes into a pixel.
+/// What a pixel has, or is given.
 struct Value {
   std::uint16_t plane = 0;
   std::uint8_t hv = 0;
@@ -23,11 +23,15 @@ struct Value {
   bool operator==(const Value&) const = default;
 };
 
-Value value_of(const Paint& paint, const LabelPlane* plane) {
+/// What painting writes into a pixel.
+Value value_of(const FrameLabels& labels, const Paint& paint) {
   if (paint.plane == kPlaneIgnore) return {kPlaneIgnore, kHvIgnore};
-  if (paint.plane == 0) return {0, static_cast<std::uint8_t>(paint.label)};
-  return {static_cast<std::uint16_t>(paint.plane), static_cast<std::uint8_t>(plane->label)};
+  const LabelPlane* plane = find_plane(labels, paint.plane);
+  return {static_cast<std::uint16_t>(paint.plane),
+          static_cast<std::uint8_t>(plane ? plane->label : paint.label)};
 }
+
+bool is_plane(int id) { return id > 0 && id < kPlaneIgnore; }
 
 void set_class(FrameLabels& labels, LabelPlane& plane, Label label) {
   plane.label = label;
@@ -77,59 +81,62 @@ LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane) {
   return *labels.planes.insert(place, plane);
 }
 
+PixelSet changed_by_painting(const FrameLabels& labels,
+                             const LabelGrid& grid,
+                             std::span<const std::uint32_t> pixels,
+                             const Paint& paint,
+                             PaintMode mode) {
+  assert(paint.plane >= 0 && paint.plane <= kPlaneIgnore);
+  assert(labels.plane.pixels() == grid.pixels());
+  if (const LabelPlane* plane = find_plane(labels, paint.plane); plane && plane->locked) return {};
+  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, 0);  // its pixels, by plane
+  for (const LabelPlane& plane : labels.planes) keeps[plane.id] = plane.locked || plane.hidden;
+  const Value value = value_of(labels, paint);
+  PixelSet changed;
+  for (const std::uint32_t pixel : pixels) {
+    const Value was{labels.plane.data[pixel], labels.hv.data[pixel]};
+    if (!grid.measured[pixel] || keeps[was.plane]) continue;
+    const bool changes = mode == PaintMode::over  ? was != value
+                         : mode == PaintMode::add ? was == Value{} && value != Value{}
+                                                  : was == value && was != Value{};
+    if (changes) changed.push_back(pixel);
+  }
+  return changed;
+}
+
 FrameLabels painted(const FrameLabels& labels,
                     const LabelGrid& grid,
                     std::span<const std::uint32_t> pixels,
                     const Paint& paint,
                     PaintMode mode) {
-  assert(paint.plane >= 0 && paint.plane <= kPlaneIgnore);
-  assert(labels.plane.pixels() == grid.pixels());
   FrameLabels result = labels;
-  const bool is_plane = paint.plane > 0 && paint.plane < kPlaneIgnore;
-  const LabelPlane* before = is_plane ? find_plane(labels, paint.plane) : nullptr;
-  if (before && before->locked) return result;
-  const bool is_new = is_plane && !before;
+  const PixelSet changed = changed_by_painting(labels, grid, pixels, paint, mode);
+  if (changed.empty()) return result;
+  const bool is_new = is_plane(paint.plane) && !find_plane(labels, paint.plane);
   if (is_new) {
-    if (mode == PaintMode::subtract) return result;
     LabelPlane plane;
     plane.id = paint.plane;
     plane.label = paint.label;
     plane.origin = paint.origin;
     add_plane(result, plane);
   }
-  const Value value = value_of(paint, is_plane ? find_plane(result, paint.plane) : nullptr);
-
-  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, 0);  // its pixels, by plane
-  for (const LabelPlane& plane : labels.planes) keeps[plane.id] = plane.locked || plane.hidden;
+  const Value becomes = mode == PaintMode::subtract ? Value{} : value_of(labels, paint);
   std::vector<std::uint8_t> touched(kPlaneIgnore + 1, 0);
-  std::vector<int> changed;
+  std::vector<int> refit;
   const auto touch = [&](int id) {
-    if (id == 0 || id == kPlaneIgnore || touched[id]) return;
-    touched[id] = 1;
-    changed.push_back(id);
+    if (!is_plane(id) || std::exchange(touched[id], 1)) return;
+    refit.push_back(id);
   };
-  for (const std::uint32_t pixel : pixels) {
-    const Value was{result.plane.data[pixel], result.hv.data[pixel]};
-    if (!grid.measured[pixel] || keeps[was.plane]) continue;
-    Value becomes = value;
-    if (mode == PaintMode::add && was != Value{}) continue;
-    if (mode == PaintMode::subtract) {
-      if (was != value) continue;
-      becomes = {};
-    }
-    if (was == becomes) continue;
-    if (was.plane != becomes.plane) {
-      touch(was.plane);
-      touch(becomes.plane);
-    }
-    result.plane.data[pixel] = becomes.plane;
+  for (const std::uint32_t pixel : changed) {
+    const int was = std::exchange(result.plane.data[pixel], becomes.plane);
     result.hv.data[pixel] = becomes.hv;
+    if (was == becomes.plane) continue;
+    touch(was);
+    touch(becomes.plane);
   }
-  if (is_new && !touched[paint.plane])
-    std::erase_if(result.planes, [&](const LabelPlane& p) { return p.id == paint.plane; });
-  if (changed.empty()) return result;
-  refit_planes(result, grid, changed);
-  if (LabelPlane* plane = is_plane ? find_plane(result, paint.plane) : nullptr) {
+  if (refit.empty()) return result;
+  refit_planes(result, grid, refit);
+  if (LabelPlane* plane = is_plane(paint.plane) ? find_plane(result, paint.plane) : nullptr) {
     plane->confidence = 1;  // somebody has looked at it
     if (is_new && paint.label == Label::unknown) classify_by_tilt(result, grid, *plane);
   }

@@ -31,6 +31,13 @@ FrameLabels painted(const FrameLabels& labels,
                     const Paint& paint,
                     PaintMode mode);
 
+/// Those of the pixels that painted() changes.
+PixelSet changed_by_painting(const FrameLabels& labels,
+                             const LabelGrid& grid,
+                             std::span<const std::uint32_t> pixels,
+                             const Paint& paint,
+                             PaintMode mode);
+
 /// The smallest id that no plane has.
 int free_plane_id(const FrameLabels& labels);
 const LabelPlane* find_plane(const FrameLabels& labels, int id);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/image_placement.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/toolbar.hpp"
@@ -15,84 +16,12 @@ namespace {
 
 constexpr float kClickSlack = 4;  // [px] that the mouse may move in a click
 
-/// Where the image lies on screen.
-struct Placement {
-  ImVec2 area_min, area_max;
-  ImVec2 origin;    // of the image's upper left corner
-  float scale = 1;  // screen pixels per image pixel
-  int width = 0, height = 0;
-
-  ImVec2 to_screen(float u, float v) const {
-    return ImVec2(origin.x + scale * u, origin.y + scale * v);
-  }
-  ImVec2 to_image(ImVec2 at) const {
-    return ImVec2((at.x - origin.x) / scale, (at.y - origin.y) / scale);
-  }
-  bool holds(ImVec2 uv) const {
-    return uv.x >= 0 && uv.y >= 0 && uv.x < static_cast<float>(width) &&
-           uv.y < static_cast<float>(height);
-  }
-};
-
-Placement place(const ViewState& view, ImVec2 at, ImVec2 room, int width, int height) {
-  Placement placed;
-  placed.area_min = at;
-  placed.area_max = ImVec2(at.x + room.x, at.y + room.y);
-  placed.width = width;
-  placed.height = height;
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
-  placed.scale = std::min(room.x / w, room.y / h) * static_cast<float>(view.image_zoom);
-  // An image that is smaller than its room stands in the middle.
-  const auto begin = [&](float room_px, float image_px, double center) {
-    if (image_px <= room_px) return (room_px - image_px) / 2;
-    return std::clamp(room_px / 2 - static_cast<float>(center) * image_px, room_px - image_px,
-                      0.0f);
-  };
-  placed.origin = ImVec2(at.x + begin(room.x, placed.scale * w, view.image_center.x()),
-                         at.y + begin(room.y, placed.scale * h, view.image_center.y()));
-  return placed;
-}
-
-void draw_tools(const Ui& ui) {
-  const ViewState& view = ui.state.view;
-  action_button(ui, "image.backdrop", view.backdrop == Backdrop::color ? "colour" : "depth");
-  ImGui::SameLine();
-  action_button(ui, "mark.toggle", "mark");
-  ImGui::SameLine();
-  if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
-  ui.name("image.fit");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the whole image");
-  ImGui::SameLine();
-  auto percent = static_cast<float>(100 * view.overlay_opacity);
-  const std::string text = fmt::format("{:.0f} %", percent);
-  // The number stands beside the slider: on it, the grab would hide it.
-  const float number = ImGui::CalcTextSize("100 %").x + ui.px(6);
-  ImGui::SetNextItemWidth(std::max(ui.px(24), ImGui::GetContentRegionAvail().x - number));
-  if (ImGui::SliderFloat("##opacity", &percent, 0, 100, ""))
-    ui.emit("image.opacity", fmt::format("{:.4g}", percent / 100));
-  ui.name("image.opacity");
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("how strongly the segmentation covers the camera's image");
-  ImGui::SameLine(0, ui.px(6));
-  ImGui::TextDisabled("%s", text.c_str());
-}
-
-/// The part shown, so that image point `uv` comes to stand at `at`.
-void show_part(const Ui& ui, const Placement& now, double zoom, ImVec2 uv, ImVec2 at) {
-  zoom = std::clamp(zoom, 1.0, 64.0);
-  const double scale = now.scale * zoom / ui.state.view.image_zoom;
-  const double middle_x = (now.area_min.x + now.area_max.x) / 2;
-  const double middle_y = (now.area_min.y + now.area_max.y) / 2;
-  ui.emit("image.view",
-          fmt::format("{:.6g},{:.6g},{:.6g}", zoom, (uv.x + (middle_x - at.x) / scale) / now.width,
-                      (uv.y + (middle_y - at.y) / scale) / now.height));
-}
-
-void handle_mouse(const Ui& ui, const Placement& placed) {
+void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   const ImGuiIO& io = ImGui::GetIO();
   const ImVec2 uv = placed.to_image(io.MousePos);
   if (ImGui::IsItemHovered() && io.MouseWheel != 0)
-    show_part(ui, placed, ui.state.view.image_zoom * std::pow(1.2, io.MouseWheel), uv, io.MousePos);
+    show_image_part(ui, placed, ui.state.view.image_zoom * std::pow(1.2, io.MouseWheel), uv,
+                    io.MousePos);
   const bool dragged = io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack;
   const bool marking = ui.state.view.marking && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2);
   if (marking) {
@@ -109,7 +38,7 @@ void handle_mouse(const Ui& ui, const Placement& placed) {
   } else if (ImGui::IsItemActive() && (dragged || !ImGui::IsMouseDown(0)) &&
              (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
     const ImVec2 before(io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y);
-    show_part(ui, placed, ui.state.view.image_zoom, placed.to_image(before), io.MousePos);
+    show_image_part(ui, placed, ui.state.view.image_zoom, placed.to_image(before), io.MousePos);
   }
   if (ImGui::IsItemHovered() && ImGui::IsMouseReleased(0) && !dragged && placed.holds(uv))
     ui.emit("select.pixel", fmt::format("{},{}", static_cast<int>(uv.x), static_cast<int>(uv.y)));
@@ -135,7 +64,9 @@ void draw_image(const Ui& ui) {
   const Run* run = ui.state.run();
   const bool pictured = run && !run->subject->frame.depth.empty();
   ImGui::BeginDisabled(!pictured);
-  draw_tools(ui);
+  action_button(ui, "mark.toggle", "mark");
+  ImGui::SameLine();
+  draw_image_tools(ui, "how strongly the segmentation covers the camera's image");
   ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
   if (!pictured) return draw_notice(ui, "A point cloud has no image.", ui.colors.muted);
@@ -143,7 +74,7 @@ void draw_image(const Ui& ui) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (room.x < 16 || room.y < 16) return;
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const Placement placed = place(ui.state.view, at, room, depth.width, depth.height);
+  const ImagePlacement placed = place_image(ui.state.view, at, room, depth.width, depth.height);
   const ImVec2 first = placed.to_screen(0, 0);
   const ImVec2 last =
       placed.to_screen(static_cast<float>(depth.width), static_cast<float>(depth.height));

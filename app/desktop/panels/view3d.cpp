@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/look.hpp"
@@ -63,15 +62,6 @@ void move_camera(const Ui& ui, float height) {
   }
   if (ImGui::IsItemHovered() && io.MouseWheel != 0)
     ui.emit("camera.zoom", fmt::format("{:.6g}", std::pow(1.15, io.MouseWheel)));
-}
-
-/// Cameras are made for views of 4:3; a narrower one shows as much from side to side.
-Camera fitted(Camera camera, double aspect) {
-  constexpr double kMadeFor = 4.0 / 3;
-  if (aspect >= kMadeFor) return camera;
-  const double half = camera.fov_y_deg * std::numbers::pi / 360;
-  camera.fov_y_deg = std::atan(std::tan(half) * kMadeFor / aspect) * 360 / std::numbers::pi;
-  return camera;
 }
 
 void select(const Ui& ui, const Picked& what) {

@@ -1,0 +1,220 @@
+#include "render/label_scene.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "core/labels/selection.hpp"
+#include "render/paint.hpp"
+#include "render/palette.hpp"
+#include "render/region_image.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr std::uint8_t kMuted = 165, kBright = 225, kMark = 205;  // shares of 255
+
+struct Marks {
+  Rgba preview, takes, doubt, marked, ignored;
+};
+Marks marks_of(Theme theme) {
+  const bool dark = theme == Theme::dark;
+  return {.preview = {255, 236, 64, kMark},
+          .takes = {240, 60, 50, kMark},
+          .doubt = dark ? Rgba{255, 150, 40, 190} : Rgba{235, 120, 0, 190},
+          .marked = dark ? Rgba{255, 64, 160, kMark} : Rgba{225, 0, 122, kMark},
+          .ignored = {24, 26, 30, 200}};
+}
+
+std::uint8_t mixed(std::uint8_t below, std::uint8_t above, int share_255) {
+  return static_cast<std::uint8_t>(below + (above - below) * share_255 / 255);
+}
+
+void blend(std::uint8_t* pixel, Rgba tint) {
+  pixel[0] = mixed(pixel[0], tint.r, tint.a);
+  pixel[1] = mixed(pixel[1], tint.g, tint.a);
+  pixel[2] = mixed(pixel[2], tint.b, tint.a);
+}
+
+/// Tints of the values that a pixel's labels can have.
+class Palette {
+ public:
+  Palette(const FrameLabels& labels, const LabelLook& look, double opacity)
+      : of_plane_(kPlaneIgnore + 1, Rgba{0, 0, 0, 0}) {
+    const auto faded = [opacity](Rgba color, int share) {
+      color.a = static_cast<std::uint8_t>(std::lround(share * std::clamp(opacity, 0.0, 1.0)));
+      return color;
+    };
+    for (const LabelPlane& plane : labels.planes) {
+      if (plane.hidden) continue;
+      const Rgba color = look.show_class ? label_color(plane.label) : plane_color(plane.id);
+      of_plane_[plane.id] = faded(color, plane.id == look.plane ? kBright : kMuted);
+    }
+    for (int hv = 1; hv <= 2; ++hv)
+      of_class_[hv] = faded(label_color(static_cast<Label>(hv)), kMuted / 2);
+    ignored_ = faded(marks_of(look.theme).ignored, marks_of(look.theme).ignored.a);
+  }
+
+  Rgba at(std::uint16_t plane, std::uint8_t hv, int x, int y) const {
+    if (plane == kPlaneIgnore) {
+      Rgba tint = ignored_;
+      if (!on_hatch(x, y, 6)) tint.a /= 2;
+      return tint;
+    }
+    return plane == 0 && (hv == 1 || hv == 2) ? of_class_[hv] : of_plane_[plane];
+  }
+
+ private:
+  std::vector<Rgba> of_plane_;
+  Rgba of_class_[3] = {};
+  Rgba ignored_;
+};
+
+/// Light from the camera's upper left, so that surfaces can be told apart.
+std::uint8_t shade_of(const LabelGrid& grid, std::size_t pixel) {
+  const Vec3f& normal = grid.normals[pixel];
+  if (normal.isZero()) return 150;
+  const Vec3f light = (-grid.points[pixel].normalized() + Vec3f(-0.25f, -0.35f, 0)).normalized();
+  return static_cast<std::uint8_t>(70 + 165 * std::abs(normal.dot(light)));
+}
+
+/// Neighbours along a row or a column: the plane whose outline runs between them, 0 if none does.
+/// Holes in the measurement are no edges of a plane.
+int outline_between(const FrameLabels& labels,
+                    const LabelGrid& grid,
+                    std::size_t pixel,
+                    std::size_t next) {
+  const std::uint16_t a = labels.plane.data[pixel], b = labels.plane.data[next];
+  if (a == b || !grid.measured[pixel] || !grid.measured[next]) return 0;
+  const auto id = [](std::uint16_t plane) { return plane == kPlaneIgnore ? 0 : int{plane}; };
+  return std::max(id(a), id(b));
+}
+
+void paint_outlines(Image8& image, const LabelGrid& grid, const LabelLook& look) {
+  const FrameLabels& labels = *look.labels;
+  std::vector<std::uint8_t> hidden(kPlaneIgnore + 1, 0);
+  for (const LabelPlane& plane : labels.planes) hidden[plane.id] = plane.hidden;
+  const Rgba active = look.theme == Theme::dark ? Rgba{255, 255, 255, 240} : Rgba{0, 0, 0, 240};
+  const auto width = static_cast<std::size_t>(grid.width);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+      int id = y + 1 < grid.height ? outline_between(labels, grid, pixel, pixel + width) : 0;
+      if (id == 0 && x + 1 < grid.width) id = outline_between(labels, grid, pixel, pixel + 1);
+      if (id == 0 || hidden[id]) continue;
+      Rgba color = id == look.plane ? active : plane_color(id);
+      color.a = 230;
+      blend(&image.at(x, y), color);
+    }
+}
+
+}  // namespace
+
+Image8 label_ground(const LabelGrid& grid, Backdrop backdrop) {
+  if (backdrop == Backdrop::color && !grid.color.empty()) return grid.color;
+  Image8 ground(grid.width, grid.height, 3);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * grid.width + x;
+      const int hatched = on_hatch(x, y, 8) ? 196 : 214;
+      const auto grey =
+          grid.measured[pixel] ? shade_of(grid, pixel) : static_cast<std::uint8_t>(hatched);
+      std::fill_n(&ground.at(x, y), 3, grey);
+    }
+  return ground;
+}
+
+std::vector<Rgba> label_tints(const LabelGrid& grid, const LabelLook& look, double opacity) {
+  std::vector<Rgba> tints(grid.pixels(), Rgba{0, 0, 0, 0});
+  if (look.labels) {
+    assert(look.labels->plane.pixels() == grid.pixels());
+    const Palette palette(*look.labels, look, opacity);
+    const std::uint16_t* plane = look.labels->plane.data.data();
+    const std::uint8_t* hv = look.labels->hv.data.data();
+    Rgba* tint = tints.data();
+    for (int y = 0; y < grid.height; ++y)
+      for (int x = 0; x < grid.width; ++x) *tint++ = palette.at(*plane++, *hv++, x, y);
+  }
+  const Marks marks = marks_of(look.theme);
+  for (std::size_t i = 0; i < look.doubt.size() && i < tints.size(); ++i)
+    if (look.doubt[i]) tints[i] = marks.doubt;
+  const auto mark = [&](std::span<const std::uint32_t> pixels, Rgba color) {
+    for (const std::uint32_t pixel : pixels)
+      if (pixel < tints.size()) tints[pixel] = color;
+  };
+  mark(look.marked, marks.marked);
+  mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
+  return tints;
+}
+
+void paint_labels(Image8& image, const LabelGrid& grid, const LabelLook& look, double opacity) {
+  assert(image.pixels() == grid.pixels() && image.channels == 3);
+  const std::vector<Rgba> tints = label_tints(grid, look, opacity);
+  std::uint8_t* pixel = image.data.data();
+  for (const Rgba tint : tints) {
+    if (tint.a != 0) blend(pixel, tint);
+    pixel += 3;
+  }
+  if (look.labels) paint_outlines(image, grid, look);
+}
+
+DrawPoints label_points(const LabelGrid& grid,
+                        std::span<const Vec3f> world,
+                        std::span<const std::uint8_t> shown) {
+  assert(world.size() == grid.pixels());
+  DrawPoints points;
+  points.positions.reserve(grid.measured_count);
+  points.ids.reserve(grid.measured_count);
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (!grid.measured[i] || (!shown.empty() && !shown[i])) continue;
+    points.positions.push_back(world[i]);
+    points.ids.push_back(static_cast<std::uint32_t>(i + 1));
+  }
+  const SpaceView drawn;  // strokes take points as they are drawn
+  points.size_m = drawn.point_size_m;
+  points.min_px = drawn.min_px;
+  points.max_px = drawn.max_px;
+  return points;
+}
+
+void color_label_points(DrawPoints& points,
+                        const Image8& ground,
+                        const LabelGrid& grid,
+                        const LabelLook& look) {
+  const std::vector<Rgba> tints = label_tints(grid, look, 1);
+  points.colors.resize(points.ids.size());
+  for (std::size_t k = 0; k < points.ids.size(); ++k) {
+    const std::size_t pixel = points.ids[k] - 1;
+    std::uint8_t color[3];
+    std::copy_n(&ground.data[3 * pixel], 3, color);
+    blend(color, tints[pixel]);
+    points.colors[k] = {color[0], color[1], color[2]};
+  }
+}
+
+DrawList label_scene(const LabelGrid& grid, std::span<const Vec3f> world, const LabelLook& look) {
+  DrawList list;
+  list.points.push_back(label_points(
+      grid, world, look.labels ? shown_pixels(*look.labels) : std::vector<std::uint8_t>{}));
+  color_label_points(list.points.back(), label_ground(grid, Backdrop::color), grid, look);
+  return list;
+}
+
+std::vector<LabelPlace> label_places(const FrameLabels& labels) {
+  RegionImage regions(labels.plane.width, labels.plane.height);
+  std::ranges::copy(labels.plane.data, regions.data.begin());
+  const int largest = labels.planes.empty() ? 0 : labels.planes.back().id;
+  const std::vector<InteriorPoint> inside =
+      interior_points(regions, static_cast<std::size_t>(largest));
+  std::vector<LabelPlace> places;
+  for (const LabelPlane& plane : labels.planes) {
+    const InteriorPoint& at = inside[static_cast<std::size_t>(plane.id) - 1];
+    if (plane.hidden || at.depth_px <= 0) continue;
+    places.push_back(
+        {plane.id, static_cast<std::uint32_t>(at.y) * static_cast<std::uint32_t>(regions.width) +
+                       static_cast<std::uint32_t>(at.x)});
+  }
+  return places;
+}
+
+}  // namespace planescope
