@@ -1,0 +1,84 @@
+// What labeling does while a person waits for the next picture, on a frame of 640 x 480: each is to
+// take well under 16 ms on one core.
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+
+#include "core/labels/edit.hpp"
+#include "core/labels/operations.hpp"
+#include "core/labels/selection.hpp"
+#include "core/labels/wand.hpp"
+#include "core/synthetic/render_scene.hpp"
+#include "core/synthetic/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+struct Fixture {
+  Frame frame;
+  FrameLabels truth;
+  LabelGrid grid;
+  std::uint32_t on_floor = 0;
+  PixelSet stroke;
+  SpaceView view;
+};
+
+const Fixture& fixture() {
+  static const Fixture made = [] {
+    Fixture f;
+    const Scene scene = make_scene("boxes", 1);
+    f.frame = render_scene(scene, scene.camera, D435Model{}, 1, &f.truth);
+    f.grid = make_label_grid(f.frame, f.truth.gravity);
+    f.on_floor = 440 * 640 + 320;
+    const DrawnShape shape{DrawnShape::Kind::stroke, {{100, 400}, {500, 420}}, 40};
+    f.stroke = pixels_on_image(f.grid, shape);
+    f.view.width = 1400;
+    f.view.height = 900;
+    f.view.px_per_m = 900;
+    f.view.clip_from_sensor << 9 / 7.0f, 0, 0, 0, 0, -2, 0, 0, 0, 0, 1, -0.1f, 0, 0, 1, 0;
+    return f;
+  }();
+  return made;
+}
+
+void grid(benchmark::State& state) {
+  const Fixture& f = fixture();
+  for (auto _ : state) benchmark::DoNotOptimize(make_label_grid(f.frame, f.truth.gravity));
+}
+
+void brush(benchmark::State& state) {
+  const Fixture& f = fixture();
+  for (auto _ : state) {
+    const FrameLabels after = painted(f.truth, f.grid, f.stroke, {1}, PaintMode::over);
+    benchmark::DoNotOptimize(make_edit(0, "Brush P1", f.truth, after));
+  }
+}
+
+void wand_on_the_floor(benchmark::State& state) {
+  const Fixture& f = fixture();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(grow_plane(f.grid, nullptr, std::array{f.on_floor}, {}));
+}
+
+void see_in_space(benchmark::State& state) {
+  const Fixture& f = fixture();
+  for (auto _ : state) benchmark::DoNotOptimize(see(f.grid, f.view));
+}
+
+void select_in_space(benchmark::State& state) {
+  const SeenPoints seen = see(fixture().grid, fixture().view);
+  const DrawnShape shape{DrawnShape::Kind::stroke, {{200, 400}, {900, 500}}, 60};
+  for (auto _ : state) benchmark::DoNotOptimize(points_in_space(seen, shape, false));
+}
+
+BENCHMARK(grid)->Unit(benchmark::kMillisecond);
+BENCHMARK(brush)->Unit(benchmark::kMillisecond);
+BENCHMARK(wand_on_the_floor)->Unit(benchmark::kMillisecond);
+BENCHMARK(see_in_space)->Unit(benchmark::kMillisecond);
+BENCHMARK(select_in_space)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace planescope
+
+BENCHMARK_MAIN();
