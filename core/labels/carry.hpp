@@ -13,7 +13,7 @@
 namespace planescope {
 
 struct CarriedPlane {
-  int id = 0;
+  int id = 0;             // in the new frame: another one where its own is taken there
   double confidence = 0;  // share of the pixels it was expected on that lie on its fitted plane
   std::size_t pixels = 0, doubtful = 0;
 };

@@ -2,7 +2,8 @@
 
 // What a gesture does to the labels of a frame. Pure functions: labels in, labels out, planes
 // fitted anew where their pixels changed. Locked planes lose and gain no pixel, hidden ones lose
-// none; pixels that were not measured keep no label.
+// none; pixels that were not measured keep no label. A carried plane that is touched is settled:
+// its confidence becomes 1.
 
 #include <array>
 #include <span>

@@ -14,18 +14,18 @@ namespace planescope {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr int kLeastWindow_px = 12;
+constexpr int kLeastWindow_px = 12;  // beyond the tile, to each side
 constexpr int kMostWindow_px = 80;
 constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
-constexpr double kLeastShare = 0.3;
-constexpr double kLeastSine = 0.12;  // of the angle: flatter creases are no creases
-constexpr double kFlat = 0.35;
-constexpr float kLeaves = 1.8f;        // tolerances from the sheet: a surface, not a bump
-constexpr double kLeastLeaving = 0.2;  // of the other surface's pixels are that far
-constexpr int kLong_px = 60;           // a window so large ...
-constexpr double kLeastLong = 0.3;     // ... is filled by the other surface to this share
-constexpr int kTwo = 2;                // surfaces at most that meet the region in one tile
-constexpr std::size_t kRemembered = 6;
+constexpr double kLeastShare = 0.3;          // of what is beyond lies on the other surface
+constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are no creases
+constexpr double kFlatSine = 0.35;      // below it noise decides unless it is averaged over more
+constexpr float kLeaves = 1.8f;         // tolerances from the sheet: a surface, not a bump
+constexpr double kLeastLeaving = 0.2;   // of the other surface's pixels are that far
+constexpr int kLong_px = 60;            // a window so large ...
+constexpr double kLeastLong = 0.3;      // ... is filled by the other surface to this share
+constexpr int kMostSurfaces = 2;        // that meet the region in one tile
+constexpr std::size_t kRemembered = 6;  // surfaces, for the tiles that follow
 
 using Tile = std::vector<std::uint32_t>;
 
@@ -62,7 +62,7 @@ class CreaseCut {
 
   void cut_at(const Tile& contacts) {
     Tile open = contacts;
-    for (int k = 0; k < kTwo && open.size() >= kLeastContact_px; ++k) {
+    for (int k = 0; k < kMostSurfaces && open.size() >= kLeastContact_px; ++k) {
       const std::uint32_t middle = open[open.size() / 2];
       const double tolerance_px = field_.tolerance_m(sheet_, middle) *
                                   std::abs(grid_.intrinsics.fx) / grid_.points[middle].z();
@@ -77,7 +77,7 @@ class CreaseCut {
       if (front.empty()) return;
       const double sine = sine_to(*other);
       const int deep = static_cast<int>(std::min(1.3 * tolerance_px / sine, 60.0)) + 2;
-      take(*other, std::move(front), deep, sine < kFlat ? 3 : 1);
+      take(*other, std::move(front), deep, sine < kFlatSine ? 3 : 1);
     }
   }
 
