@@ -42,9 +42,11 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
   const auto command = [&](const char* name, const char* help) {
     return labels->add_subcommand(name, help);
   };
-  const auto runs = [t, choose](CLI::App* sub, int (*run)(const LabelsArgs&, std::stop_token)) {
+  const auto runs = [t, choose](CLI::App* sub,
+                                int (*run)(const LabelsArgs&, const std::stop_token&)) {
     sub->final_callback([t, choose, run] {
-      choose([args = labels_args(*t), run](std::stop_token stop) { return run(args, stop); });
+      choose(
+          [args = labels_args(*t), run](const std::stop_token& stop) { return run(args, stop); });
     });
   };
 
@@ -83,7 +85,7 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
   exporting->final_callback([t, choose] {
     LabelsArgs args = labels_args(*t);
     args.out = required_out(*t, "labels export");
-    choose([args](std::stop_token stop) { return run_labels_export(args, stop); });
+    choose([args](const std::stop_token& stop) { return run_labels_export(args, stop); });
   });
 
   CLI::App* importing =

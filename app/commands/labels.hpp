@@ -20,14 +20,14 @@ struct LabelsArgs {
 };
 
 /// One line per finding. Returns 0 where all is well, 1 with findings, 2 where files are damaged.
-int run_labels_check(const LabelsArgs& args, std::stop_token stop);
+int run_labels_check(const LabelsArgs& args, const std::stop_token& stop);
 /// Where people have worked: planes, area and time by frame.
-int run_labels_stats(const LabelsArgs& args, std::stop_token stop);
+int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop);
 /// How far two sets of labels of the same frames agree.
-int run_labels_compare(const LabelsArgs& args, std::stop_token stop);
-int run_labels_export(const LabelsArgs& args, std::stop_token stop);
+int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop);
+int run_labels_export(const LabelsArgs& args, const std::stop_token& stop);
 /// All files are read before any label is changed; what was there can be brought back by undo.
-int run_labels_import(const LabelsArgs& args, std::stop_token stop);
+int run_labels_import(const LabelsArgs& args, const std::stop_token& stop);
 int run_labels_convert(const LabelsArgs& args);
 
 }  // namespace planescope

@@ -71,7 +71,7 @@ void print_json(const LabelledRecording& source,
 
 }  // namespace
 
-int run_labels_check(const LabelsArgs& args, std::stop_token stop) {
+int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
   std::size_t findings = 0;

@@ -62,7 +62,7 @@ ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording&
 
 }  // namespace
 
-int run_labels_compare(const LabelsArgs& args, std::stop_token stop) {
+int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
     throw Error(fmt::format("labels compare: {} folders are given, expected two, DIR_A and DIR_B",
                             args.input.inputs.size()));

@@ -126,7 +126,7 @@ Import read_import(const FileOfFrame& file,
 
 }  // namespace
 
-int run_labels_export(const LabelsArgs& args, std::stop_token stop) {
+int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelFormat format = parse_label_format(args.format);
   const OpenInput input = open_one(args, "export");
   check_export_dir(args.out, input);
@@ -158,7 +158,7 @@ int run_labels_export(const LabelsArgs& args, std::stop_token stop) {
   return 0;
 }
 
-int run_labels_import(const LabelsArgs& args, std::stop_token stop) {
+int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
   if (args.format.empty() && fs::is_directory(args.from))
     throw Error("labels import needs --format for the files of a folder");

@@ -100,7 +100,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
 
 }  // namespace
 
-int run_labels_stats(const LabelsArgs& args, std::stop_token stop) {
+int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::map<int, std::vector<WorkTime>> work;
   for (const WorkTime& w : work_times(source.labels.dir)) work[w.frame].push_back(w);

@@ -7,8 +7,7 @@
 //   kitti     .bin + .label   float32 x y z remission; uint32 instance << 16 | class
 //   npz                 arrays points, [rgb,] label, instance, pixel, depth_size
 //   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters
-//   voxels    .voxels.ply   mean of each voxel's points in the world frame, majority of their
-//   labels
+//   voxels    .voxels.ply     mean of each voxel's points, upright; majority of their labels
 
 #include <cstdint>
 #include <filesystem>

@@ -54,21 +54,21 @@ std::optional<FileBytes> read_member(zip_t* archive,
                                      const std::string& where) {
   const zip_int64_t index = zip_name_locate(archive, name.c_str(), 0);
   if (index < 0) return std::nullopt;
+  const std::string member = where + ": " + name;
   const std::unique_ptr<zip_file_t, Discard> file(
       zip_fopen_index(archive, static_cast<zip_uint64_t>(index), 0));
-  if (!file) throw Error(where + ": " + name + " cannot be read: " + zip_strerror(archive));
+  if (!file) throw Error(member + " cannot be read: " + zip_strerror(archive));
   // Piece by piece: the size that the archive claims is not trusted.
   FileBytes bytes;
   constexpr std::size_t kPiece = 1 << 20;
   while (true) {
     const std::size_t before = bytes.size();
     if (before > kMaxMemberBytes)
-      throw Error(where + ": " + name + " is larger than " + std::to_string(kMaxMemberBytes) +
-                  " bytes");
+      throw Error(member + " is larger than " + std::to_string(kMaxMemberBytes) + " bytes");
     bytes.resize(before + kPiece);
     const zip_int64_t read = zip_fread(file.get(), bytes.data() + before, kPiece);
     bytes.resize(before + static_cast<std::size_t>(std::max<zip_int64_t>(read, 0)));
-    if (read < 0) throw Error(where + ": " + name + " is damaged");
+    if (read < 0) throw Error(member + " is damaged");
     if (read == 0) return bytes;
   }
 }
@@ -110,14 +110,16 @@ class NpzWriter {
     const zip_int64_t index =
         zip_file_add(archive_.get(), (name + ".npy").c_str(), source.get(), ZIP_FL_ENC_UTF_8);
     if (index < 0) fail(where_, *zip_get_error(archive_.get()));
-    source.release();  // the archive's now
-    zip_set_file_compression(archive_.get(), static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0);
-    zip_file_set_dostime(archive_.get(), static_cast<zip_uint64_t>(index), 0, kFirstDosDate, 0);
+    (void)source.release();  // the archive's now
+    const auto at = static_cast<zip_uint64_t>(index);
+    if (zip_set_file_compression(archive_.get(), at, ZIP_CM_STORE, 0) < 0 ||
+        zip_file_set_dostime(archive_.get(), at, 0, kFirstDosDate, 0) < 0)
+      fail(where_, *zip_get_error(archive_.get()));
   }
 
   FileBytes finish() {
     if (zip_close(archive_.get()) < 0) fail(where_, *zip_get_error(archive_.get()));
-    archive_.release();
+    (void)archive_.release();
     zip_source_t* source = source_.get();
     zip_stat_t facts;
     FileBytes bytes;
@@ -167,7 +169,7 @@ LabelledPoints parse_npz(Bytes file, const std::string& where) {
   points.instance = instances_of(instance, where + ": instance");
   const std::size_t count = points.size();
   const auto read = [&](const char* name, std::uint64_t columns) {
-    const auto values = read_array(archive.get(), name, columns, where);
+    auto values = read_array(archive.get(), name, columns, where);
     if (!values.empty() && values.size() != columns * count)
       throw Error(where + ": " + name + " has " + std::to_string(values.size() / columns) +
                   " rows, instance has " + std::to_string(count));

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/labels/coco_categories.hpp"
 #include "core/labels/coco_mask.hpp"
 #include "core/labels/exchange_files.hpp"
 
@@ -13,55 +14,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMaxSide = 1 << 16;
-
-struct Category {
-  int id;
-  const char* name;
-  std::uint8_t label;
-};
-constexpr Category kCategories[] = {
-    {1, "h", 1}, {2, "v", 2}, {3, "unknown", 0}, {4, "ignore", kHvIgnore}};
-
-struct Mask {
-  std::vector<std::uint64_t> sorted;  // u * height + v
-  int left = kMaxSide, top = kMaxSide, right = 0, bottom = 0;
-};
-
-Json plane_json(int id, const LabelledPoints& points) {
-  Json json = {{"id", id}};
-  for (const LabelPlane& plane : points.planes) {
-    if (plane.id != id) continue;
-    json["normal"] = {plane.normal.x(), plane.normal.y(), plane.normal.z()};
-    json["offset_m"] = plane.offset_m;
-    json["rms_m"] = plane.rms_m;
-  }
-  return json;
-}
-
 /// A whole number, whatever way it is written; nlohmann's get<int>() would take what does not fit.
 int whole_of(const Json& json, int low, int high, const std::string& where) {
   const double value = json.get<double>();
   return whole_numbers<std::int32_t>(std::span(&value, 1), low, high, where)[0];
-}
-
-/// By plane, then class: one mask for each plane, unless its pixels differ in class.
-std::map<std::pair<int, int>, Mask> masks_of(const LabelledPoints& points) {
-  std::map<std::pair<int, int>, Mask> masks;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const int label = points.label.empty() ? 0 : points.label[i];
-    if (points.instance[i] == 0 && label == 0) continue;
-    const auto [u, v] = points.pixel[i];
-    Mask& mask = masks[{points.instance[i], label}];
-    mask.sorted.push_back(
-        static_cast<std::uint64_t>(u) * static_cast<std::uint64_t>(points.height) + v);
-    mask.left = std::min<int>(mask.left, u);
-    mask.right = std::max<int>(mask.right, u);
-    mask.top = std::min<int>(mask.top, v);
-    mask.bottom = std::max<int>(mask.bottom, v);
-  }
-  for (auto& [key, mask] : masks) std::sort(mask.sorted.begin(), mask.sorted.end());
-  return masks;
 }
 
 /// What is read, on the image's pixels.
@@ -86,8 +42,8 @@ class CocoReader {
     if (images.size() != 1)
       throw Error(where_ + ": " + std::to_string(images.size()) + " images, expected one");
     image_id_ = images.at(0).at("id");
-    width_ = whole_of(images.at(0).at("width"), 1, kMaxSide, where_ + ": width");
-    height_ = whole_of(images.at(0).at("height"), 1, kMaxSide, where_ + ": height");
+    width_ = whole_of(images.at(0).at("width"), 1, kMaxCocoSide, where_ + ": width");
+    height_ = whole_of(images.at(0).at("height"), 1, kMaxCocoSide, where_ + ": height");
     check_count(pixels(), where_);
     instance_.assign(pixels(), 0);
     label_.assign(pixels(), 0);
@@ -96,9 +52,9 @@ class CocoReader {
   void read_categories() {
     for (const Json& category : json_.at("categories")) {
       const auto name = category.at("name").get<std::string>();
-      const auto known = std::find_if(std::begin(kCategories), std::end(kCategories),
-                                      [&](const Category& c) { return name == c.name; });
-      if (known == std::end(kCategories))
+      const auto known = std::find_if(std::begin(kCocoCategories), std::end(kCocoCategories),
+                                      [&](const CocoCategory& c) { return name == c.name; });
+      if (known == std::end(kCocoCategories))
         throw Error(where_ + ": category \"" + printable(name) +
                     "\", expected h, v, unknown or ignore");
       label_of_category_[category.at("id").dump()] = known->label;
@@ -124,7 +80,7 @@ class CocoReader {
       const auto numbers = polygon.get<std::vector<double>>();
       std::vector<std::pair<double, double>> corners;
       for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
-        if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxSide)
+        if (std::max(std::abs(numbers[i]), std::abs(numbers[i + 1])) > kMaxCocoSide)
           throw Error(where + ": a polygon that runs far out of the image");
         corners.emplace_back(numbers[i], numbers[i + 1]);
       }
@@ -209,39 +165,6 @@ class CocoReader {
 };
 
 }  // namespace
-
-FileBytes coco_bytes(const LabelledPoints& points, const std::string& name) {
-  Json json;
-  json["info"] = {{"description", "Planes of a depth image, by planescope"}, {"version", "1"}};
-  json["images"] = Json::array({{{"id", 1},
-                                 {"width", points.width},
-                                 {"height", points.height},
-                                 {"file_name", name + ".png"}}});
-  json["categories"] = Json::array();
-  for (const Category& category : kCategories)
-    json["categories"].push_back(
-        {{"id", category.id}, {"name", category.name}, {"supercategory", "plane"}});
-  json["annotations"] = Json::array();
-  const auto pixels =
-      static_cast<std::uint64_t>(points.width) * static_cast<std::uint64_t>(points.height);
-  for (const auto& [key, mask] : masks_of(points)) {
-    const auto category =
-        std::find_if(std::begin(kCategories), std::end(kCategories),
-                     [&, label = key.second](const Category& c) { return c.label == label; });
-    json["annotations"].push_back(
-        {{"id", json["annotations"].size() + 1},
-         {"image_id", 1},
-         {"category_id", category->id},
-         {"iscrowd", 1},
-         {"area", mask.sorted.size()},
-         {"bbox", {mask.left, mask.top, mask.right - mask.left + 1, mask.bottom - mask.top + 1}},
-         {"segmentation",
-          {{"size", {points.height, points.width}}, {"counts", mask_counts(mask.sorted, pixels)}}},
-         {"plane", plane_json(key.first, points)}});
-  }
-  const std::string text = json.dump() + "\n";
-  return {text.begin(), text.end()};
-}
 
 LabelledPoints parse_coco(Bytes file, const std::string& where) {
   try {
