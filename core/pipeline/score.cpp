@@ -13,9 +13,9 @@ struct DenseTruth {
   std::vector<Vec3d> normals;  // by dense id - 1, sensor frame; zero where unknown
 };
 
-DenseTruth dense_truth(const FrameResult& result, const SourceTruth& truth) {
+DenseTruth dense_truth(const Cloud& cloud, const SourceTruth& truth) {
   DenseTruth dense;
-  dense.on_points = truth_on_points(truth.values, result.cloud.source);
+  dense.on_points = truth_on_points(truth.values, cloud.source);
   std::vector<std::int32_t> ids;
   for (const std::int32_t id : dense.on_points.instance)
     if (id > 0) ids.push_back(id);
@@ -32,6 +32,37 @@ DenseTruth dense_truth(const FrameResult& result, const SourceTruth& truth) {
   return dense;
 }
 
+/// What both sides say about the points that are scored, and the planes' normals in the world.
+struct Scored {
+  std::vector<Vec3f> points;
+  std::vector<std::int32_t> true_planes, found_planes;
+  std::vector<Label> true_labels, found_labels;
+  std::vector<Vec3d> true_normals, found_normals;
+
+  void add(const Vec3f& point, const FrameTruth& truth, std::size_t i, int plane, Label label) {
+    points.push_back(point);
+    true_planes.push_back(truth.instance[i]);
+    true_labels.push_back(static_cast<Label>(truth.label[i]));
+    found_planes.push_back(plane);
+    found_labels.push_back(label);
+  }
+  Metrics metrics() const {
+    return evaluate({.points = points,
+                     .truth = true_planes,
+                     .found = found_planes,
+                     .found_normals = found_normals,
+                     .truth_normals = true_normals,
+                     .truth_labels = true_labels,
+                     .found_labels = found_labels});
+  }
+};
+
+std::vector<Vec3d> turned(const std::vector<Vec3d>& normals, const Pose& T_world_sensor) {
+  std::vector<Vec3d> world;
+  for (const Vec3d& normal : normals) world.push_back(T_world_sensor.linear() * normal);
+  return world;
+}
+
 Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> found_of) {
   if (truth < 0) return Verdict::unscored;
   if (truth == 0) return found > 0 ? Verdict::invented : Verdict::right;
@@ -44,40 +75,40 @@ Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> 
 
 Metrics score_frame(const FrameResult& result, const SourceTruth& truth) {
   const Cloud& cloud = result.cloud;
-  const DenseTruth dense = dense_truth(result, truth);
-
-  std::vector<Vec3f> points;
-  std::vector<std::int32_t> true_planes, found_planes;
-  std::vector<Label> true_labels, found_labels;
+  const DenseTruth dense = dense_truth(cloud, truth);
+  Scored scored;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const std::uint32_t voxel = result.voxels.voxel_of[i];
     if (voxel == kNoVoxel) continue;
-    points.push_back(cloud.points[i]);
-    true_planes.push_back(dense.on_points.instance[i]);
-    found_planes.push_back(result.plane_of[i]);
-    true_labels.push_back(static_cast<Label>(dense.on_points.label[i]));
-    found_labels.push_back(result.classification.labels[voxel]);
+    scored.add(cloud.points[i], dense.on_points, i, result.plane_of[i],
+               result.classification.labels[voxel]);
   }
-  std::vector<Vec3d> found_normals, true_normals;
   for (const PlaneRegion& plane : result.segmentation.planes)
-    found_normals.push_back(plane.fit.normal);
-  for (const Vec3d& normal : dense.normals)
-    true_normals.push_back(cloud.T_world_sensor.linear() * normal);
+    scored.found_normals.push_back(plane.fit.normal);
+  scored.true_normals = turned(dense.normals, cloud.T_world_sensor);
+  return scored.metrics();
+}
 
-  MetricsInput input;
-  input.points = points;
-  input.truth = true_planes;
-  input.found = found_planes;
-  input.found_normals = found_normals;
-  input.truth_normals = true_normals;
-  input.truth_labels = true_labels;
-  input.found_labels = found_labels;
-  return evaluate(input);
+Metrics score_labels(const Frame& frame,
+                     const FrameLabels& found,
+                     const FrameLabels& truth,
+                     const CloudOptions& options) {
+  const Cloud cloud = make_cloud(frame, truth.gravity, options);
+  const DenseTruth dense = dense_truth(cloud, truth_of_labels(truth));
+  const DenseTruth other = dense_truth(cloud, truth_of_labels(found));
+  Scored scored;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (cloud.kept[i])
+      scored.add(cloud.points[i], dense.on_points, i, std::max(0, other.on_points.instance[i]),
+                 static_cast<Label>(other.on_points.label[i]));
+  scored.found_normals = turned(other.normals, cloud.T_world_sensor);
+  scored.true_normals = turned(dense.normals, cloud.T_world_sensor);
+  return scored.metrics();
 }
 
 JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
   JudgedFrame judged;
-  const DenseTruth dense = dense_truth(result, truth);
+  const DenseTruth dense = dense_truth(result.cloud, truth);
   judged.true_plane = dense.on_points.instance;
   std::vector<std::int32_t> scored = judged.true_plane;
   for (std::size_t i = 0; i < scored.size(); ++i)

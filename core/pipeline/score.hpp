@@ -10,6 +10,13 @@ namespace planescope {
 /// not scored, nor are those whose truth says so.
 Metrics score_frame(const FrameResult& result, const SourceTruth& truth);
 
+/// The same for a segmentation that was made elsewhere, as labels on the pixels of the frame.
+/// Pixels beyond the range, or outside the cube, of `options` are not scored.
+Metrics score_labels(const Frame& frame,
+                     const FrameLabels& found,
+                     const FrameLabels& truth,
+                     const CloudOptions& options);
+
 /// What became of a point.
 enum class Verdict : std::uint8_t {
   unscored,
