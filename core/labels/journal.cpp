@@ -179,6 +179,8 @@ std::vector<JournalPlace> Journal::append(std::span<const JournalBytes> records)
   end_ += bytes.size();
   size_ = end_;
   unsynced_ = true;
+  if (!background_) background_ = std::make_unique<BackgroundSync>(file_);
+  background_->request();
   return places;
 }
 

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/file_descriptor.hpp"
+#include "core/labels/background_sync.hpp"
 
 namespace planescope {
 
@@ -38,7 +40,8 @@ class Journal {
   /// Moves them into a file beside it, and returns its path.
   std::filesystem::path set_damaged_aside();
 
-  /// All of these or none. Survives a crash of this process at once, a loss of power after sync().
+  /// All of these or none. Survives a crash of this process at once, a loss of power a moment later
+  /// or after sync().
   /// Throws Error where it cannot be written; the journal is then as it was.
   std::vector<JournalPlace> append(std::span<const JournalBytes> records);
   void sync();
@@ -53,7 +56,8 @@ class Journal {
   std::uint64_t end_ = 0;   // behind the last good record
   std::uint64_t size_ = 0;  // of the file
   bool unsynced_ = false;
-  bool created_ = false;  // and its name not yet made durable
+  bool created_ = false;                        // and its name not yet made durable
+  std::unique_ptr<BackgroundSync> background_;  // from the first append() on
 };
 
 }  // namespace planescope

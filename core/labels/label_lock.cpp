@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -41,7 +42,30 @@ std::string holder_of(const fs::path& path) {
   return "held by " + user + ", process " + process + " on " + host + " since " + since;
 }
 
+/// Whether the open file is still the one of that name: its last holder may just have removed it.
+bool is_named(const FileDescriptor& file, const fs::path& path) {
+  struct stat opened = {}, named = {};
+  return ::fstat(file.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
 }  // namespace
+
+LabelLock& LabelLock::operator=(LabelLock&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  path_ = std::move(other.path_);
+  file_ = std::move(other.file_);
+  by_other_ = other.by_other_;
+  why_not_ = std::move(other.why_not_);
+  return *this;
+}
+
+void LabelLock::release() {
+  // While it is still held: whoever opened it meanwhile sees that it has no name any more.
+  if (file_.is_open()) ::unlink(path_.c_str());
+  file_ = {};
+}
 
 LabelLock LabelLock::take(const fs::path& dir, const std::string& user) {
   LabelLock lock;
@@ -58,12 +82,14 @@ LabelLock LabelLock::take(const fs::path& dir, const std::string& user) {
                         : path.string() + " cannot be locked (" + error_text(errno) + ")";
     return lock;
   }
+  if (!is_named(file, path)) return take(dir, user);
   const std::string text =
       user + "\n" + std::to_string(::getpid()) + "\n" + host_name() + "\n" + local_time() + "\n";
   // On a full disk the lock holds all the same, only without a name.
   if (::ftruncate(file.get(), 0) == 0) {
     write_fully(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()}, 0);
   }
+  lock.path_ = path;
   lock.file_ = std::move(file);
   return lock;
 }

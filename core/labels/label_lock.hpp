@@ -8,9 +8,14 @@
 namespace planescope {
 
 /// Held by the one instance that may write into a label folder, in DIR/lock. It ends with the
-/// process, however that ends; what the file says is for people only.
+/// process, however that ends; what the file says is for people only. Letting go removes the file.
 class LabelLock {
  public:
+  LabelLock() = default;
+  ~LabelLock() { release(); }
+  LabelLock(LabelLock&& other) noexcept = default;
+  LabelLock& operator=(LabelLock&& other) noexcept;
+
   /// Makes DIR/lock where needed, not DIR.
   static LabelLock take(const std::filesystem::path& dir, const std::string& user);
 
@@ -20,6 +25,9 @@ class LabelLock {
   const std::string& why_not() const { return why_not_; }
 
  private:
+  void release();
+
+  std::filesystem::path path_;
   FileDescriptor file_;
   bool by_other_ = false;
   std::string why_not_;

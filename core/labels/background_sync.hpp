@@ -1,0 +1,30 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "core/base/file_descriptor.hpp"
+
+namespace planescope {
+
+/// Makes what was written to a file survive a loss of power, without the writer waiting for it.
+class BackgroundSync {
+ public:
+  /// Takes a descriptor of its own.
+  explicit BackgroundSync(const FileDescriptor& file);
+
+  /// As soon as can be; requests that come meanwhile are one.
+  void request();
+
+ private:
+  void loop(std::stop_token stop);
+
+  FileDescriptor file_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  bool wanted_ = false;
+  std::jthread thread_;  // last: it uses all of the above
+};
+
+}  // namespace planescope
