@@ -49,13 +49,15 @@ void begin(State& state, const std::string& text) {
 void add(State& state, const std::string& text) {
   const std::uint32_t seed = seed_argument(state, "label.wand.add", text);
   WandPreview& wand = state.view.label.wand;
-  if (wand.seeds.empty()) wand.onto_active = true;
+  if (!wand.found) {
+    wand = {};
+    wand.onto_active = true;
+  }
   wand.seeds.push_back(seed);
-  const std::size_t before = wand.found ? wand.found->pixels.size() : 0;
   grow(state);
-  if (wand.found && wand.found->pixels.size() == before && before > 0) {
+  if (wand.found && wand.found->fragment_pixels.back() == 0) {
     wand.seeds.pop_back();
-    say(state, "that is no part of this plane");
+    say(state, "nothing there is part of this plane");
   }
 }
 

@@ -183,13 +183,21 @@ void draw_debugger(const Ui& ui, const Places& at) {
 void draw_label_mode(const Ui& ui, const Places& at) {
   const Layout& layout = ui.state.view.layout;
   const float bar = std::round(ImGui::GetFrameHeight() + ui.px(14)), grip = at.grip;
-  const float image = std::round(at.middle * share(layout.image + 0.1, 0.0, 0.8));
-  const float y = at.top + bar, height = at.body - bar, space = at.middle - image - grip;
+  const float y = at.top + bar, height = at.body - bar;
+  // Both views as large as they can be, for pictures of 4:3.
+  const bool beside = at.middle > 2 * height;
+  const float extent = beside ? at.middle : height;
+  const float image = std::round(extent * share(layout.image + 0.1, 0.0, 0.8));
+  const float space = extent - image - grip;
+  const Rect first = beside ? Rect{at.x1, y, space, height} : Rect{at.x1, y, at.middle, space};
+  const Rect second = beside ? Rect{at.x1 + space + grip, y, image, height}
+                             : Rect{at.x1, y + space + grip, at.middle, image};
+  const Rect between =
+      beside ? Rect{at.x1 + space, y, grip, height} : Rect{at.x1, y + space, at.middle, grip};
 
   panel(ui, "label_tools", {at.x1, at.top, at.middle, bar}, kStill, [&] { draw_label_tools(ui); });
-  panel(ui, "view3d", {at.x1, y, space, height}, kStill, [&] { draw_label_space(ui); });
-  panel(ui, "image", {at.x1 + space + grip, y, image, height}, kStill,
-        [&] { draw_label_image(ui); });
+  panel(ui, "view3d", first, kStill, [&] { draw_label_space(ui); });
+  panel(ui, "image", second, kStill, [&] { draw_label_image(ui); });
   panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill, [&] {
     tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label",
          {{"planes", "Planes", draw_label_planes},
@@ -197,7 +205,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
           {"checks", "Checks", draw_label_checks},
           {"statistics", "Statistics", draw_label_statistics}});
   });
-  splitter(ui, "image", {at.x1 + space, y, grip, height}, true, layout.image, at.middle, -1);
+  splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
 }  // namespace
@@ -283,9 +291,12 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (typing && (!ours || edits)) return;
     if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
     if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
-    if (const Action* action = action_of_key(key, state_.view.mode))
-      if (!action->enabled || action->enabled(state_))
-        perform({action->name, action->key_is_argument ? key : ""});
+    const Action* action = action_of_key(key, state_.view.mode);
+    if (!action) return;
+    // Where Tab is an action's, it does not type into the next slider as well.
+    if (key.ends_with("Tab")) io.KeysDown[static_cast<int>(Key::tab)] = false;
+    if (!action->enabled || action->enabled(state_))
+      perform({action->name, action->key_is_argument ? key : ""});
   });
 
   if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);

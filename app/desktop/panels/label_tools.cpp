@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/label_painting.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/toolbar.hpp"
@@ -88,10 +90,13 @@ void draw_size(const Ui& ui) {
   const LabelView& view = ui.state.view.label;
   const bool wand = view.tool == LabelTool::wand;
   if (!wand && view.tool != LabelTool::brush) return;
-  if (!beside(ui, ui.px(96), 14)) return;
   auto value = static_cast<float>(wand ? 1000 * view.wand_options.tolerance_m : view.brush_px);
-  ImGui::SetNextItemWidth(ui.px(96));
-  if (ImGui::SliderFloat("##size", &value, 1, wand ? 40 : 100, wand ? "%.1f mm" : "%.0f px",
+  const std::string text = wand ? fmt::format("{:.1f} mm", value) : fmt::format("{:.0f} px", value);
+  const float slider = ui.px(80), number = ImGui::CalcTextSize("88.8 mm").x;
+  if (!beside(ui, slider + number, 14)) return;
+  // The number stands beside the slider: on it, the grab would hide it.
+  ImGui::SetNextItemWidth(slider);
+  if (ImGui::SliderFloat("##size", &value, 1, wand ? 40 : 100, "",
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
     if (wand)
       ui.emit("label.wand.tolerance", fmt::format("{:.6g}", value / 1000));
@@ -100,10 +105,14 @@ void draw_size(const Ui& ui) {
   }
   ui.name("label.size");
   if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s", wand
-                                ? "how far points may lie off the plane   [ ]\nwheel over a view "
-                                  "while a plane is shown; Ctrl+wheel zooms"
-                                : "radius of the brush   [ ]\nwheel over a view; Ctrl+wheel zooms");
+    ImGui::SetTooltip("%s", wand ? "how far points may lie off the plane   [ ]\nthe wheel over a "
+                                   "view while a plane is shown; Ctrl+wheel zooms"
+                                 : "radius of the brush   [ ]\nthe wheel over a view; Ctrl+wheel "
+                                   "zooms");
+  ImGui::SameLine(0, ui.px(5));
+  ImGui::TextDisabled("%s", text.c_str());
+  ImGui::SameLine(0, 0);  // what follows keeps its place
+  ImGui::Dummy(ImVec2(std::max(0.0f, number - ImGui::CalcTextSize(text.c_str()).x), 0));
 }
 
 }  // namespace

@@ -1,0 +1,352 @@
+// The label mode's tools: gestures in both views, the wand, keys.
+
+#include "core/base/error.hpp"
+#include "label_desktop.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct LabelTools : LabelDesktop {
+  std::size_t pixels_of(int plane) const { return pixels_of_plane(labels(), plane).size(); }
+  std::size_t labelled() const {
+    return labels().plane.data.size() -
+           static_cast<std::size_t>(std::ranges::count(labels().plane.data, 0));
+  }
+  const LabelView& view() const { return state().view.label; }
+  void key(const std::string& name) { play(R"({"key": ")" + name + R"("})"); }
+};
+
+const std::string kStroke = "image over 20 300,330 360,330";
+
+TEST_F(LabelTools, AStrokeMakesAPlaneInOneUndoStepAndGoesOnWithIt) {
+  window.run("label.stroke", kStroke);
+  const std::size_t first = pixels_of(1);
+  EXPECT_GT(first, 1000u);
+  EXPECT_EQ(view().plane, 1);
+  EXPECT_EQ(window.store().history(1).front().title, "Brush P1");
+  window.run("label.stroke", "image over 20 200,330");
+  EXPECT_GT(pixels_of(1), first);
+  window.run("label.undo");
+  EXPECT_EQ(pixels_of(1), first);
+  window.run("label.undo");
+  EXPECT_EQ(labelled(), 0u);
+  EXPECT_TRUE(labels().planes.empty());
+  window.run("label.redo");
+  EXPECT_EQ(pixels_of(1), first);
+}
+
+TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
+  window.run("label.stroke", kStroke);
+  const std::size_t first = pixels_of(1);
+  window.run("label.plane", "2");
+  window.run("label.stroke", "image add 30 300,330 360,330");
+  EXPECT_EQ(pixels_of(1), first);
+  const std::size_t second = pixels_of(2);
+  EXPECT_GT(second, 500u);
+  window.run("label.stroke", "image subtract 200 320,330");
+  EXPECT_EQ(pixels_of(1), first);
+  EXPECT_EQ(pixels_of(2), 0u);
+  EXPECT_EQ(window.refusal("label.stroke", "image subtract 10 320,330"),
+            "P2 has no pixels yet that could be taken off");
+  window.run("label.undo");
+  window.run("label.stroke", kStroke);  // over
+  EXPECT_EQ(pixels_of(1), 0u);
+  EXPECT_EQ(find_plane(labels(), 1), nullptr);
+}
+
+TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
+  window.run("label.ignore");
+  window.run("label.stroke", kStroke);
+  EXPECT_GT(pixels_of(kPlaneIgnore), 1000u);
+  EXPECT_TRUE(labels().planes.empty());
+  window.run("label.erase");
+  window.run("label.stroke", kStroke);
+  EXPECT_EQ(labelled(), 0u);
+  window.run("label.class_only", "v");
+  window.run("label.stroke", kStroke);
+  EXPECT_EQ(labelled(), 0u);
+  EXPECT_GT(std::ranges::count(labels().hv.data, 2), 1000);
+}
+
+TEST_F(LabelTools, APreviewIsWhatTheStrokeThenChanges) {
+  window.run("label.preview", kStroke);
+  const PixelSet shown = view().stroke->pixels;
+  window.run("label.stroke", kStroke);
+  EXPECT_FALSE(view().stroke);
+  EXPECT_EQ(pixels_of_plane(labels(), 1), shown);
+}
+
+TEST_F(LabelTools, StrokesInSpaceTakeHiddenPointsOnlyWhenTold) {
+  window.run("camera.side");
+  const std::string stroke = "space:800x600 over 80 300,400 500,400";
+  window.run("label.preview", stroke);
+  const std::size_t hidden = view().stroke->hidden, visible = view().stroke->pixels.size();
+  EXPECT_GT(hidden, 100u);
+  EXPECT_GT(visible, 100u);
+  key("X");
+  window.run("label.preview", stroke);
+  EXPECT_EQ(view().stroke->pixels.size(), visible + hidden);
+  window.run("label.stroke", stroke);
+  EXPECT_EQ(pixels_of(1), visible + hidden);
+}
+
+TEST_F(LabelTools, AStrokeInSpaceFollowsTheCamera) {
+  const std::string stroke = "space:800x600 over 20 400,300";
+  window.run("label.preview", stroke);
+  const PixelSet before = view().stroke->pixels;
+  window.run("camera.orbit", "40,0");
+  window.run("label.preview", stroke);
+  EXPECT_NE(view().stroke->pixels, before);
+}
+
+TEST_F(LabelTools, TheWandShowsAPlaneAndMakesItOnEnter) {
+  window.run("label.wand", "320,330");
+  ASSERT_TRUE(view().wand.found) << view().wand.why_not;
+  const PixelSet shown = view().wand.found->pixels;
+  EXPECT_EQ(labelled(), 0u);
+  key("Enter");
+  EXPECT_EQ(pixels_of_plane(labels(), 1), shown);
+  EXPECT_EQ(labels().planes[0].origin, LabelOrigin::wand);
+  EXPECT_TRUE(view().wand.seeds.empty());
+}
+
+TEST_F(LabelTools, EachWandClickMakesAPlaneUnlessItsFirstHeldShift) {
+  window.run("label.wand", "320,330");
+  window.run("label.accept");
+  const std::size_t first = pixels_of(1);
+  window.run("label.stroke", "image subtract 40 320,330");
+  EXPECT_LT(pixels_of(1), first);
+  window.run("label.wand.add", "320,330");
+  window.run("label.accept");
+  EXPECT_EQ(labels().planes.size(), 1u);
+  window.run("label.stroke", "image subtract 40 320,330");
+  window.run("label.wand", "320,330");
+  window.run("label.accept");
+  EXPECT_EQ(labels().planes.size(), 2u);
+  EXPECT_EQ(view().plane, 2);
+}
+
+TEST_F(LabelTools, TheWandFollowsItsToleranceAndEscapeLeavesIt) {
+  window.run("label.wand", "320,330");
+  ASSERT_TRUE(view().wand.found);
+  const auto before = view().wand.found;
+  key("]");
+  EXPECT_GT(view().wand_options.tolerance_m, WandOptions{}.tolerance_m);
+  EXPECT_NE(view().wand.found, before);
+  key("Escape");
+  EXPECT_TRUE(view().wand.seeds.empty());
+  key("Enter");
+  EXPECT_EQ(labelled(), 0u);
+}
+
+TEST_F(LabelTools, APolygonIsClosedByEnterAndLosesCornersOneByOne) {
+  window.run("label.tool", "polygon");
+  for (const char* corner : {"image 300,300", "image 360,300", "image 360,360", "image 0,0"})
+    window.run("label.corner", corner);
+  key("Backspace");
+  ASSERT_TRUE(view().polygon);
+  EXPECT_EQ(view().polygon->corners.size(), 3u);
+  key("Enter");
+  EXPECT_FALSE(view().polygon);
+  EXPECT_NEAR(static_cast<double>(pixels_of(1)), 60 * 60 / 2, 150);
+  window.run("label.corner", "image 1,1");
+  key("Escape");
+  EXPECT_FALSE(view().polygon);
+}
+
+TEST_F(LabelTools, APolygonInSpaceIsLetGoOfWhereTheViewMoves) {
+  for (const char* corner : {"space:800x600 300,300", "space:800x600 500,300"})
+    window.run("label.corner", corner);
+  window.run("camera.orbit", "30,0");
+  window.run("label.corner", "space:800x600 400,400");
+  EXPECT_EQ(view().polygon->corners.size(), 1u);
+}
+
+TEST_F(LabelTools, ACutPartsTheActivePlaneInBothViews) {
+  window.run("label.area", "image 300,300 360,300 360,360 300,360");
+  const std::size_t whole = pixels_of(1);
+  window.run("label.cut", "image 330,0 330,479");
+  EXPECT_EQ(labels().planes.size(), 2u);
+  EXPECT_EQ(pixels_of(1) + pixels_of(2), whole);
+  EXPECT_NEAR(static_cast<double>(pixels_of(1)), static_cast<double>(whole) / 2,
+              static_cast<double>(whole) / 8);
+  window.run("label.undo");
+  // The view home is about the camera's own: left and right are the same.
+  window.run("label.cut", "image 330,0 330,1");
+  EXPECT_EQ(labels().planes.size(), 2u);
+  window.run("label.undo");
+  window.run("label.cut", "space:800x600 0,0 0,600");
+  EXPECT_EQ(labels().planes.size(), 1u);
+  EXPECT_EQ(state().view.message, "all of P1 lies on one side of the line");
+}
+
+TEST_F(LabelTools, AreChosenByTheirKeys) {
+  const std::pair<const char*, LabelTool> tools[] = {
+      {"B", LabelTool::brush},         {"R", LabelTool::rectangle}, {"L", LabelTool::lasso},
+      {"Shift+L", LabelTool::polygon}, {"Shift+S", LabelTool::cut}, {"W", LabelTool::wand}};
+  for (const auto& [name, tool] : tools) {
+    key(name);
+    EXPECT_EQ(view().tool, tool) << name;
+  }
+  key("7");
+  EXPECT_EQ(view().plane, 7);
+  window.run("label.stroke", kStroke);
+  EXPECT_EQ(pixels_of(7), labelled());
+  key("3");
+  window.run("label.stroke", "image over 20 200,330");
+  key("Tab");
+  EXPECT_EQ(view().plane, 7);
+  key("Tab");
+  EXPECT_EQ(view().plane, 3);
+  key("Shift+Tab");
+  EXPECT_EQ(view().plane, 7);
+  key("N");
+  EXPECT_EQ(view().plane, 0);
+  window.run("label.hover", "200,330");
+  key("P");
+  EXPECT_EQ(view().plane, 3);
+  key("0");
+  EXPECT_EQ(view().paints, Paints::erase);
+  key("I");
+  EXPECT_EQ(view().paints, Paints::ignore);
+  key("I");
+  EXPECT_EQ(view().paints, Paints::plane);
+}
+
+TEST_F(LabelTools, TabGoesToTheNextPlaneAndNotIntoASlider) {
+  window.run("label.stroke", kStroke);
+  window.run("label.plane", "2");
+  window.run("label.stroke", "image over 20 200,330");
+  play(R"({"drag": "image.opacity", "from": [0.5, 0.5], "to": [0.6, 0.5]}, {"key": "Tab"})");
+  EXPECT_EQ(view().plane, 1);
+  EXPECT_FALSE(ImGui::GetIO().WantTextInput);
+  key("B");
+  EXPECT_EQ(view().tool, LabelTool::brush);
+}
+
+TEST_F(LabelTools, ABrushDraggedOverTheImagePaints) {
+  key("B");
+  play(R"({"drag": "image", "from": [0.45, 0.68], "to": [0.55, 0.68]})");
+  const std::size_t painted = pixels_of(1);
+  EXPECT_GT(painted, 500u);
+  EXPECT_EQ(window.store().undo_count(), 1u);
+  play(R"({"drag": "image", "from": [0.45, 0.68], "to": [0.55, 0.68], "hold": "Alt"})");
+  EXPECT_LT(pixels_of(1), painted / 4);
+}
+
+TEST_F(LabelTools, EscapeLeavesAStrokeThatIsBeingDrawn) {
+  key("B");
+  const WidgetRect image = window.shell.widgets().at("image");
+  const auto move = [&](float x, float y) {
+    window.shell.input().push({.type = InputEvent::Type::move,
+                               .x = image.min.x + x * (image.max.x - image.min.x),
+                               .y = image.min.y + y * (image.max.y - image.min.y)});
+    window.stage.draw_frame();
+    window.stage.draw_frame();
+  };
+  const auto button = [&](bool down) {
+    window.shell.input().push({.type = InputEvent::Type::button, .down = down});
+    window.stage.draw_frame();
+  };
+  move(0.45f, 0.68f);
+  button(true);
+  move(0.55f, 0.68f);
+  EXPECT_TRUE(view().stroke);
+  key("Escape");
+  EXPECT_FALSE(view().stroke);
+  move(0.5f, 0.7f);
+  button(false);
+  window.stage.draw_frame();
+  EXPECT_EQ(labelled(), 0u);
+}
+
+TEST_F(LabelTools, ARectangleIsDraggedInSpaceToo) {
+  key("R");
+  play(R"({"drag": "view3d", "from": [0.45, 0.5], "to": [0.6, 0.65]})");
+  EXPECT_GT(labelled(), 500u);
+  EXPECT_EQ(window.store().history(1).front().title, "Rectangle P1");
+}
+
+TEST_F(LabelTools, AClickWithTheWandShowsAPlaneInEitherViewAndADoubleClickMakesIt) {
+  play(R"({"click": "image", "at": [0.5, 0.68]})");
+  EXPECT_TRUE(view().wand.found) << view().wand.why_not;
+  key("Escape");
+  play(R"({"click": "view3d", "at": [0.5, 0.6]})");
+  EXPECT_TRUE(view().wand.found) << view().wand.why_not;
+  key("Escape");
+  play(R"({"click": "image", "at": [0.5, 0.68], "double": true})");
+  EXPECT_EQ(labels().planes.size(), 1u);
+  EXPECT_TRUE(view().wand.seeds.empty());
+}
+
+TEST_F(LabelTools, WhereTheMouseIsIsThePixelInBothViews) {
+  play(R"({"hover": "image", "at": [0.5, 0.68]})");
+  EXPECT_NEAR(static_cast<double>(view().hover % 640), 320, 2);
+  EXPECT_NEAR(static_cast<double>(view().hover / 640), 326, 2);
+  play(R"({"hover": "view3d", "at": [0.5, 0.6]})");
+  EXPECT_GE(view().hover, 0);
+  play(R"({"hover": "menu.Labels"})");
+  EXPECT_EQ(view().hover, -1);
+}
+
+TEST_F(LabelTools, TheWheelSizesTheBrushAndZoomsWithCtrlOrAnotherTool) {
+  key("B");
+  const double brush = view().brush_px, zoom = state().view.image_zoom;
+  play(R"({"wheel": "image", "by": 2})");
+  EXPECT_GT(view().brush_px, 1.2 * brush);
+  EXPECT_EQ(state().view.image_zoom, zoom);
+  key("R");
+  play(R"({"wheel": "image", "by": 2})");
+  EXPECT_GT(state().view.image_zoom, zoom);
+}
+
+TEST_F(LabelTools, ALockedPlaneIsLeftAsItIs) {
+  window.run("label.stroke", kStroke);
+  state().document.current()->labels->commit(
+      make_edit(0, "Lock P1", labels(), with_flag(labels(), 1, PlaneFlag::locked, true)));
+  const FrameLabels before = labels();
+  EXPECT_EQ(window.refusal("label.stroke", kStroke), "P1 is locked");
+  EXPECT_FALSE(window.refusal("label.cut", "image 330,0 330,479").empty());
+  window.run("label.plane.new");
+  window.run("label.stroke", kStroke);
+  EXPECT_EQ(labels().plane.data, before.plane.data);
+}
+
+TEST_F(LabelTools, LabelsThatSomebodyElseHoldsAreOnlyShown) {
+  window.run("label.stroke", kStroke);
+  LabelWindow second(label_dir);
+  const std::string refusal = second.refusal("label.stroke", kStroke);
+  EXPECT_TRUE(refusal.starts_with("read-only")) << refusal;
+  EXPECT_TRUE(second.labels().planes.size() <= 1);
+}
+
+TEST_F(LabelTools, RefuseGesturesThatAreNone) {
+  for (const char* text :
+       {"", "image", "image over", "screen 1,2", "space:0x5 1,2", "space:9 1,2", "image 1,2,3",
+        "image up 1,2", "image over -3 1,2", "image over 8 nan,1", "space:99999999x2 1,2"})
+    EXPECT_THROW(window.run("label.stroke", text), Error) << text;
+  EXPECT_THROW(window.run("label.area", "image 1,2 3,4"), Error);
+  EXPECT_THROW(window.run("label.wand", "9999,1"), Error);
+  EXPECT_THROW(window.run("label.cut", "image 1,2 3,4"), Error);  // no plane is active
+  EXPECT_EQ(labelled(), 0u);
+}
+
+TEST_F(LabelTools, TakeAnyArgumentWithoutACrash) {
+  window.run("label.stroke", kStroke);
+  const State fresh = state();
+  for (const Action& action : action_table()) {
+    if (action.mode != KeyMode::labels) continue;
+    for (const std::string argument : {"", "0", "1", "-1", "99999999", "x", "1,2", "P1", "none",
+                                       "space:8x8 1,2", "image 1,2 3,4", "image subtract 5 -9,1e5",
+                                       "space:8x8 add 3 1,2 3,4 5,6", "space:1x4000 1,2 1,2 1,2"}) {
+      State changed = fresh;
+      try {
+        apply(changed, {action.name, argument});
+      } catch (const Error&) {
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace planescope::desktop
