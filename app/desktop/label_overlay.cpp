@@ -112,9 +112,8 @@ std::vector<std::string> wand_lines(const LabelView& view) {
     lines.push_back(fmt::format("normal {:.3f}, {:.3f}, {:.3f}   {} pixels", plane.normal.x(),
                                 plane.normal.y(), plane.normal.z(), found.pixels.size()));
   }
-  lines.push_back(
-      fmt::format("tolerance {:.1f} mm   wheel or [ ]", 1000 * view.wand_options.tolerance_m));
-  if (view.wand.found) lines.push_back("Enter accepts, Shift+click adds a part, Esc leaves");
+  lines.push_back(view.wand.found ? "Enter accepts, Shift+click adds a part, the wheel sizes"
+                                  : "the wheel makes the tolerance larger");
   return lines;
 }
 
@@ -137,22 +136,26 @@ std::string pointed_text(const State& state) {
   return text;
 }
 
-/// From the lower left corner upwards, in the view that the mouse is or was over.
+/// In a corner on the left of the view that the mouse is or was over, away from it.
 void draw_facts(const Ui& ui, const DrawingSurface& surface) {
-  if (ui.memory.label_pointing.where != surface.where) return;
+  const LabelPointing& pointing = ui.memory.label_pointing;
+  if (pointing.where != surface.where) return;
   const LabelView& view = ui.state.view.label;
   std::vector<std::string> lines;
-  if (!view.wand.seeds.empty()) lines = wand_lines(view);
-  if (const std::string text = pointed_text(ui.state); !text.empty()) lines.push_back(text);
+  if (!view.wand.seeds.empty())
+    lines = wand_lines(view);
+  else if (std::string text = pointed_text(ui.state); !text.empty())
+    lines = {std::move(text)};
   if (lines.empty()) return;
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+  const std::string text = fmt::format("{}", fmt::join(lines, "\n"));
   const float height = ImGui::CalcTextSize(text.c_str()).y + ui.px(8);
-  const ImVec2 at(surface.min.x + ui.px(8), surface.max.y - ui.px(8) - height);
+  const float middle = (surface.min.y + surface.max.y) / 2;
+  const bool above = lines.size() > 1 && surface.to_screen(pointing.at).y > middle;
+  const float below_badge = ui.px(surface.where == DrawnIn::space ? 42 : 8);
+  const ImVec2 at(surface.min.x + ui.px(8),
+                  above ? surface.min.y + below_badge : surface.max.y - ui.px(8) - height);
   const ImU32 ground = (ui.colors.panel & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 225);
   draw_badge(ui, at, text, ground, ui.colors.text);
-  if (!view.wand.seeds.empty())
-    ui.name("label.wand_facts", at, ImVec2(at.x + ui.px(100), at.y + height));
 }
 
 }  // namespace
