@@ -88,8 +88,12 @@ void change_options(State& state, const PipelineOptions& after);
 void let_go(LabelView& view);
 /// Into the journal and onto the screen, or an Error.
 void commit_labels(State& state, const std::string& title, const FrameLabels& after);
-/// Writes the label files where something is not written yet.
+/// Of the recording looked at, for the label mode. Throws Error where its folder cannot be used.
+void open_labels(State& state);
+/// Writes the label files where something is not written yet. Throws Error where that fails.
 void save_labels(State& state);
+/// Likewise where the way on must not be barred: a failure is told, the journal has everything.
+void save_labels_if_possible(State& state);
 void say(State& state, std::string message, bool is_error = false);
 
 }  // namespace planescope::desktop

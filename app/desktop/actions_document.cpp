@@ -19,7 +19,7 @@ bool has_recording(const State& state) { return state.document.current() != null
 
 /// What belonged to the frame before is let go of; the view stays.
 void leave_frame(State& state) {
-  save_labels(state);
+  save_labels_if_possible(state);
   unflash(state);  // the selection is A's
   state.document.marked.clear();
   state.results.pinned = nullptr;
@@ -34,6 +34,11 @@ void leave_frame(State& state) {
   label.plane = 0;
   label.hover = -1;
   label.review_item = label.finding = -1;
+  LabelResults& found = state.results.label;
+  found.review = nullptr;
+  found.review_refusal.clear();
+  found.audit = nullptr;
+  found.carry = {};
   if (state.view.against == Against::pinned) state.view.against = Against::nothing;
 }
 
@@ -44,6 +49,13 @@ void show_recording(State& state, int index) {
   state.document.frame = 0;
   state.view.camera.reset();
   state.results.strip.clear();
+  if (state.view.mode != Mode::labels) return;
+  try {
+    open_labels(state);
+  } catch (const Error& error) {
+    apply(state, {"label.mode", ""});
+    say(state, error.what(), true);
+  }
 }
 
 void show_frame(State& state, int frame) {

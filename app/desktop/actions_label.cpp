@@ -15,24 +15,16 @@ LabelStore* store_of(const State& state) {
 }
 
 void enter(State& state) {
-  OpenRecording& open =
-      state.document.recordings[static_cast<std::size_t>(state.document.recording)];
-  if (!open.labels) open.labels = std::make_shared<LabelStore>(open.label_dir);
+  open_labels(state);
   state.view.mode = Mode::labels;
   unflash(state);
   state.view.playing.direction = 0;
-  const LabelStore& store = *open.labels;
-  if (!store.notices().empty())
-    say(state, store.notices().front(), true);
-  else if (!store.read_only().empty())
-    say(state, store.read_only(), true);
-  else
-    say(state, fmt::format("labels of {}", open.label_dir.string()));
 }
 
 void leave(State& state) {
-  save_labels(state);
+  save_labels_if_possible(state);
   let_go(state.view.label);
+  state.results.label.carry = {};
   state.view.mode = Mode::debugger;
   if (state.document.labels_written) ++state.document.labels_version;
   state.document.labels_written = false;
@@ -71,11 +63,39 @@ void commit_labels(State& state, const std::string& title, const FrameLabels& af
   store->commit(make_edit(state.document.frame, title, *before, after));
 }
 
+void open_labels(State& state) {
+  OpenRecording& open =
+      state.document.recordings[static_cast<std::size_t>(state.document.recording)];
+  if (!open.labels) open.labels = std::make_shared<LabelStore>(open.label_dir);
+  const LabelStore& store = *open.labels;
+  state.results.label.save_problem.clear();  // was another recording's
+  if (!store.notices().empty())
+    say(state, store.notices().front(), true);
+  else if (!store.read_only().empty())
+    say(state, store.read_only(), true);
+  else
+    say(state, fmt::format("labels of {}", open.label_dir.string()));
+}
+
 void save_labels(State& state) {
   LabelStore* store = store_of(state);
-  if (store && store->any_unsaved()) {
+  if (!store || !store->read_only().empty() || !store->any_unsaved()) return;
+  std::string& problem = state.results.label.save_problem;
+  try {
     store->save_all();
+    problem.clear();
     state.document.labels_written = true;
+  } catch (const std::exception& error) {
+    problem = error.what();
+    throw Error("the labels are not saved, the journal has them: " + problem);
+  }
+}
+
+void save_labels_if_possible(State& state) {
+  try {
+    save_labels(state);
+  } catch (const Error& error) {
+    say(state, error.what(), true);
   }
 }
 

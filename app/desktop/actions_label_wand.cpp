@@ -115,8 +115,10 @@ void accept(State& state) {
 void cancel(State& state) {
   LabelView& view = state.view.label;
   if (view.stroke || view.polygon || !view.wand.seeds.empty()) return let_go(view);
-  if (state.results.label.carry.done) {
-    state.results.label.carry.done = nullptr;
+  CarryJob& carry = state.results.label.carry;
+  if (carry.running) say(state, "nothing was carried");
+  if (carry.running || carry.done) {
+    carry = {};
     return;
   }
   view.review_item = view.finding = -1;

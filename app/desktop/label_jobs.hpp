@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "app/desktop/label_review.hpp"
 #include "app/desktop/state.hpp"
 #include "app/desktop/worker.hpp"
 
@@ -24,13 +25,26 @@ class LabelJobs {
 
  private:
   void pursue_frame(State& state);
+  void pursue_marks(State& state);
+  void pursue_review(State& state);
+  void pursue_audit(State& state);
+  void stop_unwanted_carry(const State& state);
+  void pursue_carry(State& state);
+  void deliver_carried(State& state,
+                       int number,
+                       const std::shared_ptr<const FrameLabels>& existing,
+                       const std::shared_ptr<const CarriedLabels>& carried);
 
   std::function<void(std::function<void(State&)>)> deliver_;
-  // What was asked for last.
-  std::shared_ptr<const Recording> recording_;
+  // What was asked for last; touched by the window's thread only.
+  std::shared_ptr<const Recording> recording_, marked_;
   int frame_ = -1;
   Vec3d gravity_ = Vec3d::Zero();
-  Worker frames_;  // last: its thread uses all of the above
+  ReviewSides reviewed_;
+  std::shared_ptr<const FrameLabels> audited_;
+  bool reviewing_ = false, auditing_ = false, carrying_ = false;  // not handed in yet
+  int carry_number_ = 0;  // what an earlier one still delivers is dropped
+  Worker frames_, marks_, reviews_, audits_, carries_;  // last: their threads use all of the above
 };
 
 }  // namespace planescope::desktop

@@ -2,6 +2,7 @@
 
 // The label mode in plain data: the frame as labels are drawn on it, tools, and what jobs found.
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "core/labels/store.hpp"
 #include "core/labels/wand.hpp"
 #include "core/recording/recording.hpp"
+#include "core/replay/run.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::desktop {
@@ -36,10 +38,17 @@ struct LabelFrame {
 /// Labels and algorithm side by side, of one version of both.
 struct ReviewQueue {
   std::uint64_t labels_version = 0;
-  std::string other;  // "refined", or the folder of another annotator
+  std::shared_ptr<const FrameLabels> labels;  // the version's own
+  std::shared_ptr<const Run> run;             // null: with another annotator
+  std::string other;                          // "refined", or the folder of another annotator
   std::shared_ptr<const OtherLabels> other_labels;
   std::vector<Disagreement> items;     // undecided first, then by area
   std::optional<Agreement> agreement;  // with another annotator
+
+  std::size_t undecided() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(items, [](const Disagreement& item) { return !item.note; }));
+  }
 };
 
 struct Audit {
@@ -50,18 +59,28 @@ struct Audit {
 
 /// Labels being carried to the frame looked at.
 struct CarryJob {
-  bool running = false, begun = false;
+  bool running = false, begun = false;  // begun: the job knows of it
   int from = 0;
+  std::shared_ptr<const LabelFrame> from_frame;
+  std::shared_ptr<const FrameLabels> from_labels;
   double progress = 0;
   std::shared_ptr<const CarriedLabels> done;  // its doubt is shown until Escape or another frame
+};
+
+/// What the label folder has of a frame.
+struct FrameMark {
+  bool labelled = false, reviewed = false;
 };
 
 struct LabelResults {
   std::shared_ptr<const LabelFrame> frame;  // check State::label_frame()
   std::string refusal;                      // why the frame cannot be labelled, one line
   std::shared_ptr<const ReviewQueue> review;
+  std::string review_refusal;  // why there is nothing to compare with, one line
   std::shared_ptr<const Audit> audit;
-  std::vector<WorkTime> work;  // of all frames, with `audit`
+  std::vector<WorkTime> work;    // of all frames, with `audit`
+  std::vector<FrameMark> marks;  // by frame, as the mode was entered; frames at hand know better
+  std::string save_problem;      // why the label files could not be written last, one line
   CarryJob carry;
 };
 

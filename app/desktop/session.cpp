@@ -171,10 +171,18 @@ void open_session(State& state, const std::string& where) {
                             arrival.frame, session.recording.path.string(), count));
 
   Document& document = state.document;
-  document.recordings.erase(
-      std::remove_if(document.recordings.begin(), document.recordings.end(),
-                     [&](const OpenRecording& o) { return o.path == session.recording.path; }),
-      document.recordings.end());
+  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
+  session.view.mode = Mode::debugger;
+  const auto same = [&](const OpenRecording& open) {
+    std::error_code gone;
+    return fs::equivalent(open.path, session.recording.path, gone);
+  };
+  for (const OpenRecording& open : document.recordings)
+    if (same(open)) {  // its labels stay where they are being made
+      session.recording.label_dir = open.label_dir;
+      session.recording.labels = open.labels;
+    }
+  std::erase_if(document.recordings, same);
   document.recordings.push_back(session.recording);
   document.recording = static_cast<int>(document.recordings.size()) - 1;
   document.frame = arrival.frame;

@@ -99,6 +99,9 @@ Json view_json(const ViewState& view) {
           {"octree_search", view.octree_search},
           {"only_matches", view.only_matches},
           {"rate", view.playing.steps_per_s},
+          {"brush_px", view.label.brush_px},
+          {"wand_tolerance_m", view.label.wand_options.tolerance_m},
+          {"through", view.label.through},
           {"truth_plane", view.truth_plane},
           {"layout",
            {{"left", l.left},
@@ -125,6 +128,12 @@ void view_of(const Json& json, ViewState& view) {
   value_of(json, "only_matches", view.only_matches);
   value_of(json, "rate", view.playing.steps_per_s);
   view.playing.steps_per_s = std::clamp(view.playing.steps_per_s, 1.0, 100000.0);
+  value_of(json, "brush_px", view.label.brush_px);
+  view.label.brush_px = std::clamp(view.label.brush_px, 1.0, 200.0);
+  value_of(json, "wand_tolerance_m", view.label.wand_options.tolerance_m);
+  view.label.wand_options.tolerance_m =
+      std::clamp(view.label.wand_options.tolerance_m, 0.0005, 0.1);
+  value_of(json, "through", view.label.through);
   value_of(json, "truth_plane", view.truth_plane);
   if (json.contains("layout")) {
     const Json& l = json.at("layout");

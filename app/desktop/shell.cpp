@@ -208,6 +208,14 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
+/// Where it fails the journal has everything, and there is no window left that could tell.
+void save_quietly(const OpenRecording& open) {
+  try {
+    if (open.labels && open.labels->read_only().empty()) open.labels->save_all();
+  } catch (const std::exception&) {
+  }
+}
+
 }  // namespace
 
 Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
@@ -225,6 +233,7 @@ Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> 
 }
 
 Shell::~Shell() {
+  for (const OpenRecording& open : state_.document.recordings) save_quietly(open);
   ImGui::SetCurrentContext(context_);
   canvas_.reset();
   ImGui::DestroyContext(context_);

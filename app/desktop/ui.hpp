@@ -13,6 +13,7 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/canvas.hpp"
+#include "app/desktop/label_facts.hpp"
 #include "core/explain/provenance.hpp"
 
 namespace planescope::desktop {
@@ -87,6 +88,7 @@ struct PanelMemory {
   std::map<std::string, double> numbers;     // by widget
   BreakpointStops breakpoint_stops;
   PointStory point;
+  KeptLabelFacts label_facts;
   Histogram grabbed;  // as it was when its threshold was taken hold of
   LabelDrag label_drag;
   LabelNames label_names;

@@ -99,6 +99,42 @@ void tell(const Thumbnail& thumbnail, int frame) {
   ImGui::EndTooltip();
 }
 
+/// What the label mode knows of a frame: what is at hand, or what the label folder had.
+struct LabelMark {
+  bool labelled = false, reviewed = false, unsaved = false;
+};
+LabelMark label_mark(const State& state, int frame) {
+  LabelMark mark;
+  const LabelStore* store = state.document.current()->labels.get();
+  if (state.view.mode != Mode::labels || !store) return mark;
+  const std::vector<FrameMark>& files = state.results.label.marks;
+  if (const auto labels = store->labels(frame)) {
+    mark.labelled = !labels->planes.empty();
+    mark.reviewed = labels->review_state == "reviewed";
+  } else if (frame < static_cast<int>(files.size())) {
+    const FrameMark& file = files[static_cast<std::size_t>(frame)];
+    mark = {.labelled = file.labelled, .reviewed = file.reviewed};
+  }
+  mark.unsaved = store->unsaved(frame);
+  return mark;
+}
+
+void draw_label_mark(const Ui& ui, int frame, ImVec2 corner) {
+  const LabelMark mark = label_mark(ui.state, frame);
+  if (!mark.labelled && !mark.unsaved) return;
+  const std::string text =
+      std::string(mark.reviewed ? "reviewed" : "labels") + (mark.unsaved ? " *" : "");
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 from(corner.x - size.x - ui.px(13), corner.y - size.y - ui.px(8));
+  const ImVec2 to(corner.x - ui.px(4), corner.y - ui.px(4));
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(from, to, IM_COL32(16, 18, 22, 215), ui.px(3));
+  draw->AddRectFilled(from, ImVec2(from.x + ui.px(3), to.y),
+                      mark.reviewed ? ui.colors.good : ui.colors.accent, ui.px(3));
+  draw->AddText(ImVec2(from.x + ui.px(6), from.y + ui.px(2)), IM_COL32_WHITE, text.c_str());
+  ui.name(fmt::format("frame.{}.labels", frame), from, to);
+}
+
 void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
   const Thumbnail& thumbnail = ui.state.results.strip[static_cast<std::size_t>(frame)];
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -124,6 +160,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
     draw->AddImage(reinterpret_cast<ImTextureID>(texture), from, ImVec2(from.x + w, from.y + h));
   }
   if (thumbnail.ready) draw_badge(ui, thumbnail, ImVec2(end.x, at.y));
+  draw_label_mark(ui, frame, end);
   const std::string number = std::to_string(frame);
   const ImVec2 extent = ImGui::CalcTextSize(number.c_str());
   const ImVec2 foot(at.x + ui.px(4), end.y - extent.y - ui.px(5));

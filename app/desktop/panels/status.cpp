@@ -23,7 +23,23 @@ std::string left_text(const State& state) {
   return text;
 }
 
+/// Where the labels stand: what bars them from being kept comes first.
+std::string label_text(const State& state) {
+  const LabelStore* store = state.document.current()->labels.get();
+  if (!store) return "";
+  if (!store->read_only().empty()) return store->read_only();
+  const std::string& problem = state.results.label.save_problem;
+  if (!problem.empty()) return "not saved, the journal has it: " + problem;
+  return fmt::format("labels by {}  ·  {}", store->annotator(),
+                     store->any_unsaved() ? "not saved yet" : "saved");
+}
+bool labels_are_barred(const State& state) {
+  const LabelStore* store = state.document.current()->labels.get();
+  return store && (!store->read_only().empty() || !state.results.label.save_problem.empty());
+}
+
 std::string right_text(const State& state) {
+  if (state.view.mode == Mode::labels) return label_text(state);
   const Run* run = state.run();
   if (!run) return "";
   std::string text = fmt::format("{}{}  ·  {}", state.view.flash ? "A  ·  " : "",
@@ -50,7 +66,12 @@ void draw_status(const Ui& ui) {
   const int frames = static_cast<int>(state.results.strip.size());
   if (busy.empty() && state.results.strip_done < frames && !state.view.strip_stopped)
     busy = fmt::format("thumbnails {} of {} …", state.results.strip_done, frames);
-  const std::string& message = state.view.message.empty() ? busy : state.view.message;
+  const CarryJob& carry = state.results.label.carry;
+  if (carry.running)
+    busy = fmt::format("carrying the labels of frame {} on, {:.0f} % …  Esc stops", carry.from,
+                       100 * carry.progress);
+  const std::string& message =
+      state.view.message.empty() || carry.running ? busy : state.view.message;
   if (!message.empty()) {
     ImGui::SameLine(0, ui.px(24));
     const float room = at - ImGui::GetCursorPosX() - ui.px(16);
@@ -67,7 +88,11 @@ void draw_status(const Ui& ui) {
     ImGui::PopClipRect();
   }
   ImGui::SameLine(std::max(at, ui.px(8)));
+  const bool barred = state.view.mode == Mode::labels && labels_are_barred(state);
+  ImGui::PushStyleColor(ImGuiCol_Text, barred ? ui.colors.bad : ui.colors.text);
   ImGui::TextUnformatted(right.c_str());
+  ImGui::PopStyleColor();
+  ui.name("status.right");
 }
 
 }  // namespace planescope::desktop
