@@ -3,6 +3,7 @@
 // A desktop on the sample recording: its state alone, or the whole shell with no window.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -19,13 +20,29 @@ inline std::filesystem::path sample_path() {
   return std::filesystem::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
 }
 
+/// A copy of the sample's labels that tests may write to, for as long as the process runs.
+inline std::filesystem::path sample_labels() {
+  namespace fs = std::filesystem;
+  struct Copy {
+    const fs::path dir =
+        fs::path(testing::TempDir()) / ("planescope_sample_labels." + std::to_string(::getpid()));
+    Copy() { fs::copy(default_label_dir(sample_path()), dir); }
+    ~Copy() {
+      std::error_code gone;
+      fs::remove_all(dir, gone);
+    }
+  };
+  static const Copy copy;
+  return copy.dir;
+}
+
 /// The sample is open; nothing has been run yet.
 inline State open_state(Profile profile = Profile::paper) {
   State state;
   state.document.options.segment = profile_options(profile);
   state.document.options.classifier = "pca";  // quicker than the network where a sanitizer looks
   state.document.recordings.push_back(
-      {sample_path(), open_recording(sample_path(), {}), default_label_dir(sample_path())});
+      {sample_path(), open_recording(sample_path(), {}), sample_labels()});
   state.document.recording = 0;
   return state;
 }
