@@ -54,6 +54,7 @@ void draw_label_checks(const Ui& ui) {
               labels->planes.empty() ? "There are no labels to check." : "Nothing looks wrong.");
     return;
   }
+  ImGui::AlignTextToFramePadding();
   paragraph(ui.colors.muted, count_text(audit->findings.size(), "finding", "findings"));
   ImGui::SameLine();
   action_button(ui, "check.next", "next");

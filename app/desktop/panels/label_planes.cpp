@@ -35,10 +35,12 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
   ui.name("planes.labelled");
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%zu of %zu measured pixels, %zu ignored", s.labelled, s.measured, s.ignored);
+  if (labels.planes.empty()) return;
   std::string text =
       fmt::format("{}: {} h, {} v", count_text(labels.planes.size(), "plane", "planes"), s.h, s.v);
   const auto hidden = std::ranges::count_if(labels.planes, &LabelPlane::hidden);
   if (hidden > 0) text += fmt::format("  ·  {} hidden with {} pixels", hidden, s.hidden);
+  if (hidden > 0) ImGui::AlignTextToFramePadding();
   paragraph(hidden > 0 ? ui.colors.warning : ui.colors.muted, text);
   if (hidden > 0) {
     ui.name("planes.hidden");

@@ -141,10 +141,10 @@ void draw_items(const Ui& ui,
 void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& labels) {
   const bool chosen = ui.state.view.label.review_item >= 0;
   ImGui::BeginDisabled(!chosen);
-  if (button(ui, "Keep", "review.keep")) ui.emit("review.keep");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the labels are right   Enter");
+  if (button(ui, "Keep (Enter)", "review.keep")) ui.emit("review.keep");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keep the labels   Enter");
   constexpr const char* kButtons[][2] = {
-      {"review.take", "Take"}, {"review.edit", "Edit"}, {"review.ignore", "Ignore"}};
+      {"review.take", "Take (A)"}, {"review.edit", "Edit (E)"}, {"review.ignore", "Ignore (G)"}};
   for (const auto& [action, label] : kButtons) {
     same_line_if_fits(label);
     action_button(ui, action, label);

@@ -71,11 +71,23 @@ void draw_history(const Ui& ui, const LabelStore& store) {
   heading(ui, "Latest gestures");
   const std::vector<HistoryEntry> entries = store.history(kHistory);
   if (entries.empty()) return paragraph(ui.colors.muted, "None yet.");
+  if (!ImGui::BeginTable("history", 3, kTable)) return;
+  ImGui::TableSetupColumn("gesture", ImGuiTableColumnFlags_WidthStretch);
+  for (const char* title : {"frame", "pixels"})
+    ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed,
+                            ImGui::CalcTextSize("000000").x);
+  ImGui::TableHeadersRow();
   for (const HistoryEntry& entry : entries) {
-    ImGui::TextUnformatted(entry.title.c_str());
-    ImGui::SameLine();
-    ImGui::TextDisabled("frame %d, %zu px, %s", entry.frame, entry.pixels, entry.annotator.c_str());
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    paragraph(ui.colors.text, entry.title);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("by %s", entry.annotator.c_str());
+    ImGui::TableNextColumn();
+    ImGui::Text("%d", entry.frame);
+    ImGui::TableNextColumn();
+    ImGui::Text("%zu", entry.pixels);
   }
+  ImGui::EndTable();
   ui.name("statistics.history");
 }
 
