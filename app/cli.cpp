@@ -117,8 +117,11 @@ void define_eval(Line& line) {
   add_inputs(eval, line.typed, kManyInputs);
   add_json(eval, line.typed);
   add_method(eval, line.typed);
+  add(eval, "--prediction", line.typed.prediction, "DIR",
+      "Score what lies there instead: planescope segment's output, label files, or labels in\n"
+      "another tool's format (docs/labels.md)");
   eval->final_callback([&line] {
-    const EvalArgs args{input_args(line.typed), line.typed.json};
+    const EvalArgs args{input_args(line.typed), line.typed.prediction, line.typed.json};
     line.job = [args](std::stop_token stop) { return run_eval(args, stop); };
   });
 }

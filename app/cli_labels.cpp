@@ -18,6 +18,7 @@ LabelsArgs labels_args(const Typed& typed) {
   args.format = typed.format;
   args.from = typed.from;
   args.out = typed.out;
+  args.strict = typed.strict;
   args.json = typed.json;
   return args;
 }
@@ -52,12 +53,13 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
 
   CLI::App* check =
       command("check",
-              "What is damaged or looks wrong, a line each. Exit code 0 nothing, 1 findings,\n"
-              "2 damaged files");
+              "What is damaged or looks wrong, a line each. Exit code 0 nothing but hints,\n"
+              "1 findings, 2 damaged files");
   add_inputs(check, typed, "A folder of labels, or a recording");
   keep_camera_options(check);
   add(check, "--labels", typed.labels, "DIR", "Of a recording; otherwise <recording>.labels");
   add_recording(check, typed);
+  check->add_flag("--strict", typed.strict, "Exit code 1 for hints, too");
   add_json(check, typed);
   runs(check, run_labels_check);
 

@@ -19,10 +19,11 @@ struct Typed {
   std::string frames, profile, gravity, intrinsics, depth_unit, max_range, voxel, classifier;
   std::string method = "ours", labels, threads, out;
   std::vector<std::string> set;
+  bool strict = false;  // labels check
   bool json = false;
 
   std::string seed, count, points, noise, scenes, size, recipe = "planescope";
-  std::string network, steps, epoch, from, baseline;
+  std::string network, steps, epoch, from, baseline, prediction;
   std::vector<std::string> weights;
   std::string only, rounds;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/commands/predictions.hpp"
 #include "app/progress.hpp"
 #include "core/base/error.hpp"
 #include "core/pipeline/score.hpp"
@@ -69,11 +70,44 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
   if (without_truth > 0) fmt::print("{} frames have no ground truth.\n", without_truth);
 }
 
+/// Of our own segmentation. nullopt: the frame has no ground truth.
+std::optional<Row> run_and_score(const OpenInput& input,
+                                 int index,
+                                 const EvalArgs& args,
+                                 const Classifier* classifier) {
+  const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, classifier, true);
+  if (!loaded.truth) return std::nullopt;
+  return Row{input.path.string(), index, loaded.frame.name,
+             score_frame(loaded.result, *loaded.truth)};
+}
+
+/// Of what --prediction names, on label files.
+std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
+  const Frame frame = input.recording->frame(index);
+  const auto truth = read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+  if (!truth) return std::nullopt;
+  const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
+  if (!found)
+    throw Error(
+        fmt::format("{}: nothing of frame {}, expected {:06}.plane.png, {:06}.npy or the "
+                    "like, or what planescope segment writes",
+                    args.prediction.string(), index, index, index));
+  return Row{input.path.string(), index, frame.name,
+             score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
+}
+
 }  // namespace
 
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
-  const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
+  const bool predicted = !args.prediction.empty();
+  if (predicted && inputs.size() != 1)
+    throw Error(
+        fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
+  if (predicted && inputs[0].recording->info().width == 0)
+    throw Error(inputs[0].path.string() + ": --prediction is for depth images, this is a cloud");
+  const ChosenClassifier chosen =
+      predicted ? ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
@@ -91,16 +125,15 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
           continue;
         }
         try {
-          const LoadedFrame loaded =
-              run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), true);
-          if (!loaded.truth) {
+          std::optional<Row> row = predicted
+                                       ? score_prediction(input, index, args)
+                                       : run_and_score(input, index, args, chosen.classifier.get());
+          if (!row) {
             ++without_truth;
             continue;
           }
-          const std::string name =
-              loaded.frame.name.empty() ? std::to_string(index) : loaded.frame.name;
-          rows.push_back(
-              {input.path.string(), index, name, score_frame(loaded.result, *loaded.truth)});
+          if (row->name.empty()) row->name = std::to_string(index);
+          rows.push_back(std::move(*row));
         } catch (const FrameRefused& refusal) {
           refused.push_back(refusal.what());
         }

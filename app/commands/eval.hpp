@@ -8,11 +8,12 @@ namespace planescope {
 
 struct EvalArgs {
   InputArgs input;
+  std::filesystem::path prediction;  // scored in place of our own segmentation; empty: none
   bool json = false;
 };
 
 /// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
-/// has. Returns the exit code.
+/// has, or the predictions lack one of them. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop);
 
 }  // namespace planescope

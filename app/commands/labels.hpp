@@ -16,10 +16,12 @@ struct LabelsArgs {
   std::filesystem::path recording;  // --recording; empty: the one that the labels are named after
   std::string format;
   std::filesystem::path from, out;
+  bool strict = false;  // hints count as findings
   bool json = false;
 };
 
-/// One line per finding. Returns 0 where all is well, 1 with findings, 2 where files are damaged.
+/// One line per finding. Returns 0 where all is well or only hints were found, 1 with findings (or
+/// hints, if `strict`), 2 where files are damaged.
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop);
 /// Where people have worked: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop);

@@ -38,21 +38,26 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
   return checked;
 }
 
+struct Counts {
+  int findings = 0, hints = 0, damaged = 0;
+
+  void add(const CheckedFrame& frame) {
+    damaged += frame.damage.empty() ? 0 : 1;
+    for (const Finding& finding : frame.findings) ++(is_hint(finding.kind) ? hints : findings);
+  }
+};
+
 Json to_json(const Finding& finding, int width) {
   const auto pixel = static_cast<int>(finding.pixel);
-  return {{"kind", to_string(finding.kind)},
-          {"plane", finding.plane},
-          {"pixel", {pixel % width, pixel / width}},
-          {"pixels", finding.pixels.size()},
-          {"value", finding.value},
-          {"limit", finding.limit},
-          {"text", finding.text}};
+  return {{"kind", to_string(finding.kind)}, {"hint", is_hint(finding.kind)},
+          {"plane", finding.plane},          {"pixel", {pixel % width, pixel / width}},
+          {"pixels", finding.pixels.size()}, {"value", finding.value},
+          {"limit", finding.limit},          {"text", finding.text}};
 }
 
 void print_json(const LabelledRecording& source,
                 const std::vector<CheckedFrame>& frames,
-                std::size_t findings,
-                int damaged) {
+                const Counts& counts) {
   Json json = {{"schema", "planescope.labels_check/1"}, {"labels", source.labels.dir.string()}};
   json["recording"] = source.recording ? Json(source.path.string()) : Json(nullptr);
   json["frames"] = Json::array();
@@ -64,8 +69,9 @@ void print_json(const LabelledRecording& source,
       one["findings"].push_back(to_json(finding, frame.width));
     json["frames"].push_back(one);
   }
-  json["findings"] = findings;
-  json["damaged"] = damaged;
+  json["findings"] = counts.findings;
+  json["hints"] = counts.hints;
+  json["damaged"] = counts.damaged;
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
@@ -74,35 +80,35 @@ void print_json(const LabelledRecording& source,
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
-  std::size_t findings = 0;
-  int damaged = 0;
+  Counts counts;
   {
     Progress progress("check", static_cast<int>(source.labels.frames.size()));
     for (const int frame : source.labels.frames) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(frames.size()), fmt::format("frame {}", frame));
       frames.push_back(check_frame(source, frame));
-      findings += frames.back().findings.size();
-      damaged += frames.back().damage.empty() ? 0 : 1;
+      counts.add(frames.back());
     }
   }
   if (args.json) {
-    print_json(source, frames, findings, damaged);
+    print_json(source, frames, counts);
   } else {
     for (const CheckedFrame& frame : frames) {
       if (!frame.damage.empty()) fmt::print("{}\n", frame.damage);
       for (const Finding& f : frame.findings)
-        fmt::print("{}: frame {}: {}: {}, see pixel {},{}\n", frame.file, frame.frame,
-                   to_string(f.kind), f.text, static_cast<int>(f.pixel) % frame.width,
+        fmt::print("{}: frame {}: {}{}: {}, see pixel {},{}\n", frame.file, frame.frame,
+                   is_hint(f.kind) ? "hint: " : "", to_string(f.kind), f.text,
+                   static_cast<int>(f.pixel) % frame.width,
                    static_cast<int>(f.pixel) / frame.width);
     }
     fmt::print("{}: {} labelled frames, {} damaged, {}\n", source.labels.dir.string(),
-               frames.size(), damaged,
-               source.recording ? fmt::format("{} findings", findings)
-                                : "planes not checked: no recording found, give --recording");
+               frames.size(), counts.damaged,
+               source.recording
+                   ? fmt::format("{} findings, {} hints", counts.findings, counts.hints)
+                   : "planes not checked: no recording found, give --recording");
   }
-  if (damaged > 0) return 2;
-  return findings > 0 ? 1 : 0;
+  if (counts.damaged > 0) return 2;
+  return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;
 }
 
 }  // namespace planescope

@@ -183,6 +183,10 @@ const char* to_string(FindingKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
+bool is_hint(FindingKind kind) {
+  return kind == FindingKind::parts || kind == FindingKind::tiny || kind == FindingKind::unlabelled;
+}
+
 std::vector<Finding> audit_labels(const FrameLabels& labels,
                                   const LabelGrid& grid,
                                   const AuditOptions& options) {

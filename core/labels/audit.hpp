@@ -18,6 +18,9 @@ enum class FindingKind : std::uint8_t {
   unlabelled,    // a measured region without a label
 };
 const char* to_string(FindingKind kind);
+/// Labels can be right with these: a plane in parts behind a pole, a small plane, a rest that is no
+/// plane. The others say that something is wrong.
+bool is_hint(FindingKind kind);
 
 struct Finding {
   FindingKind kind = FindingKind::rms;
