@@ -44,6 +44,10 @@ void check_numbers(const FrameLabels& labels, const std::string& where) {
       throw Error(where + ": plane " + std::to_string(plane.id) + " has confidence " +
                   std::to_string(plane.confidence) + ", expected 0..1");
     }
+    if (plane.fragments < 0) {
+      throw Error(where + ": plane " + std::to_string(plane.id) + " has " +
+                  std::to_string(plane.fragments) + " fragments, expected 0 or more");
+    }
   }
 }
 
@@ -54,6 +58,10 @@ void check_review(const FrameLabels& labels, const std::string& where) {
       throw Error(where + ": a review note about " + std::to_string(note.pixels) +
                   " pixels at pixel " + std::to_string(note.pixel) + ", the image has " +
                   std::to_string(pixels));
+    }
+    if (note.label_plane < 0 || note.other_plane < 0) {
+      throw Error(where + ": a review note about planes " + std::to_string(note.label_plane) +
+                  " and " + std::to_string(note.other_plane) + ", expected 0 or more");
     }
   }
 }

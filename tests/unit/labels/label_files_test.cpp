@@ -237,5 +237,16 @@ TEST(LabelFiles, TheDefaultFolderStandsBesideTheRecording) {
   EXPECT_EQ(default_label_dir("."), here.parent_path() / (here.filename().string() + ".labels"));
 }
 
+// The journal keeps counts as whole numbers from 0 on: what it takes in it must be able to tell.
+TEST(LabelFiles, NegativeCountsAreRefused) {
+  const fs::path dir = fresh_dir("negative");
+  FrameLabels labels = two_planes();
+  labels.planes[1].fragments = -1;
+  expect_refused([&] { write_frame_labels(dir, 0, labels); }, "-1 fragments");
+  labels = two_planes();
+  labels.review.emplace_back().label_plane = -1;
+  expect_refused([&] { write_frame_labels(dir, 0, labels); }, "planes -1 and 0");
+}
+
 }  // namespace
 }  // namespace planescope
