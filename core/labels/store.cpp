@@ -5,7 +5,10 @@
 
 #include <cassert>
 #include <chrono>
+#include <exception>
+#include <set>
 
+#include "core/base/error.hpp"
 #include "core/labels/store_state.hpp"
 
 namespace planescope {
@@ -93,12 +96,18 @@ bool LabelStore::any_unsaved() const {
 void LabelStore::save(int frame) { state_->save(frame); }
 
 void LabelStore::save_all() {
-  for (const auto& [frame, open] : state_->frames) {
-    if (!state_->history.find(frame) && unsaved(frame)) save(frame);
+  std::set<int> wanted;
+  for (const auto& [frame, open] : state_->frames) wanted.insert(frame);
+  for (const auto& [frame, track] : state_->history.frames()) wanted.insert(frame);
+  std::exception_ptr first;
+  for (const int frame : wanted) {
+    try {
+      if (unsaved(frame)) save(frame);
+    } catch (const Error&) {
+      if (!first) first = std::current_exception();
+    }
   }
-  for (const auto& [frame, track] : state_->history.frames()) {
-    if (unsaved(frame)) save(frame);
-  }
+  if (first) std::rethrow_exception(first);
 }
 
 void LabelStore::sync() { state_->sync(); }

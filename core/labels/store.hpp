@@ -84,6 +84,7 @@ class LabelStore {
   /// Writes the frame's three files: each beside its target, fsync, rename, fsync of the folder.
   /// Throws Error where that fails; what was there stays, the journal has the rest.
   void save(int frame);
+  /// What cannot be saved keeps nothing else from being saved; then throws the first Error.
   void save_all();
   /// Makes what was committed survive a loss of power as well.
   void sync();

@@ -194,5 +194,18 @@ TEST(LabelStores, FilesOfAnotherSizeAreRefused) {
   expect_refused([&] { store.open(0, blank(0)); }, "8x6");
 }
 
+TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
+  LabelStore store(dir, by("ann"));
+  store.open(0, blank(0));
+  store.open(1, blank(1));
+  Random random(5);
+  gesture(store, 1, random);
+  others.depth_sha256[0] = 'f';
+  write_frame_labels(dir, 0, others);
+  expect_refused([&] { store.save_all(); }, "000000.json");
+  EXPECT_TRUE(store.unsaved(0));
+  EXPECT_FALSE(store.unsaved(1));
+}
+
 }  // namespace
 }  // namespace planescope
