@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
+
 namespace planescope {
 
 BackgroundSync::BackgroundSync(const FileDescriptor& file)
@@ -22,8 +24,7 @@ void BackgroundSync::loop(std::stop_token stop) {
   while (wake_.wait(lock, stop, [this] { return wanted_; })) {
     wanted_ = false;
     lock.unlock();
-    // A failure is found again, and told, by the next Journal::sync().
-    ::fdatasync(file_.get());
+    if (int none = 0; ::fdatasync(file_.get()) != 0) error_.compare_exchange_strong(none, errno);
     lock.lock();
   }
 }

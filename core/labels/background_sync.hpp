@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -16,6 +17,8 @@ class BackgroundSync {
 
   /// As soon as can be; requests that come meanwhile are one.
   void request();
+  /// The errno of the first request that failed, once; 0: none did. The system tells it once, too.
+  int take_error() { return error_.exchange(0); }
 
  private:
   void loop(std::stop_token stop);
@@ -24,6 +27,7 @@ class BackgroundSync {
   std::mutex mutex_;
   std::condition_variable_any wake_;
   bool wanted_ = false;
+  std::atomic<int> error_ = 0;
   std::jthread thread_;  // last: it uses all of the above
 };
 

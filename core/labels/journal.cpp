@@ -185,8 +185,8 @@ std::vector<JournalPlace> Journal::append(std::span<const JournalBytes> records)
 }
 
 void Journal::sync() {
-  int error = 0;
-  if (unsynced_ && ::fdatasync(file_.get()) != 0) error = errno;
+  int error = background_ ? background_->take_error() : 0;
+  if (!error && unsynced_ && ::fdatasync(file_.get()) != 0) error = errno;
   if (!error && created_) error = sync_folder(path_.parent_path());
   if (error) {
     throw Error(path_.string() + ": cannot be made durable (" + error_text(error) + ")");
