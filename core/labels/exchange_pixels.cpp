@@ -121,7 +121,9 @@ FrameLabels labels_of_points(const LabelledPoints& points,
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
     throw Error(where + ": labels of a depth image of " + size_text(points.width, points.height) +
                 ", the frame's is " + size_text(grid.width, grid.height));
-  const bool by_name = points.pixel.size() == points.size() && points.size() > 0;
+  // A format of pixels that were given a label says nothing by having none.
+  const bool by_name =
+      points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);
   const std::vector<std::uint32_t> indices =
       by_name ? pixels_by_name(points, grid, where) : pixels_in_raster_order(points, grid, where);
   check_points(points, grid, indices, where);

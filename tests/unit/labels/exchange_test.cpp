@@ -36,6 +36,17 @@ TEST_F(Exchange, ExportThenImportIsTheIdentity) {
   }
 }
 
+TEST_F(Exchange, AFrameWithoutLabelsComesBackWithoutLabels) {
+  Random random(2);
+  const LabelGrid grid = random_grid(random);
+  const FrameLabels labels = empty_labels(grid, kHash);
+  for (const LabelFormat format : {LabelFormat::evops, LabelFormat::ply, LabelFormat::pcd,
+                                   LabelFormat::kitti, LabelFormat::npz, LabelFormat::coco}) {
+    SCOPED_TRACE(to_string(format));
+    expect_same_pixels(there_and_back(labels, grid, format), labels);
+  }
+}
+
 TEST_F(Exchange, EvopsBringsBackPlanesAndTheirClassByTilt) {
   for (int seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
