@@ -13,7 +13,7 @@
 
 namespace planescope {
 
-class ByteWriter {
+class RecordWriter {
  public:
   void number(std::uint64_t value) {
     for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<unsigned char>(value | 0x80));
@@ -35,9 +35,9 @@ class ByteWriter {
 };
 
 /// Throws Error where the bytes do not hold what is asked for.
-class ByteReader {
+class RecordReader {
  public:
-  explicit ByteReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}
+  explicit RecordReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}
 
   std::uint64_t number(std::uint64_t most = UINT64_MAX) {
     std::uint64_t value = 0;

@@ -8,14 +8,14 @@
 namespace planescope {
 namespace {
 
-void write(ByteWriter& out, const RecordHead& head) {
+void write(RecordWriter& out, const RecordHead& head) {
   write_enum(out, head.kind);
   out.number(static_cast<std::uint64_t>(head.frame));
   out.number(static_cast<std::uint64_t>(head.time_ms));
   out.text(head.annotator);
 }
 
-RecordHead read_head(ByteReader& in) {
+RecordHead read_head(RecordReader& in) {
   RecordHead head;
   head.kind = read_enum(in, RecordKind::written);
   head.frame = in.integer();
@@ -24,24 +24,24 @@ RecordHead read_head(ByteReader& in) {
   return head;
 }
 
-void write(ByteWriter& out, const std::optional<LabelPlane>& plane) {
+void write(RecordWriter& out, const std::optional<LabelPlane>& plane) {
   out.number(plane ? 1 : 0);
   if (plane) write(out, *plane);
 }
 
-std::optional<LabelPlane> read_optional_plane(ByteReader& in) {
+std::optional<LabelPlane> read_optional_plane(RecordReader& in) {
   if (in.number(1) == 0) return std::nullopt;
   return read_plane(in);
 }
 
-std::uint16_t read_plane_id(ByteReader& in) {
+std::uint16_t read_plane_id(RecordReader& in) {
   return static_cast<std::uint16_t>(in.number(kPlaneIgnore));
 }
 
-std::uint8_t read_hv(ByteReader& in) { return static_cast<std::uint8_t>(in.number(kHvIgnore)); }
+std::uint8_t read_hv(RecordReader& in) { return static_cast<std::uint8_t>(in.number(kHvIgnore)); }
 
 /// Each run as pixels without a change before it, then its own.
-void write(ByteWriter& out, const std::vector<LabelRun>& runs) {
+void write(RecordWriter& out, const std::vector<LabelRun>& runs) {
   out.number(runs.size());
   std::uint32_t end = 0;
   for (const LabelRun& run : runs) {
@@ -55,7 +55,7 @@ void write(ByteWriter& out, const std::vector<LabelRun>& runs) {
   }
 }
 
-std::vector<LabelRun> read_runs(ByteReader& in, std::size_t pixels) {
+std::vector<LabelRun> read_runs(RecordReader& in, std::size_t pixels) {
   std::vector<LabelRun> runs(in.count());
   std::uint64_t end = 0;
   for (LabelRun& run : runs) {
@@ -71,7 +71,7 @@ std::vector<LabelRun> read_runs(ByteReader& in, std::size_t pixels) {
 }
 
 /// As runs of equal pixels: how many, plane, h/v.
-void write_images(ByteWriter& out, const Image16& plane, const Image8& hv) {
+void write_images(RecordWriter& out, const Image16& plane, const Image8& hv) {
   for (std::size_t i = 0; i < plane.data.size();) {
     std::size_t end = i + 1;
     while (end < plane.data.size() && plane.data[end] == plane.data[i] &&
@@ -85,7 +85,7 @@ void write_images(ByteWriter& out, const Image16& plane, const Image8& hv) {
   }
 }
 
-void read_images(ByteReader& in, Image16& plane, Image8& hv) {
+void read_images(RecordReader& in, Image16& plane, Image8& hv) {
   for (std::size_t i = 0; i < plane.data.size();) {
     const auto count = static_cast<std::size_t>(in.number(plane.data.size() - i));
     std::fill_n(plane.data.begin() + static_cast<std::ptrdiff_t>(i), count, read_plane_id(in));
@@ -98,7 +98,7 @@ void read_images(ByteReader& in, Image16& plane, Image8& hv) {
 
 JournalBytes base_record(const RecordHead& head, const FrameLabels& labels) {
   assert(head.kind == RecordKind::base);
-  ByteWriter out;
+  RecordWriter out;
   write(out, head);
   out.text(labels.depth_sha256);
   write(out, labels.intrinsics);
@@ -113,7 +113,7 @@ JournalBytes base_record(const RecordHead& head, const FrameLabels& labels) {
 
 JournalBytes edit_record(const RecordHead& head, const LabelEdit& edit) {
   assert(head.kind == RecordKind::edit && head.frame == edit.frame);
-  ByteWriter out;
+  RecordWriter out;
   write(out, head);
   out.text(edit.title);
   out.number(edit.changed_pixels());
@@ -134,25 +134,25 @@ JournalBytes edit_record(const RecordHead& head, const LabelEdit& edit) {
 
 JournalBytes saving_record(const RecordHead& head, const LabelDigests& digests) {
   assert(head.kind == RecordKind::saving);
-  ByteWriter out;
+  RecordWriter out;
   write(out, head);
   for (const std::string& digest : digests) out.text(digest);
   return out.take();
 }
 
 JournalBytes plain_record(const RecordHead& head) {
-  ByteWriter out;
+  RecordWriter out;
   write(out, head);
   return out.take();
 }
 
 RecordHead read_head(std::span<const unsigned char> record) {
-  ByteReader in(record);
+  RecordReader in(record);
   return read_head(in);
 }
 
 FrameLabels read_base(std::span<const unsigned char> record) {
-  ByteReader in(record);
+  RecordReader in(record);
   read_head(in);
   FrameLabels labels;
   labels.depth_sha256 = in.text();
@@ -173,7 +173,7 @@ FrameLabels read_base(std::span<const unsigned char> record) {
 }
 
 EditSummary read_edit_summary(std::span<const unsigned char> record) {
-  ByteReader in(record);
+  RecordReader in(record);
   read_head(in);
   EditSummary summary;
   summary.title = in.text();
@@ -182,7 +182,7 @@ EditSummary read_edit_summary(std::span<const unsigned char> record) {
 }
 
 LabelEdit read_edit(std::span<const unsigned char> record, std::size_t pixels) {
-  ByteReader in(record);
+  RecordReader in(record);
   LabelEdit edit;
   edit.frame = read_head(in).frame;
   edit.title = in.text();
@@ -204,7 +204,7 @@ LabelEdit read_edit(std::span<const unsigned char> record, std::size_t pixels) {
 }
 
 LabelDigests read_saving(std::span<const unsigned char> record) {
-  ByteReader in(record);
+  RecordReader in(record);
   read_head(in);
   LabelDigests digests;
   for (std::string& digest : digests) digest = in.text();

@@ -3,17 +3,17 @@
 namespace planescope {
 namespace {
 
-void write(ByteWriter& out, const Vec3d& v) {
+void write(RecordWriter& out, const Vec3d& v) {
   for (int i = 0; i < 3; ++i) out.real(v[i]);
 }
 
-Vec3d read_vector(ByteReader& in) {
+Vec3d read_vector(RecordReader& in) {
   Vec3d v;
   for (int i = 0; i < 3; ++i) v[i] = in.real();
   return v;
 }
 
-void write(ByteWriter& out, const ReviewNote& note) {
+void write(RecordWriter& out, const ReviewNote& note) {
   write_enum(out, note.kind);
   out.number(note.pixel);
   out.number(note.pixels);
@@ -24,7 +24,7 @@ void write(ByteWriter& out, const ReviewNote& note) {
   out.number(static_cast<std::uint64_t>(note.time_s));
 }
 
-ReviewNote read_note(ByteReader& in) {
+ReviewNote read_note(RecordReader& in) {
   ReviewNote note;
   note.kind = read_enum(in, DisagreementKind::boundary);
   note.pixel = static_cast<std::uint32_t>(in.number(kMaxPixels));
@@ -39,7 +39,7 @@ ReviewNote read_note(ByteReader& in) {
 
 }  // namespace
 
-void write(ByteWriter& out, const LabelPlane& plane) {
+void write(RecordWriter& out, const LabelPlane& plane) {
   out.number(static_cast<std::uint64_t>(plane.id));
   write_enum(out, plane.label);
   write(out, plane.normal);
@@ -53,7 +53,7 @@ void write(ByteWriter& out, const LabelPlane& plane) {
   out.number(plane.hidden ? 1 : 0);
 }
 
-LabelPlane read_plane(ByteReader& in) {
+LabelPlane read_plane(RecordReader& in) {
   LabelPlane plane;
   plane.id = static_cast<int>(in.number(kPlaneIgnore - 1));
   plane.label = read_enum(in, Label::v);
@@ -69,7 +69,7 @@ LabelPlane read_plane(ByteReader& in) {
   return plane;
 }
 
-void write(ByteWriter& out, const LabelNotes& notes) {
+void write(RecordWriter& out, const LabelNotes& notes) {
   write(out, notes.gravity.direction);
   write_enum(out, notes.gravity.source);
   out.real(notes.gravity.confidence);
@@ -80,7 +80,7 @@ void write(ByteWriter& out, const LabelNotes& notes) {
   for (const ReviewNote& note : notes.review) write(out, note);
 }
 
-LabelNotes read_notes(ByteReader& in) {
+LabelNotes read_notes(RecordReader& in) {
   LabelNotes notes;
   notes.gravity.direction = read_vector(in);
   notes.gravity.source = read_enum(in, GravitySource::assumed);
@@ -93,7 +93,7 @@ LabelNotes read_notes(ByteReader& in) {
   return notes;
 }
 
-void write(ByteWriter& out, const Intrinsics& k) {
+void write(RecordWriter& out, const Intrinsics& k) {
   out.number(static_cast<std::uint64_t>(k.width));
   out.number(static_cast<std::uint64_t>(k.height));
   for (const double value : {k.fx, k.fy, k.cx, k.cy}) out.real(value);
@@ -101,7 +101,7 @@ void write(ByteWriter& out, const Intrinsics& k) {
   for (const double value : k.coefficients) out.real(value);
 }
 
-Intrinsics read_intrinsics(ByteReader& in) {
+Intrinsics read_intrinsics(RecordReader& in) {
   Intrinsics k;
   k.width = in.integer();
   k.height = in.integer();

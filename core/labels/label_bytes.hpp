@@ -10,22 +10,22 @@ namespace planescope {
 inline constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, where it is read
 
 template <typename Enum>
-Enum read_enum(ByteReader& in, Enum last) {
+Enum read_enum(RecordReader& in, Enum last) {
   return static_cast<Enum>(in.number(static_cast<std::uint64_t>(last)));
 }
 
 template <typename Enum>
-void write_enum(ByteWriter& out, Enum value) {
+void write_enum(RecordWriter& out, Enum value) {
   out.number(static_cast<std::uint64_t>(value));
 }
 
-void write(ByteWriter& out, const LabelPlane& plane);
-void write(ByteWriter& out, const LabelNotes& notes);
-void write(ByteWriter& out, const Intrinsics& intrinsics);
+void write(RecordWriter& out, const LabelPlane& plane);
+void write(RecordWriter& out, const LabelNotes& notes);
+void write(RecordWriter& out, const Intrinsics& intrinsics);
 
 // All throw Error where the bytes hold something else.
-LabelPlane read_plane(ByteReader& in);
-LabelNotes read_notes(ByteReader& in);
-Intrinsics read_intrinsics(ByteReader& in);
+LabelPlane read_plane(RecordReader& in);
+LabelNotes read_notes(RecordReader& in);
+Intrinsics read_intrinsics(RecordReader& in);
 
 }  // namespace planescope
