@@ -145,6 +145,17 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
 
 namespace {
 
+FrameLabels painted_there(const FrameLabels& labels,
+                          const LabelGrid& grid,
+                          const Disagreement& about,
+                          const Paint& paint) {
+  FrameLabels result = painted(labels, grid, about.pixels, paint, PaintMode::over);
+  if (result.plane.data == labels.plane.data) {
+    throw Error("the region belongs to planes that are locked or hidden");
+  }
+  return result;
+}
+
 /// The region as the other has it: on the labelled plane that is the other's, or on a new one.
 FrameLabels with_other(const FrameLabels& labels,
                        const LabelGrid& grid,
@@ -162,11 +173,7 @@ FrameLabels with_other(const FrameLabels& labels,
     }
     if (paint.plane == 0) paint.plane = free_plane_id(labels);
   }
-  FrameLabels taken = painted(labels, grid, about.pixels, paint, PaintMode::over);
-  if (taken.plane.data == labels.plane.data) {
-    throw Error("the region belongs to planes that are locked or hidden");
-  }
-  return taken;
+  return painted_there(labels, grid, about, paint);
 }
 
 }  // namespace
@@ -181,7 +188,7 @@ FrameLabels decided(const FrameLabels& labels,
   FrameLabels result = labels;
   if (decision == ReviewDecision::take) result = with_other(labels, grid, about, other);
   if (decision == ReviewDecision::ignore) {
-    result = painted(labels, grid, about.pixels, {.plane = kPlaneIgnore}, PaintMode::over);
+    result = painted_there(labels, grid, about, {.plane = kPlaneIgnore});
   }
   if (about.note) std::erase(result.review, *about.note);
   result.review.push_back({about.kind, about.pixel, static_cast<std::uint32_t>(about.pixels.size()),

@@ -205,10 +205,11 @@ TEST_F(Reviews, KeepingAndEditingLeaveTheLabelsAndIgnoringTakesThemOffTheScore) 
   EXPECT_EQ(after.plane.at(39, 15), 2);
 }
 
-TEST_F(Reviews, TakingWhatIsLockedIsRefused) {
+TEST_F(Reviews, TakingOrIgnoringWhatIsLockedIsRefused) {
   put_other(40, 10, 51, 21, 0);
   labels.planes[1].locked = true;
   EXPECT_THROW(take(found()[0]), Error);
+  EXPECT_THROW(decided(labels, grid, found()[0], other, ReviewDecision::ignore, "bob", 0), Error);
 }
 
 TEST_F(Reviews, AfterTakingEveryRegionNothingIsLeft) {
