@@ -1,0 +1,102 @@
+// Labels real frames as a person would, by the scripts in labels/, and looks at what was drawn. The
+// recordings are read from $PLANESCOPE_DATA; labels go beside copies of them.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/labels/label_files.hpp"
+#include "core/recording/recording.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const fs::path kFolder = fs::path(PLANESCOPE_SOURCE_DIR) / "tests" / "real" / "labels";
+
+/// A line of list.txt.
+struct Labeled {
+  std::string name, recording, options;
+  int frame = 0;
+};
+
+void PrintTo(const Labeled& labeled, std::ostream* out) { *out << labeled.name; }
+
+std::vector<Labeled> read_list() {
+  std::ifstream file(kFolder / "list.txt");
+  std::vector<Labeled> all;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    Labeled one;
+    words >> one.name >> one.recording >> one.frame;
+    std::getline(words, one.options);
+    all.push_back(one);
+  }
+  return all;
+}
+
+/// Exit code of the program; what it says goes into the test's log.
+int run(const std::string& arguments) {
+  const int status =
+      std::system(fmt::format("'{}' {} </dev/null 2>&1", PLANESCOPE_BINARY, arguments).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+class LabelScript : public testing::TestWithParam<Labeled> {};
+
+TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const Labeled& labeled = GetParam();
+  const fs::path dir = fs::path(testing::TempDir()) / "planescope_label_scripts" / labeled.name;
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  const fs::path copy = dir / fs::path(labeled.recording).filename();
+  fs::copy(fs::path(data) / labeled.recording, copy, fs::copy_options::recursive);
+
+  ASSERT_EQ(run(fmt::format("view '{}' --frames {} {} --offscreen --script '{}'", copy.string(),
+                            labeled.frame, labeled.options,
+                            (kFolder / (labeled.name + ".json")).string())),
+            0);
+  const auto labels = read_frame_labels(default_label_dir(copy), labeled.frame, "");
+  ASSERT_TRUE(labels);
+
+  std::ifstream file(kFolder / "expected.json");
+  const Json expected = Json::parse(file).at(labeled.name);
+  EXPECT_EQ(labels->planes.size(), expected.size());
+  for (const Json& plane : expected) {
+    const std::string what = plane.at("what");
+    const int id = labels->plane.at(plane.at("at").at(0), plane.at("at").at(1));
+    const auto found = std::find_if(labels->planes.begin(), labels->planes.end(),
+                                    [&](const LabelPlane& p) { return p.id == id; });
+    ASSERT_NE(found, labels->planes.end()) << what;
+    EXPECT_EQ(found->label == Label::h ? "h" : "v", plane.at("label")) << what;
+    const auto pixels =
+        static_cast<double>(std::count(labels->plane.data.begin(), labels->plane.data.end(), id));
+    EXPECT_NEAR(pixels, plane.at("pixels"), 0.1 * plane.at("pixels").get<double>()) << what;
+  }
+  // Nothing but hints, and what was drawn can be scored.
+  EXPECT_EQ(run(fmt::format("labels check '{}' {}", copy.string(),
+                            labeled.options.substr(0, labeled.options.find("--gravity")))),
+            0);
+  EXPECT_EQ(
+      run(fmt::format("eval '{}' --frames {} {}", copy.string(), labeled.frame, labeled.options)),
+      0);
+  if (!HasFailure()) fs::remove_all(dir);
+}
+
+INSTANTIATE_TEST_SUITE_P(, LabelScript, testing::ValuesIn(read_list()), [](const auto& instance) {
+  return instance.param.name;
+});
+
+}  // namespace
+}  // namespace planescope
