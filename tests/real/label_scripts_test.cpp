@@ -63,8 +63,8 @@ TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
   const fs::path copy = dir / fs::path(labeled.recording).filename();
   fs::copy(fs::path(data) / labeled.recording, copy, fs::copy_options::recursive);
 
-  ASSERT_EQ(run(fmt::format("view '{}' --frames {} {} --offscreen --script '{}'", copy.string(),
-                            labeled.frame, labeled.options,
+  ASSERT_EQ(run(fmt::format("view '{}' --frames {} {} --classifier pca --offscreen --script '{}'",
+                            copy.string(), labeled.frame, labeled.options,
                             (kFolder / (labeled.name + ".json")).string())),
             0);
   const auto labels = read_frame_labels(default_label_dir(copy), labeled.frame, "");
@@ -88,9 +88,9 @@ TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
   EXPECT_EQ(run(fmt::format("labels check '{}' {}", copy.string(),
                             labeled.options.substr(0, labeled.options.find("--gravity")))),
             0);
-  EXPECT_EQ(
-      run(fmt::format("eval '{}' --frames {} {}", copy.string(), labeled.frame, labeled.options)),
-      0);
+  EXPECT_EQ(run(fmt::format("eval '{}' --classifier pca --frames {} {}", copy.string(),
+                            labeled.frame, labeled.options)),
+            0);
   if (!HasFailure()) fs::remove_all(dir);
 }
 
