@@ -282,3 +282,51 @@ TEST(RealLabels, PlaneTruthOfIclNuimIsImportedAndScored) {
   EXPECT_EQ(mean["planes_truth"], 17);
   EXPECT_GT(mean["point_accuracy"], 80);
 }
+
+TEST_F(Labels, ScoreASegmentationThatWasMadeBeforeAsTheOneMadeNow) {
+  const fs::path made = dir / "made";
+  const std::vector<std::string> options = {"--frames",     "0",  "--gravity", "0,1,0",
+                                            "--classifier", "pca"};
+  const auto with = [&](std::vector<std::string> args) {
+    args.insert(args.end(), options.begin(), options.end());
+    return run(args);
+  };
+  ASSERT_EQ(with({"segment", rec.string(), "-o", made.string()}).code, 0);
+  const Ran now = with({"eval", rec.string(), "--json"});
+  const Ran before = with({"eval", rec.string(), "--json", "--prediction", made.string()});
+  ASSERT_EQ(before.code, 0) << before.err;
+  const Json a = Json::parse(now.out)["mean"], b = Json::parse(before.out)["mean"];
+  for (const char* figure : {"planes_found", "r_m", "point_accuracy", "mean_iou", "points"})
+    EXPECT_EQ(a[figure], b[figure]) << figure;
+  EXPECT_GT(a["point_accuracy"], 90);
+}
+
+TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
+  const Ran own_labels =
+      run({"eval", rec.string(), "--frames", "0:2", "--json", "--prediction", own.string()});
+  ASSERT_EQ(own_labels.code, 0) << own_labels.err;
+  EXPECT_EQ(Json::parse(own_labels.out)["mean"]["mean_iou"], 100);
+  ASSERT_EQ(labels("export", {rec.string(), "--format", "kitti", "-o", (dir / "kitti").string(),
+                              "--frames", "0"})
+                .code,
+            0);
+  const std::string kitti = (dir / "kitti").string();
+  const Ran exported =
+      run({"eval", rec.string(), "--frames", "0", "--json", "--prediction", kitti});
+  ASSERT_EQ(exported.code, 0) << exported.err;
+  EXPECT_EQ(Json::parse(exported.out)["mean"]["point_accuracy"], 100);
+  expect_refused(run({"eval", rec.string(), "--frames", "1", "--prediction", kitti}),
+                 "nothing of frame 1");
+}
+
+TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
+  FrameLabels labels_0 = floor_and_wall_labels(*open_recording(rec), 0);
+  for (std::size_t i = 0; i < labels_0.plane.data.size(); ++i)
+    if (labels_0.plane.data[i] == 2) labels_0.plane.data[i] = labels_0.hv.data[i] = 0;
+  std::erase_if(labels_0.planes, [](const LabelPlane& plane) { return plane.id == 2; });
+  write_frame_labels(own, 0, labels_0);
+  const Ran lax = labels("check", {own.string()});
+  EXPECT_EQ(lax.code, 0) << lax.out;
+  EXPECT_NE(lax.out.find("frame 0: hint: unlabelled"), std::string::npos) << lax.out;
+  EXPECT_EQ(labels("check", {own.string(), "--strict"}).code, 1);
+}
