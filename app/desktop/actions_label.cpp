@@ -81,8 +81,10 @@ void save_labels(State& state) {
   LabelStore* store = store_of(state);
   if (!store || !store->read_only().empty() || !store->any_unsaved()) return;
   std::string& problem = state.results.label.save_problem;
+  const std::size_t told = store->notices().size();
   try {
     store->save_all();
+    if (store->notices().size() > told) say(state, store->notices().back(), true);
     problem.clear();
     state.document.labels_written = true;
   } catch (const std::exception& error) {
@@ -130,8 +132,10 @@ std::vector<Action> label_mode_actions() {
        "Ctrl+S",
        "",
        [](State& s, const std::string&) {
-         save_labels(s);
+         const std::string& read_only = store_of(s)->read_only();
+         if (!read_only.empty()) throw Error(read_only);
          say(s, "labels written to " + s.document.current()->label_dir.string());
+         save_labels(s);
        },
        [](const State& s) { return store_of(s) != nullptr; },
        {}},

@@ -4,6 +4,7 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/cloud_thumbnail.hpp"
+#include "core/base/error.hpp"
 #include "core/pipeline/options_table.hpp"
 #include "core/report/thumbnail.hpp"
 #include "render/scenes.hpp"
@@ -50,11 +51,19 @@ Wanted wanted_of(const Document& document, int frame) {
           options_key(document.options, false)};
 }
 
-std::shared_ptr<const Subject> load_subject(const Wanted& wanted, Classifiers& classifiers) {
+std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
+                                            Classifiers& classifiers,
+                                            std::string* refused_labels) {
   const std::shared_ptr<const Classifier> classifier = classifiers.get(wanted.options);
   Frame frame = wanted.recording->frame(wanted.frame);
-  std::optional<SourceTruth> truth =
-      frame_truth(frame, wanted.label_dir, wanted.recording->frame_hash(wanted.frame));
+  const std::string hash = wanted.recording->frame_hash(wanted.frame);
+  std::optional<SourceTruth> truth;
+  try {
+    truth = frame_truth(frame, wanted.label_dir, hash);
+  } catch (const Error& error) {
+    if (!refused_labels) throw;
+    *refused_labels = error.what();
+  }
   return make_subject(std::move(frame), std::move(truth), wanted.options, classifier.get());
 }
 

@@ -48,7 +48,11 @@ struct Wanted {
 Wanted wanted_of(const Document& document, int frame);
 
 // All throw what reading and preparing throw.
-std::shared_ptr<const Subject> load_subject(const Wanted& wanted, Classifiers& classifiers);
+/// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
+/// where it is null, that is thrown.
+std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
+                                            Classifiers& classifiers,
+                                            std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home);
 Camera home_of(const Run& run);
 /// A frame that cannot be run says why.

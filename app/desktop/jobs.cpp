@@ -72,17 +72,20 @@ struct Jobs::Impl {
 
 void Jobs::Impl::run_frame(const Wanted& wanted) {
   try {
+    std::string refused_labels;
     const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
     if (fresh) {
       subject = nullptr;
-      subject = load_subject(wanted, classifiers);
+      subject = load_subject(wanted, classifiers, &refused_labels);
       loaded = wanted;
     }
     auto run = make_run(subject, wanted.options);
     if (fresh) home = home_of(*run);
     const auto view = view_run(std::move(run), home);
-    deliver([this, wanted, view](State& state) {
-      if (wanted.is_shown(state.document)) show_run(state, view);
+    deliver([this, wanted, view, refused = refused_labels](State& state) {
+      if (!wanted.is_shown(state.document)) return;
+      show_run(state, view);
+      if (!refused.empty()) say(state, refused, true);
     });
   } catch (const std::exception& error) {
     deliver([wanted, message = std::string(error.what())](State& state) {

@@ -30,7 +30,11 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   LabelResults& label = state.results.label;
   label.refusal.clear();
   try {
-    if (open->labels) open->labels->open(made->frame, empty_labels(made->grid, made->sha256));
+    if (LabelStore* store = open->labels.get()) {
+      const std::size_t told = store->notices().size();
+      store->open(made->frame, empty_labels(made->grid, made->sha256));
+      if (store->notices().size() > told) say(state, store->notices().back(), true);
+    }
     label.frame = std::move(made);
   } catch (const std::exception& error) {
     label.frame = nullptr;

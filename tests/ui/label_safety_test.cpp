@@ -79,5 +79,37 @@ TEST_F(LabelSafety, FramesLabelledEarlierAreMarkedOnceTheModeIsEntered) {
   EXPECT_FALSE(again.shows("frame.2.labels"));
 }
 
+TEST_F(LabelSafety, DamagedFilesAreNotInTheWayOfTheJournal) {
+  window.run("label.take");
+  const std::size_t planes = labels().planes.size();
+  window.run("label.save");
+  const fs::path copy = dir / "copy";
+  fs::copy(label_dir, copy, fs::copy_options::recursive);
+  std::ofstream(copy / "000000.plane.png") << "no picture";
+  LabelWindow again(copy);
+  EXPECT_EQ(again.labels().planes.size(), planes);
+  EXPECT_NE(again.state().view.message.find("000000.plane.png"), std::string::npos);
+  again.run("label.save");
+  EXPECT_EQ(read_frame_labels(copy, 0, "")->planes.size(), planes);
+}
+
+TEST_F(LabelSafety, WhatOthersChangedIsTold) {
+  window.run("label.take");
+  window.run("label.save");
+  const fs::path copy = dir / "copy";
+  fs::copy(label_dir, copy, fs::copy_options::recursive);
+  FrameLabels others = labels();
+  others.annotator = "other tool";
+  write_frame_labels(copy, 0, others);
+  LabelWindow again(copy);
+  EXPECT_NE(again.state().view.message.find("changed outside"), std::string::npos);
+}
+
+TEST_F(LabelSafety, WhoMayOnlyReadIsNotToldThatLabelsWereWritten) {
+  window.run("label.take");
+  LabelWindow second(label_dir);
+  EXPECT_NE(second.refusal("label.save").find("held by"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace planescope::desktop
