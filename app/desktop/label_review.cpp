@@ -44,6 +44,8 @@ std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
                                        const ReviewNote& note) {
   auto after = std::make_shared<ReviewQueue>(queue);
   after->items[item].note = note;
+  after->labels_decided =
+      note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
   std::ranges::stable_partition(after->items, [](const Disagreement& one) { return !one.note; });
   return after;
 }
@@ -94,8 +96,8 @@ void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue) {
   const int chosen = state.view.label.review_item;
   state.results.label.review = queue;
   state.results.label.review_refusal.clear();
-  const bool known = before && chosen >= 0 && chosen < static_cast<int>(before->items.size());
-  if (known) {
+  if (!before) return choose_item(state, queue->undecided() > 0 ? 0 : -1);
+  if (chosen >= 0 && chosen < static_cast<int>(before->items.size())) {
     const Disagreement& item = before->items[static_cast<std::size_t>(chosen)];
     const auto same = std::ranges::find_if(
         queue->items, [&](const Disagreement& one) { return same_region(one, item); });
@@ -105,7 +107,9 @@ void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue) {
     }
   }
   const int left = static_cast<int>(queue->undecided());
-  choose_item(state, left == 0 ? -1 : std::clamp(chosen, 0, left - 1));
+  const bool goes_on = before->labels_decided && chosen >= 0 && left > 0;
+  // Otherwise the view stays where it is: somebody may be drawing in it.
+  goes_on ? choose_item(state, std::min(chosen, left - 1)) : choose_item(state, -1);
 }
 
 void choose_item(State& state, int item) {

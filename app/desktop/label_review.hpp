@@ -23,7 +23,8 @@ struct ReviewSides {
 /// Throws Error where the folder has no labels of this very frame.
 std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides);
 
-/// In place of the one before; what was chosen stays chosen, if it is still there.
+/// The first one of a frame goes to its largest item. In place of another one what was chosen stays
+/// chosen if it is still there; only after a decision the views go on to the next item.
 void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue);
 /// Both views go there; -1: none.
 void choose_item(State& state, int item);

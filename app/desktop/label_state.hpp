@@ -44,6 +44,7 @@ struct ReviewQueue {
   std::shared_ptr<const OtherLabels> other_labels;
   std::vector<Disagreement> items;     // undecided first, then by area
   std::optional<Agreement> agreement;  // with another annotator
+  bool labels_decided = false;         // and changed by that: the queue after it goes on
 
   std::size_t undecided() const {
     return static_cast<std::size_t>(

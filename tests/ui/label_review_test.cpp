@@ -2,6 +2,8 @@
 
 #include "app/desktop/label_review.hpp"
 
+#include <fmt/format.h>
+
 #include "core/base/error.hpp"
 #include "label_desktop.hpp"
 
@@ -107,6 +109,19 @@ TEST_F(LabelReview, IsMadeAnewWhenLabelsChange) {
   const std::size_t before = queue().items.size();
   window.run("label.undo");
   EXPECT_LT(queue().items.size(), before);
+}
+
+TEST_F(LabelReview, DrawingMovesNoView) {
+  window.run("review.edit");
+  const Vec2d center = state().view.image_center;
+  const Camera camera = *state().view.camera;
+  const std::uint32_t pixel = chosen().pixel;
+  const std::string place = fmt::format("{},{}", pixel % 640, pixel / 640);
+  window.run("label.stroke", "image over 12 " + place);
+  window.run("label.cancel");
+  window.run("label.stroke", "image over 25 " + place);
+  EXPECT_EQ(state().view.image_center, center);
+  EXPECT_EQ(state().view.camera->eye, camera.eye);
 }
 
 TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
