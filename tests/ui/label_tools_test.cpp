@@ -14,6 +14,19 @@ struct LabelTools : LabelDesktop {
   }
   const LabelView& view() const { return state().view.label; }
   void key(const std::string& name) { play(R"({"key": ")" + name + R"("})"); }
+  /// The mouse, to a place on the image in shares of it.
+  void move(float x, float y) {
+    const WidgetRect image = window.shell.widgets().at("image");
+    window.shell.input().push({.type = InputEvent::Type::move,
+                               .x = image.min.x + x * (image.max.x - image.min.x),
+                               .y = image.min.y + y * (image.max.y - image.min.y)});
+    window.stage.draw_frame();
+    window.stage.draw_frame();
+  }
+  void button(bool down) {
+    window.shell.input().push({.type = InputEvent::Type::button, .down = down});
+    window.stage.draw_frame();
+  }
 };
 
 const std::string kStroke = "image over 20 300,330 360,330";
@@ -236,18 +249,6 @@ TEST_F(LabelTools, ABrushDraggedOverTheImagePaints) {
 
 TEST_F(LabelTools, EscapeLeavesAStrokeThatIsBeingDrawn) {
   key("B");
-  const WidgetRect image = window.shell.widgets().at("image");
-  const auto move = [&](float x, float y) {
-    window.shell.input().push({.type = InputEvent::Type::move,
-                               .x = image.min.x + x * (image.max.x - image.min.x),
-                               .y = image.min.y + y * (image.max.y - image.min.y)});
-    window.stage.draw_frame();
-    window.stage.draw_frame();
-  };
-  const auto button = [&](bool down) {
-    window.shell.input().push({.type = InputEvent::Type::button, .down = down});
-    window.stage.draw_frame();
-  };
   move(0.45f, 0.68f);
   button(true);
   move(0.55f, 0.68f);
@@ -258,6 +259,21 @@ TEST_F(LabelTools, EscapeLeavesAStrokeThatIsBeingDrawn) {
   button(false);
   window.stage.draw_frame();
   EXPECT_EQ(labelled(), 0u);
+}
+
+TEST_F(LabelTools, AStrokeLetGoOfWithAnotherToolInHandIsForgotten) {
+  for (const char* away : {"W", "Ctrl+L"}) {
+    key("B");
+    move(0.45f, 0.68f);
+    button(true);
+    move(0.55f, 0.68f);
+    key(away);
+    button(false);
+    window.stage.draw_frame();
+    key(away == std::string("W") ? "B" : away);
+    window.stage.draw_frame();
+    EXPECT_EQ(labelled(), 0u) << away;
+  }
 }
 
 TEST_F(LabelTools, ARectangleIsDraggedInSpaceToo) {
