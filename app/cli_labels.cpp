@@ -9,6 +9,7 @@
 namespace planescope {
 namespace {
 
+constexpr const char* kReadFormats = "evops|ply|pcd|kitti|npz|coco";
 constexpr const char* kFormats = "evops|ply|pcd|kitti|npz|coco|voxels";
 
 LabelsArgs labels_args(const Typed& typed) {
@@ -96,7 +97,7 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
   add_inputs(importing, typed, "The recording that the labels are of");
   importing->get_option("--labels")
       ->description(wrapped("Where the labels go; otherwise <recording>.labels beside it"));
-  add(importing, "--format", typed.format, kFormats,
+  add(importing, "--format", typed.format, kReadFormats,
       "What the files are; otherwise as --from FILE is named");
   add(importing, "--from", typed.from, "FILE|DIR",
       "One file, for the frame of --frames; or a folder with files as export names them");

@@ -46,6 +46,8 @@ bool is_label_folder(const fs::path& path) {
 }  // namespace
 
 LabelFolder list_labels(const fs::path& dir) {
+  if (!fs::exists(dir))
+    throw Error(dir.string() + ": no such folder; of labels elsewhere, --labels DIR says where");
   if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a folder of labels");
   const std::set<int> frames = frames_in(dir);
   if (frames.empty())

@@ -101,8 +101,8 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
                    static_cast<int>(f.pixel) % frame.width,
                    static_cast<int>(f.pixel) / frame.width);
     }
-    fmt::print("{}: {} labelled frames, {} damaged, {}\n", source.labels.dir.string(),
-               frames.size(), counts.damaged,
+    fmt::print("{}: {} labelled {}, {} damaged, {}\n", source.labels.dir.string(), frames.size(),
+               frames.size() == 1 ? "frame" : "frames", counts.damaged,
                source.recording
                    ? fmt::format("{} findings, {} hints", counts.findings, counts.hints)
                    : "planes not checked: no recording found, give --recording");

@@ -92,6 +92,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args, const OpenInput
 struct Import {
   LabelEdit edit;
   std::size_t planes = 0, pixels = 0;
+  std::size_t ignored = 0;  // not to be scored, beside the labelled ones
   std::size_t dropped = 0;  // labels on pixels without depth
 };
 
@@ -118,9 +119,12 @@ Import read_import(const FileOfFrame& file,
   Import import;
   import.edit = make_edit(file.frame, "Import " + file.path.filename().string(), *before, after);
   import.planes = after.planes.size();
-  for (std::size_t i = 0; i < grid.pixels(); ++i)
-    import.pixels += after.plane.data[i] != 0 || after.hv.data[i] != 0;
-  import.dropped = labelled_in(points) - import.pixels;
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    const bool ignored = after.plane.data[i] == kPlaneIgnore || after.hv.data[i] == kHvIgnore;
+    import.ignored += ignored;
+    import.pixels += !ignored && (after.plane.data[i] != 0 || after.hv.data[i] != 0);
+  }
+  import.dropped = labelled_in(points) - import.pixels - import.ignored;
   return import;
 }
 
@@ -147,7 +151,9 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
           read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
       if (!labels) continue;
       const LabelGrid grid = make_label_grid(input.recording->frame(index), labels->gravity);
-      fs::create_directories(args.out);
+      std::error_code error;
+      fs::create_directories(args.out, error);
+      if (error) throw Error("output " + args.out.string() + ": " + error.message());
       const auto paths =
           write_labelled(args.out / fmt::format("{:06}", index), format,
                          points_of_labels(*labels, grid), args.input.pipeline.cloud.voxel_size_m);
@@ -186,12 +192,14 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     store.commit(imports[i].edit);
     store.save(files[i].frame);
-    fmt::print("frame {}: {}: {} planes, {} pixels labelled{}{}\n", files[i].frame,
-               files[i].path.string(), imports[i].planes, imports[i].pixels,
-               imports[i].dropped > 0
-                   ? fmt::format(", {} labels left out for want of depth", imports[i].dropped)
-                   : "",
-               imports[i].edit.empty() ? ", as it was" : "");
+    fmt::print(
+        "frame {}: {}: {} planes, {} pixels labelled{}{}{}\n", files[i].frame,
+        files[i].path.string(), imports[i].planes, imports[i].pixels,
+        imports[i].ignored > 0 ? fmt::format(", {} not to be scored", imports[i].ignored) : "",
+        imports[i].dropped > 0
+            ? fmt::format(", {} labels left out for want of depth", imports[i].dropped)
+            : "",
+        imports[i].edit.empty() ? ", as it was" : "");
   }
   return 0;
 }

@@ -77,6 +77,8 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
     seconds += f.seconds();
   }
   row("sum", sum, "", duration_text(seconds));
+  if (!with_depth)
+    fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labelled\n");
 }
 
 Json to_json(const FrameStatistics& f, bool with_depth) {

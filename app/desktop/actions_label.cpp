@@ -132,8 +132,9 @@ std::vector<Action> label_mode_actions() {
        "Ctrl+S",
        "",
        [](State& s, const std::string&) {
-         const std::string& read_only = store_of(s)->read_only();
-         if (!read_only.empty()) throw Error(read_only);
+         const LabelStore& store = *store_of(s);
+         if (!store.read_only().empty()) throw Error(store.read_only());
+         if (!store.any_unsaved()) return say(s, "the labels are saved already");
          say(s, "labels written to " + s.document.current()->label_dir.string());
          save_labels(s);
        },

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/actions.hpp"
 #include "app/desktop/label_work.hpp"
 #include "core/base/error.hpp"
@@ -94,15 +96,31 @@ const Run* run_of_frame(const State& state) {
   return run && run->subject->frame.index == state.document.frame ? run : nullptr;
 }
 
+/// How much of the frame the algorithm was not shown: labels there have to be drawn.
+std::string beyond_text(const Run& run, const LabelGrid& grid) {
+  const double range_m = run.options.cloud.max_range_m;
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    if (grid.points[i].z() > range_m && run.subject->voxel_of_source(i) == kNoVoxel) ++beyond;
+  const double share = static_cast<double>(beyond) /
+                       static_cast<double>(std::max<std::size_t>(grid.measured_count, 1));
+  if (share < 0.05) return "";
+  return fmt::format(": {:.0f} % of the pixels lie beyond its --max-range of {:g} m", 100 * share,
+                     range_m);
+}
+
 void take(State& state) {
   const LabelWork work = label_work(state);
   const Run* run = run_of_frame(state);
   if (!run) throw Error("the algorithm has not come to this frame yet");
   const OtherLabels found = labels_of_run(*run, work.frame.grid);
   const char* profile = to_string(run->segment_options.profile);
-  commit_and_say(state, fmt::format("Start from the algorithm ({})", profile),
+  const std::string title = fmt::format("Start from the algorithm ({})", profile);
+  const std::string beyond = beyond_text(*run, work.frame.grid);
+  commit_and_say(state, title,
                  from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
-                 "the labels are the algorithm's already");
+                 "the labels are the algorithm's already" + beyond);
+  if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);
   state.view.label.wand = {};
 }
 

@@ -147,7 +147,7 @@ std::vector<Action> label_wand_actions() {
        {}},
       {"label.wand.tolerance", "Tolerance of the wand", "", "", "METRES", set_tolerance, {}, {}},
       {"label.accept",
-       "Accept what is shown",
+       "Accept what is shown; in the review, keep",
        "Tools",
        "Enter",
        "",

@@ -33,10 +33,12 @@ Action toggle(const std::string& name,
               const std::string& title,
               const std::string& key,
               bool ViewState::*flag) {
-  return {name,   title,
-          "View", key,
-          "",     [flag](State& s, const std::string&) { s.view.*flag = !(s.view.*flag); },
-          {},     [flag](const State& s) { return s.view.*flag; }};
+  Action action = {name,   title,
+                   "View", key,
+                   "",     [flag](State& s, const std::string&) { s.view.*flag = !(s.view.*flag); },
+                   {},     [flag](const State& s) { return s.view.*flag; }};
+  action.mode = KeyMode::debugger;  // what they show is drawn there alone
+  return action;
 }
 
 Action preset(const std::string& name,

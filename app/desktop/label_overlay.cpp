@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "render/palette.hpp"
 
@@ -17,13 +18,24 @@ void draw_names(const Ui& ui, const DrawingSurface& surface) {
   if (names.of != labels) names = {labels, label_places(*labels)};
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float size = ui.bold->FontSize;
-  for (const LabelPlace& place : names.places) {
+  std::vector<LabelPlace> places = names.places;
+  const int active = ui.state.view.label.plane;
+  std::ranges::stable_partition(places, [&](const LabelPlace& one) { return one.plane == active; });
+  // Of no use on top of each other: where there is no room for all, zooming in makes it.
+  std::vector<ImVec4> drawn;  // from x, y to z, w
+  for (const LabelPlace& place : places) {
     const std::optional<ImVec2> at = surface.screen_of_pixel(place.pixel);
     if (!at) continue;
     const std::string name = fmt::format("P{}", place.plane);
     const ImVec2 extent = ui.bold->CalcTextSizeA(size, FLT_MAX, 0, name.c_str());
     const ImVec2 corner(at->x - extent.x / 2, at->y - extent.y / 2);
-    if (place.plane == ui.state.view.label.plane) {
+    const ImVec4 box(corner.x, corner.y, corner.x + extent.x, corner.y + extent.y);
+    const auto covers = [&](const ImVec4& other) {
+      return box.x < other.z && other.x < box.z && box.y < other.w && other.y < box.w;
+    };
+    if (std::ranges::any_of(drawn, covers)) continue;
+    drawn.push_back(box);
+    if (place.plane == active) {
       draw->AddRectFilled(ImVec2(corner.x - ui.px(5), corner.y - ui.px(1)),
                           ImVec2(corner.x + extent.x + ui.px(5), corner.y + extent.y + ui.px(1)),
                           IM_COL32(0, 0, 0, 200), ui.px(4));

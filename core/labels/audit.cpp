@@ -26,6 +26,11 @@ constexpr std::size_t kSpeck_px = 32;  // what ragged depth leaves of an edge is
   return text;
 }
 
+/// In square metres where that is the handier number.
+std::string area_text(double area_m2) {
+  return area_m2 < 0.1 ? text_of("%.0f cm2", 1e4 * area_m2) : text_of("%.2f m2", area_m2);
+}
+
 /// What is known of one plane's pixels.
 struct Surface {
   const LabelPlane& plane;
@@ -164,8 +169,8 @@ class Audit {
       if (value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          text_of("%.0f cm2 without a label (%zu pixels), expected less than %.0f cm2", value,
-                  pixels, limit));
+          text_of("%s without a label (%zu pixels), expected less than %s",
+                  area_text(1e-4 * value).c_str(), pixels, area_text(1e-4 * limit).c_str()));
     }
   }
 

@@ -4,13 +4,23 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/base/text.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 constexpr std::size_t kColumns = 3;
 
-std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
+/// The first of its keys that means this action and no other here; empty where none does.
+std::string key_here(const Action& action, Mode mode) {
+  if (action.key_is_argument) {
+    const std::string& keys = action.keys;
+    return keys.substr(0, keys.find(' ')) + " to " + keys.substr(keys.rfind(' ') + 1);
+  }
+  for (const std::string& key : split(action.keys, ' '))
+    if (action_of_key(key, mode) == &action) return key;
+  return "";
+}
 
 struct Section {
   std::string menu;
@@ -21,9 +31,7 @@ using Column = std::vector<Section>;
 std::vector<Section> sections(Mode mode) {
   std::vector<Section> all;
   for (const Action& action : action_table()) {
-    if (action.keys.empty() || !fits(action, mode)) continue;
-    // A key that means something else here.
-    if (action_of_key(first_key(action), mode) != &action) continue;
+    if (action.keys.empty() || !fits(action, mode) || key_here(action, mode).empty()) continue;
     const auto same = [&](const Section& section) { return section.menu == action.menu; };
     auto section = std::find_if(all.begin(), all.end(), same);
     if (section == all.end()) section = all.insert(all.end(), {action.menu, {}});
@@ -67,7 +75,7 @@ void draw_column(const Ui& ui, const Column& column, float title_at) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.accent), "%s",
                        section.menu.c_str());
     for (const Action* action : section.actions) {
-      ImGui::TextUnformatted(first_key(*action).c_str());
+      ImGui::TextUnformatted(key_here(*action, ui.state.view.mode).c_str());
       ImGui::SameLine(title_at);  // from the group's left
       ImGui::TextDisabled("%s", action->title.c_str());
     }
@@ -83,7 +91,8 @@ void draw_keys(const Ui& ui) {
   std::vector<float> titles_at, widths;
   ImVec2 size(2 * ui.px(12), 0);
   for (const Column& column : all) {
-    titles_at.push_back(gap + widest(column, first_key));
+    titles_at.push_back(
+        gap + widest(column, [&](const Action& a) { return key_here(a, ui.state.view.mode); }));
     widths.push_back(titles_at.back() + widest(column, [](const Action& a) { return a.title; }));
     size.x += widths.back() + (widths.size() > 1 ? between : 0);
     size.y = std::max(size.y, line * static_cast<float>(lines_of(column)));

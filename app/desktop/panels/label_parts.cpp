@@ -90,6 +90,16 @@ std::string count_text(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+void share_bar(double share, const std::string& text) {
+  const float spacing = ImGui::GetStyle().ItemSpacing.x;
+  ImGui::BeginGroup();  // one item, for its name and its tooltip
+  ImGui::ProgressBar(static_cast<float>(share),
+                     ImVec2(-ImGui::CalcTextSize(text.c_str()).x - spacing, 0), "");
+  ImGui::SameLine();
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::EndGroup();
+}
+
 bool icon_button(const Ui& ui, PlaneIcon icon, bool on, const std::string& widget) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size(ui.px(18), ImGui::GetTextLineHeight());

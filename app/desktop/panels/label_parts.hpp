@@ -22,6 +22,9 @@ std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels);
 /// "1 plane", "5 planes".
 std::string count_text(std::size_t count, const char* one, const char* many);
 
+/// A bar as wide as the panel with its text beside it: on it, the bar's end would hide it.
+void share_bar(double share, const std::string& text);
+
 enum class PlaneIcon : std::uint8_t { lock, eye };
 /// A button with a drawn sign; true where it was clicked.
 bool icon_button(const Ui& ui, PlaneIcon icon, bool on, const std::string& widget);

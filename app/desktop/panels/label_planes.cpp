@@ -30,8 +30,7 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
   const LabelStatistics& s = facts.statistics;
   const double share =
       s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
-  ImGui::ProgressBar(static_cast<float>(share), ImVec2(-1, 0),
-                     fmt::format("{:.0f} % labelled", 100 * share).c_str());
+  share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
   ui.name("planes.labelled");
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%zu of %zu measured pixels, %zu ignored", s.labelled, s.measured, s.ignored);

@@ -173,8 +173,8 @@ void draw_label_review(const Ui& ui) {
   if (all == 0) {
     paragraph(ui.colors.good, "Both sides agree everywhere.");
   } else {
-    ImGui::ProgressBar(static_cast<float>(done.size()) / static_cast<float>(all), ImVec2(-1, 0),
-                       fmt::format("{} of {} decided", done.size(), all).c_str());
+    share_bar(static_cast<double>(done.size()) / static_cast<double>(all),
+              fmt::format("{} of {} decided", done.size(), all));
     ui.name("review.progress");
   }
   double& below = ui.memory.numbers["review.below"];
