@@ -1,6 +1,6 @@
 // Iterative closest points with projective association (Rusinkiewicz and Levoy 2001) and the hybrid
-// term of RGB-D odometry (Park et al. 2017). Open3D has both, but sums over its threads as they
-// come, and so would not repeat bit by bit.
+// term of RGB-D odometry (Park et al. 2017). Open3D has both, but its sums depend on the number of
+// threads: 60 000 points gave other last bits with two threads than with one (0.16).
 
 #include "core/labels/registration.hpp"
 

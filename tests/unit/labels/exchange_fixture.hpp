@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <string>
 
-#include "core/base/error.hpp"
 #include "core/labels/exchange.hpp"
 #include "random_labels.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope {
 
@@ -67,21 +67,5 @@ class Exchange : public testing::Test {
 
   std::filesystem::path dir_;
 };
-
-inline std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-/// That the message is one line and says `part`.
-inline void expect_refused(const std::function<void()>& action, const std::string& part) {
-  const std::string message = message_of(action);
-  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
-  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-}
 
 }  // namespace planescope

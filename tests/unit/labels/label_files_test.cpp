@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <functional>
 #include <limits>
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/image/png.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope {
 namespace {
@@ -42,22 +42,6 @@ fs::path fresh_dir(const std::string& name) {
   const fs::path dir = fs::path(testing::TempDir()) / ("labels_" + name);
   fs::remove_all(dir);
   return dir;
-}
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-/// That the message is one line and says `part`.
-void expect_refused(const std::function<void()>& action, const std::string& part) {
-  const std::string message = message_of(action);
-  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
-  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
 TEST(LabelFiles, WhatIsWrittenIsReadBackExactly) {

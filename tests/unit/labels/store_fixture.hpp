@@ -2,11 +2,12 @@
 
 // What the tests of the label store share.
 
-#include <functional>
+#include <filesystem>
+#include <string>
 
-#include "core/base/error.hpp"
 #include "core/labels/store.hpp"
 #include "random_labels.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope {
 
@@ -32,22 +33,6 @@ inline void gesture(LabelStore& store, int frame, Random& random) {
     edit = make_edit(frame, "gesture", *before, after_random_gesture(*before, random));
   }
   store.commit(edit);
-}
-
-inline std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-/// That the message is one line and says `part`.
-inline void expect_refused(const std::function<void()>& action, const std::string& part) {
-  const std::string message = message_of(action);
-  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
-  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
 }  // namespace planescope

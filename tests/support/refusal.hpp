@@ -1,0 +1,31 @@
+#pragma once
+
+// What a call says that is to be refused.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "core/base/error.hpp"
+
+namespace planescope {
+
+/// Of the Error that it throws; empty where it throws none.
+inline std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// That the message is one line and says `part`.
+inline void expect_refused(const std::function<void()>& action, const std::string& part) {
+  const std::string message = message_of(action);
+  EXPECT_NE(message.find(part), std::string::npos) << "said: " << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+}  // namespace planescope
