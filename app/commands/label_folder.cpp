@@ -40,7 +40,8 @@ fs::path without_slash(const fs::path& path) {
 
 bool is_label_folder(const fs::path& path) {
   if (!fs::is_directory(path)) return false;
-  return without_slash(path).extension() == kSuffix || !frames_in(path).empty();
+  return without_slash(path).extension() == kSuffix || fs::exists(path / "journal") ||
+         !frames_in(path).empty();
 }
 
 }  // namespace
@@ -50,6 +51,10 @@ LabelFolder list_labels(const fs::path& dir) {
     throw Error(dir.string() + ": no such folder; of labels elsewhere, --labels DIR says where");
   if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a folder of labels");
   const std::set<int> frames = frames_in(dir);
+  if (frames.empty() && fs::exists(dir / "journal"))
+    throw Error(dir.string() +
+                ": only a journal, no label files yet: open the recording in the label mode and "
+                "save (Ctrl+S), nothing is lost");
   if (frames.empty())
     throw Error(dir.string() + ": no labels in it, expected files such as 000000.plane.png");
   return {dir, {frames.begin(), frames.end()}};

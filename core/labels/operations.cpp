@@ -190,6 +190,7 @@ FrameLabels from_segmentation(const FrameLabels& labels,
   assert(plane_of.size() == grid.pixels());
   FrameLabels result = labels;
   std::vector<std::uint8_t> kept(kPlaneIgnore + 1, 0);
+  kept[kPlaneIgnore] = 1;
   for (const LabelPlane& plane : labels.planes) kept[plane.id] = plane.locked || plane.hidden;
   std::erase_if(result.planes, [&](const LabelPlane& plane) { return !kept[plane.id]; });
 

@@ -319,6 +319,21 @@ TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
                  "nothing of frame 1");
 }
 
+TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
+  const fs::path killed = dir / "killed";
+  {
+    LabelStore store(killed);
+    const FrameLabels all = floor_and_wall_labels(*open_recording(rec), 0);
+    FrameLabels none = all;
+    std::fill(none.plane.data.begin(), none.plane.data.end(), 0);
+    std::fill(none.hv.data.begin(), none.hv.data.end(), 0);
+    none.planes.clear();
+    store.open(0, none);
+    store.commit(make_edit(0, "all", none, all));
+  }
+  expect_refused(labels("stats", {killed.string()}), "only a journal");
+}
+
 TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
   FrameLabels labels_0 = floor_and_wall_labels(*open_recording(rec), 0);
   for (std::size_t i = 0; i < labels_0.plane.data.size(); ++i)

@@ -186,10 +186,12 @@ TEST_F(Operations, ACutTakesWhatLiesToTheRightOfIt) {
   EXPECT_EQ(split_by_side(labels, grid, 1, beside).planes.size(), 1u);
 }
 
-TEST_F(Operations, ASegmentationReplacesAllButLockedAndHiddenPlanes) {
+TEST_F(Operations, ASegmentationReplacesAllButIgnoredPixelsAndLockedAndHiddenPlanes) {
   FrameLabels labels = with_plane(blank, 1, rectangle(grid, 0, 0, 10, 10));
   labels = with_plane(labels, 2, rectangle(grid, 10, 0, 20, 10));
   labels = with_flag(labels, 1, PlaneFlag::locked, true);
+  const PixelSet ignored = rectangle(grid, 0, 15, 10, 20);
+  labels = painted(labels, grid, ignored, {kPlaneIgnore}, PaintMode::over);
   std::vector<std::int32_t> plane_of(grid.pixels(), 0);
   for (const std::uint32_t pixel : rectangle(grid, 5, 0, 30, 10)) plane_of[pixel] = 1;
   for (const std::uint32_t pixel : rectangle(grid, 0, 10, 30, 20)) plane_of[pixel] = 2;
@@ -197,7 +199,8 @@ TEST_F(Operations, ASegmentationReplacesAllButLockedAndHiddenPlanes) {
   labels = from_segmentation(labels, grid, plane_of, classes);
   ASSERT_EQ(labels.planes.size(), 3u);
   EXPECT_EQ(pixels_of_plane(labels, 1), rectangle(grid, 0, 0, 10, 10));
-  EXPECT_EQ(pixels_of_plane(labels, 2), rectangle(grid, 0, 10, 30, 20));
+  EXPECT_EQ(pixels_of_plane(labels, 2).size(), 300 - ignored.size());
+  EXPECT_EQ(pixels_of_plane(labels, kPlaneIgnore), ignored);
   EXPECT_EQ(pixels_of_plane(labels, 3), rectangle(grid, 10, 0, 30, 10));  // 1 was taken
   EXPECT_EQ(find_plane(labels, 3)->label, Label::h);
   EXPECT_EQ(find_plane(labels, 2)->label, Label::v);  // by its tilt
