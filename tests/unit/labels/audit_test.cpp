@@ -134,7 +134,8 @@ TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
 }
 
 TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
-  for (int x = 0; x < 640; x += 9) in_box(x, 0, x + 3, 480, [&](std::size_t i) { set(i, 0, 0); });
+  for (int x = 0; x + 3 <= 640; x += 9)
+    in_box(x, 0, x + 3, 480, [&](std::size_t i) { set(i, 0, 0); });
   auto findings = audit_labels(labels, grid);
   std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabelled; });
   EXPECT_TRUE(findings.empty());
