@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "app/desktop/panels/label_parts.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -102,11 +103,6 @@ void draw_pointed(const Ui& ui, const DrawingSurface& surface) {
 void draw_seeds(const Ui& ui, const DrawingSurface& surface) {
   for (const std::uint32_t seed : ui.state.view.label.wand.seeds)
     if (const auto at = surface.screen_of_pixel(seed)) draw_circle(ui, *at, ui.px(3));
-}
-
-std::string area_text(double area_m2) {
-  return area_m2 < 0.1 ? fmt::format("{:.0f} cm²", 1e4 * area_m2)
-                       : fmt::format("{:.2f} m²", area_m2);
 }
 
 std::vector<std::string> wand_lines(const LabelView& view) {

@@ -18,6 +18,9 @@ using LabelFileBytes = std::array<std::vector<unsigned char>, kLabelFiles>;
 std::array<std::filesystem::path, kLabelFiles> label_file_paths(const std::filesystem::path& dir,
                                                                 int frame_index);
 
+/// False also where that cannot be found out.
+bool is_there(const std::filesystem::path& path);
+
 /// Throws Error, naming files in `dir`, where the labels are not consistent.
 LabelFileBytes encode_label_files(const std::filesystem::path& dir,
                                   int frame_index,

@@ -17,12 +17,12 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxJsonBytes = 64u << 20;  // 65534 planes need about 15 MB
 
+}  // namespace
+
 bool is_there(const fs::path& path) {
   std::error_code error;
   return fs::exists(path, error);
 }
-
-}  // namespace
 
 fs::path default_label_dir(const fs::path& recording) {
   fs::path path = recording.lexically_normal();

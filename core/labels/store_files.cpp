@@ -27,11 +27,6 @@ void require_same_depth(const FrameLabels& labels,
   }
 }
 
-bool is_there(const fs::path& path) {
-  std::error_code error;
-  return fs::exists(path, error);
-}
-
 std::string digest_of(std::span<const unsigned char> bytes) {
   return sha256_hex(std::as_bytes(bytes));
 }
