@@ -53,7 +53,8 @@ double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
 void score_matches(const TruthOverlap& o, Metrics& m) {
   const std::vector<int> match = found_of_truth(o);
   std::uint64_t correct = 0, in_planes = 0;
-  double sum = 0;
+  double sum = 0, recognised_sum = 0;
+
   for (int t = 1; t <= o.truth; ++t) {
     in_planes += o.truth_size[t];
     if (match[t - 1] == 0) continue;
@@ -61,7 +62,11 @@ void score_matches(const TruthOverlap& o, Metrics& m) {
     const double value = o.iou(t, match[t - 1]);
     sum += value;
     if (value >= kOverlap) ++m.detected_iou80;
+    if (value > 0.5) recognised_sum += value;
   }
+  // Kirillov et al. 2019: TP + FP / 2 + FN / 2 = (true + found) / 2.
+  const int planes = m.planes_truth + m.planes_found;
+  if (planes > 0) m.pq = 100 * recognised_sum / (0.5 * planes);
   if (in_planes > 0)
     m.point_accuracy = 100 * static_cast<double>(correct) / static_cast<double>(in_planes);
   if (m.planes_truth > 0) m.mean_iou = 100 * sum / m.planes_truth;
@@ -118,11 +123,27 @@ void score_labels(const MetricsInput& input, Metrics& m) {
   m.label_accuracy_edge = accuracy.edge_percent();
 }
 
+/// Truth without the planes that are too small to be scored.
+std::vector<std::int32_t> scored_truth(const MetricsInput& input) {
+  std::vector<std::int32_t> truth(input.truth.begin(), input.truth.end());
+  std::vector<int> size(1, 0);
+  for (const std::int32_t t : truth) {
+    if (t >= static_cast<std::int32_t>(size.size())) size.resize(static_cast<std::size_t>(t) + 1);
+    if (t > 0) ++size[t];
+  }
+  for (std::int32_t& t : truth)
+    if (t > 0 && size[t] < input.min_truth_points) t = -1;
+  return truth;
+}
+
 }  // namespace
 
-Metrics evaluate(const MetricsInput& input) {
-  assert(input.points.size() == input.truth.size() && input.points.size() == input.found.size());
+Metrics evaluate(const MetricsInput& given) {
+  assert(given.points.size() == given.truth.size() && given.points.size() == given.found.size());
   Metrics m;
+  const std::vector<std::int32_t> truth = scored_truth(given);
+  MetricsInput input = given;
+  input.truth = truth;
   const TruthOverlap o = count_truth_overlap(input.truth, input.found);
   std::uint64_t missing = 0, in_planes = 0;
   for (int t = 1; t <= o.truth; ++t) {
@@ -151,6 +172,7 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     mean.r_m += m.r_m;
     mean.point_accuracy += m.point_accuracy;
     mean.mean_iou += m.mean_iou;
+    mean.pq += m.pq;
     mean.detected_iou80 += m.detected_iou80;
     mean.over_segmented += m.over_segmented;
     mean.under_segmented += m.under_segmented;
@@ -161,7 +183,7 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     mean.points += m.points;
   }
   const auto n = static_cast<double>(metrics.size());
-  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou,
+  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq,
                     &mean.label_accuracy_edge, &mean.label_accuracy_inner})
     *v /= n;
   if (mean.planes_truth > 0) mean.r_p = 100.0 * mean.planes_found / mean.planes_truth;

@@ -19,7 +19,8 @@ struct Metrics {
   double r_m = 0;             // % of points (that have a true plane) in no plane
   double point_accuracy = 0;  // % of points whose plane is Hungarian-matched to the true one
   double mean_iou = 0;        // % over true planes, unmatched count 0
-  int detected_iou80 = 0;     // matched with IoU >= 0.8
+  double pq = 0;  // panoptic quality, %: sum of IoU > 0.5 / (those + half of all other planes)
+  int detected_iou80 = 0;  // matched with IoU >= 0.8
   int over_segmented = 0, under_segmented = 0, missed = 0, noise = 0;
   double label_accuracy_edge = 0, label_accuracy_inner = 0;  // %, < 2 cm from another label or not
   std::uint64_t points = 0;                                  // points scored
@@ -35,6 +36,7 @@ struct MetricsInput {
   std::span<const Vec3d> truth_normals;  // by truth id - 1, or empty
   std::span<const Label> truth_labels;   // per point, or empty
   std::span<const Label> found_labels;   // per point, or empty
+  int min_truth_points = 1;              // points of smaller true planes are not scored
 };
 Metrics evaluate(const MetricsInput& input);
 

@@ -62,22 +62,34 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
   return result;
 }
 
+FoundRegions find_regions(const Frame&,
+                          const PreparedFrame& prepared,
+                          const PipelineOptions& options,
+                          Trace* trace) {
+  if (options.method != Method::ours)
+    throw Error(std::string("method ") + to_string(options.method) + " is not built");
+  FoundRegions found;
+  found.segmentation =
+      segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
+              prepared.sensor(), segment_options(prepared, options), trace);
+  found.plane_of.assign(prepared.cloud.points.size(), 0);
+  for (std::size_t i = 0; i < found.plane_of.size(); ++i)
+    if (const std::uint32_t voxel = prepared.voxels.voxel_of[i]; voxel != kNoVoxel)
+      found.plane_of[i] = found.segmentation.plane_of[voxel];
+  return found;
+}
+
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,
                       const FrameTruth* truth,
                       Trace* trace) {
   FrameResult result{prepare_frame(frame, options, classifier, truth), {}, {}};
-  result.segmentation =
-      segment(result.voxels.points, result.classification.labels, result.cloud.cube,
-              result.sensor(), segment_options(result, options), trace);
+  FoundRegions found = find_regions(frame, result, options, trace);
+  result.segmentation = std::move(found.segmentation);
+  result.plane_of = std::move(found.plane_of);
   result.timings.t_b_ms = result.segmentation.timings.build_ms;
   result.timings.t_s_ms = result.segmentation.timings.traverse_ms;
-
-  result.plane_of.assign(result.cloud.points.size(), 0);
-  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
-    if (const std::uint32_t voxel = result.voxels.voxel_of[i]; voxel != kNoVoxel)
-      result.plane_of[i] = result.segmentation.plane_of[voxel];
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "core/classify/classifier.hpp"
 #include "core/cloud/cloud.hpp"
 #include "core/cloud/gravity.hpp"
+#include "core/pipeline/method.hpp"
 #include "core/recording/frame.hpp"
 #include "core/segment/segment.hpp"
 
@@ -20,7 +21,9 @@ struct PipelineOptions {
   CloudOptions cloud;
   GravityOptions gravity;
   PcaClassifierOptions pca;
-  SegmentOptions segment = profile_options(Profile::refined);
+  Method method = Method::ours;
+  SegmentOptions segment = profile_options(Profile::refined);  // of ours
+  RivalOptions rivals;                                         // of all others
   std::string classifier = "gcn";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };
@@ -69,7 +72,19 @@ PreparedFrame prepare_frame(const Frame& frame,
 /// sensor's place is known.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
-/// Runs one frame: prepare_frame() and segment(). `trace` may be null.
+/// Finds the planes of a prepared frame with the method of the options. Of a rival, the
+/// segmentation has planes and points alone: no octree, no counts, an empty trace; a plane is h
+/// where its normal is within 45 degrees of gravity.
+struct FoundRegions {
+  Segmentation segmentation;           // per voxel
+  std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
+};
+FoundRegions find_regions(const Frame& frame,
+                          const PreparedFrame& prepared,
+                          const PipelineOptions& options,
+                          Trace* trace = nullptr);
+
+/// Runs one frame: prepare_frame() and find_regions(). `trace` may be null.
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,

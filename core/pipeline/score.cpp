@@ -38,6 +38,7 @@ struct Scored {
   std::vector<std::int32_t> true_planes, found_planes;
   std::vector<Label> true_labels, found_labels;
   std::vector<Vec3d> true_normals, found_normals;
+  int min_truth_points = 1;
 
   void add(const Vec3f& point, const FrameTruth& truth, std::size_t i, int plane, Label label) {
     points.push_back(point);
@@ -53,7 +54,8 @@ struct Scored {
                      .found_normals = found_normals,
                      .truth_normals = true_normals,
                      .truth_labels = true_labels,
-                     .found_labels = found_labels});
+                     .found_labels = found_labels,
+                     .min_truth_points = min_truth_points});
   }
 };
 
@@ -86,6 +88,21 @@ Metrics score_frame(const FrameResult& result, const SourceTruth& truth) {
   for (const PlaneRegion& plane : result.segmentation.planes)
     scored.found_normals.push_back(plane.fit.normal);
   scored.true_normals = turned(dense.normals, cloud.T_world_sensor);
+  return scored.metrics();
+}
+
+Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels) {
+  const DenseTruth dense = dense_truth(result.cloud, truth);
+  const FrameTruth of_voxels{vote_labels(result.voxels, dense.on_points.label),
+                             vote_instances(result.voxels, dense.on_points.instance)};
+  Scored scored;
+  for (std::size_t v = 0; v < result.voxels.points.size(); ++v)
+    scored.add(result.voxels.points[v], of_voxels, v, result.segmentation.plane_of[v],
+               result.classification.labels[v]);
+  for (const PlaneRegion& plane : result.segmentation.planes)
+    scored.found_normals.push_back(plane.fit.normal);
+  scored.true_normals = turned(dense.normals, result.cloud.T_world_sensor);
+  scored.min_truth_points = min_truth_voxels;
   return scored.metrics();
 }
 

@@ -10,8 +10,12 @@ namespace planescope {
 /// not scored, nor are those whose truth says so.
 Metrics score_frame(const FrameResult& result, const SourceTruth& truth);
 
-/// The same for a segmentation that was made elsewhere, as labels on the pixels of the frame.
-/// Pixels beyond the range, or outside the cube, of `options` are not scored.
+/// The metrics of a frame's result on its voxels: a voxel belongs to the true plane that most of
+/// its points do, and planes of fewer than `min_truth_voxels` are not scored.
+Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels);
+
+/// As score_frame() for a segmentation that was made elsewhere, as labels on the pixels of the
+/// frame. Pixels beyond the range, or outside the cube, of `options` are not scored.
 Metrics score_labels(const Frame& frame,
                      const FrameLabels& found,
                      const FrameLabels& truth,

@@ -1,0 +1,40 @@
+#pragma once
+
+// The paper's second rival (Sec. V-D 2): cells are fitted, those that are planar grow together.
+// Proenca & Gao, "Fast Cylinder and Plane Extraction from Depth Cameras for Visual Odometry"
+// (IROS 2018), CAPE below.
+
+#include <cstdint>
+#include <span>
+
+#include "core/baselines/found_planes.hpp"
+#include "core/geometry/types.hpp"
+
+namespace planescope {
+
+struct RegionGrowingOptions {
+  int patch_px = 20;                  // edge of a cell of depth images
+  double voxel_size_m = 0.05;         // edge of a cell of unordered clouds
+  double region_threshold_m2 = 0.01;  // the paper's "threshold for planar region identification"
+  double merge_threshold = 0.86;      // regions whose normals' cosine is at least this may merge
+  bool refine_boundaries =
+      true;  // depth images: pixels along a region's border are looked at singly
+};
+
+/// Measurements on the pixels of a depth image, in raster order.
+struct PixelPoints {
+  std::span<const Vec3f> points;         // [m], any frame
+  std::span<const std::uint32_t> pixel;  // v * width + u of each point, ascending
+  std::span<const std::uint8_t> kept;    // 0: cropped, takes no part
+  Vec3f sensor = Vec3f::Zero();          // where the camera stands, in the points' frame
+  int width = 0, height = 0;
+};
+
+/// On depth images: planar 20 x 20 px cells, seeds from a histogram of their normals, growth over
+/// the grid of cells, merging, and the pixels along the borders. plane_of is per point of `input`.
+FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& options);
+
+/// On unordered clouds: the same over the 26-neighbourhood of voxels.
+FoundPlanes grow_regions(std::span<const Vec3f> points, const RegionGrowingOptions& options);
+
+}  // namespace planescope
