@@ -1,0 +1,32 @@
+#pragma once
+
+// The paper's tables with ours beside the printed numbers, and the stricter ones.
+
+#include <vector>
+
+#include "core/bench/table.hpp"
+#include "core/experiments/results.hpp"
+
+namespace planescope {
+
+/// A bar to be reached, and where it stands.
+struct Claim {
+  std::string set;      // "stairs of 8192 points, 0.1 cm"
+  std::string measure;  // "alpha [deg]"
+  std::string bar;      // "<= 0.04"
+  double value = 0;     // with the printed seed
+  double tuning = 0;    // with the seed that was tuned on
+  bool met = false;     // with the printed one
+  std::string others;   // what stands today
+};
+
+/// "Table I", ..., in the order of the page. What was not measured is left out of a table.
+std::vector<Table> paper_tables(const PaperResults& results);
+std::vector<Table> stricter_tables(const PaperResults& results);
+std::vector<Table> timing_tables(const PaperTimings& timings);
+std::vector<Claim> claims(const PaperResults& results);
+
+/// paper.md: claims, the paper's tables, the stricter ones.
+std::string paper_markdown(const PaperResults& results);
+
+}  // namespace planescope
