@@ -7,15 +7,16 @@ namespace planescope {
 
 struct Curve {
   std::string name;
-  std::vector<double> values;  // one for each of the chart's x
+  std::vector<double> values;  // one for each of the chart's x; NaN: none, the curve goes on after
 };
 
 struct LineChart {
   std::string title;  // read out where the chart is not seen
   std::string x_name;
-  std::vector<double> x;      // ascending, from above 0; the axis begins at 0
+  std::vector<double> x;      // ascending, not below 0; the axis begins at 0
   std::vector<Curve> curves;  // at least one
   bool from_zero = false;     // else the y axis spans the values alone
+  double log_from = 0;  // above 0: a logarithmic y axis from there; smaller values stand there
 };
 
 /// The chart as an SVG element, its names beside the curves' colours. Colours and text follow the
