@@ -27,6 +27,7 @@ struct PixelPoints {
   std::span<const std::uint32_t> pixel;  // v * width + u of each point, ascending
   std::span<const std::uint8_t> kept;    // 0: cropped, takes no part
   Vec3f sensor = Vec3f::Zero();          // where the camera stands, in the points' frame
+  Vec3f view = Vec3f::UnitZ();           // its optical axis, in the points' frame
   int width = 0, height = 0;
 };
 
