@@ -9,7 +9,7 @@
 namespace planescope {
 namespace {
 
-enum Stream : std::uint64_t { kMatchingError = 1, kDropout = 2 };
+enum Stream : std::uint64_t { kMatchingError = 1, kDropout = 2, kPixelNoise = 3 };
 
 /// One pass of the binomial kernel 1 4 6 4 1 along rows of `stride` 1 or columns. Values within
 /// two pixels of the border are left alone: callers cut the border off.
@@ -140,6 +140,17 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
       if (matched <= 0 || fb / matched > model.max_range_m) continue;
       depth.data[i] = to_counts(fb / matched, model);
     }
+  }
+  return depth;
+}
+
+Image16 measure_with_pixel_noise(const TrueView& view, const D435Model& model, std::uint64_t seed) {
+  Image16 depth(model.intrinsics.width, model.intrinsics.height);
+  for (std::size_t i = 0; i < depth.data.size(); ++i) {
+    const double z = view.depth_m[i];
+    if (z <= 0) continue;
+    depth.data[i] =
+        to_counts(z + depth_sigma_m(model, z) * random_normal(seed, kPixelNoise, i), model);
   }
   return depth;
 }

@@ -21,7 +21,11 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
     const auto n =
         static_cast<std::size_t>(std::lround(static_cast<double>(dense) * r.area() / area));
     for (std::size_t i = 0; i < n; ++i) {
-      const double u = random.uniform(), v = random.uniform();
+      double u = random.uniform(), v = random.uniform();
+      if (r.halved && u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
       all.points.push_back((turn * (r.corner + u * r.side_u + v * r.side_v)).cast<float>());
       all.rectangle.push_back(static_cast<std::uint32_t>(k));
     }

@@ -13,8 +13,11 @@ struct Rectangle {
   Vec3d corner;
   Vec3d side_u;
   Vec3d side_v;
-  Vec3d normal;  // unit, outward
-  double area() const { return side_u.norm() * side_v.norm(); }
+  Vec3d normal;         // unit, outward
+  bool halved = false;  // a triangle: what lies on the corner's side of the diagonal between sides
+  double area() const {
+    return halved ? side_u.cross(side_v).norm() / 2 : side_u.norm() * side_v.norm();
+  }
 };
 
 struct SurfacePoints {

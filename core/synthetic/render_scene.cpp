@@ -15,16 +15,15 @@ Vec3d ray(const Intrinsics& k, const Pose& T_world_camera, double x, double y) {
   return T_world_camera.linear() * Vec3d((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
 }
 
-TrueView look(const Scene& scene,
-              const CastScene& cast,
-              const Pose& T_world_camera,
-              const D435Model& model,
-              std::vector<int>& surfaces) {
+SceneView look(const Scene& scene,
+               const CastScene& cast,
+               const Pose& T_world_camera,
+               const D435Model& model) {
   const Intrinsics& k = model.intrinsics;
   const std::size_t pixels = static_cast<std::size_t>(k.width) * k.height;
-  TrueView view{std::vector<double>(pixels, 0), std::vector<float>(pixels, 0),
-                std::vector<bool>(pixels, false)};
-  surfaces.assign(pixels, -1);
+  SceneView view{{std::vector<double>(pixels, 0), std::vector<float>(pixels, 0),
+                  std::vector<bool>(pixels, false)},
+                 std::vector<int>(pixels, -1)};
   const Vec3d eye = T_world_camera.translation();
   const Vec3d right_eye = T_world_camera * Vec3d(model.baseline_m, 0, 0);
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -32,11 +31,13 @@ TrueView look(const Scene& scene,
     const Vec3d direction = ray(k, T_world_camera, x, y);
     const Hit hit = first_hit(cast, eye, direction);
     if (hit.surface < 0) continue;
-    surfaces[i] = hit.surface;
-    view.depth_m[i] = hit.t;
+    view.surfaces[i] = hit.surface;
+    view.depth.depth_m[i] = hit.t;
     const Vec3d& normal = scene.surfaces[hit.surface].normal;
-    view.cos_incidence[i] = static_cast<float>(std::abs(normal.dot(direction)) / direction.norm());
-    view.in_both_eyes[i] = !is_blocked(cast, eye + hit.t * direction, right_eye);
+    view.depth.cos_incidence[i] =
+        static_cast<float>(std::abs(normal.dot(direction)) / direction.norm());
+    if (model.noise)
+      view.depth.in_both_eyes[i] = !is_blocked(cast, eye + hit.t * direction, right_eye);
   }
   return view;
 }
@@ -85,6 +86,10 @@ Image8 paint(const Scene& scene,
 
 }  // namespace
 
+SceneView view_scene(const Scene& scene, const CameraPose& camera, const D435Model& model) {
+  return look(scene, make_cast_scene(scene), pose_of(camera), model);
+}
+
 Frame render_scene(const Scene& scene,
                    const CameraPose& camera,
                    const D435Model& model,
@@ -92,20 +97,19 @@ Frame render_scene(const Scene& scene,
                    FrameLabels* truth) {
   const Pose T_world_camera = pose_of(camera);
   const CastScene cast = make_cast_scene(scene);
-  std::vector<int> surfaces;
-  const TrueView view = look(scene, cast, T_world_camera, model, surfaces);
+  const SceneView view = look(scene, cast, T_world_camera, model);
 
   Frame frame;
   frame.name = scene.name;
   frame.intrinsics = model.intrinsics;
   frame.depth_unit_m = model.depth_unit_m;
-  frame.depth = measure_depth(view, model, seed);
+  frame.depth = measure_depth(view.depth, model, seed);
   if (model.color) {
     frame.color = paint(scene, cast, T_world_camera, model.intrinsics);
     frame.color_intrinsics = model.intrinsics;
     frame.color_aligned = true;
   }
-  if (truth) *truth = true_labels(scene, T_world_camera, surfaces, frame);
+  if (truth) *truth = true_labels(scene, T_world_camera, view.surfaces, frame);
   return frame;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/labels/label_files.hpp"
 #include "core/recording/frame.hpp"
@@ -8,6 +9,14 @@
 #include "core/synthetic/scene.hpp"
 
 namespace planescope {
+
+/// A scene as the left imager sees it, before the camera measures: exact.
+struct SceneView {
+  TrueView depth;
+  std::vector<int> surfaces;  // per pixel, index in Scene::surfaces; -1 nothing
+};
+/// What the right imager sees too is known only where the model has noise.
+SceneView view_scene(const Scene& scene, const CameraPose& camera, const D435Model& model);
 
 /// A scene through the camera: depth, and colour aligned to it. The seed drives the noise alone;
 /// the same arguments give the same frame on every machine. The frame knows no gravity.

@@ -65,6 +65,18 @@ Stairs make_stairs(int index, const StairsOptions& options) {
   return stairs;
 }
 
+std::vector<TruePolygon> true_polygons(const Stairs& stairs) {
+  const Mat3d turn = turn_of(stairs);
+  std::vector<TruePolygon> polygons;
+  for (const Rectangle& f : faces_of(stairs)) {
+    const Vec3d far = f.corner + f.side_u + f.side_v;
+    polygons.push_back(
+        {{turn * f.corner, turn * (f.corner + f.side_u), turn * far, turn * (f.corner + f.side_v)},
+         static_cast<int>(polygons.size()) + 1});
+  }
+  return polygons;
+}
+
 LabelledCloud labelled(const Stairs& stairs) {
   LabelledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
   const Mat3d turn_back = turn_of(stairs).transpose();

@@ -7,6 +7,7 @@
 
 #include "core/classify/labelled_cloud.hpp"
 #include "core/recording/frame.hpp"
+#include "core/synthetic/oracle.hpp"
 
 namespace planescope {
 
@@ -32,6 +33,9 @@ struct Stairs {
 
 /// Staircase `index` of the set: the same for any other index asked for before.
 Stairs make_stairs(int index, const StairsOptions& options);
+
+/// Its risers and treads, in the cloud's coordinates.
+std::vector<TruePolygon> true_polygons(const Stairs& stairs);
 
 /// Its points and labels; near an edge is what lies within 2 cm of a tread or riser, whichever it
 /// is not on itself.
