@@ -1,11 +1,21 @@
 #include "app/commands/bench_paper_figures.hpp"
 
+#include "app/commands/inputs.hpp"
+#include "app/commands/paper_figures/parts.hpp"
+
 namespace planescope {
 
-std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs&,
-                                            const PaperResults&,
-                                            Renderer&) {
-  return {};
+std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
+                                            const PaperResults& results,
+                                            Renderer& renderer) {
+  const figures::Work work{args, results, renderer,
+                           choose_classifier(PipelineOptions{}).classifier};
+  std::vector<PaperFigure> figures;
+  for (const auto draw : {figures::stairs_noise, figures::stages, figures::node_cases}) {
+    PaperFigure figure = draw(work);
+    if (!figure.pictures.empty()) figures.push_back(std::move(figure));
+  }
+  return figures;
 }
 
 }  // namespace planescope

@@ -1,0 +1,71 @@
+#pragma once
+
+// What the paper's figures share. Included by app/commands/paper_figures/ and its caller only.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/commands/bench_paper_figures.hpp"
+#include "core/classify/classifier.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/pipeline/score.hpp"
+#include "render/draw_list.hpp"
+
+namespace planescope::figures {
+
+struct Work {
+  const PaperFigureArgs& args;
+  const PaperResults& results;
+  Renderer& renderer;
+  std::shared_ptr<const Classifier> network;
+
+  /// Before each picture. Throws Cancelled.
+  void begin(const std::string& what) const;
+};
+
+PaperFigure stairs_noise(const Work& work);
+PaperFigure real_scenes(const Work& work);
+PaperFigure node_cases(const Work& work);
+PaperFigure stages(const Work& work);
+PaperFigure failures(const Work& work);
+
+/// One way to segment a frame.
+struct Contestant {
+  std::string name;
+  Method method = Method::ours;
+  Profile profile = Profile::refined;  // of ours
+  bool use_labels = true;              // of ours
+  double theta_pf_m = 0.01;            // of RANSAC
+};
+/// With the labels of gcn, and everything else as by default.
+PipelineOptions options_of(const Contestant& contestant, const Work& work);
+
+/// `copy_width`: at most, of the copy in the page [px].
+void add_picture(PaperFigure& figure,
+                 const std::string& row,
+                 const std::string& column,
+                 const std::string& caption,
+                 const Image8& image,
+                 int copy_width = 640);
+
+/// "11 planes, 0.4 % of points in none"
+std::string planes_text(const FrameResult& result);
+
+/// A colour id per found plane: that of the true plane it stands for, or one that no true plane
+/// has.
+std::vector<int> colors_by_truth(const JudgedFrame& judged, std::size_t planes);
+
+/// The points in the colours of their planes, those in none dark; nothing else.
+DrawList bare_planes(std::span<const Vec3f> points,
+                     std::span<const std::int32_t> plane_of,
+                     std::span<const int> color_of_plane);
+
+/// A list without title, legend, axes, scale bar and gravity: what stands around the picture says
+/// it.
+DrawList bare(DrawList list);
+
+/// Looks along `forward` at the middle of the points, as near as holds them all.
+Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double aspect);
+
+}  // namespace planescope::figures
