@@ -29,6 +29,7 @@ Json to_json(const Metrics& m) {
           {"r_m", m.r_m},
           {"point_accuracy", m.point_accuracy},
           {"mean_iou", m.mean_iou},
+          {"pq", m.pq},
           {"detected_iou80", m.detected_iou80},
           {"over_segmented", m.over_segmented},
           {"under_segmented", m.under_segmented},
@@ -41,10 +42,10 @@ Json to_json(const Metrics& m) {
 
 void print_row(const std::string& name, int width, const Metrics& m) {
   fmt::print(
-      "{:<{}} {:>5} {:>5} {:>7.3f} {:>6.1f} {:>6.2f} {:>6.2f} {:>6.2f} {:>5} {:>5} {:>5} "
+      "{:<{}} {:>5} {:>5} {:>7.3f} {:>6.1f} {:>6.2f} {:>6.2f} {:>6.2f} {:>6.2f} {:>5} {:>5} {:>5} "
       "{:>6} {:>5} {:>6.2f} {:>6.2f}\n",
       name, width, m.planes_truth, m.planes_found, m.alpha_deg, m.r_p, m.r_m, m.point_accuracy,
-      m.mean_iou, m.detected_iou80, m.over_segmented, m.under_segmented, m.missed, m.noise,
+      m.mean_iou, m.pq, m.detected_iou80, m.over_segmented, m.under_segmented, m.missed, m.noise,
       m.label_accuracy_edge, m.label_accuracy_inner);
 }
 
@@ -52,9 +53,9 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
   int width = 4;
   for (const Row& row : rows) width = std::max(width, static_cast<int>(row.name.size()));
   fmt::print(
-      "{:<{}} {:>5} {:>5} {:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>5} {:>6} {:>5} {:>6} "
+      "{:<{}} {:>5} {:>5} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>5} {:>6} {:>5} {:>6} "
       "{:>6}\n",
-      "frame", width, "true", "found", "alpha", "r_p", "r_m", "acc", "IoU", "IoU80", "over",
+      "frame", width, "true", "found", "alpha", "r_p", "r_m", "acc", "IoU", "PQ", "IoU80", "over",
       "under", "missed", "noise", "edge", "inner");
   std::string input;
   for (const Row& row : rows) {
@@ -65,8 +66,11 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
   print_row("mean", width, mean);
   fmt::print(
       "\nalpha: degrees; r_p: 100 x found / true; r_m: % of points in no plane; acc, IoU: % by\n"
-      "best matching; IoU80: planes found with IoU of at least 0.8; edge, inner: % of labels that\n"
-      "are right within 2 cm of another label, and elsewhere. Counts in the last line are sums.\n");
+      "best matching; PQ: panoptic quality, %; IoU80: planes found with IoU of at least 0.8; "
+      "edge,\n"
+      "inner: % of labels that are right within 2 cm of another label, and elsewhere. Counts in "
+      "the\n"
+      "last line are sums.\n");
   if (without_truth > 0) fmt::print("{} frames have no ground truth.\n", without_truth);
 }
 

@@ -1,6 +1,7 @@
 #include "core/evaluate/metrics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -54,7 +55,6 @@ void score_matches(const TruthOverlap& o, Metrics& m) {
   const std::vector<int> match = found_of_truth(o);
   std::uint64_t correct = 0, in_planes = 0;
   double sum = 0, recognised_sum = 0;
-
   for (int t = 1; t <= o.truth; ++t) {
     in_planes += o.truth_size[t];
     if (match[t - 1] == 0) continue;
@@ -136,6 +136,21 @@ std::vector<std::int32_t> scored_truth(const MetricsInput& input) {
   return truth;
 }
 
+/// Found planes without those that lie mostly on what is not scored: they are neither right nor
+/// wrong (as with the void of panoptic quality).
+std::vector<std::int32_t> scored_planes(const MetricsInput& input) {
+  std::vector<std::int32_t> found(input.found.begin(), input.found.end());
+  std::vector<std::array<int, 2>> size(1);  // on what is scored, and elsewhere
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] >= static_cast<std::int32_t>(size.size()))
+      size.resize(static_cast<std::size_t>(found[i]) + 1);
+    if (found[i] > 0) ++size[found[i]][input.truth[i] < 0];
+  }
+  for (std::int32_t& f : found)
+    if (f > 0 && size[f][1] > size[f][0]) f = 0;
+  return found;
+}
+
 }  // namespace
 
 Metrics evaluate(const MetricsInput& given) {
@@ -144,6 +159,8 @@ Metrics evaluate(const MetricsInput& given) {
   const std::vector<std::int32_t> truth = scored_truth(given);
   MetricsInput input = given;
   input.truth = truth;
+  const std::vector<std::int32_t> found = scored_planes(input);
+  input.found = found;
   const TruthOverlap o = count_truth_overlap(input.truth, input.found);
   std::uint64_t missing = 0, in_planes = 0;
   for (int t = 1; t <= o.truth; ++t) {

@@ -26,8 +26,9 @@ struct Metrics {
   std::uint64_t points = 0;                                  // points scored
 };
 
-/// Ids: > 0 a plane, 0 none, truth < 0 not scored. Truth normals per truth id (index id - 1) may be
-/// zero vectors where unknown: alpha then uses a plane fitted to the truth points.
+/// Ids: > 0 a plane, 0 none, truth < 0 not scored. A found plane most of whose points are not
+/// scored is taken for none. Truth normals per truth id (index id - 1) may be zero vectors where
+/// unknown: alpha then uses a plane fitted to the truth points.
 struct MetricsInput {
   std::span<const Vec3f> points;
   std::span<const std::int32_t> truth;

@@ -96,6 +96,50 @@ TEST(Metrics, APlaneNotFoundIsMissedAndOneThatIsNotThereIsNoise) {
   EXPECT_EQ(score(s).missed, 0);
 }
 
+TEST(Metrics, PanopticQualityPaysForEveryPlaneThatHasNoPartner) {
+  Scene s = scene();
+  EXPECT_EQ(score(s).pq, 100);
+  for (int i = 0; i < 20; ++i) s.found[i] = 0;  // IoU 0.8 and 1
+  EXPECT_NEAR(score(s).pq, 90, 1e-9);
+  for (int i = 100; i < 160; ++i) s.found[i] = 3;  // IoU 0.8 and 0.4, of 2 true and 3 found planes
+  s.found[100] = 4;                                // 4 found
+  EXPECT_NEAR(score(s).pq, 100 * (0.8 + 59.0 / 100) / 3, 1e-9);
+}
+
+TEST(Metrics, TruePlanesThatAreTooSmallAreNeitherFoundNorMissed) {
+  Scene s = scene();
+  for (int i = 0; i < 10; ++i) {
+    s.truth[i] = 3;
+    s.found[i] = 3;
+  }
+  const auto scored = [&](int least) {
+    return evaluate({.points = s.points,
+                     .truth = s.truth,
+                     .found = s.found,
+                     .found_normals = s.normals,
+                     .truth_normals = {},
+                     .truth_labels = {},
+                     .found_labels = {},
+                     .min_truth_points = least});
+  };
+  EXPECT_EQ(scored(10).planes_truth, 3);
+  EXPECT_EQ(scored(11).planes_truth, 2);
+  EXPECT_EQ(scored(11).planes_found, 2);  // the third lies on what is not scored
+  EXPECT_EQ(scored(11).noise, 0);
+  EXPECT_EQ(scored(11).points, 190u);
+  EXPECT_EQ(scored(11).mean_iou, 100);
+}
+
+TEST(Metrics, APlaneMostlyOnWhatIsNotScoredIsTakenForNone) {
+  Scene s = scene();
+  for (int i = 0; i < 30; ++i) s.found[i] = 3;
+  for (int i = 0; i < 20; ++i) s.truth[i] = -1;
+  EXPECT_EQ(score(s).planes_found, 2);
+  EXPECT_NEAR(score(s).r_m, 100.0 * 10 / 180, 1e-9);  // what it holds of plane 1 is missing
+  s.truth[0] = s.truth[1] = s.truth[2] = s.truth[3] = s.truth[4] = 1;
+  EXPECT_EQ(score(s).planes_found, 3);
+}
+
 TEST(Metrics, AlphaIsTheMeanAngleToTheMajorityPlane) {
   Scene s = scene();
   s.normals[1] = Vec3d(std::sin(0.1), 0, -std::cos(0.1));  // signs do not matter

@@ -38,6 +38,20 @@ TEST(Score, IdsOfLabelsMayBeAnyNumbers) {
   EXPECT_EQ(metrics.point_accuracy, 100);
 }
 
+TEST(Score, AVoxelBelongsToThePlaneOfMostOfItsPoints) {
+  Scored s;  // four voxels of three points; the true plane of one changes within it
+  s.result.voxels.voxel_of = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3};
+  s.result.voxels.points = {Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(0, 0, 1), Vec3f(1, 0, 1)};
+  s.result.voxels.count = {3, 3, 3, 3};
+  s.result.classification.labels.resize(4);
+  s.result.segmentation.plane_of = {1, 1, 2, 1};
+  s.truth.values.instance[3] = 65534;
+  const Metrics all = score_voxels(s.result, s.truth, 1);
+  EXPECT_EQ(all.points, 4u);
+  EXPECT_EQ(all.point_accuracy, 75);
+  EXPECT_EQ(score_voxels(s.result, s.truth, 3).planes_truth, 0);
+}
+
 TEST(Score, EveryPointIsJudgedByThePlaneThatStandsForItsOwn) {
   Scored s;
   s.result.plane_of[0] = 0;
