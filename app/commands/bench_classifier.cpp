@@ -136,21 +136,17 @@ std::string joined(const std::vector<Table>& tables, std::string (*text)(const T
   return all;
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
-}
-
 void write_files(const ClassifierBench& bench, const fs::path& dir) {
   std::error_code failed;
   fs::create_directories(dir, failed);
   if (failed) throw Error("output " + dir.string() + ": " + failed.message());
   if (const auto tables = result_tables(bench); !tables.empty()) {
-    write_text(dir / "classifier.md", joined(tables, to_markdown));
-    write_text(dir / "classifier.json", results_json(bench));
+    write_file_text(dir / "classifier.md", joined(tables, to_markdown));
+    write_file_text(dir / "classifier.json", results_json(bench));
   }
   if (const auto tables = timing_tables(bench); !tables.empty()) {
-    write_text(dir / "classifier.timings.md", joined(tables, to_markdown));
-    write_text(dir / "classifier.timings.json", timings_json(bench));
+    write_file_text(dir / "classifier.timings.md", joined(tables, to_markdown));
+    write_file_text(dir / "classifier.timings.json", timings_json(bench));
   }
 }
 

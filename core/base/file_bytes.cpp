@@ -40,4 +40,8 @@ void write_file_bytes(const std::filesystem::path& path, std::span<const unsigne
   if (!file) throw Error(path.string() + ": not all of it could be written (disk full?)");
 }
 
+void write_file_text(const std::filesystem::path& path, std::string_view text) {
+  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+}
+
 }  // namespace planescope

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace planescope {
@@ -14,5 +15,6 @@ std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
 
 /// Replaces a file by these bytes. Throws Error naming the path when they cannot all be written.
 void write_file_bytes(const std::filesystem::path& path, std::span<const unsigned char> bytes);
+void write_file_text(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace planescope

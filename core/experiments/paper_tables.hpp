@@ -2,6 +2,9 @@
 
 // The paper's tables with ours beside the printed numbers, and the stricter ones.
 
+#include <limits>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "core/bench/table.hpp"
@@ -11,13 +14,13 @@ namespace planescope {
 
 /// A bar to be reached, and where it stands.
 struct Claim {
-  std::string set;      // "stairs of 8192 points, 0.1 cm"
-  std::string measure;  // "alpha [deg]"
-  std::string bar;      // "<= 0.04"
-  double value = 0;     // with the printed seed
-  double tuning = 0;    // with the seed that was tuned on
-  bool met = false;     // with the printed one
-  std::string others;   // what stands today
+  std::string set;                                           // "stairs of 8192 points, 0.1 cm"
+  std::string measure;                                       // "alpha [deg]"
+  std::string bar;                                           // "<= 0.04"
+  double value = 0;                                          // with the printed seed
+  double tuning = std::numeric_limits<double>::quiet_NaN();  // with the seed that was tuned on
+  bool met = false;                                          // with the printed one
+  std::string others;                                        // what stands today
 };
 
 /// "Table I", ..., in the order of the page. What was not measured is left out of a table.
@@ -26,7 +29,11 @@ std::vector<Table> stricter_tables(const PaperResults& results);
 std::vector<Table> timing_tables(const PaperTimings& timings);
 std::vector<Claim> claims(const PaperResults& results);
 
+Table claim_table(std::span<const Claim> claims);
+
 /// paper.md: claims, the paper's tables, the stricter ones.
 std::string paper_markdown(const PaperResults& results);
+/// Tables one after the other, each by itself.
+std::string joined(std::span<const Table> tables, std::string (*text)(const Table&));
 
 }  // namespace planescope

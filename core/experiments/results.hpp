@@ -24,7 +24,7 @@ struct CellKey {
   std::string method;      // "ours", "ransac", ... as --method has it, or "oracle"
   std::string profile;     // of ours: "paper", "paper-closest", "refined"
   std::string classifier;  // of ours: "truth", "gcn", "pca", "none" (all points one label)
-  std::string setting;     // of rivals, where it is not the default: "theta_pf 0.02"
+  std::string setting;     // what is not as usual: "theta_pf 0.02", "without r6_refit"
 
   bool operator==(const CellKey&) const = default;
 };
@@ -38,7 +38,7 @@ struct Cell {
 
 /// Sizes of a real recording's frames, means over them.
 struct RealRow {
-  std::string recording;  // its folder's or file's name
+  std::string recording;  // its name in the list, or its folder's or file's
   int frames = 0;         // that were processed
   int refused = 0;        // no gravity
   double n_m = 0, n_d = 0;
@@ -47,11 +47,12 @@ struct RealRow {
 
 /// All that is the same for the same seeds, options and weights, on any machine.
 struct PaperResults {
-  std::string command;  // as it was typed
+  std::string command;  // that measures the same again, without folders and threads
   BuildInfo build;
   WeightsRecord weights;
   std::uint64_t seed = 1, tuning_seed = 1001;
   bool quick = false;
+  int count = 0;  // frames of a set at most; 0: all that it has
   std::vector<Cell> cells;
   std::vector<RealRow> real;
 
@@ -62,6 +63,7 @@ struct PaperResults {
 /// Milliseconds of a frame, medians over a recording's frames; the paper's table IV.
 struct RealTiming {
   std::string recording;
+  int frames = 0;
   double t_d_ms = 0, t_c_ms = 0, t_b_ms = 0, t_s_ms = 0, fps = 0;
 };
 struct ClassifierTiming {
@@ -75,6 +77,7 @@ struct MethodTiming {
   double fps = 0;
 };
 struct PaperTimings {
+  std::string command;  // as it was typed
   Machine machine;
   int threads = 1;
   std::vector<ClassifierTiming> classifiers;  // table II
@@ -87,5 +90,9 @@ void write_results(const std::filesystem::path& dir, const PaperResults& results
 void write_timings(const std::filesystem::path& dir, const PaperTimings& timings);
 PaperResults read_results(const std::filesystem::path& dir);
 PaperTimings read_timings(const std::filesystem::path& dir);
+
+/// A cell as one line of JSON, and back, to the same bits. parse_cell() throws Error.
+std::string cell_line(const Cell& cell);
+Cell parse_cell(const std::string& line);
 
 }  // namespace planescope
