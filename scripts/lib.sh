@@ -11,27 +11,28 @@ die() {
   exit 1
 }
 
-wanted_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' scripts/packages.txt; }
+wanted_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' "$@"; }
 
 missing_packages() {
   local package
-  for package in $(wanted_packages); do
+  for package in $(wanted_packages "$@"); do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
       printf '%s\n' "$package"
   done
 }
 
-# Installs what scripts/packages.txt names and the machine lacks. Asks nothing: where it may not
-# install, it says what to run. Only apt runs as root.
+# setup_packages [LIST...]: installs what scripts/packages.txt and the lists name and the machine
+# lacks. Asks nothing: where it may not install, it says what to run. Only apt runs as root.
 setup_packages() {
+  local lists=(scripts/packages.txt "$@")
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-    say "no apt here: the build needs what scripts/packages.txt names, from your own packages"
+    say "no apt here: the build needs what ${lists[*]} names, from your own packages"
     return 0
   fi
   local missing as_root=()
-  mapfile -t missing < <(missing_packages)
+  mapfile -t missing < <(missing_packages "${lists[@]}")
   if [ ${#missing[@]} -eq 0 ]; then
-    say "all packages of scripts/packages.txt are installed"
+    say "all packages of ${lists[*]} are installed"
     return 0
   fi
   if [ "$(id -u)" -ne 0 ]; then
