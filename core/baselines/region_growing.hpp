@@ -12,13 +12,17 @@
 
 namespace planescope {
 
+/// How the paper's two thresholds are read. 0.01 m^2 bounds e_n, the scatter's smallest eigenvalue,
+/// as in the paper's own Criterion 3, of a full patch of 400 pixels: cells with fewer or more
+/// points in proportion, so points are 5 mm (RMS) from a planar cell's plane whatever their number.
+/// (Taken as the mean square itself, 10 cm, every cell would be planar.) 0.86 is the cosine between
+/// regions that may merge, and do where the same bound holds for their union.
 struct RegionGrowingOptions {
   int patch_px = 20;                  // edge of a cell of depth images
   double voxel_size_m = 0.05;         // edge of a cell of unordered clouds
-  double region_threshold_m2 = 0.01;  // the paper's "threshold for planar region identification"
-  double merge_threshold = 0.86;      // regions whose normals' cosine is at least this may merge
-  bool refine_boundaries =
-      true;  // depth images: pixels along a region's border are looked at singly
+  double region_threshold_m2 = 0.01;  // "threshold for planar region identification"
+  double merge_threshold = 0.86;      // "threshold for plane merging"
+  bool refine_boundaries = true;      // points along a region's border are looked at singly
 };
 
 /// Measurements on the pixels of a depth image, in raster order.
