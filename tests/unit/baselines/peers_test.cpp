@@ -51,9 +51,11 @@ struct Peer {
   std::function<FoundPlanes(std::span<const Vec3f>)> find;
 };
 const Peer kPeers[] = {
-    {"pcl_region_growing", [](auto points) { return pcl_region_growing(points, {}); }},
-    {"cgal_ransac", [](auto points) { return cgal_ransac(points, {.min_points = 150}); }},
-    {"cgal_region_growing", [](auto points) { return cgal_region_growing(points, {}); }}};
+    {"pcl_region_growing",
+     [](auto points) { return pcl_region_growing(points, kPclRegionGrowingByPoint); }},
+    {"cgal_ransac", [](auto points) { return cgal_ransac(points, kCgalRansacByPoint); }},
+    {"cgal_region_growing",
+     [](auto points) { return cgal_region_growing(points, kCgalRegionGrowingByPoint); }}};
 
 class Peers : public testing::TestWithParam<Peer> {
  protected:
