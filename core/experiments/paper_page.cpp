@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <kainjow/mustache.hpp>
 
 #include "core/base/error.hpp"
@@ -76,7 +77,7 @@ Data claims_data(const std::vector<Claim>& claims) {
     row.set("measure", claim.measure);
     row.set("bar", claim.bar);
     row.set("value", fmt::format("{:.3f}", claim.value));
-    row.set("tuning", fmt::format("{:.3f}", claim.tuning));
+    row.set("tuning", std::isnan(claim.tuning) ? "-" : fmt::format("{:.3f}", claim.tuning));
     row.set("met", claim.met ? "met" : "missed");
     row.set("class", claim.met ? "met" : "missed");
     row.set("others", claim.others);

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "core/experiments/paper_plan.hpp"
+#include "core/experiments/printed.hpp"
 #include "core/report/bar_chart.hpp"
 #include "core/report/line_chart.hpp"
 
@@ -14,198 +17,175 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPaperPoints = 8192;
+constexpr double kLeastShown = 0.005;  // where a logarithmic axis begins
 
-/// A line of a plot: cells that differ in set and noise only.
+bool has_values(const Curve& curve) {
+  return std::any_of(curve.values.begin(), curve.values.end(),
+                     [](double value) { return !std::isnan(value); });
+}
+
+// ---- Against noise ----
+
 struct Contestant {
-  std::string name;
-  std::string method, profile, classifier, setting;
-
-  bool made(const CellKey& key) const {
-    return key.method == method && key.profile == profile && key.classifier == classifier &&
-           key.setting == setting;
-  }
+  const char* name;
+  CellKey key;  // of any frames
 };
-
-const std::vector<Contestant>& paper_contestants() {
+const std::vector<Contestant>& noise_contestants() {
   static const std::vector<Contestant> all = {
-      {"paper", "ours", "paper", "gcn", ""},
-      {"paper-closest", "ours", "paper-closest", "gcn", ""},
-      {"refined", "ours", "refined", "gcn", ""},
-      {"region growing", "region-growing", "", "", ""},
-      {"RANSAC 0.01 m", "ransac", "", "", ""},
-      {"RANSAC 0.02 m", "ransac", "", "", "theta_pf 0.02"},
-      {"oracle", "oracle", "", "", ""},
+      {"paper", with_ours({}, "paper", "gcn")},
+      {"paper-closest", with_ours({}, "paper-closest", "gcn")},
+      {"refined", with_ours({}, "refined", "gcn")},
+      {"region growing", with_rival({}, "region-growing")},
+      {"RANSAC 0.01 m", with_rival({}, "ransac")},
+      {"RANSAC 0.02 m", with_rival({}, "ransac", kRansacCoarse)},
+      {"oracle", with_rival({}, "oracle")},
   };
   return all;
 }
 
-/// The paper's own rows, tables III and V ("ours"): of both, noise and values.
-struct Printed {
-  double noise_cm, alpha_deg, r_p, r_m;
-};
-constexpr Printed kPrinted[] = {{0, 0, 100, 0},       {0.05, 0.04, 100, 0}, {0.1, 0.10, 100, 0},
-                                {0.15, 0.17, 101, 0}, {0.2, 0.26, 101, 0},  {0.3, 1.36, 102, 0.08}};
+CellKey on_frames(CellKey contestant, const CellKey& frames) {
+  contestant.set = frames.set;
+  contestant.seed = frames.seed;
+  contestant.points = frames.points;
+  contestant.noise_cm = frames.noise_cm;
+  contestant.errors = frames.errors;
+  return contestant;
+}
 
-/// Every method that is on the stricter tables, by what stands in the cells: the best of ours, then
-/// the others as they come.
-std::vector<Contestant> all_contestants(const PaperResults& results) {
-  std::vector<Contestant> all = {{"ours, refined", "ours", "refined", "gcn", ""}};
-  const auto add = [&](const CellKey& key) {
-    const bool known =
-        std::any_of(all.begin(), all.end(), [&](const Contestant& c) { return c.made(key); });
-    if (known) return;
-    const std::string name = key.setting.empty() ? key.method : key.method + " " + key.setting;
-    all.push_back({name, key.method, key.profile, key.classifier, key.setting});
-  };
+std::vector<double> noise_of_stairs(const PaperResults& results) {
+  std::vector<double> noise_cm;
   for (const Cell& cell : results.cells)
-    if (cell.key.method != "ours" && cell.key.method != "oracle") add(cell.key);
-  all.push_back({"oracle", "oracle", "", "", ""});
-  return all;
+    if (same_frames(cell.key, stairs_of(results.seed, kPaperPoints, cell.key.noise_cm)))
+      noise_cm.push_back(cell.key.noise_cm);
+  std::sort(noise_cm.begin(), noise_cm.end());
+  noise_cm.erase(std::unique(noise_cm.begin(), noise_cm.end()), noise_cm.end());
+  return noise_cm;
 }
 
-bool is_evaluated(const PaperResults& results, const CellKey& key) {
-  return key.seed == results.seed || key.seed == 0;
+/// Of the paper's own method, from tables III and V, which agree where both have it.
+Curve printed_curve(const std::vector<double>& noise_cm, const double PrintedCell::*measure) {
+  Curve curve{"printed", std::vector<double>(noise_cm.size(), kNone), 0};
+  for (std::size_t i = 0; i < noise_cm.size(); ++i)
+    for (const PrintedCell& cell : printed_cells())
+      if (cell.method == "ours" && cell.with_labels && cell.points == kPaperPoints &&
+          cell.noise_cm == noise_cm[i])
+        curve.values[i] = cell.*measure;
+  return curve;
 }
 
-class NoisePlot {
- public:
-  explicit NoisePlot(const PaperResults& results) {
-    for (const Cell& cell : results.cells)
-      if (cell.key.set == "stairs" && cell.key.points == kPaperPoints &&
-          is_evaluated(results, cell.key))
-        cells_.push_back(&cell);
-    for (const Cell* cell : cells_) noise_cm_.push_back(cell->key.noise_cm);
-    std::sort(noise_cm_.begin(), noise_cm_.end());
-    noise_cm_.erase(std::unique(noise_cm_.begin(), noise_cm_.end()), noise_cm_.end());
-  }
-
-  bool empty() const { return noise_cm_.empty(); }
-
-  /// `printed` null: the paper does not give it.
-  LineChart chart(const std::string& title,
-                  double Metrics::*measure,
-                  const double Printed::*printed) const {
-    LineChart chart{.title = title, .x_name = "noise [cm]", .x = noise_cm_, .curves = {}};
-    if (printed) {
-      Curve& curve = chart.curves.emplace_back(Curve{"printed", {}});
-      for (const double noise : noise_cm_) curve.values.push_back(printed_value(noise, printed));
+/// `printed` null: the paper does not give it.
+LineChart noise_chart(const PaperResults& results,
+                      const std::string& title,
+                      double Metrics::*measure,
+                      const double PrintedCell::*printed) {
+  const std::vector<double> noise_cm = noise_of_stairs(results);
+  LineChart chart{.title = title, .x_name = "noise [cm]", .x = noise_cm, .curves = {}};
+  if (printed) chart.curves.push_back(printed_curve(noise_cm, printed));
+  int color = 0;  // the same in every plot
+  for (const Contestant& contestant : noise_contestants()) {
+    Curve curve{contestant.name, {}, ++color};
+    for (const double noise : noise_cm) {
+      const CellKey frames = stairs_of(results.seed, kPaperPoints, noise);
+      const Cell* cell = results.find(on_frames(contestant.key, frames));
+      curve.values.push_back(cell ? cell->metrics.*measure : kNone);
     }
-    for (const Contestant& contestant : paper_contestants()) {
-      Curve curve{contestant.name, {}};
-      for (const double noise : noise_cm_)
-        curve.values.push_back(value(contestant, noise, measure));
-      const bool measured = !std::all_of(curve.values.begin(), curve.values.end(),
-                                         [](double value) { return std::isnan(value); });
-      if (measured) chart.curves.push_back(std::move(curve));
-    }
-    return chart;
+    if (has_values(curve)) chart.curves.push_back(std::move(curve));
   }
+  return chart;
+}
 
- private:
-  static double printed_value(double noise_cm, const double Printed::*printed) {
-    for (const Printed& row : kPrinted)
-      if (std::abs(row.noise_cm - noise_cm) < 1e-9) return row.*printed;
-    return kNone;
-  }
-  double value(const Contestant& contestant, double noise_cm, double Metrics::*measure) const {
-    for (const Cell* cell : cells_)
-      if (contestant.made(cell->key) && cell->key.noise_cm == noise_cm)
-        return cell->metrics.*measure;
-    return kNone;
-  }
+// ---- By set ----
 
-  std::vector<const Cell*> cells_;
-  std::vector<double> noise_cm_;
-};
-
-/// A set as the stricter tables have it: clouds under one noise, depth images under one error.
-struct Group {
-  std::string name;
-  CellKey of;
-
-  bool holds(const CellKey& key) const {
-    return key.set == of.set && key.errors == of.errors && key.noise_cm == of.noise_cm &&
-           key.points == of.points && key.seed == of.seed;
-  }
-};
-
-std::vector<Group> groups_of(const PaperResults& results, bool depth) {
-  std::vector<Group> groups;
+/// Every kind of frames that was measured for the tables, each once.
+std::vector<CellKey> frames_of(const PaperResults& results, bool clouds) {
+  std::vector<CellKey> all;
   for (const Cell& cell : results.cells) {
     const CellKey& key = cell.key;
-    if (!is_evaluated(results, key) || key.errors.empty() == depth) continue;
-    if (!depth && key.set == "stairs" && key.points != kPaperPoints) continue;
-    const bool known =
-        std::any_of(groups.begin(), groups.end(), [&](const Group& g) { return g.holds(key); });
-    if (known) continue;
-    const std::string below = depth ? key.errors : fmt::format("{:.6g} cm", key.noise_cm);
-    groups.push_back({key.set + "\n" + below, key});
+    const bool wanted = clouds ? key.points == kPaperPoints : key.points == 0;
+    const bool tuned = key.seed == results.tuning_seed && key.seed != results.seed;
+    if (!wanted || tuned) continue;
+    if (std::none_of(all.begin(), all.end(),
+                     [&](const CellKey& frames) { return same_frames(frames, key); }))
+      all.push_back(key);
   }
-  return groups;
+  return all;
 }
 
-double iou_of(const PaperResults& results, const Group& group, const Contestant& contestant) {
-  for (const Cell& cell : results.cells)
-    if (group.holds(cell.key) && contestant.made(cell.key)) return cell.metrics.mean_iou;
-  return kNone;
+/// Ours as it is meant to be used, and all others, as keys of no frames.
+std::vector<CellKey> bar_contestants(const PaperResults& results) {
+  std::vector<CellKey> all = {with_ours({}, "refined", "gcn")};
+  for (const Cell& cell : results.cells) {
+    const CellKey contestant = on_frames(cell.key, {});
+    if (contestant.method != "ours" && std::find(all.begin(), all.end(), contestant) == all.end())
+      all.push_back(contestant);
+  }
+  return all;
 }
 
-PaperPlot set_plot(const PaperResults& results,
-                   std::span<const Group> groups,
-                   const std::string& title,
-                   const std::string& note) {
-  BarChart chart{.title = title, .groups = {}, .bars = {}};
-  for (const Group& group : groups) chart.groups.push_back(group.name);
-  for (const Contestant& contestant : all_contestants(results)) {
-    Curve bar{contestant.name, {}};
-    for (const Group& group : groups) bar.values.push_back(iou_of(results, group, contestant));
-    const bool measured = !std::all_of(bar.values.begin(), bar.values.end(),
-                                       [](double value) { return std::isnan(value); });
-    if (measured) chart.bars.push_back(std::move(bar));
+std::string group_name(const CellKey& frames) {
+  if (frames.points > 0) return fmt::format("{}\n{} cm", frames.set, frames.noise_cm);
+  return frames.set + "\n" + frames.errors;
+}
+
+BarChart set_chart(const PaperResults& results,
+                   std::span<const CellKey> frames,
+                   const std::string& title) {
+  BarChart chart{.title = title, .groups = {}, .bars = {}, .low = 100};
+  for (const CellKey& group : frames) chart.groups.push_back(group_name(group));
+  for (const CellKey& contestant : bar_contestants(results)) {
+    Curve bar{contestant_name(contestant), {}};
+    for (const CellKey& group : frames) {
+      const Cell* cell = results.find(on_frames(contestant, group));
+      bar.values.push_back(cell ? cell->metrics.mean_iou : kNone);
+      if (cell) chart.low = std::min(chart.low, cell->metrics.mean_iou);
+    }
+    if (has_values(bar)) chart.bars.push_back(std::move(bar));
   }
-  if (chart.bars.empty()) return {};
-  return {title, note, bar_chart(chart)};
+  // Differences are what matters: the axis begins not far below the least, and says so.
+  chart.low = std::max(0.0, 20 * std::floor((chart.low - 10) / 20));
+  return chart;
 }
 
 }  // namespace
 
 std::vector<PaperPlot> noise_plots(const PaperResults& results) {
-  const NoisePlot plot(results);
-  if (plot.empty()) return {};
-  std::vector<PaperPlot> plots;
-  const auto add = [&](const std::string& title, const std::string& note, const LineChart& chart) {
-    if (!chart.curves.empty()) plots.push_back({title, note, line_chart(chart)});
-  };
-  LineChart alpha = plot.chart("Angle error alpha against noise, degrees", &Metrics::alpha_deg,
-                               &Printed::alpha_deg);
-  alpha.log_from = 0.005;
-  add("α [°]", "Mean angle of the planes' normals, lower is better; smaller ones stand at 0.005.",
-      alpha);
-  LineChart r_p = plot.chart("Planes found of planes there, per cent, against noise", &Metrics::r_p,
-                             &Printed::r_p);
+  if (noise_of_stairs(results).empty()) return {};
+  LineChart alpha = noise_chart(results, "Angle error alpha against noise, degrees",
+                                &Metrics::alpha_deg, &PrintedCell::alpha_deg);
+  LineChart r_p = noise_chart(results, "Planes found of planes there against noise, per cent",
+                              &Metrics::r_p, &PrintedCell::r_p);
+  LineChart r_m = noise_chart(results, "Points in no plane against noise, per cent", &Metrics::r_m,
+                              &PrintedCell::r_m);
+  const LineChart iou =
+      noise_chart(results, "Mean IoU against noise, per cent", &Metrics::mean_iou, nullptr);
+  alpha.log_from = r_m.log_from = kLeastShown;
   r_p.log_from = 50;
-  add("r_p [%]", "Planes found of planes there: 100 is right.", r_p);
-  LineChart r_m =
-      plot.chart("Points in no plane, per cent, against noise", &Metrics::r_m, &Printed::r_m);
-  r_m.log_from = 0.005;
-  add("r_m [%]", "Points in no plane, lower is better; smaller ones stand at 0.005.", r_m);
-  add("Mean IoU [%]", "Of the true planes, higher is better. The paper gives none.",
-      plot.chart("Mean IoU against noise, per cent", &Metrics::mean_iou, nullptr));
+  std::vector<PaperPlot> plots = {
+      {"\u03b1 [\u00b0]", "Mean angle to the true normals: lower is better. Less stands at 0.005.",
+       line_chart(alpha)},
+      {"r_p [%]", "Planes found of planes there: 100 is right.", line_chart(r_p)},
+      {"r_m [%]", "Points in no plane: lower is better. Less stands at 0.005.", line_chart(r_m)}};
+  if (!iou.curves.empty())
+    plots.push_back({"Mean IoU [%]", "Of the true planes: higher is better. The paper gives none.",
+                     line_chart(iou)});
   return plots;
 }
 
 std::vector<PaperPlot> set_plots(const PaperResults& results) {
-  constexpr std::size_t kMostGroups = 9;  // names stay apart
+  constexpr std::size_t kMostGroups = 6;  // whose names stay apart
   std::vector<PaperPlot> plots;
-  for (const bool depth : {false, true}) {
-    const std::vector<Group> groups = groups_of(results, depth);
-    for (std::size_t begin = 0; begin < groups.size(); begin += kMostGroups) {
+  for (const bool clouds : {true, false}) {
+    const std::vector<CellKey> frames = frames_of(results, clouds);
+    for (std::size_t begin = 0; begin < frames.size(); begin += kMostGroups) {
       const auto part =
-          std::span(groups).subspan(begin, std::min(kMostGroups, groups.size() - begin));
-      PaperPlot plot =
-          depth ? set_plot(results, part, "Mean IoU on depth images [%]", "Scored by voxel.")
-                : set_plot(results, part, "Mean IoU on clouds [%]", "Scored by point.");
-      if (!plot.svg.empty()) plots.push_back(std::move(plot));
+          std::span(frames).subspan(begin, std::min(kMostGroups, frames.size() - begin));
+      const std::string title = clouds ? "Mean IoU on clouds [%]" : "Mean IoU on depth images [%]";
+      const BarChart chart = set_chart(results, part, title);
+      if (chart.bars.empty()) continue;
+      const std::string note = clouds ? "Scored by point; below, the noise on every coordinate."
+                                      : "Scored by voxel; below, the camera's errors.";
+      plots.push_back(
+          {title, fmt::format("{} The axis begins at {:.0f}.", note, chart.low), bar_chart(chart)});
     }
   }
   return plots;

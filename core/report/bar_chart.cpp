@@ -51,14 +51,14 @@ std::string bar_chart(const BarChart& chart) {
       svg += fmt::format(
           "<rect class=\"bar{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\">"
           "<title>{}, {}: {:.2f}</title></rect>\n",
-          b % kColors, left, top, std::max(bar_px - 1, 0.5), y_of(y, y.low) - top,
+          color_of(bar, b), left, top, std::max(bar_px - 1, 0.5), y_of(y, y.low) - top,
           html_escape(bar.name), html_escape(where), bar.values[g]);
     }
     const int legend_x = kWidth - kRight + 16, legend_y = kTop + 20 * static_cast<int>(b);
     svg += fmt::format(
         "<rect class=\"bar{}\" x=\"{}\" y=\"{}\" width=\"12\" height=\"12\"/>"
         "<text x=\"{}\" y=\"{}\">{}</text>\n",
-        b % kColors, legend_x, legend_y, legend_x + 20, legend_y + 11, html_escape(bar.name));
+        color_of(bar, b), legend_x, legend_y, legend_x + 20, legend_y + 11, html_escape(bar.name));
   }
   for (std::size_t g = 0; g < chart.groups.size(); ++g)
     svg += group_name(chart.groups[g], kLeft + (static_cast<double>(g) + 0.5) * group_px);

@@ -66,6 +66,10 @@ std::string begin_svg(const std::string& title) {
                      kWidth, kHeight, kainjow::mustache::html_escape(title));
 }
 
+int color_of(const Curve& curve, std::size_t place) {
+  return (curve.color >= 0 ? curve.color : static_cast<int>(place)) % kColors;
+}
+
 Range range_of(std::span<const Curve> curves) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Range range{kNone, kNone};

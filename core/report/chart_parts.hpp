@@ -11,7 +11,7 @@
 namespace planescope::chart {
 
 inline constexpr int kWidth = 760, kHeight = 320;
-inline constexpr int kLeft = 52, kRight = 150, kTop = 14, kBottom = 44;  // margins
+inline constexpr int kLeft = 52, kRight = 176, kTop = 14, kBottom = 44;  // margins
 inline constexpr int kColors = 10;                                       // .curve0 ... of the style
 
 /// Values in whichever direction, spread evenly or by their logarithm.
@@ -35,6 +35,9 @@ std::string y_grid(const Axis& axis);
 
 /// The SVG element up to what it holds; it ends with "</svg>\n".
 std::string begin_svg(const std::string& title);
+
+/// Of the style, for the curve or bars at this place.
+int color_of(const Curve& curve, std::size_t place);
 
 /// Lowest and highest of all values that are there; 0 and 1 where none is.
 struct Range {

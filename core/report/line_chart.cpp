@@ -60,8 +60,8 @@ std::string line_chart(const LineChart& chart) {
     const int legend_x = kWidth - kRight + 16, legend_y = kTop + 8 + 20 * static_cast<int>(c);
     svg += fmt::format(
         "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
-        c % kColors, path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24, legend_y + 4,
-        html_escape(curve.name));
+        color_of(curve, c), path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24,
+        legend_y + 4, html_escape(curve.name));
   }
   return svg + "</svg>\n";
 }
