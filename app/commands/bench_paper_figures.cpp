@@ -8,10 +8,12 @@ namespace planescope {
 std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
                                             const PaperResults& results,
                                             Renderer& renderer) {
-  const figures::Work work{args, results, renderer,
-                           choose_classifier(PipelineOptions{}).classifier};
+  PipelineOptions options;
+  options.classifier = args.weights;
+  const figures::Work work{args, results, renderer, choose_classifier(options).classifier};
   std::vector<PaperFigure> figures;
-  for (const auto draw : {figures::stairs_noise, figures::stages, figures::node_cases}) {
+  for (const auto draw : {figures::stairs_noise, figures::real_scenes, figures::stages,
+                          figures::node_cases, figures::failures}) {
     PaperFigure figure = draw(work);
     if (!figure.pictures.empty()) figures.push_back(std::move(figure));
   }

@@ -14,14 +14,15 @@
 namespace planescope {
 
 struct PaperFigureArgs {
-  std::filesystem::path data;  // folder of real recordings; empty: none
+  std::filesystem::path data;   // folder of real recordings; empty: none
+  std::string weights = "gcn";  // gcn, the shipped ones, or a file
   int threads = 1;
   std::stop_token stop;
   std::function<void(const std::string& what)> progress;  // before each picture; may be empty
 };
 
 /// All figures, those without pictures left out. Seeds are those of `results`, labels those of the
-/// shipped network. The same pixels for any thread count. Throws Error where weights are missing,
+/// network. The same pixels for any thread count. Throws Error where weights are missing,
 /// a recording is damaged or nothing can be drawn, Cancelled on stop.
 std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
                                             const PaperResults& results,

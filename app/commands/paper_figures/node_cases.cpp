@@ -35,14 +35,14 @@ Judged judge(const Octree& octree, std::int32_t node, const SegmentOptions& opti
 }
 
 /// How well a node shows its case: the clearest and largest are preferred.
-double clarity(Case c, const OctreeNode& node, const Judged& judged) {
+double clarity(Case c, const OctreeNode& node, double edge_m, const Judged& judged) {
   switch (c) {
     case Case::I:
       return std::min(node.count_h, node.size() - node.count_h);
     case Case::II:
-      return node.size();
-    case Case::III:
-      return judged.e_n;
+      return node.size() - edge_m;
+    case Case::III:  // e_n grows with the number of points, too
+      return judged.candidate.fit.rms_m();
     case Case::IV:
       return judged.purity.n_out > 0 ? node.size() : 0.1 * node.size();
     case Case::none:
@@ -57,9 +57,10 @@ std::optional<std::int32_t> pick(const Octree& octree, Case c, const SegmentOpti
   double most = -1;
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
     const OctreeNode& node = octree.nodes[i];
-    if (node.decided != c || octree.node_edge_m(node) > kMostEdgeM) continue;
+    const double edge_m = octree.node_edge_m(node);
+    if (node.decided != c || edge_m > kMostEdgeM) continue;
     const auto index = static_cast<std::int32_t>(i);
-    const double clear = clarity(c, node, judge(octree, index, options));
+    const double clear = clarity(c, node, edge_m, judge(octree, index, options));
     if (clear <= most) continue;
     most = clear;
     best = index;
@@ -100,7 +101,7 @@ DrawList close_up(const FrameResult& result, std::int32_t index, const Judged& j
   const Octree& octree = result.segmentation.octree;
   const OctreeNode& node = octree.nodes[index];
   DrawBox cell = cell_box(octree, node);
-  cell.color = case_color(node.decided);
+  cell.color = kSceneText;
   const auto edge = static_cast<float>(octree.node_edge_m(node));
   const float around = static_cast<float>(kContext) * edge;
 
@@ -154,7 +155,7 @@ PaperFigure node_cases(const Work& work) {
   const std::uint64_t seed = random_bits(work.results.seed, 0, 2);
   const Scene scene = make_scene("boxes", seed);
   const Frame frame = render_scene(scene, scene.camera, D435Model{}, seed);
-  const PipelineOptions options = options_of({"paper", Method::ours, Profile::paper}, work);
+  const PipelineOptions options = options_of(with_ours({}, "paper", "gcn"), work);
   const FrameResult result = run_frame(frame, options, work.network.get());
   const Octree& octree = result.segmentation.octree;
 
@@ -163,7 +164,8 @@ PaperFigure node_cases(const Work& work) {
   figure.title = "Cases of a node";
   figure.note = fmt::format(
       "One node of each case from one frame, boxes through the camera model, profile paper, labels "
-      "of the 3D-GCN: its points by label inside its cell, what lies around it grey. To look into "
+      "of the 3D-GCN: its points inside its cell, h blue and v orange, what lies around it grey. "
+      "To look into "
       "it: planescope synth sample --seed {} -o sample; planescope sample --profile paper, frame 2",
       work.results.seed);
   constexpr const char* kColumns[] = {"", "(a) Case I", "(b) Case II", "(c) Case III",

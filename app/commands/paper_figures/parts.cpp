@@ -25,12 +25,8 @@ void Work::begin(const std::string& what) const {
   if (args.progress) args.progress(what);
 }
 
-PipelineOptions options_of(const Contestant& contestant, const Work& work) {
-  PipelineOptions options;
-  options.method = contestant.method;
-  options.segment = profile_options(contestant.profile);
-  options.segment.use_labels = contestant.use_labels;
-  options.rivals.ransac.theta_pf_m = contestant.theta_pf_m;
+PipelineOptions options_of(const CellKey& key, const Work& work) {
+  PipelineOptions options = cell_options(key);
   options.threads = work.args.threads;
   return options;
 }
@@ -82,7 +78,7 @@ DrawList bare_planes(std::span<const Vec3f> points,
                      std::span<const std::int32_t> plane_of,
                      std::span<const int> color_of_plane) {
   DrawPoints splats;
-  splats.size_m = 0.016F;
+  splats.size_m = 0.02F;
   splats.min_px = 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::int32_t id = plane_of[i];
@@ -110,7 +106,7 @@ DrawList bare(DrawList list) {
 }
 
 Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double aspect) {
-  constexpr double kRoom = 1.06;
+  constexpr double kRoom = 1.05;
   const Vec3d ahead = forward.normalized();
   const Vec3d right = ahead.cross(Vec3d::UnitZ()).normalized();
   const Vec3d up = right.cross(ahead);
@@ -119,13 +115,17 @@ Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double 
     const Vec3d p = point.cast<double>();
     bounds.add({p.dot(right), p.dot(up), p.dot(ahead)});
   }
-  const Vec3d middle = (bounds.min + bounds.max) / 2, size = bounds.max - bounds.min;
+  const Vec3d middle = (bounds.min + bounds.max) / 2;
   Camera camera;
   camera.target = middle.x() * right + middle.y() * up + middle.z() * ahead;
-  // The nearest points must be inside, too: their plane is half the depth before the middle.
   const double slope = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
-  const double half = kRoom * std::max(size.y(), size.x() / aspect) / 2;
-  camera.eye = camera.target - (half / slope + 0.35 * size.z()) * ahead;
+  double distance = 0.05;
+  for (const Vec3f& point : points) {
+    const Vec3d p = point.cast<double>() - camera.target;
+    const double across = std::max(std::abs(p.dot(up)), std::abs(p.dot(right)) / aspect);
+    distance = std::max(distance, kRoom * across / slope - p.dot(ahead));
+  }
+  camera.eye = camera.target - distance * ahead;
   return camera;
 }
 

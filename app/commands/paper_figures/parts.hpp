@@ -8,6 +8,7 @@
 
 #include "app/commands/bench_paper_figures.hpp"
 #include "core/classify/classifier.hpp"
+#include "core/experiments/paper_plan.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/score.hpp"
 #include "render/draw_list.hpp"
@@ -30,16 +31,13 @@ PaperFigure node_cases(const Work& work);
 PaperFigure stages(const Work& work);
 PaperFigure failures(const Work& work);
 
-/// One way to segment a frame.
+/// One way to segment a frame, as cells of the tables have it: with_ours(), with_rival().
 struct Contestant {
   std::string name;
-  Method method = Method::ours;
-  Profile profile = Profile::refined;  // of ours
-  bool use_labels = true;              // of ours
-  double theta_pf_m = 0.01;            // of RANSAC
+  CellKey key;
 };
-/// With the labels of gcn, and everything else as by default.
-PipelineOptions options_of(const Contestant& contestant, const Work& work);
+/// With the threads of this work.
+PipelineOptions options_of(const CellKey& key, const Work& work);
 
 /// `copy_width`: at most, of the copy in the page [px].
 void add_picture(PaperFigure& figure,

@@ -21,7 +21,7 @@ PaperFigure stages(const Work& work) {
   const std::uint64_t seed = random_bits(work.results.seed, 0, 0);
   const Scene scene = make_scene("stairs", seed);
   const Frame frame = render_scene(scene, scene.camera, D435Model{}, seed);
-  const PipelineOptions options = options_of({"refined"}, work);
+  const PipelineOptions options = options_of(with_ours({}, "refined", "gcn"), work);
   const FrameResult result = run_frame(frame, options, work.network.get());
 
   PaperFigure figure;

@@ -73,12 +73,10 @@ void add_found(PaperFigure& figure,
                const Work& work,
                const Scene& scene,
                const Contestant& contestant) {
-  const std::string column =
-      scene.noise +
-      (contestant.use_labels && contestant.method == Method::ours ? ", with PC" : ", w/o PC");
+  const bool with_labels = contestant.key.method == "ours" && contestant.key.classifier != "none";
+  const std::string column = scene.noise + (with_labels ? ", with PC" : ", w/o PC");
   work.begin(contestant.name + ", " + column);
-  PipelineOptions options = options_of(contestant, work);
-  options.cloud.voxel_size_m = 0;
+  const PipelineOptions options = options_of(contestant.key, work);
   const FrameResult result = run_frame(scene.frame, options, work.network.get());
   const JudgedFrame judged = judge_frame(result, scene.truth);
   const std::vector<int> colors = colors_by_truth(judged, result.segmentation.planes.size());
@@ -109,10 +107,13 @@ PaperFigure stairs_noise(const Work& work) {
       index, seed);
   Scene scenes[] = {make_scene(index, seed, 0), make_scene(index, seed, 0.3)};
   for (Scene& scene : scenes) add_truth(figure, work, scene);
-  for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
-    for (const bool use_labels : {true, false})
-      for (const Scene& scene : scenes)
-        add_found(figure, work, scene, {to_string(profile), Method::ours, profile, use_labels});
+  const CellKey frames = stairs_of(seed, StairsOptions{}.points, 0);
+  std::vector<Contestant> contestants;
+  for (const char* profile : {"paper", "paper-closest", "refined"})
+    for (const char* labels : {"gcn", "none"})
+      contestants.push_back({profile, with_ours(frames, profile, labels)});
+  for (const Contestant& contestant : contestants)
+    for (const Scene& scene : scenes) add_found(figure, work, scene, contestant);
   return figure;
 }
 
