@@ -93,12 +93,24 @@ class Growth {
   std::vector<std::uint32_t> bins_[kBins * kBins];
 };
 
-std::vector<Moments> moments_of(const CellGraph& graph, std::span<const std::int32_t> region) {
-  std::vector<Moments> moments(region.empty() ? 1 : std::ranges::max(region) + 1);
-  for (std::size_t c = 0; c < region.size(); ++c) {
-    if (region[c] > 0) moments[region[c]] += graph.cells[c].moments;
+/// What the cells of a region add up to.
+struct Region {
+  Moments moments;
+  double max_e_n_m2 = 0;
+
+  Region& operator+=(const Region& other) {
+    moments += other.moments;
+    max_e_n_m2 += other.max_e_n_m2;
+    return *this;
   }
-  return moments;
+};
+
+std::vector<Region> sum_up(const CellGraph& graph, std::span<const std::int32_t> region) {
+  std::vector<Region> regions(region.empty() ? 1 : std::ranges::max(region) + 1);
+  for (std::size_t c = 0; c < region.size(); ++c) {
+    if (region[c] > 0) regions[region[c]] += {graph.cells[c].moments, graph.cells[c].max_e_n_m2};
+  }
+  return regions;
 }
 
 /// Neighbouring regions become one where their normals are near enough and their cells still lie
@@ -106,8 +118,8 @@ std::vector<Moments> moments_of(const CellGraph& graph, std::span<const std::int
 void merge(const CellGraph& graph,
            const RegionGrowingOptions& options,
            std::vector<std::int32_t>& region) {
-  std::vector<Moments> moments = moments_of(graph, region);
-  std::vector<std::int32_t> parent(moments.size());
+  std::vector<Region> regions = sum_up(graph, region);
+  std::vector<std::int32_t> parent(regions.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](std::int32_t r) {
     while (parent[r] != r) r = parent[r];
@@ -118,23 +130,40 @@ void merge(const CellGraph& graph,
       if (region[c] == 0 || region[other] == 0) continue;
       const std::int32_t a = root(region[c]), b = root(region[other]);
       if (a == b) continue;
-      Moments both = moments[a];
-      both += moments[b];
-      const double cosine = fit_plane(moments[a]).normal.dot(fit_plane(moments[b]).normal);
+      const double cosine =
+          fit_plane(regions[a].moments).normal.dot(fit_plane(regions[b].moments).normal);
       if (std::abs(cosine) < options.merge_threshold) continue;
-      if (mse(fit_plane(both)) > max_cell_mse_m2(options)) continue;
+      Region both = regions[a];
+      both += regions[b];
+      if (fit_plane(both.moments).eigenvalues[0] > both.max_e_n_m2) continue;
       parent[std::max(a, b)] = std::min(a, b);
-      moments[std::min(a, b)] = both;
+      regions[std::min(a, b)] = both;
     }
   }
   for (std::int32_t& r : region) r = root(r);
 }
 
+/// Of each cell the regions in and around it; none of cells amid their region.
+std::vector<std::vector<std::int32_t>> choices_along_borders(const CellGraph& graph,
+                                                             std::span<const std::int32_t> region) {
+  std::vector<std::vector<std::int32_t>> choices(graph.cells.size());
+  for (std::uint32_t c = 0; c < graph.cells.size(); ++c) {
+    const auto same = [&](std::uint32_t other) { return region[other] == region[c]; };
+    if (std::ranges::all_of(graph.around[c], same)) continue;
+    if (region[c] > 0) choices[c].push_back(region[c]);
+    for (const std::uint32_t other : graph.around[c]) {
+      if (region[other] > 0 && std::ranges::find(choices[c], region[other]) == choices[c].end())
+        choices[c].push_back(region[other]);
+    }
+  }
+  return choices;
+}
+
 }  // namespace
 
-double max_cell_mse_m2(const RegionGrowingOptions& options) {
+double max_e_n_m2(double count, const RegionGrowingOptions& options) {
   constexpr double kFullPatch = 20 * 20;  // points of the paper's patch
-  return options.region_threshold_m2 / kFullPatch;
+  return options.region_threshold_m2 * count / kFullPatch;
 }
 
 std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
@@ -153,30 +182,24 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
     if (graph.cell_of[i] != kNoCell) group[i] = region[graph.cell_of[i]];
   }
   if (!options.refine_boundaries) return found_planes(points, group, 3);
-  std::vector<PlaneFit> plane;
-  for (const Moments& m : moments_of(graph, region)) plane.push_back(fit_plane(m));
-  // Per cell the regions in and around it; just its own: amid it.
-  std::vector<std::vector<std::int32_t>> choices(graph.cells.size());
-  for (std::uint32_t c = 0; c < graph.cells.size(); ++c) {
-    std::vector<std::int32_t>& here = choices[c];
-    bool border = false;
-    const auto add = [&](std::uint32_t other) {
-      border |= region[other] != region[c];
-      if (region[other] > 0 && std::ranges::find(here, region[other]) == here.end())
-        here.push_back(region[other]);
-    };
-    add(c);
-    for (const std::uint32_t other : graph.around[c]) add(other);
-    if (!border) here.clear();
+  struct Sheet {
+    PlaneFit plane;
+    double half_m = 0;  // thick to either side
+  };
+  std::vector<Sheet> sheets;
+  for (const Region& r : sum_up(graph, region)) {
+    const PlaneFit plane = fit_plane(r.moments);
+    const double thickest_m = plane.count > 0 ? std::sqrt(r.max_e_n_m2 / plane.count) : 0;
+    sheets.push_back({plane, std::max(3 * plane.rms_m(), thickest_m)});
   }
+  const std::vector<std::vector<std::int32_t>> choices = choices_along_borders(graph, region);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (graph.cell_of[i] == kNoCell || choices[graph.cell_of[i]].empty()) continue;
     group[i] = 0;
     double nearest = 0;
     for (const std::int32_t r : choices[graph.cell_of[i]]) {
-      const double d = std::abs(plane[r].distance_m(points[i].cast<double>()));
-      const double limit = std::max(3 * plane[r].rms_m(), std::sqrt(max_cell_mse_m2(options)));
-      if (d > limit || (group[i] != 0 && d >= nearest)) continue;
+      const double d = std::abs(sheets[r].plane.distance_m(points[i].cast<double>()));
+      if (d > sheets[r].half_m || (group[i] != 0 && d >= nearest)) continue;
       group[i] = r;
       nearest = d;
     }

@@ -18,7 +18,8 @@ inline constexpr std::uint32_t kNoCell = 0xffffffff;
 struct PlanarCell {
   Moments moments;
   PlaneFit fit;
-  bool planar = false;  // may be grown over
+  double max_e_n_m2 = 0;  // smallest eigenvalue of the scatter up to which it counts as planar
+  bool planar = false;    // may be grown over
 };
 
 struct CellGraph {
@@ -28,8 +29,8 @@ struct CellGraph {
   std::vector<std::uint32_t> cell_of;              // per point: kNoCell takes no part
 };
 
-/// The largest mean squared distance of a planar cell's points from its plane [m^2].
-double max_cell_mse_m2(const RegionGrowingOptions& options);
+/// max_e_n_m2 of `count` points.
+double max_e_n_m2(double count, const RegionGrowingOptions& options);
 
 /// Region from 1 of each cell, 0 none: grown from seeds, neighbouring ones merged.
 std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,

@@ -13,10 +13,10 @@
 namespace planescope {
 
 /// How the paper's two thresholds are read. 0.01 m^2 bounds e_n, the scatter's smallest eigenvalue,
-/// as in the paper's own Criterion 3, of a full patch of 400 pixels: cells with fewer or more
-/// points in proportion, so points are 5 mm (RMS) from a planar cell's plane whatever their number.
-/// (Taken as the mean square itself, 10 cm, every cell would be planar.) 0.86 is the cosine between
-/// regions that may merge, and do where the same bound holds for their union.
+/// of a full patch of 400 pixels, other cells in proportion to their points: planar cells are 5 mm
+/// thick (RMS), in depth images beyond 1 m 5 mm times depth squared, as stereo noise grows. (As the
+/// mean square itself, 10 cm, all would be planar.) 0.86 is the cosine between regions that may
+/// merge, and do where the same bound holds for their union.
 struct RegionGrowingOptions {
   int patch_px = 20;                  // edge of a cell of depth images
   double voxel_size_m = 0.05;         // edge of a cell of unordered clouds

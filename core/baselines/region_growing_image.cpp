@@ -67,6 +67,7 @@ CellGraph patches_of(const PixelPoints& input, const RegionGrowingOptions& optio
     graph.cells[graph.cell_of[i]].moments.add(input.points[i].cast<double>());
   }
   const std::vector<bool> stepped = with_steps(input, patches);
+  const Vec3d sensor = input.sensor.cast<double>();
   const double half_px = 0.5 * patches.edge_px * patches.edge_px;
   graph.beside.resize(graph.cells.size());
   graph.around.resize(graph.cells.size());
@@ -75,8 +76,13 @@ CellGraph patches_of(const PixelPoints& input, const RegionGrowingOptions& optio
       const std::uint32_t c = patches.index(column, row);
       PlanarCell& cell = graph.cells[c];
       cell.fit = fit_plane(cell.moments);
-      cell.planar = !stepped[c] && cell.fit.count >= half_px &&
-                    cell.fit.eigenvalues[0] <= cell.fit.count * max_cell_mse_m2(options);
+      if (cell.fit.count > 0) {
+        // Proenca & Gao bound the mean square by the sensor's noise, which grows with depth^2.
+        const double depth = input.view.cast<double>().dot(cell.fit.centroid - sensor);
+        cell.max_e_n_m2 = max_e_n_m2(cell.fit.count, options) * std::max(1.0, std::pow(depth, 4));
+      }
+      cell.planar =
+          !stepped[c] && cell.fit.count >= half_px && cell.fit.eigenvalues[0] <= cell.max_e_n_m2;
       for (int y = std::max(row - 1, 0); y <= std::min(row + 1, patches.rows - 1); ++y) {
         for (int x = std::max(column - 1, 0); x <= std::min(column + 1, patches.columns - 1); ++x) {
           if (x == column && y == row) continue;

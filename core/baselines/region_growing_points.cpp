@@ -37,8 +37,9 @@ CellGraph voxels_of(std::span<const Vec3f> points, const RegionGrowingOptions& o
   for (PlanarCell& cell : graph.cells) {
     cell.fit = fit_plane(cell.moments);
     const double n = cell.fit.count, spread_m = kLeastSpread * options.voxel_size_m;
+    cell.max_e_n_m2 = max_e_n_m2(n, options);
     cell.planar = n >= kLeastPoints && cell.fit.eigenvalues[1] >= n * spread_m * spread_m &&
-                  cell.fit.eigenvalues[0] <= n * max_cell_mse_m2(options);
+                  cell.fit.eigenvalues[0] <= cell.max_e_n_m2;
   }
   graph.beside.resize(voxels.size());
   for (std::size_t c = 0; c < voxels.size(); ++c) {

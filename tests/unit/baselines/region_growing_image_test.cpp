@@ -89,6 +89,15 @@ TEST(RegionGrowingOfImages, TakesCellsThickerThanTheThresholdForNoPlane) {
   EXPECT_TRUE(grow_regions(view.pixels(), {.region_threshold_m2 = 0.001}).planes.empty());
 }
 
+TEST(RegionGrowingOfImages, LetsSurfacesFartherAwayBeNoisier) {
+  const auto noisy_wall_at = [](double distance_m) {
+    Random random(5);
+    return view_of([&](double, double) { return distance_m + 0.007 * random.normal(); });
+  };
+  EXPECT_TRUE(grow_regions(noisy_wall_at(1.0).pixels(), {}).planes.empty());
+  EXPECT_EQ(grow_regions(noisy_wall_at(1.4).pixels(), {}).planes.size(), 1u);
+}
+
 TEST(RegionGrowingOfImages, FindsNothingWhereNothingIsPlanar) {
   Random random(5);
   const View view = view_of([&](double, double) { return random.uniform(0.5, 1.5); });
