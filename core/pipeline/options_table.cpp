@@ -10,109 +10,10 @@
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/pipeline/classifiers.hpp"
+#include "core/pipeline/option_row.hpp"
 
 namespace planescope {
 namespace {
-
-void check_range(double value, const OptionRange& range, const std::string& name) {
-  const bool low = range.min_excluded ? value <= range.min : value < range.min;
-  if (!low && value <= range.max) return;
-  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
-  throw Error(fmt::format(
-      "option {}: {} is out of range, expected {}", name, value,
-      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
-}
-
-// `field` takes PipelineOptions, const or not, and returns a reference to the member.
-template <typename Field>
-OptionInfo real(std::string section,
-                std::string name,
-                std::string unit,
-                std::string meaning,
-                Field field,
-                OptionRange range = {}) {
-  return {name,
-          std::move(unit),
-          std::move(meaning),
-          std::move(section),
-          [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
-          [field, range, name](PipelineOptions& o, const std::string& text) {
-            const double value = parse_number(text, "option " + name);
-            check_range(value, range, name);
-            field(o) = value;
-          },
-          OptionKind::number,
-          range};
-}
-
-template <typename Field>
-OptionInfo whole(std::string section,
-                 std::string name,
-                 std::string unit,
-                 std::string meaning,
-                 Field field,
-                 OptionRange range = {}) {
-  return {name,
-          std::move(unit),
-          std::move(meaning),
-          std::move(section),
-          [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
-          [field, range, name](PipelineOptions& o, const std::string& text) {
-            const int value = parse_integer(text, "option " + name);
-            check_range(value, range, name);
-            field(o) = value;
-          },
-          OptionKind::whole,
-          range};
-}
-
-template <typename Field>
-OptionInfo flag(std::string section, std::string name, std::string meaning, Field field) {
-  return {name,
-          "on/off",
-          std::move(meaning),
-          std::move(section),
-          [field](const PipelineOptions& o) { return std::string(field(o) ? "on" : "off"); },
-          [field, name](PipelineOptions& o, const std::string& text) {
-            if (text == "on" || text == "true" || text == "1" || text == "yes") {
-              field(o) = true;
-            } else if (text == "off" || text == "false" || text == "0" || text == "no") {
-              field(o) = false;
-            } else {
-              throw Error(fmt::format("option {}: '{}' is not on or off", name, text));
-            }
-          },
-          OptionKind::on_off};
-}
-
-// `values[i]` is the text of the enum's i-th value.
-template <typename Field>
-OptionInfo choice(std::string section,
-                  std::string name,
-                  std::vector<std::string> values,
-                  std::string meaning,
-                  Field field) {
-  const std::string unit = fmt::format("{}", fmt::join(values, "/"));
-  return {name,
-          unit,
-          std::move(meaning),
-          std::move(section),
-          [field, values](const PipelineOptions& o) {
-            return values.at(static_cast<std::size_t>(field(o)));
-          },
-          [field, values, name](PipelineOptions& o, const std::string& text) {
-            for (std::size_t i = 0; i < values.size(); ++i) {
-              if (text != values[i]) continue;
-              field(o) = static_cast<std::decay_t<decltype(field(o))>>(i);
-              return;
-            }
-            throw Error(fmt::format("option {}: '{}' is unknown, expected {}", name, text,
-                                    fmt::join(values, " or ")));
-          },
-          OptionKind::choice,
-          {},
-          values};
-}
 
 // The member that a row reads and writes, by its path from PipelineOptions.
 template <typename Stage, typename T>
@@ -208,6 +109,21 @@ void append_classifier(std::vector<OptionInfo>& table) {
   table.push_back(real(
       s, "pca_max_angle_deg", "deg", "Eq. (1): h where the normal is within this angle of gravity",
       member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg), {0, 90}));
+}
+
+void append_method(std::vector<OptionInfo>& table) {
+  std::vector<std::string> names;
+  for (const Method method : built_methods()) names.push_back(to_string(method));
+  table.push_back(
+      {"method",
+       fmt::format("{}", fmt::join(names, "/")),
+       "what finds the planes: ours, or one of those it is measured against",
+       "method",
+       [](const PipelineOptions& o) { return to_string(o.method); },
+       [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
+       OptionKind::choice,
+       {},
+       names});
 }
 
 void append_criteria(std::vector<OptionInfo>& table) {
@@ -310,14 +226,28 @@ void append_refinements(std::vector<OptionInfo>& table) {
 
 }  // namespace
 
+void check_option_range(double value, const OptionRange& range, const std::string& name) {
+  const bool low = range.min_excluded ? value <= range.min : value < range.min;
+  if (!low && value <= range.max) return;
+  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
+  throw Error(fmt::format(
+      "option {}: {} is out of range, expected {}", name, value,
+      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+}
+
 const std::vector<OptionInfo>& option_table() {
   static const std::vector<OptionInfo> table = [] {
     std::vector<OptionInfo> rows;
     append_cloud(rows);
     append_gravity(rows);
     append_classifier(rows);
+    append_method(rows);
     append_criteria(rows);
     append_refinements(rows);
+    for (OptionInfo& row : rows)
+      if (row.section == "classifier" || row.section == "criteria" || row.section == "refinements")
+        row.method = Method::ours;
+    append_rivals(rows);
     name_symbols(rows);
     return rows;
   }();

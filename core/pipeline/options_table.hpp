@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,15 +26,19 @@ struct OptionInfo {
   std::string name;     // e.g. "theta_n_out"
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
-  std::string section;  // "cloud", "gravity", "classifier", "criteria", "refinements"
+  std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "refinements",
+                        // "rivals"
   std::function<std::string(const PipelineOptions&)> get;
   std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
   OptionKind kind = OptionKind::text;
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
+  std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
+  /// Whether it means anything with the method that these options name.
+  bool matters(const PipelineOptions& o) const { return !method || *method == o.method; }
 };
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "core/base/error.hpp"
+#include "core/pipeline/rival.hpp"
 
 namespace planescope {
 namespace {
@@ -36,6 +37,11 @@ Classification classify(const VoxelCloud& voxels,
   return known;
 }
 
+Classification unclassified(const VoxelCloud& voxels) {
+  const std::size_t n = voxels.points.size();
+  return {std::vector<Label>(n, Label::unknown), std::vector<float>(n, 0.0f)};
+}
+
 }  // namespace
 
 PreparedFrame prepare_frame(const Frame& frame,
@@ -51,7 +57,10 @@ PreparedFrame prepare_frame(const Frame& frame,
   prepared.timings.cloud_ms = watch.lap_ms();
   prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
   prepared.timings.t_d_ms = watch.lap_ms();
-  prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
+  if (options.method == Method::ours)
+    prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
+  else
+    prepared.classification = unclassified(prepared.voxels);
   prepared.timings.t_c_ms = watch.lap_ms();
   return prepared;
 }
@@ -62,16 +71,18 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
   return result;
 }
 
-FoundRegions find_regions(const Frame&,
+FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
                           Trace* trace) {
-  if (options.method != Method::ours)
-    throw Error(std::string("method ") + to_string(options.method) + " is not built");
   FoundRegions found;
-  found.segmentation =
-      segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-              prepared.sensor(), segment_options(prepared, options), trace);
+  if (options.method == Method::ours)
+    found.segmentation =
+        segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
+                prepared.sensor(), segment_options(prepared, options), trace);
+  else
+    found = find_rival_regions(frame, prepared, options);
+  if (!found.plane_of.empty()) return found;
   found.plane_of.assign(prepared.cloud.points.size(), 0);
   for (std::size_t i = 0; i < found.plane_of.size(); ++i)
     if (const std::uint32_t voxel = prepared.voxels.voxel_of[i]; voxel != kNoVoxel)
@@ -88,6 +99,8 @@ FrameResult run_frame(const Frame& frame,
   FoundRegions found = find_regions(frame, result, options, trace);
   result.segmentation = std::move(found.segmentation);
   result.plane_of = std::move(found.plane_of);
+  if (options.method != Method::ours)
+    result.classification.labels = labels_of_planes(result.segmentation);
   result.timings.t_b_ms = result.segmentation.timings.build_ms;
   result.timings.t_s_ms = result.segmentation.timings.traverse_ms;
   return result;

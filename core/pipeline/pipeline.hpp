@@ -49,7 +49,7 @@ struct PreparedFrame {
   Gravity gravity;
   Cloud cloud;
   VoxelCloud voxels;              // N_d = voxels.points.size()
-  Classification classification;  // per voxel
+  Classification classification;  // per voxel; of rivals: nothing is known, with margins of 0
   bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
   FrameTimings timings;
 
@@ -61,8 +61,8 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Throws
-/// Error where gravity cannot be found, or both are null.
+/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals
+/// need neither. Throws Error where gravity cannot be found, or both are null.
 PreparedFrame prepare_frame(const Frame& frame,
                             const PipelineOptions& options,
                             const Classifier* classifier,
@@ -73,8 +73,8 @@ PreparedFrame prepare_frame(const Frame& frame,
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
 /// Finds the planes of a prepared frame with the method of the options. Of a rival, the
-/// segmentation has planes and points alone: no octree, no counts, an empty trace; a plane is h
-/// where its normal is within 45 degrees of gravity.
+/// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
+/// a plane is h where its normal is within 45 degrees of gravity.
 struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
@@ -84,7 +84,8 @@ FoundRegions find_regions(const Frame& frame,
                           const PipelineOptions& options,
                           Trace* trace = nullptr);
 
-/// Runs one frame: prepare_frame() and find_regions(). `trace` may be null.
+/// Runs one frame: prepare_frame() and find_regions(). `trace` may be null. Of a rival, the labels
+/// are those of the voxels' planes, unknown elsewhere.
 FrameResult run_frame(const Frame& frame,
                       const PipelineOptions& options,
                       const Classifier* classifier,

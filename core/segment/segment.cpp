@@ -6,6 +6,7 @@
 #include <cassert>
 #include <chrono>
 
+#include "core/segment/outward.hpp"
 #include "core/segment/state.hpp"
 
 namespace planescope {
@@ -48,11 +49,7 @@ void conclude(SegmentState& state, Segmentation& result) {
     region.fit = plane.fit;
     region.points = points[k];
     region.founded = k;
-    // Floors look up, walls look at the sensor.
-    const double side = plane.label == Label::h
-                            ? plane.fit.normal.z()
-                            : plane.fit.normal.dot(state.sensor - plane.fit.centroid);
-    if (side < 0) region.fit.normal = -region.fit.normal;
+    region.fit.normal = outward_normal(plane.fit, plane.label, state.sensor);
     result.planes.push_back(region);
     id[k] = region.id;
   }
