@@ -14,12 +14,10 @@
 #include "app/commands/options.hpp"
 #include "app/commands/report.hpp"
 #include "app/commands/segment.hpp"
-#include "app/commands/synth.hpp"
 #include "app/commands/view.hpp"
 #include "app/typed.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
-#include "core/synthetic/scenes.hpp"
 
 namespace planescope {
 namespace {
@@ -137,58 +135,6 @@ void define_options(Line& line) {
   });
 }
 
-void define_synth(Line& line) {
-  Typed& t = line.typed;
-  CLI::App* synth =
-      line.app.add_subcommand("synth", "Write synthetic recordings with ground truth");
-
-  CLI::App* sample = synth->add_subcommand(
-      "sample", "A recording as a depth camera makes it, and its exact ground truth in DIR.labels");
-  add_out(sample, t);
-  add(sample, "--scenes", t.scenes, "NAME,...",
-      fmt::format("One frame each, of {}; default stairs,kerb,boxes",
-                  fmt::join(scene_names(), ", ")));
-  add(sample, "--size", t.size, "WxH", "Of the pictures in pixels, default 640x480");
-  add(sample, "--seed", t.seed, "N", "Another seed makes other scenes and noise, default 1");
-  sample->add_flag("--exact", t.exact, "Depth without noise and holes");
-  sample->add_flag("--depth-only", t.depth_only, "No colour");
-  sample->add_flag("--with-gravity", t.with_gravity, "State the true gravity in the recording");
-  sample->final_callback([&line] {
-    const SynthSampleArgs args = sample_args(line.typed);
-    line.job = [args](std::stop_token) { return run_synth_sample(args); };
-  });
-
-  CLI::App* stairs = synth->add_subcommand(
-      "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
-  add_out(stairs, t);
-  add(stairs, "--count", t.count, "N", "How many stairs, default 100");
-  add(stairs, "--points", t.points, "N", "Points of each, default 8192; 0 = dense sampling");
-  add(stairs, "--noise", t.noise, "M", "Standard deviation of the noise, default 0");
-  add(stairs, "--seed", t.seed, "N", "Another seed makes another set, default 1");
-  stairs->add_flag("--axis-aligned", t.axis_aligned, "Do not turn the stairs about z");
-  add(stairs, "--threads", t.threads, "N", "Default: all cores");
-  stairs->final_callback([&line] {
-    const SynthStairsArgs args = stairs_args(line.typed);
-    line.job = [args](std::stop_token stop) { return run_synth_stairs(args, stop); };
-  });
-
-  CLI::App* training = synth->add_subcommand(
-      "training", "What the classifier learns from: labelled PLY clouds, and training.json");
-  add_out(training, t);
-  add(training, "--recipe", t.recipe, "NAME",
-      fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
-                  fmt::join(recipe_names(), " or "), t.recipe));
-  add(training, "--count", t.count, "N", "At most so many clouds of each kind; default all");
-  training->add_flag("--augmented", t.augmented,
-                     "Noise, turns and holes as one step of training adds them");
-  add(training, "--seed", t.seed, "N", "Another seed makes another set, default 1");
-  add(training, "--threads", t.threads, "N", "Default: all cores");
-  training->final_callback([&line] {
-    const SynthTrainingArgs args = training_args(line.typed);
-    line.job = [args](std::stop_token stop) { return run_synth_training(args, stop); };
-  });
-}
-
 void define_train(Line& line) {
   Typed& t = line.typed;
   CLI::App* train = line.app.add_subcommand(
@@ -293,7 +239,7 @@ Job parse_command_line(int argc, char** argv) {
   define_report(line);
   define_eval(line);
   define_options(line);
-  define_synth(line);
+  define_synth(app, line.typed, [&line](Job job) { line.job = std::move(job); });
   define_train(line);
   define_bench(line);
   define_labels(app, line.typed, [&line](Job job) { line.job = std::move(job); });

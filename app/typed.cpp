@@ -166,6 +166,24 @@ SynthStairsArgs stairs_args(const Typed& typed) {
   return args;
 }
 
+SynthSetArgs set_args(const Typed& typed) {
+  SynthSetArgs args;
+  args.set = find_evaluation_set(typed.evaluation_set);
+  args.out = required_out(typed, "synth set");
+  if (args.set.depth && !(typed.points.empty() && typed.noise.empty()))
+    throw Error("--points, --noise: " + args.set.name + " has depth images, expected --errors");
+  if (!args.set.depth && !typed.errors.empty())
+    throw Error("--errors: " + args.set.name + " has clouds, expected --points or --noise");
+  args.count = typed.count.empty() ? args.set.frames : whole_at_least(typed.count, "--count", 1);
+  if (!typed.seed.empty()) args.options.seed = seed(typed);
+  if (!typed.points.empty()) args.options.points = whole_at_least(typed.points, "--points", 0);
+  if (!typed.noise.empty()) args.options.noise_m = parse_number(typed.noise, "--noise");
+  if (args.options.noise_m < 0) throw Error("--noise: " + typed.noise + " is negative");
+  if (!typed.errors.empty()) args.options.errors = parse_depth_errors(typed.errors);
+  args.threads = thread_count(typed);
+  return args;
+}
+
 SynthTrainingArgs training_args(const Typed& typed) {
   SynthTrainingArgs args;
   args.out = required_out(typed, "synth training");

@@ -22,7 +22,7 @@ struct Typed {
   bool strict = false;  // labels check
   bool json = false;
 
-  std::string seed, count, points, noise, scenes, size, recipe = "planescope";
+  std::string seed, count, points, noise, scenes, size, evaluation_set, errors, recipe = "planescope";
   std::string network, steps, epoch, from, baseline, prediction;
   std::vector<std::string> weights;
   std::string only, rounds;
@@ -40,6 +40,7 @@ PipelineOptions pipeline_options(const Typed& typed);
 InputArgs input_args(const Typed& typed);
 SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
+SynthSetArgs set_args(const Typed& typed);
 SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
 BenchClassifierArgs bench_classifier_args(const Typed& typed);

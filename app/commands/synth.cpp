@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <functional>
 
 #include "app/output.hpp"
 #include "app/progress.hpp"
@@ -10,8 +11,70 @@
 #include "core/base/parallel.hpp"
 #include "core/labels/label_files.hpp"
 #include "core/recording/cloud_file.hpp"
+#include "core/synthetic/sample_folder.hpp"
 
 namespace planescope {
+namespace {
+
+struct NamedCloud {
+  std::string name;
+  PointSet cloud;
+};
+
+/// DIR/NAME.ply for each of `count` clouds. Returns how many there are: fewer where stopped.
+int write_clouds(const std::filesystem::path& dir,
+                 const std::string& task,
+                 int count,
+                 int threads,
+                 const std::stop_token& stop,
+                 const std::function<NamedCloud(int)>& make_cloud) {
+  std::error_code failed;
+  std::filesystem::create_directories(dir, failed);
+  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
+  std::atomic<int> done = 0;
+  Progress progress(task, count);
+  const auto make = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+      const NamedCloud made = make_cloud(static_cast<int>(i));
+      write_ply(dir / (made.name + ".ply"), made.cloud);
+      ++done;
+      if (begin == 0) progress.show(done, "");  // one thread speaks for all
+    }
+  };
+  parallel_for(static_cast<std::size_t>(count), threads, make, 1);
+  return done;
+}
+
+int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
+  const auto make = [&](int i) {
+    EvaluationFrame made = make_evaluation_frame(args.set, i, args.options);
+    return NamedCloud{std::move(made.name), std::move(*made.frame.cloud)};
+  };
+  const int done = write_clouds(args.out, task, args.count, args.threads, stop, make);
+  fmt::print("{}: {} clouds of {}\n", args.out.string(), done, args.set.name);
+  if (stop.stop_requested()) throw Cancelled();
+  return 0;
+}
+
+int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
+  const SampleFolder folder{
+      fmt::format("planescope {} --errors {}", task, to_string(args.options.errors)),
+      args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
+  {
+    Progress progress(task, args.count);
+    write_sample_folder(args.out, folder, [&](std::size_t i) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(i), "");
+      EvaluationFrame made = make_evaluation_frame(args.set, static_cast<int>(i), args.options);
+      return SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
+    });
+  }
+  fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
+             args.set.name, default_label_dir(args.out).string());
+  return 0;
+}
+
+}  // namespace
 
 int run_synth_sample(const SynthSampleArgs& args) {
   check_output_dir(args.out);
@@ -23,26 +86,19 @@ int run_synth_sample(const SynthSampleArgs& args) {
 
 int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
-  std::error_code failed;
-  std::filesystem::create_directories(args.out, failed);
-  if (failed) throw Error("output " + args.out.string() + ": " + failed.message());
-
-  std::atomic<int> done = 0;
-  {
-    Progress progress("synth stairs", args.count);
-    const auto make = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
-        const Stairs stairs = make_stairs(static_cast<int>(i), args.stairs);
-        write_ply(args.out / fmt::format("stairs_{:03}.ply", i), stairs.cloud);
-        ++done;
-        if (begin == 0) progress.show(done, "");  // one thread speaks for all
-      }
-    };
-    parallel_for(static_cast<std::size_t>(args.count), args.threads, make, 1);
-  }
-  fmt::print("{}: {} stairs\n", args.out.string(), done.load());
+  const auto make = [&](int i) {
+    return NamedCloud{fmt::format("stairs_{:03}", i), make_stairs(i, args.stairs).cloud};
+  };
+  const int done = write_clouds(args.out, "synth stairs", args.count, args.threads, stop, make);
+  fmt::print("{}: {} stairs\n", args.out.string(), done);
   if (stop.stop_requested()) throw Cancelled();
   return 0;
+}
+
+int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  const std::string task = "synth set " + args.set.name;
+  return args.set.depth ? write_set_depth(args, task, stop) : write_set_clouds(args, task, stop);
 }
 
 }  // namespace planescope

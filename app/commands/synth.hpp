@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stop_token>
 
+#include "core/synthetic/evaluation_sets.hpp"
 #include "core/synthetic/sample.hpp"
 #include "core/synthetic/stairs.hpp"
 
@@ -26,5 +27,16 @@ struct SynthStairsArgs {
 
 /// Writes the paper's evaluation set: DIR/stairs_000.ply and so on, with label and instance.
 int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop);
+
+struct SynthSetArgs {
+  std::filesystem::path out;  // -o
+  EvaluationSet set;
+  int count = 0;
+  EvaluationOptions options;
+  int threads = 1;  // clouds
+};
+
+/// Writes frames of an evaluation set: clouds as synth stairs does, depth as synth sample does.
+int run_synth_set(const SynthSetArgs& args, std::stop_token stop);
 
 }  // namespace planescope

@@ -140,6 +140,39 @@ TEST(SynthStairs, BadNumbersAreRefused) {
   }
 }
 
+TEST(SynthSet, CloudsAreWrittenThatScoreThemselves) {
+  const auto dir = scratch();
+  const Ran ran = run({"synth", "set", "ramps", "-o", (dir / "set").string(), "--count", "2",
+                       "--points", "2048", "--noise", "0.001"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  ASSERT_EQ(files_below(dir / "set"), (std::vector<std::string>{"ramps_000.ply", "ramps_001.ply"}));
+  const Ran eval =
+      run({"eval", "--json", "--classifier", "truth", (dir / "set/ramps_000.ply").string()});
+  ASSERT_EQ(eval.code, 0) << eval.err;
+  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
+}
+
+TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
+  const auto dir = scratch();
+  const std::string rec = (dir / "rec").string();
+  const Ran ran = run({"synth", "set", "depth_stairs", "-o", rec, "--count", "2", "--errors",
+                       "noise", "--seed", "3"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json sidecar = Json::parse(read_text(dir / "rec/planescope.json"));
+  EXPECT_EQ(sidecar["made_by"], "planescope synth set depth_stairs --errors noise");
+  EXPECT_EQ(sidecar["seed"], 3);
+  EXPECT_EQ(sidecar["frames"][1]["scene"], "depth_stairs_001");
+
+  const Ran info = run({"info", "--json", rec});
+  ASSERT_EQ(info.code, 0) << info.err;
+  const Json facts = Json::parse(info.out)["recordings"][0];
+  EXPECT_EQ(facts["gravity"]["source"], "sidecar");
+  EXPECT_EQ(facts["labels"]["frames"], 2);
+  const Ran eval = run({"eval", "--json", "--classifier", "truth", rec});
+  ASSERT_EQ(eval.code, 0) << eval.err;
+  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
+}
+
 TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"}) {
