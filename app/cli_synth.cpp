@@ -50,7 +50,7 @@ void define_stairs(CLI::App* synth, Typed& t, const Choose& choose) {
 void define_set(CLI::App* synth, Typed& t, const Choose& choose) {
   std::string names = "One of";
   for (const EvaluationSet& set : evaluation_sets())
-    names += fmt::format("\n{}: {}", set.name, set.meaning);
+    names += "\n" + wrapped(set.name + ": " + set.meaning);
   CLI::App* command = synth->add_subcommand(
       "set", "A set that methods are measured on: PLY clouds, or depth and its DIR.labels");
   command->add_option("NAME", t.evaluation_set, names)->type_name("");

@@ -22,7 +22,8 @@ struct Typed {
   bool strict = false;  // labels check
   bool json = false;
 
-  std::string seed, count, points, noise, scenes, size, evaluation_set, errors, recipe = "planescope";
+  std::string seed, count, points, noise, scenes, size, evaluation_set, errors,
+      recipe = "planescope";
   std::string network, steps, epoch, from, baseline, prediction;
   std::vector<std::string> weights;
   std::string only, rounds;
