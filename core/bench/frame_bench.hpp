@@ -23,14 +23,15 @@ struct FrameRow {
   double whole_fps = 0;  // of these, back-projection and cropping; not of loading
 };
 
-/// Up to 30 of `frames`, evenly spread; fewer are run repeatedly, to 30 runs, after some that do
-/// not count. Frames are loaded anew for each run. `options.threads` as given. Throws Error where
-/// a frame cannot be read or has no gravity. `progress` is called before each run with its number
-/// and that of all; it may be empty and may throw to stop.
+/// Up to `runs` of `frames`, evenly spread; fewer are run repeatedly, after some that do not
+/// count. Frames are loaded anew for each run. `options.threads` as given. Throws Error where a
+/// frame cannot be read or has no gravity. `progress` is called before each run with its number and
+/// that of all; it may be empty and may throw to stop.
 FrameRow measure_frames(const Recording& recording,
                         const std::vector<int>& frames,
                         const PipelineOptions& options,
                         const Classifier& classifier,
-                        const std::function<void(int, int)>& progress = {});
+                        const std::function<void(int, int)>& progress = {},
+                        int runs = 30);
 
 }  // namespace planescope

@@ -1,9 +1,12 @@
 #include "core/experiments/paper_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/base/error.hpp"
 #include "core/pipeline/options_table.hpp"
+#include "core/synthetic/evaluation_sets.hpp"
 
 namespace planescope {
 namespace {
@@ -123,6 +126,13 @@ const std::vector<std::string>& refinements() {
 
 std::string without(const std::string& refinement) { return kWithout + refinement; }
 
+std::string frames_name(const CellKey& key) {
+  std::string name = key.set;
+  if (key.points > 0) name += fmt::format(", {} points, {} cm", key.points, key.noise_cm);
+  if (!key.errors.empty()) name += ", " + key.errors;
+  return name;
+}
+
 std::string contestant_name(const CellKey& key) {
   std::string name = key.method;
   for (const std::string* part : {&key.profile, &key.classifier, &key.setting})
@@ -133,8 +143,14 @@ std::string contestant_name(const CellKey& key) {
 PipelineOptions cell_options(const CellKey& key) {
   PipelineOptions options;
   options.threads = 1;
+  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // nothing of it is nearer than 1.5
   if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
   if (key.method != "ours") {
+    if (key.points > 0) {
+      options.rivals.pcl_region_growing = kPclRegionGrowingByPoint;
+      options.rivals.cgal_ransac = kCgalRansacByPoint;
+      options.rivals.cgal_region_growing = kCgalRegionGrowingByPoint;
+    }
     options.method = parse_method(key.method);
     if (key.setting == kRansacCoarse) options.rivals.ransac.theta_pf_m = 0.02;
     return options;
@@ -184,7 +200,18 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
     cells.add_tuned(stairs_of(plan.tuning_seed, kPoints, noise_cm));
   for (const std::string& set : depth_sets())
     cells.add_tuned(depth_of(set, plan.tuning_seed, "d435"));
-  return std::move(cells).keys();
+  std::vector<CellKey> keys = std::move(cells).keys();
+  if (!plan.sets.empty())
+    std::erase_if(keys, [&](const CellKey& key) {
+      return std::ranges::find(plan.sets, key.set) == plan.sets.end();
+    });
+  return keys;
+}
+
+int planned_frames(const PaperPlan& plan, const std::string& set) {
+  int frames = set == kRealLabelled ? 1 : find_evaluation_set(set).frames;
+  if (plan.quick) frames = std::min(frames, set == kStairs ? 8 : 2);
+  return plan.count > 0 ? std::min(frames, plan.count) : frames;
 }
 
 }  // namespace planescope

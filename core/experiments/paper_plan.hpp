@@ -39,6 +39,8 @@ bool same_frames(const CellKey& a, const CellKey& b);
 const std::vector<std::string>& refinements();
 std::string without(const std::string& refinement);  // as a setting
 
+/// "stairs, 8192 points, 0.1 cm", "depth_boxes, d435"
+std::string frames_name(const CellKey& key);
 /// "ours refined gcn", "ransac theta_pf 0.02"
 std::string contestant_name(const CellKey& key);
 
@@ -47,10 +49,14 @@ PipelineOptions cell_options(const CellKey& key);
 
 struct PaperPlan {
   std::uint64_t seed = 1, tuning_seed = 1001;
-  bool quick = false;          // fewer conditions of the sets that the paper lacks
-  bool real_labelled = false;  // with the labelled frame
+  std::vector<std::string> sets;  // empty: all
+  int count = 0;                  // frames of a set at most; 0: all that it has
+  bool quick = false;             // fewer conditions of the sets that the paper lacks
+  bool real_labelled = false;     // with the labelled frame
 };
 /// In the order of the tables, none twice; cells of the same frames lie side by side.
 std::vector<CellKey> planned_cells(const PaperPlan& plan);
+/// How many frames of its set a cell is the mean of.
+int planned_frames(const PaperPlan& plan, const std::string& set);
 
 }  // namespace planescope

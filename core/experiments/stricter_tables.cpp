@@ -14,7 +14,8 @@ const std::vector<std::string> kColumns = {"alpha", "r_p",  "r_m",  "points", "I
                                            "PQ",    "det",  "over", "under",  "missed",
                                            "noise", "edge", "inner"};
 constexpr const char* kColumnNote =
-    "alpha: mean angle to the true normals [deg]; r_p: 100 x planes found / true; r_m: % of points "
+    "The columns of the tables that follow. alpha: mean angle to the true normals [deg]; r_p: 100 "
+    "x planes found / true; r_m: % of points "
     "in no plane; points: % in the plane that stands for theirs; IoU: mean over true planes, %; "
     "PQ: "
     "panoptic quality, %; det: % of true planes found with an IoU of at least 0.8; over, under, "
@@ -34,6 +35,17 @@ std::vector<std::string> figures(const Cell& cell) {
   for (const double value : {m.label_accuracy_edge, m.label_accuracy_inner})
     texts.push_back(labels ? fixed(value, 2) : "-");
   return texts;
+}
+
+Table table_of_figures(std::string title, const char* name) {
+  Table table{std::move(title), "", {name}, {}, 1};
+  table.columns.insert(table.columns.end(), kColumns.begin(), kColumns.end());
+  return table;
+}
+
+void add_row(Table& table, const std::string& name, const Cell& cell) {
+  std::vector<std::string>& row = table.rows.emplace_back(1, name);
+  for (std::string& text : figures(cell)) row.push_back(std::move(text));
 }
 
 /// Frames that are scored together, and what they are called.
@@ -65,10 +77,7 @@ std::vector<Subject> subjects(const PaperResults& results) {
     if (key.seed == results.tuning_seed && key.seed != results.seed) continue;
     if (std::ranges::any_of(all, [&](const Subject& s) { return same_frames(s.frames[0], key); }))
       continue;
-    std::string title = key.set;
-    if (key.points > 0) title += fmt::format(", {} points, {} cm", key.points, key.noise_cm);
-    if (!key.errors.empty()) title += ", " + key.errors;
-    all.push_back({title, meaning_of(key.set), {key}});
+    all.push_back({frames_name(key), meaning_of(key.set), {key}});
   }
   Subject depth{"all depth sets, d435", "the three sets of D435-like depth frames together", {}};
   for (const std::string& set : depth_sets())
@@ -87,17 +96,14 @@ std::vector<CellKey> contestants(const PaperResults& results, const CellKey& fra
 }
 
 Table methods_table(const PaperResults& results, const Subject& subject) {
-  Table table{subject.title, "", {"method"}, {}, 1};
-  table.columns.insert(table.columns.end(), kColumns.begin(), kColumns.end());
+  Table table = table_of_figures(subject.title, "method");
   int frames = 0;
   for (const CellKey& key : contestants(results, subject.frames[0])) {
     std::optional<Cell> cell = joined_cell(results, each_with(subject.frames, key));
     if (!cell) continue;
     cell->key = key;
     frames = cell->frames;
-    table.rows.push_back({contestant_name(key)});
-    const std::vector<std::string> texts = figures(*cell);
-    table.rows.back().insert(table.rows.back().end(), texts.begin(), texts.end());
+    add_row(table, contestant_name(key), *cell);
   }
   table.note = fmt::format(
       "{}; {} frame{}{}, scored by {}.", subject.meaning, frames, frames == 1 ? "" : "s",
@@ -135,21 +141,16 @@ Table overview(const PaperResults& results) {
 std::optional<Table> ablation(const PaperResults& results,
                               const std::string& title,
                               const std::vector<CellKey>& frames) {
-  Table table{"Profile refined without each of its refinements, " + title,
-              "Labels by gcn.",
-              {"refinement off"},
-              {},
-              1};
-  table.columns.insert(table.columns.end(), kColumns.begin(), kColumns.end());
+  Table table =
+      table_of_figures("Profile refined without each of its refinements, " + title, "without");
+  table.note = "Labels by gcn.";
   const auto add = [&](const std::string& name, const CellKey& contestant) {
     std::optional<Cell> cell = joined_cell(results, each_with(frames, contestant));
     if (!cell) return;
     cell->key = contestant;
-    table.rows.push_back({name});
-    const std::vector<std::string> texts = figures(*cell);
-    table.rows.back().insert(table.rows.back().end(), texts.begin(), texts.end());
+    add_row(table, name, *cell);
   };
-  add("none", with_ours({}, "refined", "gcn"));
+  add("nothing left out", with_ours({}, "refined", "gcn"));
   for (const std::string& refinement : refinements())
     add(refinement, with_ours({}, "refined", "gcn", without(refinement)));
   return table.rows.size() > 1 ? std::optional(std::move(table)) : std::nullopt;
