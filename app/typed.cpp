@@ -4,11 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <thread>
 
+#include "app/assets.hpp"
+#include "app/paper_recordings.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/experiments/paper_plan.hpp"
 #include "core/pipeline/options_table.hpp"
+#include "core/synthetic/evaluation_sets.hpp"
 
 namespace planescope {
 namespace {
@@ -38,6 +43,16 @@ std::uint64_t seed(const Typed& typed) {
   return static_cast<std::uint64_t>(whole_at_least(typed.seed, "--seed", 0));
 }
 
+/// Some of these, all where none is given.
+std::set<std::string> chosen_parts(const Typed& typed, const std::vector<std::string>& known) {
+  const std::vector<std::string> parts = typed.only.empty() ? known : split(typed.only, ',');
+  for (const std::string& part : parts)
+    if (std::ranges::find(known, part) == known.end())
+      throw Error(fmt::format("--only: '{}' is not a part, expected some of {}", part,
+                              fmt::join(known, ", ")));
+  return {parts.begin(), parts.end()};
+}
+
 void limit(const Typed& typed, std::initializer_list<int*> counts) {
   if (typed.count.empty()) return;
   const int most = whole_at_least(typed.count, "--count", 1);
@@ -50,6 +65,23 @@ void set_size(const std::string& text, int& width, int& height) {
   if (sides.size() != 2) throw Error("--size: '" + text + "' is not WxH");
   width = whole_at_least(sides[0], "--size", 1);
   height = whole_at_least(sides[1], "--size", 1);
+}
+
+/// Without folders and threads: both leave the results alone.
+std::string same_paper_command(const BenchPaperArgs& args, const Typed& typed) {
+  std::string text = "planescope bench paper";
+  for (const std::string& input : typed.inputs)
+    text += fmt::format(" {}", std::filesystem::path(input).lexically_normal().filename().string());
+  text += fmt::format(" --seed {} --tuning-seed {}", args.seed, args.tuning_seed);
+  if (args.quick) text += " --quick";
+  if (!args.sets.empty()) text += fmt::format(" --sets {}", typed.sets);
+  for (const auto& [name, value] : {std::pair{"--count", typed.count},
+                                    {"--frames", typed.frames},
+                                    {"--gravity", typed.gravity},
+                                    {"--intrinsics", typed.intrinsics},
+                                    {"--depth-unit", typed.depth_unit}})
+    if (!value.empty()) text += fmt::format(" {} {}", name, value);
+  return text;
 }
 
 }  // namespace
@@ -243,14 +275,48 @@ BenchClassifierArgs bench_classifier_args(const Typed& typed) {
   if (!typed.rounds.empty()) args.rounds = whole_at_least(typed.rounds, "--rounds", 1);
   args.parts = {"accuracy", "gravity", "chain", "speed"};
   if (!typed.inputs.empty()) args.parts.insert("frames");
-  if (!typed.only.empty()) {
-    const std::vector<std::string> parts = split(typed.only, ',');
-    args.parts = {parts.begin(), parts.end()};
+  if (!typed.only.empty()) args.parts = chosen_parts(typed, bench_classifier_parts());
+  return args;
+}
+
+BenchPaperArgs bench_paper_args(const Typed& typed) {
+  BenchPaperArgs args;
+  args.out = typed.out;
+  args.from = typed.from;
+  args.doc = typed.doc;
+  if (typed.doc.empty() && typed.out.empty())
+    throw Error("bench paper needs an output folder, -o DIR");
+  if (!typed.doc.empty() && typed.from.empty())
+    throw Error("--doc needs the results that it is written from, --from DIR");
+  if (typed.weights.size() > 1) throw Error("--weights: bench paper measures one network");
+  if (!typed.weights.empty()) args.weights = typed.weights[0];
+  if (!typed.seed.empty()) args.seed = seed(typed);
+  if (!typed.tuning_seed.empty())
+    args.tuning_seed =
+        static_cast<std::uint64_t>(whole_at_least(typed.tuning_seed, "--tuning-seed", 1));
+  if (args.seed == 0) throw Error("--seed: 0 is out of range, expected at least 1");
+  if (!typed.count.empty()) args.count = whole_at_least(typed.count, "--count", 1);
+  if (!typed.sets.empty()) args.sets = split(typed.sets, ',');
+  for (const std::string& set : args.sets)
+    if (set != kRealLabelled) find_evaluation_set(set);
+  args.quick = typed.quick;
+  args.resume = typed.resume;
+  args.json = typed.json;
+  args.parts = chosen_parts(typed, bench_paper_parts());
+  args.threads = thread_count(typed);
+  if (const char* data = std::getenv("PLANESCOPE_DATA")) args.data = data;
+  for (const std::string& input : typed.inputs) {
+    Typed one = typed;
+    one.inputs = {input};
+    one.labels.clear();
+    args.recordings.push_back(
+        {std::filesystem::absolute(input + "/").parent_path().filename().string(),
+         input_args(one)});
   }
-  for (const std::string& part : args.parts)
-    if (std::ranges::find(bench_classifier_parts(), part) == bench_classifier_parts().end())
-      throw Error(fmt::format("--only: '{}' is not a part, expected some of {}", part,
-                              fmt::join(bench_classifier_parts(), ", ")));
+  if (typed.inputs.empty() && !args.data.empty() && typed.from.empty())
+    args.recordings = listed_recordings(
+        find_asset("paper_recordings.txt", "the list of bench paper's recordings is"), args.data);
+  args.same_command = same_paper_command(args, typed);
   return args;
 }
 

@@ -5,6 +5,7 @@
 
 #include "app/commands/bench_classifier.hpp"
 #include "app/commands/bench_desktop.hpp"
+#include "app/commands/bench_paper.hpp"
 #include "app/commands/inputs.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
@@ -26,7 +27,8 @@ struct Typed {
       recipe = "planescope";
   std::string network, steps, epoch, from, baseline, prediction;
   std::vector<std::string> weights;
-  std::string only, rounds;
+  std::string only, rounds, sets, tuning_seed, doc;
+  bool quick = false;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
        augmented = false, resume = false, balance_classes = false;
 
@@ -45,6 +47,7 @@ SynthSetArgs set_args(const Typed& typed);
 SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
 BenchClassifierArgs bench_classifier_args(const Typed& typed);
+BenchPaperArgs bench_paper_args(const Typed& typed);
 ViewArgs view_args(const Typed& typed);
 BenchDesktopArgs bench_desktop_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);

@@ -1,0 +1,183 @@
+// planescope bench paper, with few sets and frames.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+
+using namespace planescope::testing_cli;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+Ran bench(const fs::path& out, const std::vector<std::string>& more) {
+  std::vector<std::string> args = {"bench", "paper", "--quick", "--count", "1", "-o", out.string()};
+  args.insert(args.end(), more.begin(), more.end());
+  return run(args);
+}
+
+const std::vector<std::string> kTables = {"--only", "tables", "--sets", "kerbs,depth_boxes"};
+
+std::vector<std::string> and_more(std::vector<std::string> args,
+                                  const std::vector<std::string>& more) {
+  args.insert(args.end(), more.begin(), more.end());
+  return args;
+}
+
+std::string frames_of(const Json& cell) {
+  return cell["key"]["set"].get<std::string>() + cell["key"].value("errors", "");
+}
+
+bool is_ours(const Json& cell, const std::string& labels) {
+  const Json& key = cell["key"];
+  return key["method"] == "ours" && key["profile"] == "refined" && key["classifier"] == labels &&
+         !key.contains("setting");
+}
+
+}  // namespace
+
+TEST(BenchPaper, TheTablesHoldWhatMustHoldWhateverIsMeasured) {
+  const fs::path out = scratch() / "out";
+  const Ran ran = bench(out, kTables);
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(out), (std::vector<std::string>{"index.html", "paper.json", "paper.md"}));
+
+  const Json results = Json::parse(read_text(out / "paper.json"));
+  EXPECT_EQ(results["weights"]["sha256"].get<std::string>().size(), 64u);
+  std::map<std::string, Json> oracle, truth;
+  for (const Json& cell : results["cells"]) {
+    if (cell["key"]["method"] == "oracle") oracle[frames_of(cell)] = cell;
+    if (is_ours(cell, "truth")) truth[frames_of(cell)] = cell;
+  }
+  EXPECT_EQ(truth.size(), 3u) << "kerbs, and boxes clean and as a D435 sees them";
+  for (const Json& cell : results["cells"]) {
+    const std::string name = cell.dump();
+    const auto count = [&](const char* value) { return cell[value].get<int>(); };
+    // Each true plane is right, apart, part of a larger one or missed; each found one likewise. A
+    // plane of an IoU of 0.8 is right, one that is several of them is made of two at least.
+    EXPECT_LE(count("detected_iou80") + count("over_segmented") + 2 * count("under_segmented") +
+                  count("missed"),
+              count("planes_truth"))
+        << name;
+    EXPECT_LE(count("detected_iou80") + 2 * count("over_segmented") + count("under_segmented") +
+                  count("noise"),
+              count("planes_found"))
+        << name;
+    EXPECT_NEAR(cell["r_p"].get<double>(), 100.0 * count("planes_found") / count("planes_truth"),
+                1e-9);
+    EXPECT_LE(cell["point_accuracy"].get<double>(), 100 - cell["r_m"].get<double>() + 1e-9) << name;
+    if (cell["key"].value("classifier", "") != "truth" && oracle.contains(frames_of(cell)))
+      EXPECT_LE(cell["mean_iou"].get<double>(),
+                oracle[frames_of(cell)]["mean_iou"].get<double>() + 0.5)
+          << name;
+    if (is_ours(cell, "gcn") && truth.contains(frames_of(cell)))
+      EXPECT_LE(cell["mean_iou"].get<double>(),
+                truth[frames_of(cell)]["mean_iou"].get<double>() + 2)
+          << name;
+  }
+}
+
+TEST(BenchPaper, TheResultsAreTheSameForAnyThreadCountAndForARunThatWasCutShort) {
+  const fs::path dir = scratch();
+  const std::vector<std::string> args = {"--only", "tables", "--sets", "kerbs,depth_slopes"};
+  for (const char* threads : {"1", "2"}) {
+    const Ran ran = bench(dir / threads, and_more(args, {"--threads", threads}));
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  EXPECT_EQ(read_text(dir / "1/paper.json"), read_text(dir / "2/paper.json"));
+
+  // As if it had ended after a few cells: the log of a whole run, cut.
+  std::ostringstream log;
+  const Json results = Json::parse(read_text(dir / "1/paper.json"));
+  log << Json{{"schema", "planescope.paper.cells/1"},
+              {"seed", 1},
+              {"tuning_seed", 1001},
+              {"quick", true},
+              {"count", 1},
+              {"weights", results["weights"]["sha256"]},
+              {"version", results["version"]},
+              {"commit", results["commit"]},
+              {"modified", results["modified"]}}
+             .dump()
+      << '\n';
+  for (std::size_t i = 0; i < results["cells"].size() / 2; ++i)
+    log << results["cells"][i].dump() << '\n';
+  fs::create_directories(dir / "cut");
+  write_text(dir / "cut/cells.jsonl", log.str() + R"({"key":{"se)");
+  const Ran refused = bench(dir / "cut", args);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
+  EXPECT_NE(refused.err.find("--resume"), std::string::npos) << refused.err;
+  const Ran resumed = bench(dir / "cut", and_more(args, {"--resume"}));
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(read_text(dir / "1/paper.json"), read_text(dir / "cut/paper.json"));
+  EXPECT_FALSE(fs::exists(dir / "cut/cells.jsonl"));
+}
+
+TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
+  const fs::path dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  planescope::Image16 nothing = floor_and_wall();
+  std::fill(nothing.data.begin(), nothing.data.end(), std::uint16_t{0});
+  write_depth_folder(dir / "dark", nothing);
+  const Ran ran = bench(dir / "out", {(dir / "rec").string(), (dir / "dark").string(), "--only",
+                                      "tables,timings", "--sets", "kerbs", "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(ran.out);
+  const Json& real = json["results"]["real"];
+  ASSERT_EQ(real.size(), 2u);
+  EXPECT_EQ(real[0]["recording"], "rec");
+  EXPECT_EQ(real[0]["frames"], 2);
+  EXPECT_EQ(real[0]["planes"], 2.0);
+  EXPECT_EQ(real[1]["frames"], 0);
+  EXPECT_EQ(real[1]["refused"], 1);
+  EXPECT_GT(json["timings"]["real"][0]["fps"], 0);
+  EXPECT_EQ(json["timings"]["classifiers"].size() % 3, 0u);
+  EXPECT_GT(json["timings"]["methods"][0]["fps"], 0);
+}
+
+TEST(BenchPaper, WritesItsPagesAgainFromWhatWasMeasured) {
+  const fs::path dir = scratch();
+  ASSERT_EQ(bench(dir / "out", {"--only", "tables", "--sets", "kerbs"}).code, 0);
+  const Ran ran = run({"bench", "paper", "--from", (dir / "out").string(), "-o",
+                       (dir / "again").string(), "--only", "tables"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  for (const char* file : {"paper.md", "index.html"})
+    EXPECT_EQ(read_text(dir / "out" / file), read_text(dir / "again" / file)) << file;
+}
+
+TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
+  const fs::path out = scratch() / "out";
+  const Ran ran =
+      run_and_signal({"bench", "paper", "--only", "tables", "--sets", "kerbs", "-o", out.string()},
+                     SIGINT, out / "cells.jsonl");
+  EXPECT_EQ(ran.code, 130);
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  EXPECT_EQ(files_below(out), std::vector<std::string>{"cells.jsonl"});
+}
+
+TEST(BenchPaper, RefusesWhatItDoesNotKnowInOneLine) {
+  const fs::path out = scratch() / "out";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
+      {{"bench", "paper"}, "-o DIR"},
+      {{"bench", "paper", "-o", out.string(), "--only", "tabels"}, "tabels"},
+      {{"bench", "paper", "-o", out.string(), "--sets", "stares"}, "stares"},
+      {{"bench", "paper", "-o", out.string(), "--count", "0"}, "--count"},
+      {{"bench", "paper", "-o", out.string(), "--weights", "pca"}, "is not a network"},
+      {{"bench", "paper", "-o", out.string(), (out / "none").string()}, "none"},
+      {{"bench", "paper", "--from", (out / "none").string(), "-o", out.string()}, "paper.json"},
+      {{"bench", "paper", "--doc", (out / "x.md").string()}, "--from"}};
+  for (const auto& [args, part] : bad) {
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 2) << part;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    EXPECT_FALSE(fs::exists(out)) << part;
+  }
+}
