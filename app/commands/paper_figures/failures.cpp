@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "app/commands/paper_figures/parts.hpp"
@@ -19,11 +21,20 @@ constexpr int kFramesWhenQuick = 3;
 constexpr double kNoiseM = 0.003;  // of clouds
 constexpr int kCopyWidth = 1280;
 
+int frames_looked_at(const Work& work) {
+  return work.results.quick ? kFramesWhenQuick : kFramesAtMost;
+}
+
 struct Scored {
   EvaluationFrame frame;
   FrameResult result;
   SourceTruth truth;
   Metrics metrics;
+
+  /// In the cloud's own axes, which stand upright.
+  const Vec3d& truth_normal(std::int32_t plane) const {
+    return frame.normals[static_cast<std::size_t>(plane) - 1];
+  }
 };
 
 Scored run_and_score(const EvaluationSet& set, int index, const Work& work) {
@@ -44,21 +55,42 @@ Scored run_and_score(const EvaluationSet& set, int index, const Work& work) {
   return scored;
 }
 
+/// From above and from the side on which most true planes show their outer side.
+Camera truth_camera(const Scored& scored) {
+  constexpr int kSides = 8;
+  constexpr double kDown = -0.7;
+  Vec3d best = Vec3d::UnitX();
+  double most = -1;
+  for (int side = 0; side < kSides; ++side) {
+    const double yaw = 2 * std::numbers::pi * (side + 0.35) / kSides;
+    const Vec3d forward = Vec3d(std::cos(yaw), std::sin(yaw), kDown).normalized();
+    double seen = 0;
+    for (const std::int32_t plane : scored.truth.values.instance)
+      if (plane > 0) seen += std::max(0.0, -scored.truth_normal(plane).dot(forward));
+    if (seen <= most) continue;
+    most = seen;
+    best = forward;
+  }
+  return close_camera(scored.result.cloud.points, best,
+                      static_cast<double>(kPanelWidth) / kPanelHeight);
+}
+
 /// Truth, what was found, and where they differ.
 Image8 three_panels(const Scored& scored, const JudgedFrame& judged, const Work& work) {
   const Frame& frame = scored.frame.frame;
   const std::vector<int> colors = colors_by_truth(judged, scored.result.segmentation.planes.size());
   if (!frame.is_cloud()) return image_truth(frame, scored.result, judged, colors);
-  const Camera camera =
-      frame_camera(scored.result, static_cast<double>(kPanelWidth) / kPanelHeight);
+  const Camera camera = truth_camera(scored);
   std::vector<Image8> panels;
-  for (const DrawList& list : scenes_truth(scored.result, judged, colors))
+  for (DrawList& list : scenes_truth(scored.result, judged, colors)) {
+    list.points[0].size_m = 0.02F;  // sparse clouds close
     panels.push_back(work.renderer.render(list, camera, kPanelWidth, kPanelHeight, Theme::light));
+  }
   return side_by_side(panels);
 }
 
 void add_worst(PaperFigure& figure, const Work& work, const EvaluationSet& set) {
-  const int frames = std::min(set.frames, work.results.quick ? kFramesWhenQuick : kFramesAtMost);
+  const int frames = std::min(set.frames, frames_looked_at(work));
   std::optional<Scored> worst;
   double sum = 0;
   for (int index = 0; index < frames; ++index) {
@@ -70,13 +102,11 @@ void add_worst(PaperFigure& figure, const Work& work, const EvaluationSet& set) 
   if (!worst) return;
   const JudgedFrame judged = judge_frame(worst->result, worst->truth);
   const Metrics& m = worst->metrics;
-  add_picture(
-      figure, set.name, "",
-      fmt::format("{}: mean IoU {:.1f} %, of these {} frames {:.1f} %; {} planes found of {}; "
-                  "{}",
-                  worst->frame.name, m.mean_iou, frames, sum / frames, m.planes_found,
-                  m.planes_truth, errors_text(judged)),
-      three_panels(*worst, judged, work), kCopyWidth);
+  const std::string text = fmt::format(
+      "{}: {}. Mean IoU {:.1f} %, of these {} frames {:.1f} %; {} planes found of {}; {}",
+      worst->frame.name, set.meaning, m.mean_iou, frames, sum / frames, m.planes_found,
+      m.planes_truth, errors_text(judged));
+  add_picture(figure, set.name, "", text, three_panels(*worst, judged, work), kCopyWidth);
 }
 
 }  // namespace
@@ -86,11 +116,10 @@ PaperFigure failures(const Work& work) {
   figure.id = "failures";
   figure.title = "Where planes are lost";
   figure.note = fmt::format(
-      "Of each set the frame with the lowest mean IoU, profile refined, labels of the 3D-GCN: "
-      "truth, "
-      "found, and the points that are wrong. Clouds with 0.3 cm of noise, depth images through the "
-      "whole camera model, seed {0}. To look into one: planescope synth set NAME --seed {0} -o DIR",
-      work.results.seed);
+      "Of each set the frame with the lowest mean IoU among its first {0}, profile refined, labels "
+      "of the 3D-GCN: truth, found, and the points that are wrong. To look into one: planescope "
+      "synth set NAME --seed {1} --noise {2} (clouds) or --errors d435 (depth images) -o DIR",
+      frames_looked_at(work), work.results.seed, kNoiseM);
   for (const EvaluationSet& set : evaluation_sets()) add_worst(figure, work, set);
   return figure;
 }

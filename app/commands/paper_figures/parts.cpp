@@ -59,8 +59,7 @@ std::string planes_text(const FrameResult& result) {
   }
   const double share =
       kept == 0 ? 0 : 100.0 * static_cast<double>(in_none) / static_cast<double>(kept);
-  return fmt::format("{} plane{}, {:.1f} % of the points in none", planes, planes == 1 ? "" : "s",
-                     share);
+  return fmt::format("{} plane{}, {:.1f} % in none", planes, planes == 1 ? "" : "s", share);
 }
 
 std::vector<int> colors_by_truth(const JudgedFrame& judged, std::size_t planes) {

@@ -47,7 +47,7 @@ void add_picture(PaperFigure& figure,
                  const Image8& image,
                  int copy_width = 640);
 
-/// "11 planes, 0.4 % of points in none"
+/// "11 planes, 0.4 % in none"
 std::string planes_text(const FrameResult& result);
 
 /// A colour id per found plane: that of the true plane it stands for, or one that no true plane

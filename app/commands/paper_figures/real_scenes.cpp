@@ -65,6 +65,9 @@ const std::vector<Contestant>& contestants() {
   static const std::vector<Contestant> all = {
       {"ours, refined", with_ours({}, "refined", "gcn")},
       {"ours, paper", with_ours({}, "paper", "gcn")},
+      {"RANSAC, 0.01 m", with_rival({}, "ransac")},
+      {"RANSAC, 0.02 m", with_rival({}, "ransac", kRansacCoarse)},
+      {"region growing", with_rival({}, "region-growing")},
   };
   return all;
 }
@@ -151,9 +154,9 @@ PaperFigure real_scenes(const Work& work) {
   figure.title = "Real scenes, method by method";
   figure.note =
       "Each scene as the camera sees it (without a colour image: the relief of its depth, or the "
-      "cloud by height), then the planes that each method finds. A plane keeps the colour it has "
-      "in "
-      "the first of them. Labels of the 3D-GCN; other options as by default.";
+      "cloud by height), then the planes that each method finds and the share of points in none of "
+      "them. A plane keeps the colour it has in the first picture. Labels of the 3D-GCN; other "
+      "options as by default.";
   if (work.args.data.empty()) return figure;
   for (const RealScene& scene : real_scenes_known())
     if (std::filesystem::exists(work.args.data / scene.path)) add_scene(figure, work, scene);

@@ -12,7 +12,7 @@
 namespace planescope::figures {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 520;
+constexpr int kWidth = 600, kHeight = 640;
 constexpr std::size_t kPlanes = 10;
 constexpr int kMostStairs = 100;  // of the set; one in five has 10 planes
 
@@ -95,9 +95,10 @@ PaperFigure stairs_noise(const Work& work) {
   const int index = find_stairs(seed);
   PaperFigure figure;
   figure.id = "stairs_noise";
-  figure.title = "A staircase of 10 planes, with and without pointwise classification (PC)";
+  figure.title = "A staircase of 10 planes";
   figure.note = fmt::format(
-      "The paper found 10 and 10 planes with PC, 13 and 19 without. A found plane has the colour "
+      "With and without pointwise classification (PC). The paper found 10 and 10 planes with it, "
+      "13 and 19 without. A found plane has the colour "
       "of "
       "the true plane it stands for, others have colours of their own, points in no plane are "
       "dark. "
@@ -112,6 +113,8 @@ PaperFigure stairs_noise(const Work& work) {
   for (const char* profile : {"paper", "paper-closest", "refined"})
     for (const char* labels : {"gcn", "none"})
       contestants.push_back({profile, with_ours(frames, profile, labels)});
+  contestants.push_back({"region growing", with_rival(frames, "region-growing")});
+  contestants.push_back({"RANSAC, 0.01 m", with_rival(frames, "ransac")});
   for (const Contestant& contestant : contestants)
     for (const Scene& scene : scenes) add_found(figure, work, scene, contestant);
   return figure;
