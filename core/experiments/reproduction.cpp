@@ -57,7 +57,7 @@ weights, on any machine and with any number of threads; only times do not.
 
 - planescope {}, commit {}{}
 - weights {} ({}), SHA-256 {}
-- seed {}; options and weights were tuned on seed {} and others, never on this one
+- seed {} for the tables; seed {}, which is there to tune on, stands beside it in the claims
 - times: {}, {} cores, {}
 
 )",
@@ -95,11 +95,14 @@ the cloud's lower corner, Criterion 4 goes without its line on the candidate's o
 for an offset of at most 2 cm instead, a candidate has at least 10 inliers, and leftovers join a
 plane within 1 cm.
 
-Without classification (one label for all points) the printed row is {}; `paper` gives {},
-`paper-closest` {}. What that row did with the criteria that need labels the text does not say.
+Without classification (one label for all points) the printed row is {};
+`paper` gives {},
+`paper-closest` {}.
+What that row did with the criteria that need labels the text does not say.
 
-RANSAC as described takes the largest plane away first. On shallow steps a slanted one through all of
-them has more points within 1 cm than any tread: alpha is {} on average at 0.10 cm, printed 0.11.
+RANSAC as described takes the largest plane away first. On shallow steps that can be a slanted one
+through all of them, which has more points within 1 cm than any tread: alpha is {} deg at 0.10 cm of
+noise, printed 0.11.
 
 `refined` is planescope's default; [method.md](method.md) tells what it does otherwise and why.
 
