@@ -208,6 +208,7 @@ void define_bench(Line& line) {
   add(desktop, "--steps", t.steps, "N", "Steps of the scrub, default 500");
   add(desktop, "--size", t.size, "WxH", "Of the window in pixels, default 1440x900");
   add_method(desktop, t);
+  desktop->remove_option(desktop->get_option("--method"));
   desktop->final_callback([&line] {
     const BenchDesktopArgs args = bench_desktop_args(line.typed);
     line.job = [args](std::stop_token stop) { return run_bench_desktop(args, stop); };

@@ -85,7 +85,10 @@ void add_method(CLI::App* command, Typed& t) {
       "--classifier", t.classifier, "gcn|pca|truth|FILE",
       "What labels points h or v: the network that comes with planescope (default), PCA normals, "
       "ground truth, or a network of your own (.safetensors)");
-  option("--method", t.method, "ours", "What finds the planes");
+  std::string methods;
+  for (const Method method : built_methods())
+    methods += method == Method::ours ? "ours (default)" : std::string(", ") + to_string(method);
+  add(command, "--method", t.method, "NAME", "What finds the planes: " + methods)->group("Method");
 }
 
 void add_json(CLI::App* command, Typed& t) {

@@ -59,6 +59,13 @@ void limit(const Typed& typed, std::initializer_list<int*> counts) {
   for (int* count : counts) *count = std::min(*count, most);
 }
 
+/// What measures our own steps has nothing to measure of other methods.
+void expect_ours(const PipelineOptions& options, const char* command) {
+  if (options.method != Method::ours)
+    throw Error(
+        fmt::format("{} measures method ours, found {}", command, to_string(options.method)));
+}
+
 // WxH in pixels.
 void set_size(const std::string& text, int& width, int& height) {
   const std::vector<std::string> sides = split(text, 'x');
@@ -87,8 +94,6 @@ std::string same_paper_command(const BenchPaperArgs& args, const Typed& typed) {
 }  // namespace
 
 PipelineOptions pipeline_options(const Typed& typed) {
-  if (typed.method != "ours")
-    throw Error("--method: '" + typed.method + "' does not exist, expected ours");
   PipelineOptions options;
   if (!typed.profile.empty()) set_option(options, "profile", typed.profile);
   for (const std::string& assignment : typed.set) {
@@ -99,6 +104,7 @@ PipelineOptions pipeline_options(const Typed& typed) {
   if (!typed.gravity.empty()) set_option(options, "gravity", typed.gravity);
   if (!typed.voxel.empty()) set_option(options, "voxel_size_m", typed.voxel);
   if (!typed.classifier.empty()) set_option(options, "classifier", typed.classifier);
+  if (!typed.method.empty()) set_option(options, "method", typed.method);
   if (!typed.max_range.empty()) {
     set_option(options, "max_range_m", typed.max_range);
     options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
@@ -140,7 +146,8 @@ ViewArgs view_args(const Typed& typed) {
   args.open = typed.open;
   const bool options_given = !typed.profile.empty() || !typed.set.empty() ||
                              !typed.gravity.empty() || !typed.max_range.empty() ||
-                             !typed.voxel.empty() || !typed.classifier.empty();
+                             !typed.voxel.empty() || !typed.classifier.empty() ||
+                             !typed.method.empty();
   if (!typed.open.empty() && options_given)
     throw Error("--open brings the options of the session: leave out --profile, --set and such");
   args.script = typed.script;
@@ -162,6 +169,7 @@ BenchDesktopArgs bench_desktop_args(const Typed& typed) {
   BenchDesktopArgs args;
   args.view = view_args(typed);
   args.view.fresh = true;
+  expect_ours(args.view.input.pipeline, "bench desktop");
   if (!typed.steps.empty()) args.steps = whole_at_least(typed.steps, "--steps", 1);
   args.out = typed.out;
   args.json = typed.json;
@@ -267,6 +275,7 @@ TrainArgs train_args(const Typed& typed) {
 BenchClassifierArgs bench_classifier_args(const Typed& typed) {
   BenchClassifierArgs args;
   args.input = input_args(typed);
+  expect_ours(args.input.pipeline, "bench classifier");
   args.out = typed.out;
   args.json = typed.json;
   if (!typed.weights.empty()) args.weights = typed.weights;

@@ -18,7 +18,7 @@ namespace planescope {
 struct Typed {
   std::vector<std::string> inputs;
   std::string frames, profile, gravity, intrinsics, depth_unit, max_range, voxel, classifier;
-  std::string method = "ours", labels, threads, out;
+  std::string method, labels, threads, out;
   std::vector<std::string> set;
   bool strict = false;  // labels check
   bool json = false;

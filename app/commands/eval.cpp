@@ -160,6 +160,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   }
   Json json;
   json["schema"] = "planescope.eval/1";
+  json["method"] = predicted ? "prediction" : to_string(args.input.pipeline.method);
   json["frames"] = Json::array();
   for (const Row& row : rows) {
     Json frame = {{"input", row.input}, {"frame", row.frame}, {"name", row.name}};

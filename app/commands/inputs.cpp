@@ -83,6 +83,7 @@ bool may_have_truth(const OpenInput& input, int index) {
 }
 
 ChosenClassifier choose_classifier(const PipelineOptions& options) {
+  if (options.method != Method::ours) return {};
   fs::path shipped;
   if (options.classifier == "gcn")
     shipped = find_asset("classifier.safetensors", "the weights of classifier gcn are");
@@ -100,7 +101,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
   loaded.frame = input.recording->frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
-  const bool needs_truth = !classifier;
+  const bool needs_truth = !classifier && options.method == Method::ours;
   std::optional<FrameTruth> on_points;
   if (needs_truth || want_truth)
     loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));

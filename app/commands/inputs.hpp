@@ -60,8 +60,8 @@ struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// The classifier of these options; gcn takes the weights that ship with us. Throws Error where
-/// weights are missing or cannot be read.
+/// The classifier of these options, none for rivals; gcn takes the weights that ship with us.
+/// Throws Error where weights are missing or cannot be read.
 ChosenClassifier choose_classifier(const PipelineOptions& options);
 
 /// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error

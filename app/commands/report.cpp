@@ -88,7 +88,8 @@ Report start_report(const ReportArgs& args,
   report.modified = build.modified;
   report.command = args.command;
   report.created_utc = now_utc();
-  report.classifier = args.input.pipeline.classifier;
+  report.method = args.input.pipeline.method;
+  if (report.method == Method::ours) report.classifier = args.input.pipeline.classifier;
   report.weights = chosen.weights;
   report.options = make_report_options(args.input.pipeline);
   for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
@@ -198,6 +199,7 @@ class ReportRun {
     job.dir = output_.add(job.relative);
     job.copy_width = copy_width(total_);
     job.max_range_m = options.cloud.max_range_m;
+    job.method = options.method;
     frame.pictures = draw(loaded, colors, job);
     return frame;
   }

@@ -18,6 +18,7 @@ struct PictureJob {
   std::filesystem::path relative;  // the same folder, as the report names it
   int copy_width = 1280;           // of the copies in the page [px]
   double max_range_m = 1.5;
+  Method method = Method::ours;  // others have no labels and no octree to draw
 };
 
 /// One picture per stage, written as PNG and kept as a copy for the page. Without a renderer only

@@ -57,6 +57,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   json["schema"] = "planescope.segment/1";
   json["input"] = input.path.string();
   json["out"] = args.out.string();
+  json["method"] = to_string(args.input.pipeline.method);
   json["frames"] = nlohmann::ordered_json::array();
   {
     Progress progress("segment", static_cast<int>(input.frames.size()));

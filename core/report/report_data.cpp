@@ -73,6 +73,7 @@ std::vector<ReportOption> make_report_options(const PipelineOptions& options) {
   defaults.segment = profile_options(options.segment.profile);
   std::vector<ReportOption> result;
   for (const OptionInfo& info : option_table()) {
+    if (!info.matters(options)) continue;
     ReportOption option{info.name, info.unit, info.meaning, info.section, info.get(options), false};
     option.changed = option.value != info.get(defaults);
     result.push_back(std::move(option));

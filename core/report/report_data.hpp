@@ -78,7 +78,8 @@ struct Report {
   std::string created_utc;               // ISO 8601
   std::string renderer;                  // which GL drew; empty where none could
   std::string renderer_error;            // why none could
-  std::string classifier;                // as --classifier named it
+  Method method = Method::ours;          // others have no octree, and label no points
+  std::string classifier;                // as --classifier named it; empty where there was none
   std::optional<WeightsRecord> weights;  // where it is a network
   bool partial = false;                  // stopped before the end
   std::vector<ReportOption> options;
@@ -103,7 +104,8 @@ ReportFrame make_report_frame(const Frame& frame,
                               const PipelineOptions& options,
                               const std::vector<std::string>& plane_colors);
 
-/// Every option with its value; changed: against the defaults of the same profile.
+/// Every option that the method takes, with its value; changed: against the defaults of the same
+/// profile.
 std::vector<ReportOption> make_report_options(const PipelineOptions& options);
 
 }  // namespace planescope

@@ -113,6 +113,7 @@ std::string range_text(int fewest, int most) {
 
 /// What told h from v, as HTML.
 std::string classifier_text(const Report& report) {
+  if (report.method != Method::ours) return "the tilt of each plane";
   if (report.weights)
     return fmt::format("the network <code>{}</code> ({})", html::escaped(report.weights->file),
                        html::escaped(report.weights->network));
@@ -274,9 +275,12 @@ void set_record(const Report& report, Data& page) {
   page.set("version", report.version);
   page.set("commit", report.commit);
   page.set("modified", report.modified);
+  page.set("method", to_string(report.method));
+  page.set("is_ours", report.method == Method::ours);
   page.set("classifier", report.classifier);
   page.set("weights", report.weights ? weights_text(*report.weights) : "none");
   page.set("renderer", report.renderer.empty() ? "none" : report.renderer);
+  page.set("options_of", std::string("method ") + to_string(report.method));
   Data hashes{Data::type::list}, options{Data::type::list};
   const auto add_hash = [&](const std::string& name, const std::string& sha256) {
     if (sha256.empty()) return;
@@ -302,7 +306,7 @@ void set_record(const Report& report, Data& page) {
     row.set("changed", option.changed);
     options.push_back(row);
     changed += option.changed;
-    if (option.name == "profile") page.set("profile", option.value);
+    if (option.name == "profile") page.set("options_of", "profile " + option.value);
   }
   page.set("options", options);
   page.set("changed_text", changed == 0   ? std::string(", unchanged")

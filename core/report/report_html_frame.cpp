@@ -155,8 +155,15 @@ Data rows(const std::vector<std::pair<std::string, std::string>>& pairs, const c
   return result;
 }
 
-Data timings_data(const FrameTimings& t) {
+Data timings_data(const FrameTimings& t, bool is_ours) {
   const auto ms = [](double value) { return fmt::format("{:.2f}", value); };
+  if (!is_ours)
+    return rows({{"reading the frame", ms(t.load_ms)},
+                 {"back-projection, crop", ms(t.cloud_ms)},
+                 {"t<sub>d</sub> voxel grid", ms(t.t_d_ms)},
+                 {"t<sub>s</sub> the method", ms(t.t_s_ms)},
+                 {"t<sub>d</sub> + t<sub>s</sub>", ms(t.t_d_ms + t.t_s_ms)}},
+                "ms");
   return rows({{"reading the frame", ms(t.load_ms)},
                {"back-projection, crop", ms(t.cloud_ms)},
                {"t<sub>d</sub> voxel grid", ms(t.t_d_ms)},
@@ -214,8 +221,10 @@ Data frame_data(const Report& report, std::size_t recording, const ReportFrame& 
   const bool is_cloud = report.recordings[recording].info.width == 0;
   data.set("pixels_name", is_cloud ? "points" : "pixels");
   set_counts(frame, data);
-  set_nodes(report, frame, data);
-  data.set("timings", timings_data(frame.timings));
+  const bool is_ours = report.method == Method::ours;
+  data.set("is_ours", is_ours);
+  if (is_ours) set_nodes(report, frame, data);
+  data.set("timings", timings_data(frame.timings, is_ours));
   data.set("has_metrics", frame.metrics.has_value());
   if (frame.metrics) data.set("metrics", metrics_data(*frame.metrics));
   const Vec3d& d = frame.gravity.direction;

@@ -97,7 +97,7 @@ Json noise_json(const NoiseModel& noise) {
           {"tau_at_1m_m", rounded(noise.tau(1))}};
 }
 
-Json to_json(const ReportFrame& frame) {
+Json to_json(const ReportFrame& frame, bool ours) {
   Json json;
   json["index"] = frame.index;
   json["name"] = frame.name;
@@ -115,11 +115,15 @@ Json to_json(const ReportFrame& frame) {
                     {"n_m", frame.counts.kept},
                     {"n_d", frame.voxels},
                     {"points_on_planes", frame.points_on_planes}};
-  json["nodes"] = nodes_json(frame.segment);
-  json["segmentation"] = {
-      {"candidates", frame.segment.candidates}, {"merges", frame.segment.merges},
-      {"leftovers", frame.segment.leftovers},   {"assigned", frame.segment.assigned},
-      {"unassigned", frame.segment.unassigned}, {"noise", noise_json(frame.noise)}};
+  json["nodes"] = nullptr;
+  json["segmentation"] = nullptr;
+  if (ours) {
+    json["nodes"] = nodes_json(frame.segment);
+    json["segmentation"] = {
+        {"candidates", frame.segment.candidates}, {"merges", frame.segment.merges},
+        {"leftovers", frame.segment.leftovers},   {"assigned", frame.segment.assigned},
+        {"unassigned", frame.segment.unassigned}, {"noise", noise_json(frame.noise)}};
+  }
   json["planes"] = Json::array();
   for (const ReportPlane& plane : frame.planes) json["planes"].push_back(to_json(plane));
   json["metrics"] = frame.metrics ? to_json(*frame.metrics) : Json();
@@ -157,7 +161,7 @@ Json depth_json(const RecordingInfo& info) {
             {"source", info.intrinsics_source}}}};
 }
 
-Json to_json(const ReportRecording& recording) {
+Json to_json(const ReportRecording& recording, bool ours) {
   Json json;
   json["path"] = recording.info.path.string();
   json["name"] = recording.name;
@@ -170,7 +174,7 @@ Json to_json(const ReportRecording& recording) {
   json["color"] = recording.info.has_color ? Json(recording.info.color_note) : Json();
   json["warnings"] = recording.info.warnings;
   json["frames"] = Json::array();
-  for (const ReportFrame& frame : recording.frames) json["frames"].push_back(to_json(frame));
+  for (const ReportFrame& frame : recording.frames) json["frames"].push_back(to_json(frame, ours));
   return json;
 }
 
@@ -187,7 +191,8 @@ Json record_json(const Report& report) {
   json["commit"] = report.commit;
   json["modified"] = report.modified;
   json["command"] = report.command;
-  json["classifier"] = report.classifier;
+  json["method"] = to_string(report.method);
+  json["classifier"] = text_or_null(report.classifier);
   json["weights"] = report.weights ? to_json(*report.weights) : Json();
   json["renderer"] = text_or_null(report.renderer);
   json["renderer_error"] = text_or_null(report.renderer_error);
@@ -243,7 +248,7 @@ std::string report_json(const Report& report) {
   json["totals"] = totals_json(report);
   json["recordings"] = Json::array();
   for (const ReportRecording& recording : report.recordings)
-    json["recordings"].push_back(to_json(recording));
+    json["recordings"].push_back(to_json(recording, report.method == Method::ours));
   json["timings"] = timings_json(report);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -44,6 +44,7 @@ const char* text_of(Label label) {
 Json options_json(const PipelineOptions& options) {
   Json json = Json::object();
   for (const OptionInfo& info : option_table()) {
+    if (!info.matters(options)) continue;
     const std::string text = info.get(options);
     if (text == "on" || text == "off") {
       json[info.name] = text == "on";
@@ -58,7 +59,19 @@ Json options_json(const PipelineOptions& options) {
   return json;
 }
 
-Json counts_json(const FrameResult& result) {
+/// What our own steps count.
+void add_steps(const SegmentCounts& segment, Json& json) {
+  json["nodes_visited"] = segment.nodes_visited;
+  for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
+    json["nodes_case_" + std::string(to_string(c))] =
+        segment.nodes_per_case[static_cast<std::size_t>(c)];
+  json["candidates"] = segment.candidates;
+  json["merges"] = segment.merges;
+  json["leftovers"] = segment.leftovers;
+  json["assigned"] = segment.assigned;
+}
+
+Json counts_json(const FrameResult& result, bool ours) {
   const CloudCounts& cloud = result.cloud.counts;
   const SegmentCounts& segment = result.segmentation.counts;
   Json json;
@@ -69,14 +82,7 @@ Json counts_json(const FrameResult& result) {
   json["outside_cube"] = cloud.outside_cube;
   json["kept"] = cloud.kept;
   json["voxels"] = result.voxels.points.size();
-  json["nodes_visited"] = segment.nodes_visited;
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
-    json["nodes_case_" + std::string(to_string(c))] =
-        segment.nodes_per_case[static_cast<std::size_t>(c)];
-  json["candidates"] = segment.candidates;
-  json["merges"] = segment.merges;
-  json["leftovers"] = segment.leftovers;
-  json["assigned"] = segment.assigned;
+  if (ours) add_steps(segment, json);
   json["unassigned"] = segment.unassigned;
   return json;
 }
@@ -144,8 +150,9 @@ std::string planes_json(const Frame& frame,
                      {"confidence", rounded(result.gravity.confidence)},
                      {"note", result.gravity.note}};
   json["options"] = options_json(options);
-  json["counts"] = counts_json(result);
-  json["noise"] = noise_json(result.segmentation.noise);
+  const bool ours = options.method == Method::ours;
+  json["counts"] = counts_json(result, ours);
+  if (ours) json["noise"] = noise_json(result.segmentation.noise);
   json["planes"] = Json::array();
   for (const PlaneSummary& s : summarize_planes(result, options.cloud.voxel_size_m)) {
     Json plane;

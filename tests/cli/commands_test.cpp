@@ -72,6 +72,20 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   EXPECT_NE(table.out.find("mean"), std::string::npos);
 }
 
+TEST(Eval, ARivalIsScoredAsOursIs) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
+  const Ran ran =
+      run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0", "--method", "ransac"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(ran.out);
+  EXPECT_EQ(json["method"], "ransac");
+  EXPECT_EQ(json["mean"]["planes_truth"], 2);
+  EXPECT_EQ(json["mean"]["planes_found"], 2);
+  EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
+}
+
 TEST(Eval, LabelsOfOtherDepthAreRefused) {
   const auto dir = scratch();
   Image16 depth = floor_and_wall();

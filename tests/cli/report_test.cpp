@@ -221,3 +221,26 @@ TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
     }
   }
 }
+
+TEST(Report, OfARivalShowsItsPlanesAndNoStepsThatItHasNot) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran =
+      run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0", "--method", "ransac"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json report = read_report(dir / "out");
+  EXPECT_EQ(report["record"]["method"], "ransac");
+  EXPECT_TRUE(report["record"]["classifier"].is_null());
+  EXPECT_TRUE(report["record"]["weights"].is_null());
+  const Json& frame = report["recordings"][0]["frames"][0];
+  EXPECT_EQ(frame["planes"].size(), 2u);
+  EXPECT_TRUE(frame["nodes"].is_null());
+  EXPECT_TRUE(frame["segmentation"].is_null());
+  for (const Json& picture : frame["pictures"])
+    EXPECT_TRUE(picture["name"] != "cases" && picture["name"] != "labels" &&
+                picture["name"] != "margins")
+        << picture["name"];
+  const std::string page = read_text(dir / "out/index.html");
+  EXPECT_NE(page.find("<dt>Method</dt><dd>ransac</dd>"), std::string::npos);
+  EXPECT_EQ(page.find("Octree nodes by case"), std::string::npos);
+}

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
@@ -219,4 +220,31 @@ TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
   ASSERT_EQ(run(segment_args(dir / "rec", dir / "out")).code, 0);
   EXPECT_EQ(read_text(dir / "out/frames/000000/planes.json"), first);
   EXPECT_EQ(files_below(dir / "out").size(), 5u);
+}
+
+TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto args = [&](const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"--gravity", "0,1,0", "--method", "ransac"};
+    all.insert(all.end(), more.begin(), more.end());
+    return segment_args(dir / "rec", dir / out, all);
+  };
+  // Neither weights nor truth are there: nobody asks for them.
+  ASSERT_EQ(run(args("a", {"--set", "classifier=none.safetensors"})).code, 0);
+  ASSERT_EQ(run(args("b", {"--classifier", "truth", "--threads", "1"})).code, 0);
+  const Json json = planes_of(dir / "a");
+  ASSERT_EQ(json["planes"].size(), 2u);
+  EXPECT_EQ(json["options"]["method"], "ransac");
+  EXPECT_EQ(json["options"]["ransac_theta_pf_m"], 0.01);
+  EXPECT_FALSE(json["options"].contains("theta_n_in")) << "what is not its own is left out";
+  EXPECT_FALSE(json["options"].contains("region_patch_px"));
+  EXPECT_FALSE(json["counts"].contains("nodes_visited"));
+  std::set<std::string> labels;
+  for (const Json& plane : json["planes"]) labels.insert(plane["label"]);
+  EXPECT_EQ(labels, (std::set<std::string>{"h", "v"}));
+  EXPECT_EQ(read_text(dir / "a/frames/000000/planes.json"),
+            read_text(dir / "b/frames/000000/planes.json"));
+  EXPECT_EQ(read_text(dir / "a/frames/000000/cloud.ply"),
+            read_text(dir / "b/frames/000000/cloud.ply"));
 }
