@@ -52,16 +52,24 @@ Rgba color_at_step(ColorBy by, const StepState& state, std::size_t voxel, Rgba w
   return plane >= 0 ? plane_color(plane + 1) : waiting;
 }
 
+/// The classifier's label or, of methods that have none, that of the plane.
+Label label_of(const Run& run, const StepState& state, std::size_t voxel) {
+  if (run.is_ours()) return run.subject->prepared.classification.labels[voxel];
+  const std::int32_t plane = state.plane_of[voxel];
+  return plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown;
+}
+
 std::vector<Rgba> base_colors(const Run& run, const StepLook& look, const StepState& state) {
   const PreparedFrame& prepared = run.subject->prepared;
   const Rgba waiting = mark_colors(look.theme).waiting;
-  if (look.color_by == ColorBy::camera) return camera_colors(*run.subject);
+  const ColorBy by = told_by(run, look.color_by);
+  if (by == ColorBy::camera) return camera_colors(*run.subject);
   std::vector<Rgba> colors(prepared.voxels.points.size());
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const Classification& classified = prepared.classification;
-    switch (look.color_by) {
+    switch (by) {
       case ColorBy::labels:
-        colors[v] = label_color(classified.labels[v]);
+        colors[v] = label_color(label_of(run, state, v));
         break;
       case ColorBy::margins:
         colors[v] = margin_color(classified.labels[v], classified.margins[v]);
@@ -70,7 +78,7 @@ std::vector<Rgba> base_colors(const Run& run, const StepLook& look, const StepSt
         colors[v] = truth_color(run.subject->voxel_truth, v, waiting);
         break;
       default:
-        colors[v] = color_at_step(look.color_by, state, v, waiting);
+        colors[v] = color_at_step(by, state, v, waiting);
     }
   }
   return colors;
@@ -103,6 +111,12 @@ StepState step_state(const Run& run, std::int32_t step) {
     state.voxel = event->point;
   }
   return state;
+}
+
+ColorBy told_by(const Run& run, ColorBy asked) {
+  if (run.is_ours()) return asked;
+  if (asked == ColorBy::cases) return ColorBy::planes;
+  return asked == ColorBy::margins ? ColorBy::labels : asked;
 }
 
 bool is_settled_leaf(const Run& run, std::int32_t node, std::int32_t step) {

@@ -46,7 +46,7 @@ void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
 
 void add_step_legend(const Run& run, const StepLook& look, const StepState& state, DrawList& list) {
   const Rgba waiting = mark_colors(look.theme).waiting;
-  switch (look.color_by) {
+  switch (told_by(run, look.color_by)) {
     case ColorBy::cases:
       add_cases(run, look.step, waiting, list);
       break;
@@ -56,6 +56,8 @@ void add_step_legend(const Run& run, const StepLook& look, const StepState& stat
     case ColorBy::labels:
       list.legend.push_back({Mark::dot, label_color(Label::h), "h  level"});
       list.legend.push_back({Mark::dot, label_color(Label::v), "v  upright"});
+      if (!run.is_ours())
+        list.legend.push_back({Mark::dot, label_color(Label::unknown), "in no plane"});
       break;
     case ColorBy::margins:
       list.legend.push_back({Mark::dot, margin_color(Label::h, 1), "h, sure"});

@@ -34,6 +34,10 @@ MarkColors mark_colors(Theme theme);
 /// Per voxel, as `look` asks, with what is selected and marked standing out.
 std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state);
 
+/// What the colours tell of: cases and margins are ours alone, of other methods planes and labels
+/// stand in.
+ColorBy told_by(const Run& run, ColorBy asked);
+
 /// A settled node that was not divided: its points are done with.
 bool is_settled_leaf(const Run& run, std::int32_t node, std::int32_t step);
 

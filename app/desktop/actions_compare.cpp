@@ -32,6 +32,7 @@ void flash(State& state) {
 void search_fix(State& state) {
   FixSearch& fix = state.results.fix;
   const Run& run = *state.results.current->run;
+  if (!run.is_ours()) return say(state, "fixes are sought among the options of method ours");
   FixSearch begun;
   begun.target = state.view.truth_plane > 0
                      ? target_of_truth(run, state.view.truth_plane)

@@ -114,8 +114,9 @@ void take(State& state) {
   const Run* run = run_of_frame(state);
   if (!run) throw Error("the algorithm has not come to this frame yet");
   const OtherLabels found = labels_of_run(*run, work.frame.grid);
-  const char* profile = to_string(run->segment_options.profile);
-  const std::string title = fmt::format("Start from the algorithm ({})", profile);
+  const char* name =
+      run->is_ours() ? to_string(run->segment_options.profile) : to_string(run->options.method);
+  const std::string title = fmt::format("Start from the algorithm ({})", name);
   const std::string beyond = beyond_text(*run, work.frame.grid);
   commit_and_say(state, title,
                  from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),

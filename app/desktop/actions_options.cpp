@@ -1,6 +1,7 @@
 // The options, with undo: one entry for each gesture.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/desktop/actions.hpp"
 #include "core/base/error.hpp"
@@ -130,6 +131,14 @@ std::vector<Action> option_actions() {
          after.threads = s.document.options.threads;
          change_options(s, after);
        },
+       {},
+       {}},
+      {"method.choose",
+       "Method: what finds the planes",
+       menu,
+       "Ctrl+M",
+       fmt::format("{}", fmt::join(find_option("method").choices, "|")),
+       [](State& s, const std::string& text) { set(s, "option.set", "method=" + text, false); },
        {},
        {}},
       {"profile.paper",

@@ -18,7 +18,8 @@ constexpr int kThumbnailWidth = 200;  // [px]
 std::string options_key(const PipelineOptions& options, bool preparing) {
   std::string key;
   for (const OptionInfo& info : option_table()) {
-    const bool segments = info.section == "criteria" || info.section == "refinements";
+    const bool segments =
+        info.section == "criteria" || info.section == "refinements" || info.section == "rivals";
     if (segments != preparing) key += info.get(options) + '|';
   }
   return key;
@@ -33,6 +34,7 @@ std::optional<QuickScore> score_of(const Run& run) {
 
 std::shared_ptr<const Classifier> Classifiers::get(const PipelineOptions& options) {
   const std::lock_guard lock(mutex_);
+  if (options.method != Method::ours) return nullptr;
   const std::string key = fmt::format("{}|{}|{}", options.classifier, options.pca.neighbours,
                                       options.pca.max_angle_deg);
   if (key != key_) chosen_ = choose_classifier(options).classifier;

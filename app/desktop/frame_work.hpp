@@ -14,7 +14,7 @@ namespace planescope::desktop {
 /// Classifiers that were made, by name: a network is read from its file once. Any thread.
 class Classifiers {
  public:
-  /// Null: the labels of the ground truth.
+  /// Null: the labels of the ground truth, or a method that needs none.
   std::shared_ptr<const Classifier> get(const PipelineOptions& options);
 
  private:

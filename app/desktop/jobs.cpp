@@ -278,9 +278,9 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
   const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
   if (view == sensitivity_of_run || state.view.tool_tab != "criteria" || runs.busy() || fixing)
     return;
-  if (!view) {
+  if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
     stop_analysis();
-    sensitivity_of_run = nullptr;
+    sensitivity_of_run = view;
     return;
   }
   analyse(Analysis::sensitivity, [this, view](std::stop_token stop, int number) {

@@ -22,13 +22,20 @@ constexpr const char* kSchema = "planescope.session/1";
 
 Json options_json(const PipelineOptions& options) {
   Json json;
-  for (const OptionInfo& info : option_table()) json[info.name] = info.get(options);
+  const PipelineOptions defaults;
+  for (const OptionInfo& info : option_table()) {
+    const std::string value = info.get(options);
+    // Builds without a peer do not know its options: they are named only where they are changed.
+    if (info.section != "rivals" || value != info.get(defaults)) json[info.name] = value;
+  }
   return json;
 }
 
 /// Throws Error. The profile first: it sets what the others then change.
 PipelineOptions options_of(const Json& json, const PipelineOptions& now) {
   PipelineOptions options = now;
+  options.method = Method::ours;  // sessions from before there were others do not name it
+  options.rivals = {};
   if (json.contains("profile")) set_option(options, "profile", json.at("profile"));
   for (const auto& [name, value] : json.items())
     if (name != "profile") set_option(options, name, value.get<std::string>());

@@ -42,6 +42,7 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["recording"] = document.current() ? document.current()->path.string() : "";
   json["frame"] = document.frame;
   json["profile"] = to_string(document.options.segment.profile);
+  json["method"] = to_string(document.options.method);
   json["refusal"] = state.results.refusal;
   json["step"] = view.step;
   const Run* run = state.run();

@@ -93,8 +93,12 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   const Run& run = *state.run();
   const std::int32_t step = state.view.step;
   const PointChange now = run.timeline.point_at(voxel, step);
-  const Label label = run.subject->prepared.classification.labels[static_cast<std::size_t>(voxel)];
-  std::string text = fmt::format("voxel {} ({}), ", voxel, label == Label::h ? "h" : "v");
+  std::string text = fmt::format("voxel {}", voxel);
+  if (run.is_ours()) {
+    const std::vector<Label>& labels = run.subject->prepared.classification.labels;
+    text += labels[static_cast<std::size_t>(voxel)] == Label::h ? " (h)" : " (v)";
+  }
+  text += ", ";
   if (now.plane >= 0)
     text += "in " + plane_name(now.plane);
   else
@@ -103,7 +107,8 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);
   }
-  return text + "\n" + describe_node(state, run.timeline.node_of_point(voxel, step));
+  const std::int32_t node = run.timeline.node_of_point(voxel, step);
+  return node >= 0 ? text + "\n" + describe_node(state, node) : text;
 }
 
 }  // namespace planescope::desktop

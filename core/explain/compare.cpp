@@ -63,6 +63,15 @@ std::int32_t plane_of_source(const Run& run, std::size_t source) {
   return voxel == kNoVoxel ? -1 : run.segmentation.plane_of[voxel];
 }
 
+/// Events and nodes are ours alone.
+bool leave_traces(const Run& a, const Run& b, Comparison& result) {
+  if (a.is_ours() && b.is_ours()) return true;
+  result.divergence =
+      fmt::format("A is {}, B is {}: their planes are compared, there are no steps to compare",
+                  to_string(a.options.method), to_string(b.options.method));
+  return false;
+}
+
 void find_divergence(const Run& a, const Run& b, const Correspondence& same, Comparison& result) {
   std::int32_t step = 1;
   while (step <= a.steps() && step <= b.steps() &&
@@ -105,8 +114,10 @@ void compare_nodes(const Run& a, const Run& b, Comparison& result) {
 Comparison compare_runs(const Run& a, const Run& b) {
   Comparison result;
   const Correspondence same(a, b);
-  find_divergence(a, b, same, result);
-  compare_nodes(a, b, result);
+  if (leave_traces(a, b, result)) {
+    find_divergence(a, b, same, result);
+    compare_nodes(a, b, result);
+  }
 
   const std::size_t sources =
       std::min(a.subject->point_of_source.size(), b.subject->point_of_source.size());

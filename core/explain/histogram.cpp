@@ -181,6 +181,7 @@ void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& h
 std::vector<Histogram> histograms_of(const Run& run) {
   const Judge judge(run);
   std::vector<Histogram> histograms;
+  if (!run.is_ours()) return histograms;
   append_nodes(run, judge, histograms);
   append_merges(run, judge, histograms);
   return histograms;

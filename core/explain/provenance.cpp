@@ -29,6 +29,8 @@ std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
 }
 
 std::string describe_label(const Run& run, std::uint32_t voxel) {
+  if (!run.is_ours())
+    return fmt::format("not labelled: method {} labels no points", to_string(run.options.method));
   const Classification& labels = run.subject->prepared.classification;
   const VoxelTruth& truth = run.subject->voxel_truth;
   std::string text =

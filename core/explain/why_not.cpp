@@ -97,8 +97,13 @@ Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
 }
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
-  const Loss loss = loss_of(run, voxel);
   WhyNot why;
+  if (!run.is_ours()) {
+    why.answer = fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
+                             to_string(run.options.method));
+    return why;
+  }
+  const Loss loss = loss_of(run, voxel);
   if (loss.left == 0) {
     why.answer = "Lost: its plane has no point left";
     return why;
@@ -162,7 +167,8 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.step = step_of_plane(run, voxel);
   why.plane = run.segmentation.planes[id - 1].founded;
   if (const TraceEvent* event = run.event_at(why.step)) why.node = event->node;
-  why.answer = fmt::format("It is in {} since step {}", describe_plane(run, id), why.step);
+  why.answer = "It is in " + describe_plane(run, id);
+  if (run.is_ours()) why.answer += fmt::format(" since step {}", why.step);
 
   const VoxelTruth& truth = run.subject->voxel_truth;
   if (!truth.known() || truth.plane[voxel] < 0) return why;

@@ -44,8 +44,8 @@ class RivalRows {
   Options RivalOptions::*options_;
 };
 
-constexpr OptionRange kDistance{0, 10, true};  // [m]
-constexpr OptionRange kAngle{0, 180};          // [deg]
+constexpr OptionRange kDistance{0, 100, true};  // [m]
+constexpr OptionRange kAngle{0, 180};           // [deg]
 constexpr OptionRange kLeastPoints{3, 1e9};
 constexpr OptionRange kNeighbours{3, 1000};
 

@@ -70,6 +70,9 @@ std::string plane_name(std::int32_t plane) { return fmt::format("P{}", plane + 1
 
 std::string describe_event(const Run& run, std::int32_t step) {
   const TraceEvent* event = run.event_at(step);
+  if (!event && !run.is_ours())
+    return fmt::format("method {} leaves no trace of how it found its planes",
+                       to_string(run.options.method));
   if (!event) return "start: the root waits in the queue";
   const std::string plane = plane_name(event->plane);
   switch (event->type) {

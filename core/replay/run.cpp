@@ -21,9 +21,9 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
   run->options = options;
   run->segment_options = segment_options(prepared, options);
   run->segmentation =
-      segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-              prepared.sensor(), run->segment_options, &run->trace);
-  run->timeline = Timeline(run->trace, run->segmentation, run->segment_options);
+      find_regions(run->subject->frame, prepared, options, &run->trace).segmentation;
+  run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation, run->segment_options)
+                                 : Timeline(run->segmentation, prepared.voxels.points);
   run->facts = facts_of(*run);
   run->wrong = wrong_decisions(*run);
   return run;

@@ -37,6 +37,9 @@ struct Run {
   std::vector<NodeFacts> facts;     // per octree node
   std::vector<std::uint8_t> wrong;  // per event: it disagrees with ground truth (truth_check.hpp)
 
+  /// Our own method alone has an octree and leaves a trace: of the others there are planes, from
+  /// step 0 on, and no node, no event, no label of a point.
+  bool is_ours() const { return options.method == Method::ours; }
   const Octree& octree() const { return segmentation.octree; }
   std::int32_t steps() const { return timeline.steps(); }
   /// The event that led to step k; null at step 0.
@@ -47,7 +50,7 @@ struct Run {
   double tau(const Vec3d& p) const;
 };
 
-/// Runs segment() with a trace. A millisecond or two for a depth frame.
+/// Runs the method of the options; ours with a trace. A millisecond or two for a depth frame.
 std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
                                     const PipelineOptions& options);
 

@@ -70,6 +70,26 @@ Timeline::Timeline(const Trace& trace,
   }
 }
 
+Timeline::Timeline(const Segmentation& segmentation, std::span<const Vec3f> points) {
+  const std::size_t count = segmentation.planes.size();
+  std::vector<Moments> moments(count);
+  points_first_ = {0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::int32_t id = segmentation.plane_of[i];
+    if (id > 0) moments[static_cast<std::size_t>(id) - 1].add(points[i].cast<double>());
+    point_changes_.push_back({.plane = id > 0 ? id - 1 : -1, .leftover = id <= 0});
+    points_first_.push_back(static_cast<std::uint32_t>(i + 1));
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const PlaneRegion& region = segmentation.planes[k];
+    plane_changes_.push_back({.moments = moments[k], .fit = region.fit});
+    planes_first_.push_back(static_cast<std::uint32_t>(k + 1));
+    plane_labels_.push_back(region.label);
+    result_of_plane_.push_back(region.id);
+  }
+  leaf_of_point_.assign(points.size(), -1);
+}
+
 NodeState Timeline::node_state(std::int32_t node, std::int32_t step) const {
   if (decided_at_[node] <= step) return NodeState::settled;
   if (visited_at_[node] <= step) return NodeState::visited;
@@ -87,7 +107,7 @@ PointChange Timeline::point_at(std::int32_t point, std::int32_t step) const {
 
 std::int32_t Timeline::node_of_point(std::int32_t point, std::int32_t step) const {
   std::int32_t node = leaf_of_point_[point];
-  while (parents_[node] >= 0 && queued_at_[node] > step) node = parents_[node];
+  while (node >= 0 && parents_[node] >= 0 && queued_at_[node] > step) node = parents_[node];
   return node;
 }
 

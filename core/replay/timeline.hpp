@@ -44,6 +44,9 @@ class Timeline {
   /// `options`: as they were given to segment(), which made the others.
   Timeline(const Trace& trace, const Segmentation& segmentation, const SegmentOptions& options);
 
+  /// Of a result without a trace: its planes stand from step 0 on, and no step follows.
+  Timeline(const Segmentation& segmentation, std::span<const Vec3f> points);
+
   std::int32_t steps() const { return steps_; }
 
   // Nodes. The step from which on each is in the queue, dequeued, settled; kNever if it never is.
@@ -55,7 +58,8 @@ class Timeline {
   // Points, by their index in segment()'s input.
   std::span<const PointChange> changes_of_point(std::int32_t point) const;  // by step
   PointChange point_at(std::int32_t point, std::int32_t step) const;
-  /// The node that holds the point among those settled or queued at `step`: the deepest born one.
+  /// The node that holds the point among those settled or queued at `step`: the deepest born one;
+  /// -1 where there is no octree.
   std::int32_t node_of_point(std::int32_t point, std::int32_t step) const;
   /// The nodes that ever held the point, from the root on.
   std::vector<std::int32_t> path_of_point(std::int32_t point) const;

@@ -223,7 +223,7 @@ void draw_compare(const Ui& ui) {
                               static_cast<double>(comparison.compared_sources),
                           a ? "change plane" : "are not in the plane that matches their own"));
   draw_planes(ui, a ? a->run.get() : nullptr, *b.run, comparison);
-  if (a) draw_nodes(ui, *a->run, *b.run, comparison);
+  if (a && a->run->is_ours() && b.run->is_ours()) draw_nodes(ui, *a->run, *b.run, comparison);
 }
 
 }  // namespace planescope::desktop

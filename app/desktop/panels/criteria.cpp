@@ -166,7 +166,16 @@ const char* title_of(const std::string& section) {
   if (section == "refinements") return "Refinements";
   if (section == "classifier") return "Classifier";
   if (section == "gravity") return "Gravity";
+  if (section == "method") return "Method";
+  if (section == "rivals") return "What steers it";
   return "Cloud and octree";
+}
+
+/// What can be set comes first; the method last where it is ours, as it is nearly always.
+std::vector<const char*> sections_of(Method method) {
+  if (method == Method::ours)
+    return {"criteria", "refinements", "classifier", "cloud", "gravity", "method"};
+  return {"method", "rivals", "cloud", "gravity"};
 }
 
 }  // namespace
@@ -175,17 +184,19 @@ void draw_criteria(const Ui& ui) {
   const PipelineOptions& options = ui.state.document.options;
   PipelineOptions defaults;
   defaults.segment = profile_options(options.segment.profile);
-  for (const char* section : {"criteria", "refinements", "classifier", "cloud", "gravity"}) {
+  for (const char* section : sections_of(options.method)) {
     const std::string focused = ui.state.view.focus;
     const bool sought =
         focused.starts_with("criteria.") && find_option(focused.substr(9)).section == section;
     if (sought) ImGui::SetNextItemOpen(true);
     const bool open = ImGui::CollapsingHeader(
-        title_of(section), std::string(section) == "criteria" ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+        title_of(section), section == std::string("criteria") || options.method != Method::ours
+                               ? ImGuiTreeNodeFlags_DefaultOpen
+                               : 0);
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
     for (const OptionInfo& info : option_table()) {
-      if (info.section != section) continue;
+      if (info.section != section || !info.matters(options)) continue;
       const Row row{info, info.get(options), info.get(defaults), "criteria." + info.name};
       ImGui::PushID(info.name.c_str());
       if (focused == row.widget) ImGui::SetScrollHereY(0.2f);

@@ -219,9 +219,10 @@ void draw_list(const Ui& ui, const Run& run) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
       draw_row(ui, run, some ? matches[static_cast<std::size_t>(i)] : i + 1, columns, breakpoints);
   ImGui::PopStyleVar();
-  if (rows == 0)
-    ImGui::TextDisabled(some ? "No event matches this filter."
-                             : "Nothing was decided on this frame.");
+  if (rows > 0) return;
+  if (!run.is_ours()) return paragraph(ui.colors.muted, describe_event(run, 0));
+  ImGui::TextDisabled(some ? "No event matches this filter."
+                           : "Nothing was decided on this frame.");
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", match.iou);
     ImGui::TableNextColumn();
-    if (verdict != TruthVerdict::detected &&
+    if (verdict != TruthVerdict::detected && run.is_ours() &&
         button(ui, "Find a fix", fmt::format("fix.plane.{}", match.truth)))
       ui.emit("fix.plane", std::to_string(match.truth));
   }
@@ -223,6 +223,10 @@ void draw_fix(const Ui& ui) {
   const RunView* view = ui.state.results.current.get();
   if (!view)
     return paragraph(ui.colors.muted, "Once a frame is shown, this finds what would mend it.");
+  if (!view->run->is_ours()) {
+    paragraph(ui.colors.muted, "Fixes are sought among the options of method ours.");
+    return draw_truth_planes(ui, *view);
+  }
   const bool image = !view->run->subject->frame.depth.empty();
   if (!view->score && !image)
     return paragraph(ui.colors.muted,

@@ -214,6 +214,7 @@ void draw_histograms(const Ui& ui) {
     return paragraph(
         ui.colors.muted,
         "Once a frame is shown, this tells how its nodes spread about each threshold.");
+  if (!view->run->is_ours()) return paragraph(ui.colors.muted, describe_event(*view->run, 0) + ".");
   if (view->run->steps() == 0)
     return paragraph(ui.colors.muted,
                      "No node was judged on this frame: none of its points is in "

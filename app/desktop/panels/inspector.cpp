@@ -159,7 +159,7 @@ void draw_plane(const Ui& ui, const Run& run, std::int32_t plane) {
     fact(ui, "state", now->into >= 0 ? "merged into " + plane_name(now->into) : "dropped");
   std::size_t past = 0;
   for (const PlaneChange& change : changes) past += change.step <= ui.state.view.step ? 1 : 0;
-  if (past > 0) {
+  if (past > 0 && run.is_ours()) {
     link_to_step(ui, fmt::format("founded at step {}", changes.front().step), changes.front().step);
     same_line_if_fits(fmt::format("last changed at step {}", changes[past - 1].step));
     link_to_step(ui, fmt::format("last changed at step {}", changes[past - 1].step),
@@ -182,9 +182,10 @@ void draw_inspector(const Ui& ui) {
   if (!run) return draw_why_empty(ui);
   const std::int32_t step = ui.state.view.step;
   const Selection& selected = ui.state.view.selected;
-  paragraph(ui.colors.muted, step == 0
-                                 ? "Before the first event: the root waits in the queue."
-                                 : fmt::format("Step {}: {}", step, describe_event(*run, step)));
+  paragraph(ui.colors.muted,
+            step == 0 && run->is_ours() ? "Before the first event: the root waits in the queue."
+            : run->is_ours() ? fmt::format("Step {}: {}", step, describe_event(*run, step))
+                             : describe_event(*run, step));
   ImGui::Separator();
   const TraceEvent* event = ui.state.event();
   if (event && event->point >= 0 && event->point == selected.voxel) draw_leftover(ui, *run, step);
@@ -195,8 +196,10 @@ void draw_inspector(const Ui& ui) {
   if (selected.plane >= 0) draw_plane(ui, *run, selected.plane);
   if (selected.node < 0 && selected.plane < 0 && selected.voxel < 0)
     paragraph(ui.colors.muted,
-              "Click a box, a point or a plane, or a row of the lists below, to see every "
-              "criterion that decided it.");
+              run->is_ours()
+                  ? "Click a box, a point or a plane, or a row of the lists below, to see every "
+                    "criterion that decided it."
+                  : "Click a point or a plane to see its fit.");
 }
 
 }  // namespace planescope::desktop

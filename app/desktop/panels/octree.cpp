@@ -171,6 +171,9 @@ void draw_rows(const Ui& ui, const Run& run, const std::vector<OctreeRow>& rows,
 void draw_octree(const Ui& ui) {
   const ViewState& view = ui.state.view;
   const Run* run = ui.state.run();
+  if (run && !run->is_ours())
+    return paragraph(ui.colors.muted,
+                     fmt::format("Method {} has no octree.", to_string(run->options.method)));
   const bool searching = view.octree_search.find_first_not_of(' ') != std::string::npos;
   const bool follow = run && follow_selection(ui, *run);
   FilterProblem problem;

@@ -42,8 +42,12 @@ std::string right_text(const State& state) {
   if (state.view.mode == Mode::labels) return label_text(state);
   const Run* run = state.run();
   if (!run) return "";
-  std::string text = fmt::format("{}{}  ·  {}", state.view.flash ? "A  ·  " : "",
-                                 to_string(run->segment_options.profile), run->options.classifier);
+  std::string text = state.view.flash ? "A  ·  " : "";
+  if (run->is_ours())
+    text +=
+        fmt::format("{}  ·  {}", to_string(run->segment_options.profile), run->options.classifier);
+  else
+    text += fmt::format("method {}", to_string(run->options.method));
   if (state.run_view()->score) {
     const QuickScore& score = *state.run_view()->score;
     text += fmt::format("  ·  {} of {} true planes found", score.detected, score.planes.size());

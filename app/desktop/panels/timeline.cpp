@@ -68,7 +68,7 @@ void draw_controls(const Ui& ui) {
     case_badge(ui, static_cast<Case>(event->node_case));
     ImGui::SameLine();
   }
-  const std::string text = event ? describe_event(*run, ui.state.view.step)
+  const std::string text = event || !run->is_ours() ? describe_event(*run, ui.state.view.step)
                            : run->steps() == 0
                                ? "nothing to step through on this frame"
                                : "before the first event: all points wait in the root";

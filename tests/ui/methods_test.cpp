@@ -1,0 +1,110 @@
+// Other methods than ours in the debugger: their planes, beside ours, and the way back.
+
+#include <nlohmann/json.hpp>
+
+#include "app/desktop/state_facts.hpp"
+#include "label_desktop.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct Methods : OpenDesktop {
+  void perform(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument});
+    EXPECT_FALSE(state().view.message_is_error) << state().view.message;
+    settle(shell, stage, {});
+  }
+  std::string message_after(const std::string& action) {
+    perform(action);
+    return state().view.message;
+  }
+};
+
+TEST_F(Methods, ARivalShowsItsPlanesAndHasNoSteps) {
+  perform("method.choose", "ransac");
+  const planescope::Run& run = *state().run();
+  EXPECT_FALSE(run.is_ours());
+  EXPECT_GT(run.segmentation.planes.size(), 2u);
+  EXPECT_EQ(run.steps(), 0);
+  EXPECT_EQ(state_facts(state(), true)["method"], "ransac");
+  ASSERT_TRUE(state().run_view()->score.has_value()) << "it is scored against the truth";
+  EXPECT_GT(state().run_view()->score->mean_iou, 0.3);
+  perform("select.plane", "P1");
+  EXPECT_EQ(state().view.selected.plane, 0);
+  perform("select.pixel", "320,400");
+  EXPECT_EQ(state().view.selected.node, -1) << "there is no octree";
+  EXPECT_NE(message_after("fix.search").find("method ours"), std::string::npos);
+}
+
+TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
+  const std::int32_t steps = state().run()->steps();
+  const auto planes = state().run()->segmentation.plane_of;
+  perform("run.pin");
+  perform("method.choose", "ransac");
+  ASSERT_NE(state().results.comparison, nullptr);
+  const Comparison& comparison = *state().results.comparison;
+  EXPECT_FALSE(comparison.planes.empty());
+  EXPECT_GT(comparison.compared_sources, 1000u);
+  EXPECT_TRUE(comparison.nodes.empty());
+  EXPECT_NE(comparison.divergence.find("ransac"), std::string::npos);
+  perform("run.flash");
+  EXPECT_EQ(state().run()->steps(), steps) << "A is ours";
+  perform("run.flash");
+  perform("compare.against", "truth");
+  EXPECT_FALSE(state().results.comparison->planes.empty());
+  perform("option.undo");
+  EXPECT_EQ(state().run()->steps(), steps);
+  EXPECT_EQ(state().run()->segmentation.plane_of, planes) << "ours again, as it was";
+}
+
+TEST_F(Methods, ItsOptionsTakeThePlaceOfOurs) {
+  perform("method.choose", "ransac");
+  EXPECT_TRUE(shell.widgets().contains("criteria.ransac_theta_pf_m.slider"));
+  EXPECT_FALSE(shell.widgets().contains("criteria.theta_n_in.slider"));
+  EXPECT_FALSE(shell.widgets().contains("criteria.region_patch_px.slider"));
+  const std::size_t planes = state().run()->segmentation.planes.size();
+  perform("option.set", "ransac_min_points=2000");
+  EXPECT_LT(state().run()->segmentation.planes.size(), planes);
+  perform("method.choose", "ours");
+  EXPECT_TRUE(shell.widgets().contains("criteria.theta_n_in.slider"));
+}
+
+TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
+  perform("method.choose", "ransac");
+  perform("select.pixel", "320,400");
+  for (const char* tab : {"inspector", "point", "bookmarks"}) perform("tab.inspector", tab);
+  for (const char* tool : {"criteria", "histograms", "compare", "fix"}) perform("tab.tool", tool);
+  for (const Action& action : action_table()) {
+    const bool debugger = action.mode == KeyMode::debugger || action.name.starts_with("color.");
+    if (!debugger || !action.takes.empty()) continue;
+    if (action.enabled && !action.enabled(state())) continue;
+    SCOPED_TRACE(action.name);
+    shell.perform({action.name, ""});
+    stage.draw_frame();
+    if (state().document.options.method == Method::ours) perform("method.choose", "ransac");
+  }
+}
+
+TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
+  LabelWindow window(scratch_dir() / "labels");
+  window.run("method.choose", "ransac");
+  window.run("label.take");
+  EXPECT_TRUE(window.state().view.message.starts_with("Start from the algorithm (ransac)"));
+  EXPECT_EQ(window.labels().planes.size(), window.state().run()->segmentation.planes.size());
+}
+
+TEST(MethodsAtFirst, OursIsClassifiedThoughTheWindowOpenedWithARival) {
+  State first = open_state();
+  first.document.options.method = Method::ransac;
+  Shell shell{std::move(first), nullptr, [] {}};
+  NoStage stage{shell};
+  settle(shell, stage, {});
+  EXPECT_EQ(shell.state().run()->steps(), 0);
+  shell.perform({"method.choose", "ours"});
+  settle(shell, stage, {});
+  ASSERT_NE(shell.state().run(), nullptr) << shell.state().results.refusal;
+  EXPECT_GT(shell.state().run()->steps(), 0);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
