@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/moments.hpp"
 #include "core/recording/frame.hpp"
 
 namespace planescope {
@@ -63,6 +64,9 @@ Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions&
 
 /// Voxel grid anchored at the cube's corner. Sec. III-A, N_d points.
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m);
+
+/// How the points of each voxel spread about their mean.
+std::vector<Spread> voxel_spreads(const Cloud& cloud, const VoxelCloud& voxels);
 
 /// Members of each voxel as CSR: members[first[v] .. first[v+1]) are cloud point indices,
 /// ascending.

@@ -217,6 +217,9 @@ void append_refinements(std::vector<OptionInfo>& table) {
                        in_segment(&SegmentOptions::r6_refit)));
   table.push_back(flag(s, "r7_second_merge", "R7: a second pass of merging",
                        in_segment(&SegmentOptions::r7_second_merge)));
+  table.push_back(flag(s, "r8_voxel_spread",
+                       "R8: fits see how the points of each voxel spread about their mean",
+                       in_segment(&SegmentOptions::r8_voxel_spread)));
   table.push_back(flag(s, "split_disconnected", "split planes into parts that do not touch",
                        in_segment(&SegmentOptions::split_disconnected)));
   table.push_back(real(s, "split_cell_m", "m",

@@ -56,6 +56,8 @@ PreparedFrame prepare_frame(const Frame& frame,
   prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);
   prepared.timings.cloud_ms = watch.lap_ms();
   prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
+  if (options.cloud.voxel_size_m > 0)
+    prepared.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
   prepared.timings.t_d_ms = watch.lap_ms();
   if (options.method == Method::ours)
     prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
@@ -79,7 +81,7 @@ FoundRegions find_regions(const Frame& frame,
   if (options.method == Method::ours)
     found.segmentation =
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                prepared.sensor(), segment_options(prepared, options), trace);
+                prepared.sensor(), segment_options(prepared, options), trace, prepared.spreads);
   else
     found = find_rival_regions(frame, prepared, options);
   if (!found.plane_of.empty()) return found;

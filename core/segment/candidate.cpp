@@ -11,9 +11,8 @@ Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool u
   const OctreeNode& range = octree.nodes[node];
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     if (use_labels && octree.labels[i] != label) continue;
-    const Vec3d p = octree.points[i].cast<double>();
-    candidate.moments.add(p);
-    candidate.bounds.add(p);
+    octree.add_point(candidate.moments, i);
+    candidate.bounds.add(octree.points[i].cast<double>());
   }
   candidate.fit = fit_plane(candidate.moments);
   return candidate;

@@ -14,7 +14,12 @@ constexpr double kPercentile = 0.8;
 // Stereo noise is correlated over more than a cell: the part that moves a whole cell does not show
 // in its residual. With 1.1 to 1.3 the walls of a real office corner stay whole, with 1 and 1.4
 // they split.
+// R8's samples hold all of the noise of single measurements, so that nothing needs to be added.
 constexpr double kCorrelated = 1.25;
+// Of single measurements, which scatter more than the means of voxels do. Tried on depth frames of
+// seeds that no table shows: mean IoU and panoptic quality change by less than a point from 2 to 3
+// and from 1.25 to 1.5.
+constexpr double kSpreadThetaSigmas = 1.4, kSpreadTauSigmas = 2.5;
 
 }  // namespace
 
@@ -25,12 +30,14 @@ double NoiseModel::sigma(double range) const {
 
 double NoiseModel::theta_rms(double range) const {
   if (!estimated) return fixed_rms_m;
-  return std::clamp(2 * sigma(range), 0.003, 0.012 * (by_range ? std::max(1.0, range * range) : 1));
+  return std::clamp(theta_sigmas * sigma(range), 0.003,
+                    0.012 * (by_range ? std::max(1.0, range * range) : 1));
 }
 
 double NoiseModel::tau(double range) const {
   if (!estimated) return fixed_tau_m;
-  return std::clamp(3 * sigma(range), 0.008, 0.020 * (by_range ? std::max(1.0, range * range) : 1));
+  return std::clamp(tau_sigmas * sigma(range), 0.008,
+                    0.020 * (by_range ? std::max(1.0, range * range) : 1));
 }
 
 void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range) {
@@ -38,7 +45,8 @@ void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_rang
   model.estimated = true;
   model.by_range = by_range;
   if (by_range)
-    for (NoiseSample& s : samples) s.sigma_m *= kCorrelated / std::max(s.range_m * s.range_m, 0.01);
+    for (NoiseSample& s : samples)
+      s.sigma_m *= (model.of_spreads ? 1 : kCorrelated) / std::max(s.range_m * s.range_m, 0.01);
   const auto nth = samples.begin() + static_cast<std::ptrdiff_t>(
                                          kPercentile * static_cast<double>(samples.size() - 1));
   std::nth_element(
@@ -52,13 +60,18 @@ NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const Segmen
   model.fixed_rms_m = options.fixed_rms_m;
   model.fixed_tau_m = options.fixed_tau_m;
   if (!options.estimate_sigma) return model;
+  model.of_spreads = !octree.spreads.empty();
+  if (model.of_spreads) {
+    model.theta_sigmas = kSpreadThetaSigmas;
+    model.tau_sigmas = kSpreadTauSigmas;
+  }
 
   std::vector<NoiseSample> samples;
   const std::vector<std::uint32_t> starts = cell_starts(octree, kCellLevels);
   for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
     Moments by_label[2];
     for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i)
-      by_label[octree.labels[i] == Label::h].add(octree.points[i].cast<double>());
+      octree.add_point(by_label[octree.labels[i] == Label::h], i);
     for (const Moments& moments : by_label) {
       if (moments.count < kMinPoints) continue;
       const PlaneFit fit = fit_plane(moments);

@@ -11,6 +11,7 @@
 
 #include "core/classify/classifier.hpp"
 #include "core/cloud/cloud.hpp"
+#include "core/geometry/moments.hpp"
 #include "core/geometry/types.hpp"
 
 namespace planescope {
@@ -41,8 +42,17 @@ struct Octree {
   std::vector<std::uint32_t> order;     // order[i]: index in the input of the i-th point
   std::vector<Vec3f> points;            // the points and ...
   std::vector<Label> labels;            // ... their labels in Morton order
+  std::vector<Spread> spreads;          // likewise; empty where points are taken as they are
   std::vector<std::uint32_t> h_before;  // points labelled h among the first i; size n + 1
   std::vector<OctreeNode> nodes;        // breadth-first; nodes[0] is the root
+
+  /// Adds the i-th point, with its spread where it has one.
+  void add_point(Moments& moments, std::uint32_t i) const {
+    if (spreads.empty())
+      moments.add(points[i].cast<double>());
+    else
+      moments.add(points[i].cast<double>(), spreads[i]);
+  }
 
   Vec3d node_min(const OctreeNode& node) const;      // lower corner, local coordinates [m]
   double node_edge_m(const OctreeNode& node) const;  // [m]

@@ -50,6 +50,7 @@ struct SegmentOptions {
   bool r5_reassign_shared_cells = false;
   bool r6_refit = false;
   bool r7_second_merge = false;
+  bool r8_voxel_spread = false;
   bool split_disconnected = false;
   double split_cell_m = 0.05;
 };

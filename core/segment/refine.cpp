@@ -50,7 +50,9 @@ PlanePoints points_by_plane(const SegmentState& state) {
 void prune_explained_planes(SegmentState& state) {
   // R2: smallest first, a plane whose points nearly all lie on larger neighbours is an artefact of
   // cells that straddle an edge, and one no wider than the noise, or far thinner than the others,
-  // is noise. Its points are left over again.
+  // is noise. Its points are left over again. On a neighbour of the other label they must lie
+  // closer: all of a small box's top is near its side.
+  constexpr double kOtherLabelShare = 0.5;
   const double typical_area = typical_area_per_point(state);
   const CellGrid grid = make_cell_grid(state.octree);
   const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
@@ -60,14 +62,17 @@ void prune_explained_planes(SegmentState& state) {
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return larger(state, b, a); });
   for (const std::int32_t plane : order) {
     if (!state.planes[plane].alive) continue;
+    const Label label = state.planes[plane].label;
     const auto points = members.of(plane);
     std::size_t unexplained = 0;
     for (const std::uint32_t i : points) {
       const Vec3d p = state.octree.points[i].cast<double>();
       const double tau = state.tau(p);
       const auto explains = [&](std::int32_t other) {
-        return state.planes[other].alive && larger(state, other, plane) &&
-               std::abs(state.planes[other].fit.distance_m(p)) <= tau;
+        const GrowingPlane& larger_plane = state.planes[other];
+        const double reach = larger_plane.label == label ? tau : kOtherLabelShare * tau;
+        return larger_plane.alive && larger(state, other, plane) &&
+               std::abs(larger_plane.fit.distance_m(p)) <= reach;
       };
       const auto candidates = near.near(grid.cell_of[i]);
       if (std::none_of(candidates.begin(), candidates.end(), explains)) ++unexplained;
@@ -89,30 +94,36 @@ void prune_explained_planes(SegmentState& state) {
 
 void refit_planes(SegmentState& state) {
   // R6: points within tau of a second plane pull a fit towards the edge; leave them out.
-  constexpr double kMinPoints = 10;
+  constexpr double kMinPoints = 10, kMostLoss = 1.2;
   const CellGrid grid = make_cell_grid(state.octree);
   const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
-  std::vector<Moments> sure(state.planes.size());
+  std::vector<Moments> sure(state.planes.size()), all(state.planes.size());
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i) {
     const std::int32_t own = state.plane_of[i];
     if (own < 0) continue;
     const Vec3d p = state.octree.points[i].cast<double>();
     const double tau = state.tau(p);
+    state.octree.add_point(all[own], i);
     const auto candidates = near.near(grid.cell_of[i]);
     const bool shared = std::any_of(candidates.begin(), candidates.end(), [&](std::int32_t k) {
       return k != own && state.planes[k].alive &&
              std::abs(state.planes[k].fit.distance_m(p)) <= tau;
     });
-    if (!shared) sure[own].add(p);
+    if (!shared) state.octree.add_point(sure[own], i);
   }
   for (std::size_t k = 0; k < state.planes.size(); ++k) {
     GrowingPlane& plane = state.planes[k];
     if (!plane.alive || sure[k].count < std::max(kMinPoints, 0.3 * plane.moments.count)) continue;
-    state.log_refit(static_cast<std::int32_t>(k), sure[k], 6);
-    plane.moments = sure[k];
+    // Of a low riser only a strip is left, whose normal is known less well than with all points.
+    const auto uncertainty = [&](const Moments& moments) {
+      const PlaneFit fit = fit_plane(moments);
+      return normal_uncertainty(fit, state.noise.sigma(state.range(fit.centroid)));
+    };
+    const bool strip = uncertainty(sure[k]) > kMostLoss * uncertainty(all[k]);
+    plane.moments = strip ? all[k] : sure[k];
+    state.log_refit(static_cast<std::int32_t>(k), plane.moments, 6);
     plane.fit = fit_plane(plane.moments);
-    plane.sigma_ang =
-        normal_uncertainty(plane.fit, state.noise.sigma(state.range(plane.fit.centroid)));
+    plane.sigma_ang = uncertainty(plane.moments);
   }
 }
 

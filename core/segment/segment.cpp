@@ -71,10 +71,13 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 const Cube& cube,
                                 const Vec3d& sensor,
                                 const SegmentOptions& options,
-                                Trace* trace) {
+                                Trace* trace,
+                                std::span<const Spread> spreads) {
   assert(points.size() == labels.size());
   SegmentState state{options, sensor, trace};
   state.octree = build_octree(points, labels, placed(cube, points, options.cube_anchor));
+  if (options.r8_voxel_spread && !spreads.empty())
+    for (const std::uint32_t i : state.octree.order) state.octree.spreads.push_back(spreads[i]);
   state.plane_of.assign(points.size(), -1);
   return state;
 }
@@ -97,10 +100,11 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Cube& cube,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
-                     Trace* trace) {
+                     Trace* trace,
+                     std::span<const Spread> spreads) {
   Segmentation result;
   const auto start = Clock::now();
-  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace);
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace, spreads);
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();

@@ -55,6 +55,7 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Cube& cube,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
-                     Trace* trace = nullptr);
+                     Trace* trace = nullptr,
+                     std::span<const Spread> spreads = {});
 
 }  // namespace planescope

@@ -31,9 +31,10 @@ SegmentSnapshot segment_until(std::span<const Vec3f> points,
                               const Cube& cube,
                               const Vec3d& sensor,
                               const SegmentOptions& options,
-                              std::size_t events) {
+                              std::size_t events,
+                              std::span<const Spread> spreads) {
   Trace trace;
-  SegmentState state = start_segmentation(points, labels, cube, sensor, options, &trace);
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, &trace, spreads);
   state.stop_at = events;
   try {
     run_stages(state);

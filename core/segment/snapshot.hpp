@@ -35,6 +35,7 @@ SegmentSnapshot segment_until(std::span<const Vec3f> points,
                               const Cube& cube,
                               const Vec3d& sensor,
                               const SegmentOptions& options,
-                              std::size_t events);
+                              std::size_t events,
+                              std::span<const Spread> spreads = {});
 
 }  // namespace planescope

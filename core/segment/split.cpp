@@ -19,7 +19,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 
 Moments moments_of(const SegmentState& state, std::span<const std::uint32_t> points) {
   Moments moments;
-  for (const std::uint32_t i : points) moments.add(state.octree.points[i].cast<double>());
+  for (const std::uint32_t i : points) state.octree.add_point(moments, i);
   return moments;
 }
 

@@ -68,7 +68,8 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 const Cube& cube,
                                 const Vec3d& sensor,
                                 const SegmentOptions& options,
-                                Trace* trace);
+                                Trace* trace,
+                                std::span<const Spread> spreads);
 
 /// All stages after that, in their order.
 void run_stages(SegmentState& state);
