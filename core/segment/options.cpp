@@ -49,7 +49,6 @@ SegmentOptions profile_options(Profile profile) {
       o.r5_reassign_shared_cells = true;
       o.r6_refit = true;
       o.r7_second_merge = true;
-      o.r8_voxel_spread = true;
       break;
   }
   return o;

@@ -397,7 +397,8 @@ class Method {
         bool explained = false;
         for (const int other : near[coarse_of(i)])
           explained |= planes_[other].alive && larger(other, k) &&
-                       std::abs(planes_[other].fit.distance_m(at(i))) <= tau(at(i));
+                       std::abs(planes_[other].fit.distance_m(at(i))) <=
+                           tau(at(i)) * (planes_[other].label == planes_[k].label ? 1 : 0.5);
         unexplained += !explained;
       }
       const PlaneFit& f = planes_[k].fit;
@@ -446,9 +447,10 @@ class Method {
 
   void refit() {
     auto near = planes_near();
-    std::vector<Points> sure(planes_.size());
+    std::vector<Points> sure(planes_.size()), all(planes_.size());
     for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
       if (plane_of_[i] < 0) continue;
+      all[plane_of_[i]].push_back(i);
       bool shared = false;
       for (const int k : near[coarse_of(i)])
         shared |= k != plane_of_[i] && planes_[k].alive &&
@@ -459,9 +461,14 @@ class Method {
       GrowingPlane& plane = planes_[k];
       const double enough = std::max(10.0, 0.3 * static_cast<double>(plane.points.size()));
       if (!plane.alive || static_cast<double>(sure[k].size()) < enough) continue;
-      plane.points = sure[k];
-      plane.fit = fit(plane.points);
+      const PlaneFit of_sure = fit(sure[k]), of_all = fit(all[k]);
+      const bool strip = uncertainty(of_sure) > 1.2 * uncertainty(of_all);
+      plane.points = strip ? all[k] : sure[k];
+      plane.fit = strip ? of_all : of_sure;
     }
+  }
+  double uncertainty(const PlaneFit& f) const {
+    return normal_uncertainty(f, noise_.sigma(range(f.centroid)));
   }
 
   void reassign() {
