@@ -120,8 +120,9 @@ void refit_planes(SegmentState& state) {
       return normal_uncertainty(fit, state.noise.sigma(state.range(fit.centroid)));
     };
     const bool strip = uncertainty(sure[k]) > kMostLoss * uncertainty(all[k]);
-    plane.moments = strip ? all[k] : sure[k];
-    state.log_refit(static_cast<std::int32_t>(k), plane.moments, 6);
+    const Moments& chosen = strip ? all[k] : sure[k];
+    state.log_refit(static_cast<std::int32_t>(k), chosen, 6);
+    plane.moments = chosen;
     plane.fit = fit_plane(plane.moments);
     plane.sigma_ang = uncertainty(plane.moments);
   }

@@ -63,6 +63,9 @@ class Peers : public testing::TestWithParam<Peer> {
     if (!has_peers()) GTEST_SKIP() << "this build has no peers (-DPLANESCOPE_PEERS=ON)";
   }
 };
+/// GoogleTest would print the bytes, with addresses that differ from run to run.
+void PrintTo(const Peer& peer, std::ostream* out) { *out << peer.name; }
+
 INSTANTIATE_TEST_SUITE_P(OfUnorderedClouds, Peers, testing::ValuesIn(kPeers), [](const auto& test) {
   return std::string(test.param.name);
 });
