@@ -37,6 +37,12 @@ Classification classify(const VoxelCloud& voxels,
   return known;
 }
 
+/// Of R8; empty where it is off, or every point is its own voxel.
+std::vector<Spread> wanted_spreads(const PreparedFrame& prepared, const SegmentOptions& options) {
+  if (!options.r8_voxel_spread || prepared.voxels.size_m <= 0) return {};
+  return voxel_spreads(prepared.cloud, prepared.voxels);
+}
+
 Classification unclassified(const VoxelCloud& voxels) {
   const std::size_t n = voxels.points.size();
   return {std::vector<Label>(n, Label::unknown), std::vector<float>(n, 0.0f)};
@@ -56,8 +62,6 @@ PreparedFrame prepare_frame(const Frame& frame,
   prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);
   prepared.timings.cloud_ms = watch.lap_ms();
   prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
-  if (options.cloud.voxel_size_m > 0)
-    prepared.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
   prepared.timings.t_d_ms = watch.lap_ms();
   if (options.method == Method::ours)
     prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
@@ -81,7 +85,8 @@ FoundRegions find_regions(const Frame& frame,
   if (options.method == Method::ours)
     found.segmentation =
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                prepared.sensor(), segment_options(prepared, options), trace, prepared.spreads);
+                prepared.sensor(), segment_options(prepared, options), trace,
+                wanted_spreads(prepared, options.segment));
   else
     found = find_rival_regions(frame, prepared, options);
   if (!found.plane_of.empty()) return found;

@@ -50,7 +50,6 @@ struct PreparedFrame {
   Cloud cloud;
   VoxelCloud voxels;              // N_d = voxels.points.size()
   Classification classification;  // per voxel; of rivals: nothing is known, with margins of 0
-  std::vector<Spread> spreads;    // per voxel; empty without a voxel grid
   bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
   FrameTimings timings;
 
