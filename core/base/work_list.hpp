@@ -13,4 +13,10 @@ void work_through(int count,
                   const std::function<void(int)>& body,
                   const std::function<void(int, int)>& progress = {});
 
+/// As above, each thread with a body of its own, made on that thread and gone with it.
+void work_through_with(int count,
+                       int threads,
+                       const std::function<std::function<void(int)>()>& make_body,
+                       const std::function<void(int, int)>& progress = {});
+
 }  // namespace planescope

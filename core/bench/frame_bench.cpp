@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "core/bench/statistics.hpp"
+#include "core/pipeline/frame_times.hpp"
 
 namespace planescope {
 namespace {
@@ -27,8 +28,6 @@ double median_of(const std::vector<FrameRow>& runs, const Value& value) {
   for (const FrameRow& run : runs) values.push_back(value(run));
   return median(std::move(values));
 }
-
-double paper_ms(const FrameTimings& t) { return t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms; }
 
 }  // namespace
 

@@ -12,8 +12,12 @@ double TruthOverlap::iou(int t, int f) const {
 }
 
 TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
-                                 std::span<const std::int32_t> found) {
+                                 std::span<const std::int32_t> found,
+                                 int last_truth,
+                                 int last_found) {
   TruthOverlap o;
+  o.truth = last_truth;
+  o.found = last_found;
   for (const std::int32_t t : truth) o.truth = std::max(o.truth, t);
   for (const std::int32_t f : found) o.found = std::max(o.found, f);
   o.shared.assign(static_cast<std::size_t>(o.truth + 1) * (o.found + 1), 0);

@@ -20,9 +20,12 @@ struct TruthOverlap {
   double iou(int t, int f) const;
 };
 
-/// Ids: > 0 a plane, 0 none; truth < 0 is not counted.
+/// Ids: > 0 a plane, 0 none; truth < 0 is not counted. Planes up to the ids given have their places
+/// even where they have no points.
 TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
-                                 std::span<const std::int32_t> found);
+                                 std::span<const std::int32_t> found,
+                                 int last_truth = 0,
+                                 int last_found = 0);
 
 /// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
 std::vector<int> found_of_truth(const TruthOverlap& overlap);

@@ -37,9 +37,13 @@ const std::vector<Method>& built_methods() {
 
 Method parse_method(const std::string& text) {
   std::string known;
-  for (const Method method : built_methods()) {
-    if (text == to_string(method)) return method;
-    known += (known.empty() ? "" : ", ") + std::string(to_string(method));
+  for (const auto& [method, name] : kMethods) {
+    const bool built = !is_peer(method) || has_peers();
+    if (text == name && built) return method;
+    if (text == name)
+      throw Error("method '" + text +
+                  "' is in builds with -DPLANESCOPE_PEERS=ON alone, see docs/method.md");
+    if (built) known += (known.empty() ? "" : ", ") + std::string(name);
   }
   throw Error("method '" + text + "' does not exist, expected one of " + known);
 }

@@ -19,46 +19,32 @@ namespace planescope {
 /// Throws Error where the value is not in the range.
 void check_option_range(double value, const OptionRange& range, const std::string& name);
 
-/// `field` takes PipelineOptions, const or not, and returns a reference to the member.
+/// `field` takes PipelineOptions, const or not, and returns a reference to the member: a whole
+/// number where that is an int.
 template <typename Field>
-OptionInfo real(std::string section,
-                std::string name,
-                std::string unit,
-                std::string meaning,
-                Field field,
-                OptionRange range = {}) {
+OptionInfo number(std::string section,
+                  std::string name,
+                  std::string unit,
+                  std::string meaning,
+                  Field field,
+                  OptionRange range = {}) {
+  using Value = std::decay_t<decltype(field(std::declval<PipelineOptions&>()))>;
+  constexpr bool kWhole = std::is_same_v<Value, int>;
   return {name,
           std::move(unit),
           std::move(meaning),
           std::move(section),
           [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
           [field, range, name](PipelineOptions& o, const std::string& text) {
-            const double value = parse_number(text, "option " + name);
+            Value value{};
+            if constexpr (kWhole)
+              value = parse_integer(text, "option " + name);
+            else
+              value = parse_number(text, "option " + name);
             check_option_range(value, range, name);
             field(o) = value;
           },
-          OptionKind::number,
-          range};
-}
-
-template <typename Field>
-OptionInfo whole(std::string section,
-                 std::string name,
-                 std::string unit,
-                 std::string meaning,
-                 Field field,
-                 OptionRange range = {}) {
-  return {name,
-          std::move(unit),
-          std::move(meaning),
-          std::move(section),
-          [field](const PipelineOptions& o) { return fmt::format("{}", field(o)); },
-          [field, range, name](PipelineOptions& o, const std::string& text) {
-            const int value = parse_integer(text, "option " + name);
-            check_option_range(value, range, name);
-            field(o) = value;
-          },
-          OptionKind::whole,
+          kWhole ? OptionKind::whole : OptionKind::number,
           range};
 }
 

@@ -57,21 +57,22 @@ void name_symbols(std::vector<OptionInfo>& table) {
 
 void append_cloud(std::vector<OptionInfo>& table) {
   const std::string s = "cloud";
-  table.push_back(real(s, "max_range_m", "m",
-                       "depth frames: pixels with depth z beyond this are cropped",
-                       in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
+  table.push_back(number(s, "max_range_m", "m",
+                         "depth frames: pixels with depth z beyond this are cropped",
+                         in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
   table.push_back(flag(s, "range_for_clouds",
                        "clouds: crop points farther than max_range_m from the origin",
                        in_cloud(&CloudOptions::range_for_clouds)));
-  table.push_back(real(s, "cube_edge_m", "m",
-                       "least edge of the octree's cube; doubled until it holds the range",
-                       in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
-  table.push_back(real(s, "voxel_size_m", "m",
-                       "edge of the voxel grid; 0 = every point is a voxel of its own",
-                       in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
-  table.push_back(whole(s, "base_depth", "levels",
-                        "octree depth of a cube of cube_edge_m: 8 makes leaves of 1.25 cm in 3.2 m",
-                        in_cloud(&CloudOptions::base_depth), {1, 16}));
+  table.push_back(number(s, "cube_edge_m", "m",
+                         "least edge of the octree's cube; doubled until it holds the range",
+                         in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
+  table.push_back(number(s, "voxel_size_m", "m",
+                         "edge of the voxel grid; 0 = every point is a voxel of its own",
+                         in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
+  table.push_back(
+      number(s, "base_depth", "levels",
+             "octree depth of a cube of cube_edge_m: 8 makes leaves of 1.25 cm in 3.2 m",
+             in_cloud(&CloudOptions::base_depth), {1, 16}));
 }
 
 void append_gravity(std::vector<OptionInfo>& table) {
@@ -84,10 +85,10 @@ void append_gravity(std::vector<OptionInfo>& table) {
                      o.gravity.mode = parsed.mode;
                      o.gravity.direction = parsed.direction;
                    }});
-  table.push_back(real(s, "gravity_max_tilt_deg", "deg",
-                       "the estimate takes the camera to be tilted by less than this",
-                       member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg),
-                       {0, 90, true}));
+  table.push_back(number(s, "gravity_max_tilt_deg", "deg",
+                         "the estimate takes the camera to be tilted by less than this",
+                         member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg),
+                         {0, 90, true}));
 }
 
 void append_classifier(std::vector<OptionInfo>& table) {
@@ -102,11 +103,11 @@ void append_classifier(std::vector<OptionInfo>& table) {
                                    "' does not exist, expected gcn, pca, truth or a weights file");
                      o.classifier = text;
                    }});
-  table.push_back(whole(s, "pca_neighbours", "points",
-                        "nearest points in each local plane fit, the point itself included",
-                        member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),
-                        {3, 1000}));
-  table.push_back(real(
+  table.push_back(number(s, "pca_neighbours", "points",
+                         "nearest points in each local plane fit, the point itself included",
+                         member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),
+                         {3, 1000}));
+  table.push_back(number(
       s, "pca_max_angle_deg", "deg", "Eq. (1): h where the normal is within this angle of gravity",
       member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg), {0, 90}));
 }
@@ -139,36 +140,36 @@ void append_criteria(std::vector<OptionInfo>& table) {
                    OptionKind::choice,
                    {},
                    {"paper", "paper-closest", "refined"}});
-  table.push_back(whole(s, "theta_n_out", "points",
-                        "Criterion 1: a node has at most this many outliers",
-                        in_segment(&SegmentOptions::theta_n_out)));
-  table.push_back(real(s, "theta_r_out", "share",
-                       "Criterion 1: outliers are at most this share of a node's points",
-                       in_segment(&SegmentOptions::theta_r_out), {0, 1}));
-  table.push_back(whole(s, "theta_n_in", "points",
-                        "Criterion 2: a node has at least this many inliers",
-                        in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
-  table.push_back(real(s, "theta_e_n_m2", "m2",
-                       "Criterion 3: the inliers' plane fit has at most this error e_n",
-                       in_segment(&SegmentOptions::theta_e_n_m2)));
+  table.push_back(number(s, "theta_n_out", "points",
+                         "Criterion 1: a node has at most this many outliers",
+                         in_segment(&SegmentOptions::theta_n_out)));
+  table.push_back(number(s, "theta_r_out", "share",
+                         "Criterion 1: outliers are at most this share of a node's points",
+                         in_segment(&SegmentOptions::theta_r_out), {0, 1}));
+  table.push_back(number(s, "theta_n_in", "points",
+                         "Criterion 2: a node has at least this many inliers",
+                         in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
+  table.push_back(number(s, "theta_e_n_m2", "m2",
+                         "Criterion 3: the inliers' plane fit has at most this error e_n",
+                         in_segment(&SegmentOptions::theta_e_n_m2)));
   table.push_back(choice(s, "mse_normalization", {"scatter", "mean"},
                          "e_n is the scatter's smallest eigenvalue as printed, or that over N",
                          in_segment(&SegmentOptions::mse_normalization)));
-  table.push_back(real(s, "theta_coplane", "1",
-                       "Criterion 4: least coplanarity of two candidates that are merged",
-                       in_segment(&SegmentOptions::theta_coplane), {0, 1}));
+  table.push_back(number(s, "theta_coplane", "1",
+                         "Criterion 4: least coplanarity of two candidates that are merged",
+                         in_segment(&SegmentOptions::theta_coplane), {0, 1}));
   table.push_back(flag(s, "criterion4_n2",
                        "Criterion 4: also ask its third line, with the candidate's own normal",
                        in_segment(&SegmentOptions::criterion4_n2)));
-  table.push_back(real(s, "merge_offset_m", "m",
-                       "Criterion 4: also ask |n . dmu| to be at most this; 0 = not asked",
-                       in_segment(&SegmentOptions::merge_offset_m)));
+  table.push_back(number(s, "merge_offset_m", "m",
+                         "Criterion 4: also ask |n . dmu| to be at most this; 0 = not asked",
+                         in_segment(&SegmentOptions::merge_offset_m)));
   table.push_back(choice(s, "merge_partner", {"first", "best"},
                          "which coplanar plane a candidate joins",
                          in_segment(&SegmentOptions::merge_partner)));
-  table.push_back(real(s, "leftover_distance_m", "m",
-                       "a leftover point joins a plane at most this far away",
-                       in_segment(&SegmentOptions::leftover_distance_m)));
+  table.push_back(number(s, "leftover_distance_m", "m",
+                         "a leftover point joins a plane at most this far away",
+                         in_segment(&SegmentOptions::leftover_distance_m)));
   table.push_back(choice(s, "leftover_rule", {"first", "nearest"},
                          "which plane a leftover point joins",
                          in_segment(&SegmentOptions::leftover_rule)));
@@ -191,12 +192,12 @@ void append_refinements(std::vector<OptionInfo>& table) {
   table.push_back(flag(s, "sigma_by_range",
                        "the noise grows with the square of range, and both with it",
                        in_segment(&SegmentOptions::sigma_by_range)));
-  table.push_back(real(s, "fixed_rms_m", "m",
-                       "theta_rms, the largest RMS of a plane, where the noise is not measured",
-                       in_segment(&SegmentOptions::fixed_rms_m)));
-  table.push_back(real(s, "fixed_tau_m", "m",
-                       "tau, the distance to a plane, where the noise is not measured",
-                       in_segment(&SegmentOptions::fixed_tau_m)));
+  table.push_back(number(s, "fixed_rms_m", "m",
+                         "theta_rms, the largest RMS of a plane, where the noise is not measured",
+                         in_segment(&SegmentOptions::fixed_rms_m)));
+  table.push_back(number(s, "fixed_tau_m", "m",
+                         "tau, the distance to a plane, where the noise is not measured",
+                         in_segment(&SegmentOptions::fixed_tau_m)));
   table.push_back(flag(s, "r1_merge_by_distance",
                        "R1: merge by distance and RMS; leftovers go to a plane with points nearby",
                        in_segment(&SegmentOptions::r1_merge_by_distance)));
@@ -220,11 +221,12 @@ void append_refinements(std::vector<OptionInfo>& table) {
   table.push_back(flag(s, "r8_voxel_spread",
                        "R8: fits see how the points of each voxel spread about their mean",
                        in_segment(&SegmentOptions::r8_voxel_spread)));
-  table.push_back(flag(s, "split_disconnected", "split planes into parts that do not touch",
-                       in_segment(&SegmentOptions::split_disconnected)));
-  table.push_back(real(s, "split_cell_m", "m",
-                       "edge of the cells in which parts are taken to touch",
-                       in_segment(&SegmentOptions::split_cell_m), {0.005, 10}));
+  table.push_back(choice(s, "split_disconnected", {"off", "seen", "on"},
+                         "split planes into parts that do not touch; seen: where the sensor looked "
+                         "through the gap",
+                         in_segment(&SegmentOptions::split_disconnected)));
+  table.push_back(number(s, "split_gap_m", "m", "points no farther apart than this touch",
+                         in_segment(&SegmentOptions::split_gap_m), {0.005, 10}));
 }
 
 }  // namespace

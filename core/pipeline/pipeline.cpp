@@ -37,10 +37,13 @@ Classification classify(const VoxelCloud& voxels,
   return known;
 }
 
-/// Of R8; empty where it is off, or every point is its own voxel.
-std::vector<Spread> wanted_spreads(const PreparedFrame& prepared, const SegmentOptions& options) {
-  if (!options.r8_voxel_spread || prepared.voxels.size_m <= 0) return {};
-  return voxel_spreads(prepared.cloud, prepared.voxels);
+/// Cropped points, thinned: rays of neighbouring pixels tell the same.
+std::vector<Vec3f> points_beyond(const Cloud& cloud) {
+  constexpr std::size_t kStride = 8;
+  std::vector<Vec3f> beyond;
+  for (std::size_t i = 0; i < cloud.points.size(); i += kStride)
+    if (!cloud.kept[i]) beyond.push_back(cloud.points[i]);
+  return beyond;
 }
 
 Classification unclassified(const VoxelCloud& voxels) {
@@ -77,18 +80,32 @@ SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOpti
   return result;
 }
 
+Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptions& options) {
+  Measurements more;
+  more.rays = !prepared.from_cloud;
+  if (options.r8_voxel_spread && prepared.voxels.size_m > 0)
+    more.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
+  if (options.split_disconnected == SplitRule::seen && more.rays)
+    more.beyond = points_beyond(prepared.cloud);
+  return more;
+}
+
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
                           Trace* trace) {
   FoundRegions found;
-  if (options.method == Method::ours)
+  if (options.method == Method::ours) {
+    Stopwatch watch;
+    const Measurements more = more_measurements(prepared, options.segment);
+    const double more_ms = watch.lap_ms();
     found.segmentation =
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                prepared.sensor(), segment_options(prepared, options), trace,
-                wanted_spreads(prepared, options.segment));
-  else
+                prepared.sensor(), segment_options(prepared, options), trace, more);
+    found.segmentation.timings.traverse_ms += more_ms;
+  } else {
     found = find_rival_regions(frame, prepared, options);
+  }
   if (!found.plane_of.empty()) return found;
   found.plane_of.assign(prepared.cloud.points.size(), 0);
   for (std::size_t i = 0; i < found.plane_of.size(); ++i)

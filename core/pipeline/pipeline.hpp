@@ -72,6 +72,9 @@ PreparedFrame prepare_frame(const Frame& frame,
 /// sensor's place is known.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
+/// What these options need beside points and labels.
+Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptions& options);
+
 /// Finds the planes of a prepared frame with the method of the options. Of a rival, the
 /// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
 /// a plane is h where its normal is within 45 degrees of gravity.

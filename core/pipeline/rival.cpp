@@ -2,8 +2,6 @@
 
 #include <cassert>
 #include <chrono>
-#include <cmath>
-#include <numbers>
 
 #include "core/base/error.hpp"
 #include "core/segment/outward.hpp"
@@ -57,18 +55,13 @@ FoundPlanes find_on_voxels(const PreparedFrame& prepared, const PipelineOptions&
   return {};
 }
 
-/// Eq. (1) for a whole plane: h where its normal is within 45 degrees of gravity.
-Label label_of(const PlaneFit& fit) {
-  return std::abs(fit.normal.z()) >= std::numbers::sqrt2 / 2 ? Label::h : Label::v;
-}
-
 std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes, const Vec3d& sensor) {
   std::vector<PlaneRegion> regions;
   for (const PlaneFit& fit : planes) {
     PlaneRegion region;
     region.founded = static_cast<std::int32_t>(regions.size());
     region.id = region.founded + 1;
-    region.label = label_of(fit);
+    region.label = label_of_normal(fit.normal);  // of a whole plane
     region.fit = fit;
     region.fit.normal = outward_normal(fit, region.label, sensor);
     regions.push_back(region);

@@ -18,10 +18,7 @@ class RivalRows {
               const char* meaning,
               T Options::*field,
               OptionRange range = {}) {
-    if constexpr (std::is_same_v<T, int>)
-      add(whole(kSection, name, unit, meaning, in(field), range));
-    else
-      add(real(kSection, name, unit, meaning, in(field), range));
+    add(planescope::number(kSection, name, unit, meaning, in(field), range));
   }
   void on_off(const char* name, const char* meaning, bool Options::*field) {
     add(flag(kSection, name, meaning, in(field)));

@@ -65,6 +65,12 @@ std::vector<Vec3d> turned(const std::vector<Vec3d>& normals, const Pose& T_world
   return world;
 }
 
+void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& truth) {
+  for (const PlaneRegion& plane : result.segmentation.planes)
+    scored.found_normals.push_back(plane.fit.normal);
+  scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
+}
+
 Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> found_of) {
   if (truth < 0) return Verdict::unscored;
   if (truth == 0) return found > 0 ? Verdict::invented : Verdict::right;
@@ -85,9 +91,7 @@ Metrics score_frame(const FrameResult& result, const SourceTruth& truth) {
     scored.add(cloud.points[i], dense.on_points, i, result.plane_of[i],
                result.classification.labels[voxel]);
   }
-  for (const PlaneRegion& plane : result.segmentation.planes)
-    scored.found_normals.push_back(plane.fit.normal);
-  scored.true_normals = turned(dense.normals, cloud.T_world_sensor);
+  add_normals(scored, result, dense);
   return scored.metrics();
 }
 
@@ -99,9 +103,7 @@ Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int mi
   for (std::size_t v = 0; v < result.voxels.points.size(); ++v)
     scored.add(result.voxels.points[v], of_voxels, v, result.segmentation.plane_of[v],
                result.classification.labels[v]);
-  for (const PlaneRegion& plane : result.segmentation.planes)
-    scored.found_normals.push_back(plane.fit.normal);
-  scored.true_normals = turned(dense.normals, result.cloud.T_world_sensor);
+  add_normals(scored, result, dense);
   scored.min_truth_points = min_truth_voxels;
   return scored.metrics();
 }

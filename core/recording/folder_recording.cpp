@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include "core/base/error.hpp"
 #include "core/image/jpeg.hpp"
@@ -33,12 +34,13 @@ class FolderRecording : public Recording {
 
  private:
   void find_images(const fs::path& path);
-  void check_images();
+  void check_images(bool later);
   CameraFiles find_camera(const fs::path& path) const;
   void settle_color(const CameraFiles& camera);
   Image16 read_depth(int i) const;
 
   FolderLayout layout_;
+  std::map<int, std::string> damaged_;  // frame, and what is wrong with it
   RecordingInfo info_;
   Sidecar sidecar_;
   bool color_aligned_ = false;
@@ -51,7 +53,7 @@ FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& o
   info_.path = path;
   find_images(path);
   info_.warnings = layout_.warnings;
-  check_images();
+  check_images(options.damaged_frames_later);
   const CameraFiles camera = find_camera(path);
   settle_camera(options, sidecar_, camera.depth, info_);
   settle_color(camera);
@@ -86,8 +88,8 @@ void FolderRecording::find_images(const fs::path& path) {
 }
 
 /// Looks at the ends of every file, so that what cannot be used is known before work starts.
-void FolderRecording::check_images() {
-  for (const fs::path& path : layout_.depth) {
+void FolderRecording::check_images(bool later) {
+  const auto check_depth = [this](const fs::path& path) {
     const PngInfo image = png_info(path);
     if (image.channels != 1 || image.bit_depth != 16) {
       throw Error(path.string() + ": PNG of " + std::to_string(image.channels) +
@@ -104,12 +106,19 @@ void FolderRecording::check_images() {
       throw Error(path.string() + ": depth image of " + size_text(image.width, image.height) +
                   ", expected " + size_text(info_.width, info_.height) + " as the first one");
     }
-  }
-  for (const fs::path& path : layout_.color) {
-    if (!path.empty() && extension(path) == ".png" && png_is_cut(path)) {
-      throw Error(path.string() + ": the PNG is cut, its end is missing");
+  };
+  for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
+    try {
+      check_depth(layout_.depth[i]);
+      const fs::path& color = layout_.color[i];
+      if (!color.empty() && extension(color) == ".png" && png_is_cut(color))
+        throw Error(color.string() + ": the PNG is cut, its end is missing");
+    } catch (const Error& error) {
+      if (!later) throw;
+      damaged_[static_cast<int>(i)] = error.what();
     }
   }
+  if (damaged_.size() == layout_.depth.size()) throw Error(damaged_.begin()->second);
 }
 
 /// Calibration lies beside the images or one folder up.
@@ -169,6 +178,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
 }
 
 Image16 FolderRecording::read_depth(int i) const {
+  if (const auto found = damaged_.find(i); found != damaged_.end()) throw Error(found->second);
   Image16 depth = read_png_16(layout_.depth.at(i));
   if (depth.width != info_.width || depth.height != info_.height) {
     throw Error(layout_.depth[i].string() + ": the file has changed since it was opened");

@@ -14,6 +14,9 @@ namespace planescope {
 struct RecordingOptions {
   std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
   std::optional<double> depth_unit_m;               // metres per count
+  /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
+  /// long as another one is whole.
+  bool damaged_frames_later = false;
 };
 
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.

@@ -3,10 +3,7 @@
 
 #include "core/replay/replay_trace.hpp"
 
-#include <optional>
-
 #include "core/segment/criteria.hpp"
-#include "core/segment/split.hpp"
 
 namespace planescope {
 namespace {
@@ -23,12 +20,15 @@ class Replayer {
 
   ReplayedTrace run(const Trace& trace) {
     auto refit = trace.refits.begin();
+    auto part = trace.parts.begin();
     for (const TraceEvent& event : trace.events) {
       ++step_;
       const bool refits =
           event.type == EventType::refine && (event.refinement == 6 || event.refinement == kSplit);
       if (refits)
         fit_anew(event.plane, *refit++);
+      else if (event.type == EventType::found && event.refinement == kSplit)
+        split_off(event, *part++);
       else
         apply(event);
     }
@@ -45,7 +45,7 @@ class Replayer {
         settle(event.node, static_cast<Case>(event.node_case));
         break;
       case EventType::found:
-        event.refinement == kSplit ? split_off(event) : found(event);
+        found(event);
         break;
       case EventType::merge:
         planes_[event.plane].moments += moments_of(event.node, event.label);
@@ -92,18 +92,10 @@ class Replayer {
     claim(event.node, event.label, event.plane);
   }
 
-  void split_off(const TraceEvent& event) {
-    if (!grid_) grid_ = make_split_grid(octree_, options_);
-    if (split_plane_ != event.other) {
-      split_plane_ = event.other;
-      parts_ = connected_parts(*grid_, plane_of_, event.other);
-      next_part_ = 0;
-    }
-    ++next_part_;  // the first part keeps the plane
+  void split_off(const TraceEvent& event, std::span<const std::uint32_t> points) {
     Moments moments;
-    for (std::uint32_t i = 0; i < plane_of_.size(); ++i) {
-      if (plane_of_[i] != event.other || parts_.of_cell[grid_->cell_of[i]] != next_part_) continue;
-      moments.add(octree_.points[i].cast<double>());
+    for (const std::uint32_t i : points) {
+      octree_.add_point(moments, i);
       set(i, event.plane);
     }
     result_.plane_labels.push_back(event.label);
@@ -158,7 +150,7 @@ class Replayer {
     const OctreeNode& node = octree_.nodes[index];
     Moments moments;
     for (std::uint32_t i = node.begin; i < node.end; ++i)
-      if (has_label(i, label)) moments.add(octree_.points[i].cast<double>());
+      if (has_label(i, label)) octree_.add_point(moments, i);
     return moments;
   }
 
@@ -186,9 +178,6 @@ class Replayer {
   std::vector<std::int32_t> plane_of_;    // per Morton-ordered point
   std::vector<std::uint32_t> morton_of_;  // per input point
   std::vector<PlaneChange> planes_;       // as they stand
-  std::optional<CellGrid> grid_;          // of the split
-  PlaneParts parts_;                      // of split_plane_ before it is split
-  std::int32_t split_plane_ = -1, next_part_ = 0;
   ReplayedTrace result_;
 };
 

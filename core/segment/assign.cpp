@@ -18,8 +18,8 @@ void record(SegmentState& state, std::uint32_t i, std::int32_t plane, double dis
 }
 
 /// As written: the first plane of the list within the distance; the fit is not touched.
-void assign_to_first(SegmentState& state) {
-  for (const std::uint32_t i : state.leftovers) {
+void assign_to_first(SegmentState& state, std::span<const std::uint32_t> leftovers) {
+  for (const std::uint32_t i : leftovers) {
     const Vec3d p = state.octree.points[i].cast<double>();
     std::int32_t chosen = -1;
     double least = -1;  // of the planes looked at: what the trace shows for a point not assigned
@@ -38,10 +38,10 @@ void assign_to_first(SegmentState& state) {
 
 /// R1: the nearest plane within tau among those with points in the neighbouring 10 cm cells; one of
 /// the other label must be nearer by 1.5 sigma.
-void assign_to_nearest(SegmentState& state) {
+void assign_to_nearest(SegmentState& state, std::span<const std::uint32_t> leftovers) {
   const CellGrid grid = make_cell_grid(state.octree);
   const CellPlanes near = planes_near_cells(grid, state.plane_of, state.planes.size());
-  for (const std::uint32_t i : state.leftovers) {
+  for (const std::uint32_t i : leftovers) {
     const NearestPlane nearest = nearest_plane(state, near.near(grid.cell_of[i]), i);
     record(state, i, nearest.plane, nearest.distance_m);
   }
@@ -72,12 +72,13 @@ NearestPlane nearest_plane(const SegmentState& state,
   return best;
 }
 
-void assign_leftovers(SegmentState& state) {
+void assign_leftovers(SegmentState& state, std::size_t first) {
   state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());
+  const auto leftovers = std::span(state.leftovers).subspan(first);
   if (state.options.leftover_rule == LeftoverRule::nearest)
-    assign_to_nearest(state);
+    assign_to_nearest(state, leftovers);
   else
-    assign_to_first(state);
+    assign_to_first(state, leftovers);
 }
 
 }  // namespace planescope

@@ -95,4 +95,27 @@ DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b) {
   return terms;
 }
 
+PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options) {
+  const double most = std::max(1e-9, 1 - options.theta_coplane);
+  PairStrain strain;
+  strain.angle = std::acos(std::min(1.0, terms.normals)) /
+                 std::max(1e-9, std::acos(std::min(1.0, options.theta_coplane)));
+  strain.distance = terms.n1_dmu / most;
+  strain.worst =
+      std::max(options.theta_coplane / std::max(1e-9, terms.normals), terms.n1_dmu / most);
+  if (options.criterion4_n2) strain.worst = std::max(strain.worst, terms.n2_dmu / most);
+  if (options.merge_offset_m > 0)
+    strain.worst = std::max(strain.worst, terms.offset_m / options.merge_offset_m);
+  return strain;
+}
+
+PairStrain strain_of(const DistanceTerms& terms) {
+  PairStrain strain;
+  strain.angle = terms.angle_deg / terms.max_angle_deg;
+  strain.distance = std::sqrt(terms.offset2_m2 / terms.bound2_m2);
+  strain.worst = std::max({strain.angle, terms.gap_m / terms.max_gap_m, strain.distance,
+                           std::sqrt(std::max(0.0, terms.spread2_m2) / terms.bound2_m2)});
+  return strain;
+}
+
 }  // namespace planescope

@@ -79,4 +79,13 @@ struct MeasuredPlane {
 };
 DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b);
 
+/// How far a pair is from passing for one plane: each value over its limit, 1 passes.
+struct PairStrain {
+  double angle = 0;     // between the normals
+  double distance = 0;  // of the other's centroid: its direction in Criterion 4, in R1 its offset
+  double worst = 0;     // of all terms
+};
+PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
+PairStrain strain_of(const DistanceTerms& terms);
+
 }  // namespace planescope

@@ -1,6 +1,8 @@
 // Sun et al. 2023, Sec. IV-C (Criterion 4) and IV-D (incremental merge); R1, R3 and R7.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -15,35 +17,68 @@ struct Partner {
   double cost = 0;
 };
 
+/// The plane that a candidate came nearest to joining, for the trace.
+class NearestMiss {
+ public:
+  void consider(const PairStrain& strain) {
+    if (strain.worst < nearest_.worst) nearest_ = strain;
+  }
+  /// `joined`: what the candidate joined instead.
+  void log(Trace* trace, const std::optional<PairStrain>& joined) const {
+    const PairStrain& strain = joined ? *joined : nearest_;
+    if (!trace || std::isinf(strain.worst)) return;
+    trace->strains.angle.push_back(static_cast<float>(strain.angle));
+    trace->strains.distance.push_back(static_cast<float>(strain.distance));
+  }
+
+ private:
+  PairStrain nearest_{0, 0, std::numeric_limits<double>::infinity()};
+};
+
 /// Criterion 4 against the planes in the order of the list: the first that is coplanar, or (option)
 /// the one with the least offset.
 Partner partner_by_direction(const SegmentState& state, const Candidate& candidate) {
   Partner best;
+  NearestMiss miss;
+  std::optional<PairStrain> joined;
   for (std::size_t k = 0; k < state.planes.size(); ++k) {
     if (!state.planes[k].alive) continue;
     const Coplanarity terms = coplanarity(state.planes[k].fit, candidate.fit);
-    if (!is_coplanar(terms, state.options)) continue;
-    if (best.plane < 0 || terms.offset_m < best.cost)
+    if (!is_coplanar(terms, state.options)) {
+      if (state.trace) miss.consider(strain_of(terms, state.options));
+      continue;
+    }
+    if (best.plane < 0 || terms.offset_m < best.cost) {
       best = {static_cast<std::int32_t>(k), terms.offset_m};
+      if (state.trace) joined = strain_of(terms, state.options);
+    }
     if (state.options.merge_partner == MergePartner::first) break;
   }
+  miss.log(state.trace, joined);
   return best;
 }
 
 /// R1: the plane of the same label that the candidate fits best.
 Partner partner_by_distance(const SegmentState& state, const Candidate& candidate) {
   Partner best;
+  NearestMiss miss;
+  std::optional<PairStrain> joined;
   const MeasuredPlane measured = state.measured(candidate);
   for (std::size_t k = 0; k < state.planes.size(); ++k) {
     const GrowingPlane& plane = state.planes[k];
     if (!plane.alive || plane.label != candidate.label) continue;
     const DistanceTerms terms = distance_terms(state.measured(plane), measured);
-    if (!terms.passes()) continue;
+    if (!terms.passes()) {
+      if (state.trace) miss.consider(strain_of(terms));
+      continue;
+    }
     if (best.plane < 0 || terms.cost() < best.cost) {
       best = {static_cast<std::int32_t>(k), terms.cost()};
+      if (state.trace) joined = strain_of(terms);
       if (state.options.merge_partner == MergePartner::first) break;
     }
   }
+  miss.log(state.trace, joined);
   return best;
 }
 

@@ -18,15 +18,14 @@ struct NoiseModel {
   bool by_range =
       false;  // true: sigma(r) = growth r^2, and the limits of the thresholds grow alike
   bool of_spreads = false;  // R8: sigma is that of single measurements, not of voxels' means
-  double theta_sigmas = 2, tau_sigmas = 3;
   double constant_m = 0;    // [m]
   double growth_per_m = 0;  // [m per m^2]
   double fixed_rms_m = 0.006;
   double fixed_tau_m = 0.010;
 
   double sigma(double range) const;      // [m]; 0 where not estimated
-  double theta_rms(double range) const;  // theta_sigmas x sigma in 3 .. 12 mm [m]
-  double tau(double range) const;        // tau_sigmas x sigma in 8 .. 20 mm [m]
+  double theta_rms(double range) const;  // 2 sigma (of spreads: 1.4) in 3 .. 12 mm [m]
+  double tau(double range) const;        // 3 sigma (of spreads: 2.5) in 8 .. 20 mm [m]
   /// By how much nearer a plane of the other label must be, for a point to go to it: 1.5 sigma [m].
   double other_label_penalty(double range) const { return 1.5 * sigma(range); }
 };
@@ -40,7 +39,8 @@ struct NoiseSample {
 /// r^2.
 void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range);
 
-/// Samples are sqrt(lambda0 / (n - 3)) of the points of one label in each 10 cm cell, 8 at least.
+/// Samples are sqrt(lambda0 / (n - 3)) of the points of one label, where labels are used, in each
+/// 10 cm cell, 8 at least.
 NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const SegmentOptions& options);
 
 }  // namespace planescope

@@ -49,6 +49,7 @@ SegmentOptions profile_options(Profile profile) {
       o.r5_reassign_shared_cells = true;
       o.r6_refit = true;
       o.r7_second_merge = true;
+      o.split_disconnected = SplitRule::seen;
       break;
   }
   return o;

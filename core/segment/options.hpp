@@ -16,6 +16,8 @@ enum class MseNormalization : std::uint8_t { scatter, mean };  // e_n as printed
 enum class CubeAnchor : std::uint8_t { center, min_corner };   // where the octree's cube stands
 enum class MergePartner : std::uint8_t { first, best };
 enum class LeftoverRule : std::uint8_t { first, nearest };
+/// Which gaps within a plane make two of it: none, those that the sensor looked through, or all.
+enum class SplitRule : std::uint8_t { off, seen, on };
 
 struct SegmentOptions {
   Profile profile = Profile::refined;
@@ -51,8 +53,8 @@ struct SegmentOptions {
   bool r6_refit = false;
   bool r7_second_merge = false;
   bool r8_voxel_spread = false;
-  bool split_disconnected = false;
-  double split_cell_m = 0.05;
+  SplitRule split_disconnected = SplitRule::off;
+  double split_gap_m = 0.05;  // points no farther apart than this touch
 };
 
 /// The defaults of a profile.

@@ -11,7 +11,30 @@
 namespace planescope {
 namespace {
 
-/// area_per_point() of the plane that the median point of all planes belongs to.
+/// Are all its points of one class, and the plane clearly of the other? Eq. (1)'s 45 degrees, and
+/// 15 beyond them.
+bool contradicts_its_label(const GrowingPlane& plane) {
+  constexpr double kCos30 = 0.866025403784438647, kCos60 = 0.5;
+  const double z = std::abs(plane.fit.normal.z());
+  return plane.label == Label::h ? z < kCos60 : z > kCos30;
+}
+
+void drop(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points) {
+  state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
+  state.planes[plane].alive = false;
+  for (const std::uint32_t i : points) {
+    state.plane_of[i] = -1;
+    state.leftovers.push_back(i);
+  }
+}
+
+bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
+  const double na = state.planes[a].moments.count, nb = state.planes[b].moments.count;
+  return na > nb || (na == nb && a < b);
+}
+
+}  // namespace
+
 double typical_area_per_point(const SegmentState& state) {
   std::vector<std::pair<double, double>> planes;  // area per point, points
   double points = 0;
@@ -26,13 +49,6 @@ double typical_area_per_point(const SegmentState& state) {
     if ((below += count) >= points / 2) return area;
   return 0;
 }
-
-bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {
-  const double na = state.planes[a].moments.count, nb = state.planes[b].moments.count;
-  return na > nb || (na == nb && a < b);
-}
-
-}  // namespace
 
 PlanePoints points_by_plane(const SegmentState& state) {
   PlanePoints result;
@@ -50,8 +66,8 @@ PlanePoints points_by_plane(const SegmentState& state) {
 void prune_explained_planes(SegmentState& state) {
   // R2: smallest first, a plane whose points nearly all lie on larger neighbours is an artefact of
   // cells that straddle an edge, and one no wider than the noise, or far thinner than the others,
-  // is noise. Its points are left over again. On a neighbour of the other label they must lie
-  // closer: all of a small box's top is near its side.
+  // or that its own label contradicts, is noise. Its points are left over again. On a neighbour of
+  // the other label they must lie closer: all of a small box's top is near its side.
   constexpr double kOtherLabelShare = 0.5;
   const double typical_area = typical_area_per_point(state);
   const CellGrid grid = make_cell_grid(state.octree);
@@ -81,14 +97,10 @@ void prune_explained_planes(SegmentState& state) {
     if (static_cast<double>(unexplained) >=
             std::max(8.0, 0.25 * static_cast<double>(points.size())) &&
         is_wider_than_noise(fit, state.noise.sigma(state.range(fit.centroid))) &&
-        is_dense(fit, typical_area))
+        is_dense(fit, typical_area) &&
+        !(state.options.use_labels && contradicts_its_label(state.planes[plane])))
       continue;
-    state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
-    state.planes[plane].alive = false;
-    for (const std::uint32_t i : points) {
-      state.plane_of[i] = -1;
-      state.leftovers.push_back(i);
-    }
+    drop(state, plane, points);
   }
 }
 
@@ -145,6 +157,20 @@ void reassign_shared_points(SegmentState& state) {
                .value = static_cast<float>(nearest.distance_m)});
     state.plane_of[i] = nearest.plane;
   }
+}
+
+void drop_emptied_planes(SegmentState& state) {
+  // R2 again: a plane that lost most of its points to its neighbours was made of them.
+  constexpr double kLeastKept = 0.5;
+  const std::size_t first = state.leftovers.size();
+  const PlanePoints members = points_by_plane(state);
+  for (std::size_t k = 0; k < state.planes.size(); ++k) {
+    const auto points = members.of(static_cast<std::int32_t>(k));
+    if (state.planes[k].alive &&
+        static_cast<double>(points.size()) < kLeastKept * state.planes[k].moments.count)
+      drop(state, static_cast<std::int32_t>(k), points);
+  }
+  if (state.leftovers.size() > first) assign_leftovers(state, first);
 }
 
 }  // namespace planescope

@@ -72,12 +72,13 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 const Vec3d& sensor,
                                 const SegmentOptions& options,
                                 Trace* trace,
-                                std::span<const Spread> spreads) {
+                                const Measurements& more) {
   assert(points.size() == labels.size());
-  SegmentState state{options, sensor, trace};
+  SegmentState state{options, sensor, more, trace};
   state.octree = build_octree(points, labels, placed(cube, points, options.cube_anchor));
-  if (options.r8_voxel_spread && !spreads.empty())
-    for (const std::uint32_t i : state.octree.order) state.octree.spreads.push_back(spreads[i]);
+  if (!more.spreads.empty())
+    for (const std::uint32_t i : state.octree.order)
+      state.octree.spreads.push_back(more.spreads[i]);
   state.plane_of.assign(points.size(), -1);
   return state;
 }
@@ -92,7 +93,8 @@ void run_stages(SegmentState& state) {
   assign_leftovers(state);
   if (options.r6_refit) refit_planes(state);
   if (options.r5_reassign_shared_cells) reassign_shared_points(state);
-  if (options.split_disconnected) split_disconnected_planes(state);
+  if (options.r5_reassign_shared_cells && options.r2_explain_away) drop_emptied_planes(state);
+  if (options.split_disconnected != SplitRule::off) split_disconnected_planes(state);
 }
 
 Segmentation segment(std::span<const Vec3f> points,
@@ -101,10 +103,10 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
                      Trace* trace,
-                     std::span<const Spread> spreads) {
+                     const Measurements& more) {
   Segmentation result;
   const auto start = Clock::now();
-  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace, spreads);
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace, more);
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();

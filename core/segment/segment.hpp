@@ -39,6 +39,13 @@ struct SegmentTimings {
   double traverse_ms = 0;  // t_s: traversal, merge, assignment and refinements
 };
 
+/// What else was measured, for the refinements that ask.
+struct Measurements {
+  std::vector<Spread> spreads;  // R8: per point, of its measurements about it
+  bool rays = false;            // the split: `sensor` saw all points along rays that end there ...
+  std::vector<Vec3f> beyond;    // ... and these, which were cropped
+};
+
 struct Segmentation {
   std::vector<std::int32_t> plane_of;  // per input point: plane id, 0 none
   std::vector<PlaneRegion> planes;     // planes[id - 1]
@@ -56,6 +63,6 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
                      Trace* trace = nullptr,
-                     std::span<const Spread> spreads = {});
+                     const Measurements& more = {});
 
 }  // namespace planescope

@@ -32,9 +32,9 @@ SegmentSnapshot segment_until(std::span<const Vec3f> points,
                               const Vec3d& sensor,
                               const SegmentOptions& options,
                               std::size_t events,
-                              std::span<const Spread> spreads) {
+                              const Measurements& more) {
   Trace trace;
-  SegmentState state = start_segmentation(points, labels, cube, sensor, options, &trace, spreads);
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, &trace, more);
   state.stop_at = events;
   try {
     run_stages(state);

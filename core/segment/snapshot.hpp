@@ -36,6 +36,6 @@ SegmentSnapshot segment_until(std::span<const Vec3f> points,
                               const Vec3d& sensor,
                               const SegmentOptions& options,
                               std::size_t events,
-                              std::span<const Spread> spreads = {});
+                              const Measurements& more = {});
 
 }  // namespace planescope

@@ -1,112 +1,255 @@
 // The option split_disconnected: coplanar regions that do not touch become planes of their own,
 // which is what a foothold planner needs. Not in the paper.
 
-#include "core/segment/split.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "core/segment/cells.hpp"
+#include "core/segment/sight.hpp"
 #include "core/segment/state.hpp"
 
 namespace planescope {
 namespace {
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
+using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
 
-Moments moments_of(const SegmentState& state, std::span<const std::uint32_t> points) {
+/// Disjoint sets of 0 .. n - 1; the smallest member stands for its set.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Finds the parts of one plane after the other.
+class PartFinder {
+ public:
+  PartFinder(const Octree& octree, double gap_m)
+      : octree_(octree),
+        gap_m_(gap_m),
+        levels_(levels_of(octree.cube, gap_m)),
+        grid_(make_cell_grid(octree, levels_)),
+        cell_of_(grid_.size(), -1) {}
+
+  /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
+  std::vector<Part> parts_of(std::span<const std::uint32_t> points) {
+    Sets sets(points.size());
+    gather(points, sets);
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      link(points, cells_[c], cells_[c], sets);
+      cells_[c].whole = is_whole(cells_[c], sets);
+      cell_of_[cells_[c].number] = static_cast<std::int32_t>(c);
+      const std::uint32_t number = cells_[c].number;
+      for (std::uint32_t n = grid_.neighbour_first[number]; n < grid_.neighbour_first[number + 1];
+           ++n)
+        if (const std::int32_t other = cell_of_[grid_.neighbours[n]];
+            other >= 0 && other < static_cast<std::int32_t>(c))
+          link(points, cells_[c], cells_[other], sets);
+    }
+    for (const Cell& cell : cells_) cell_of_[cell.number] = -1;
+    return parts_in(points, sets);
+  }
+
+ private:
+  /// Points are in Morton order, so that those of a cell, and of a clump in it, stand side by side.
+  struct Clump {
+    std::uint32_t begin = 0, end = 0;  // so near each other that they touch
+  };
+  struct Cell {
+    std::uint32_t number = 0, begin = 0, end = 0;  // clumps
+    bool whole = false;                            // linked among themselves
+  };
+
+  /// Cells no smaller than the gap, so that what touches is in touching cells.
+  static int levels_of(const Cube& cube, double gap_m) {
+    const double leaf = cube.edge_m / std::pow(2.0, cube.max_depth);
+    return std::clamp(static_cast<int>(std::ceil(std::log2(gap_m / leaf))), 0, cube.max_depth);
+  }
+
+  void gather(std::span<const std::uint32_t> points, Sets& sets) {
+    constexpr int kClumpLevels = 2;  // a quarter of a cell: its diagonal is less than the gap
+    const int shift = 3 * (levels_ - kClumpLevels);
+    cells_.clear();
+    clumps_.clear();
+    std::uint64_t clump = 0;
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      const std::uint32_t number = grid_.cell_of[points[k]];
+      const auto at = static_cast<std::uint32_t>(clumps_.size());
+      const bool new_cell = cells_.empty() || cells_.back().number != number;
+      if (new_cell) cells_.push_back({number, at, at});
+      const std::uint64_t now = shift >= 0 ? octree_.keys[points[k]] >> shift : k;
+      if (new_cell || now != clump) {
+        clumps_.push_back({k, k});
+        ++cells_.back().end;
+        clump = now;
+      }
+      sets.join(clumps_.back().begin, k);
+      clumps_.back().end = k + 1;
+    }
+  }
+
+  bool is_whole(const Cell& cell, Sets& sets) const {
+    for (std::uint32_t c = cell.begin; c < cell.end; ++c)
+      if (sets.root(clumps_[c].begin) != sets.root(clumps_[cell.begin].begin)) return false;
+    return true;
+  }
+
+  void link(std::span<const std::uint32_t> points, const Cell& a, const Cell& b, Sets& sets) const {
+    if (a.whole && b.whole &&
+        sets.root(clumps_[a.begin].begin) == sets.root(clumps_[b.begin].begin))
+      return;
+    for (std::uint32_t i = a.begin; i < a.end; ++i)
+      for (std::uint32_t j = b.begin; j < b.end; ++j)
+        if (sets.root(clumps_[i].begin) != sets.root(clumps_[j].begin) &&
+            touch(points, clumps_[i], clumps_[j]))
+          sets.join(clumps_[i].begin, clumps_[j].begin);
+  }
+
+  bool touch(std::span<const std::uint32_t> points, const Clump& a, const Clump& b) const {
+    for (std::uint32_t i = a.begin; i < a.end; ++i)
+      for (std::uint32_t j = b.begin; j < b.end; ++j)
+        if ((octree_.points[points[i]] - octree_.points[points[j]]).norm() <= gap_m_) return true;
+    return false;
+  }
+
+  static std::vector<Part> parts_in(std::span<const std::uint32_t> points, Sets& sets) {
+    std::vector<Part> parts;
+    std::vector<std::uint32_t> number(points.size());
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      const std::uint32_t root = sets.root(k);
+      if (root == k) {
+        number[k] = static_cast<std::uint32_t>(parts.size());
+        parts.emplace_back();
+      }
+      parts[number[root]].push_back(points[k]);
+    }
+    return parts;
+  }
+
+  const Octree& octree_;
+  const double gap_m_;
+  const int levels_;
+  const CellGrid grid_;
+  std::vector<Clump> clumps_;
+  std::vector<Cell> cells_;            // of the plane
+  std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
+};
+
+Moments moments_of(const SegmentState& state, const Part& part) {
   Moments moments;
-  for (const std::uint32_t i : points) state.octree.add_point(moments, i);
+  for (const std::uint32_t i : part) state.octree.add_point(moments, i);
   return moments;
 }
 
-/// Part 0 keeps the plane, the others found their own.
-void split_off_parts(SegmentState& state, const CellGrid& grid, std::int32_t plane) {
-  const PlaneParts parts = connected_parts(grid, state.plane_of, plane);
-  if (parts.count < 2) return;
-  std::vector<std::vector<std::uint32_t>> points(parts.count);
-  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
-    if (state.plane_of[i] == plane) points[parts.of_cell[grid.cell_of[i]]].push_back(i);
-  for (std::int32_t p = 1; p < parts.count; ++p) {
-    GrowingPlane part;
-    part.label = state.planes[plane].label;
-    part.moments = moments_of(state, points[p]);
-    part.fit = fit_plane(part.moments);
-    const auto number = static_cast<std::int32_t>(state.planes.size());
-    state.log({.type = EventType::found,
-               .refinement = kSplit,
-               .label = part.label,
-               .plane = number,
-               .other = plane});
-    state.planes.push_back(part);
-    for (const std::uint32_t i : points[p]) state.plane_of[i] = number;
+/// Could the part found a plane? What holds for candidates with uncertain normals holds for it.
+bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
+  if (static_cast<double>(part.size()) < kMinWeakPoints) return false;
+  const PlaneFit fit = fit_plane(moments_of(state, part));
+  const double sigma = state.noise.sigma(state.range(fit.centroid));
+  return normal_uncertainty(fit, sigma) <= kMaxWeakSigmaAng;
+}
+
+/// Joins the parts between which the sensor did not look through the plane: something may hide that
+/// they hang together. Parts that are no planes of their own stay with the first.
+std::vector<Part> parts_seen_apart(const SegmentState& state,
+                                   std::int32_t plane,
+                                   double spacing_m,
+                                   std::vector<Part> parts) {
+  const auto scraps = std::stable_partition(parts.begin() + 1, parts.end(), [&](const Part& part) {
+    return is_plane_of_its_own(state, part);
+  });
+  const auto count = static_cast<std::uint32_t>(scraps - parts.begin());
+  Sets sets(parts.size());
+  for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
+  if (count > 1) {
+    const Sight sight(state, plane, spacing_m);
+    for (std::uint32_t a = 0; a < count; ++a)
+      for (std::uint32_t b = a + 1; b < count; ++b)
+        if (sets.root(a) != sets.root(b) && !sight.is_open_between(parts[a], parts[b]))
+          sets.join(a, b);
+  }
+  std::vector<Part> result(parts.size());
+  for (std::uint32_t k = 0; k < parts.size(); ++k) {
+    Part& whole = result[sets.root(k)];
+    whole.insert(whole.end(), parts[k].begin(), parts[k].end());
+  }
+  std::erase_if(result, [](const Part& part) { return part.empty(); });
+  for (Part& part : result) std::sort(part.begin(), part.end());
+  return result;
+}
+
+void found_part(SegmentState& state, std::int32_t parent, const Part& points) {
+  GrowingPlane part;
+  part.label = state.planes[parent].label;
+  part.moments = moments_of(state, points);
+  part.fit = fit_plane(part.moments);
+  const auto number = static_cast<std::int32_t>(state.planes.size());
+  state.log({.type = EventType::found,
+             .refinement = kSplit,
+             .label = part.label,
+             .plane = number,
+             .other = parent});
+  if (state.trace) state.trace->parts.push_back(points);
+  state.planes.push_back(part);
+  for (const std::uint32_t i : points) state.plane_of[i] = number;
+}
+
+/// The plane that keeps the largest part is fitted anew.
+void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
+  const Moments moments = moments_of(state, kept);
+  state.log_refit(plane, moments, kSplit);
+  state.planes[plane].moments = moments;
+  state.planes[plane].fit = fit_plane(moments);
+}
+
+/// A part too small to be a candidate is none.
+void drop(SegmentState& state, std::int32_t plane, const Part& points) {
+  state.log({.type = EventType::leave, .refinement = kSplit, .plane = plane});
+  state.planes[plane].alive = false;
+  for (const std::uint32_t i : points) {
+    state.plane_of[i] = -1;
+    state.leftovers.push_back(i);
   }
 }
 
 }  // namespace
 
-CellGrid make_split_grid(const Octree& octree, const SegmentOptions& options) {
-  const double leaf = octree.cube.edge_m / std::pow(2.0, octree.cube.max_depth);
-  const long levels = std::lround(std::log2(options.split_cell_m / leaf));
-  return make_cell_grid(octree, static_cast<int>(std::max(0l, levels)));
-}
-
-PlaneParts connected_parts(const CellGrid& grid,
-                           std::span<const std::int32_t> plane_of,
-                           std::int32_t plane) {
-  // Union of touching cells that hold points of this plane.
-  std::vector<std::uint8_t> holds(grid.size(), 0);
-  for (std::size_t i = 0; i < plane_of.size(); ++i)
-    if (plane_of[i] == plane) holds[grid.cell_of[i]] = 1;
-  std::vector<std::uint32_t> parent(grid.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  for (std::uint32_t c = 0; c < grid.size(); ++c)
-    for (std::uint32_t k = grid.neighbour_first[c]; holds[c] && k < grid.neighbour_first[c + 1];
-         ++k)
-      if (holds[grid.neighbours[k]]) {
-        const std::uint32_t a = root_of(parent, c), b = root_of(parent, grid.neighbours[k]);
-        parent[std::max(a, b)] = std::min(a, b);
-      }
-  PlaneParts parts;
-  parts.of_cell.assign(grid.size(), -1);
-  for (std::uint32_t c = 0; c < grid.size(); ++c) {
-    if (!holds[c]) continue;
-    const std::uint32_t root = root_of(parent, c);  // the first cell of its part
-    parts.of_cell[c] = root == c ? parts.count++ : parts.of_cell[root];
-  }
-  return parts;
-}
-
 void split_disconnected_planes(SegmentState& state) {
-  const CellGrid grid = make_split_grid(state.octree, state.options);
-  const auto founded = static_cast<std::int32_t>(state.planes.size());
-  for (std::int32_t plane = 0; plane < founded; ++plane)
-    if (state.planes[plane].alive) split_off_parts(state, grid, plane);
-  if (state.planes.size() == static_cast<std::size_t>(founded)) return;
-
+  constexpr double kSpacings = 2;  // of a sparse cloud, this much apart is no gap
+  const SegmentOptions& options = state.options;
+  const auto least = static_cast<std::size_t>(std::max(3, options.theta_n_in));
+  const bool seen = options.split_disconnected == SplitRule::seen;
+  const double spacing_m = std::sqrt(typical_area_per_point(state));
+  PartFinder finder(state.octree, seen ? std::max(options.split_gap_m, kSpacings * spacing_m)
+                                       : options.split_gap_m);
   const PlanePoints members = points_by_plane(state);
+  const auto founded = static_cast<std::int32_t>(state.planes.size());
   for (std::int32_t plane = 0; plane < founded; ++plane) {
     if (!state.planes[plane].alive) continue;
-    const Moments moments = moments_of(state, members.of(plane));
-    state.log_refit(plane, moments, kSplit);
-    state.planes[plane].moments = moments;
-    state.planes[plane].fit = fit_plane(moments);
-  }
-  // A part too small to be a candidate is none.
-  const auto least = static_cast<std::size_t>(std::max(3, state.options.theta_n_in));
-  for (std::size_t k = 0; k < state.planes.size(); ++k) {
-    const auto plane = static_cast<std::int32_t>(k);
-    const auto points = members.of(plane);
-    if (points.empty() || points.size() >= least) continue;
-    state.log({.type = EventType::leave, .refinement = kSplit, .plane = plane});
-    state.planes[k].alive = false;
-    for (const std::uint32_t i : points) {
-      state.plane_of[i] = -1;
-      state.leftovers.push_back(i);
+    std::vector<Part> parts = finder.parts_of(members.of(plane));
+    if (parts.size() < 2) continue;
+    // The largest keeps the plane, the others found their own.
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const Part& a, const Part& b) { return a.size() > b.size(); });
+    if (seen) parts = parts_seen_apart(state, plane, spacing_m, std::move(parts));
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      found_part(state, plane, parts[p]);
+      if (parts[p].size() < least)
+        drop(state, static_cast<std::int32_t>(state.planes.size()) - 1, parts[p]);
     }
+    if (parts.size() < 2) continue;
+    shrink(state, plane, parts[0]);
+    if (parts[0].size() < least) drop(state, plane, parts[0]);
   }
 }
 

@@ -28,6 +28,7 @@ struct Stopped {};
 struct SegmentState {
   const SegmentOptions& options;
   const Vec3d& sensor;
+  const Measurements& more;
   Trace* trace;
   Octree octree = {};
   NoiseModel noise = {};
@@ -69,7 +70,7 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 const Vec3d& sensor,
                                 const SegmentOptions& options,
                                 Trace* trace,
-                                std::span<const Spread> spreads);
+                                const Measurements& more);
 
 /// All stages after that, in their order.
 void run_stages(SegmentState& state);
@@ -84,6 +85,9 @@ struct PlanePoints {
 };
 
 PlanePoints points_by_plane(const SegmentState& state);
+
+/// area_per_point() of the plane that the median point of all planes belongs to.
+double typical_area_per_point(const SegmentState& state);
 
 /// Is the point at Morton position i an inlier of a candidate with this label?
 inline bool has_label(const SegmentState& state, std::uint32_t i, Label label) {
@@ -107,13 +111,14 @@ NearestPlane nearest_plane(const SegmentState& state,
                            std::span<const std::int32_t> planes,
                            std::uint32_t i);
 
-/// R3, R7, R2, R6, R5 after the traversal, around the assignment of leftovers.
+/// R3, R7, R2, R6, R5 and R2 again after the traversal, around the assignment of leftovers.
 void join_weak_candidates(SegmentState& state);
 void merge_planes_again(SegmentState& state);
 void prune_explained_planes(SegmentState& state);
-void assign_leftovers(SegmentState& state);
+void assign_leftovers(SegmentState& state, std::size_t first = 0);  // of state.leftovers
 void refit_planes(SegmentState& state);
 void reassign_shared_points(SegmentState& state);
+void drop_emptied_planes(SegmentState& state);
 void split_disconnected_planes(SegmentState& state);
 
 }  // namespace planescope

@@ -38,11 +38,22 @@ struct TraceEvent {
   float value = 0;
 };
 
+/// Values over their limits: up to 1 they pass. For histograms.
+struct Strains {
+  std::vector<float> planarity;  // Criterion 3, each time it was asked
+  /// Criterion 4, or R1 in its place: of a candidate and the plane that it joined or, where it
+  /// founded one, that it came nearest to joining.
+  std::vector<float> angle, distance;
+};
+
 struct Trace {
   std::vector<TraceEvent> events;
+  Strains strains;
   /// What planes were fitted to anew, per `refine` event of R6 and of the split, in their order:
   /// the points that R6 leaves out are not among the events.
   std::vector<Moments> refits;
+  /// The points of each part that split off, per `found` event of the split, in their order.
+  std::vector<std::vector<std::uint32_t>> parts;  // Morton order
 };
 
 }  // namespace planescope

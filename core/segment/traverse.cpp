@@ -15,7 +15,10 @@ Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) 
 bool planar(const SegmentState& state, Candidate& candidate) {
   const double range = state.range(candidate.fit.centroid);
   candidate.sigma_ang = normal_uncertainty(candidate.fit, state.noise.sigma(range));
-  return planarity(candidate.fit, state.noise, range, state.options).passes;
+  const Planarity asked = planarity(candidate.fit, state.noise, range, state.options);
+  if (state.trace)
+    state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
+  return asked.passes;
 }
 
 void leave_over(SegmentState& state, const OctreeNode& node, std::optional<Label> except = {}) {

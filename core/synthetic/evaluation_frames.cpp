@@ -98,7 +98,7 @@ PointSet sample_cloud(const Scene& scene, const EvaluationOptions& options, Rand
     const Surface& surface = scene.surfaces[triangles.surface[sampled.rectangle[i]]];
     cloud.points.push_back(p.cast<float>());
     cloud.instance.push_back(surface.plane);
-    cloud.label.push_back(static_cast<std::uint8_t>(true_label(surface.normal)));
+    cloud.label.push_back(static_cast<std::uint8_t>(label_of_normal(surface.normal)));
   }
   return cloud;
 }

@@ -3,7 +3,6 @@
 #include "core/base/error.hpp"
 #include "core/synthetic/counter_random.hpp"
 #include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/sample_folder.hpp"
 #include "core/synthetic/scenes.hpp"
 
 namespace planescope {
@@ -28,22 +27,24 @@ void check_options(const SampleOptions& options) {
 
 }  // namespace
 
-void write_sample(const std::filesystem::path& dir, const SampleOptions& options) {
-  check_options(options);
+SampleFrame make_sample_frame(const SampleOptions& options, std::size_t index) {
   D435Model model;
   model.intrinsics = d435_intrinsics(options.width, options.height);
   model.noise = options.noise;
   model.color = options.color;
+  const std::uint64_t seed = random_bits(options.seed, 0, index);
+  const Scene scene = make_scene(options.scenes.at(index), seed);
+  SampleFrame sample;
+  sample.frame = render_scene(scene, scene.camera, model, seed, &sample.truth);
+  sample.scene = scene.name;
+  return sample;
+}
+
+void write_sample(const std::filesystem::path& dir, const SampleOptions& options) {
+  check_options(options);
   const SampleFolder folder{"planescope synth sample", options.seed, options.scenes.size(),
                             options.color, options.gravity};
-  write_sample_folder(dir, folder, [&](std::size_t i) {
-    const std::uint64_t seed = random_bits(options.seed, 0, i);
-    const Scene scene = make_scene(options.scenes[i], seed);
-    SampleFrame sample;
-    sample.frame = render_scene(scene, scene.camera, model, seed, &sample.truth);
-    sample.scene = scene.name;
-    return sample;
-  });
+  write_sample_folder(dir, folder, [&](std::size_t i) { return make_sample_frame(options, i); });
 }
 
 }  // namespace planescope

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/synthetic/sample_folder.hpp"
+
 namespace planescope {
 
 struct SampleOptions {
@@ -15,6 +17,9 @@ struct SampleOptions {
   bool color = true;     // false: depth only
   bool gravity = false;  // also state the true gravity in planescope.json
 };
+
+/// Frame `index` of the sample, and its exact ground truth.
+SampleFrame make_sample_frame(const SampleOptions& options, std::size_t index);
 
 /// Writes a folder recording (depth/, color/, planescope.json) and, beside it in
 /// default_label_dir(dir), its exact ground truth. The same options give the same pixels and the

@@ -6,7 +6,6 @@
 #include "core/base/random.hpp"
 #include "core/evaluate/label_accuracy.hpp"
 #include "core/synthetic/rectangles.hpp"
-#include "core/synthetic/truth.hpp"
 
 namespace planescope {
 namespace {
@@ -60,7 +59,7 @@ Stairs make_stairs(int index, const StairsOptions& options) {
     const std::uint32_t face = surface.rectangle[i];
     stairs.cloud.points.push_back(p.cast<float>());
     stairs.cloud.instance.push_back(static_cast<std::int32_t>(face) + 1);
-    stairs.cloud.label.push_back(static_cast<std::uint8_t>(true_label(faces[face].normal)));
+    stairs.cloud.label.push_back(static_cast<std::uint8_t>(label_of_normal(faces[face].normal)));
   }
   return stairs;
 }
@@ -85,7 +84,7 @@ LabelledCloud labelled(const Stairs& stairs) {
     const auto label = static_cast<Label>(stairs.cloud.label[i]);
     const Vec3d p = turn_back * cloud.points[i].cast<double>();
     const bool near = std::any_of(faces.begin(), faces.end(), [&](const Rectangle& face) {
-      return true_label(face.normal) != label && distance(p, face) < kEdgeDistanceM;
+      return label_of_normal(face.normal) != label && distance(p, face) < kEdgeDistanceM;
     });
     cloud.labels.push_back(label);
     cloud.near_edge.push_back(near);

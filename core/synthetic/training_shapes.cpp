@@ -6,7 +6,6 @@
 #include "core/synthetic/rectangles.hpp"
 #include "core/synthetic/stairs.hpp"
 #include "core/synthetic/trigonometry.hpp"
-#include "core/synthetic/truth.hpp"
 
 namespace planescope {
 namespace {
@@ -19,7 +18,7 @@ LabelledCloud sampled(const char* kind,
   SurfacePoints surface = sample_surface(faces, count, Mat3d::Identity(), random);
   LabelledCloud cloud{kind, std::move(surface.points), {}};
   for (const std::uint32_t face : surface.rectangle)
-    cloud.labels.push_back(true_label(faces[face].normal));
+    cloud.labels.push_back(label_of_normal(faces[face].normal));
   return cloud;
 }
 

@@ -5,7 +5,6 @@
 
 #include "core/labels/fragments.hpp"
 #include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/trigonometry.hpp"
 
 namespace planescope {
 namespace {
@@ -19,7 +18,7 @@ LabelPlane plane_in_view(const Surface& surface, const Pose& T_world_camera) {
   const double offset_in_world = surface.normal.dot(surface.corners[0]);
   LabelPlane plane;
   plane.id = surface.plane;
-  plane.label = true_label(surface.normal);
+  plane.label = label_of_normal(surface.normal);
   plane.normal = rounded(Vec3d(T_world_camera.linear().transpose() * surface.normal));
   plane.offset_m = rounded(offset_in_world - surface.normal.dot(T_world_camera.translation()));
   return plane;
@@ -51,10 +50,6 @@ void set_rms(const Frame& frame, const Image16& ids, std::map<int, LabelPlane>& 
 
 }  // namespace
 
-Label true_label(const Vec3d& normal_in_world) {
-  return std::abs(normal_in_world.z()) >= cos_deg(45) ? Label::h : Label::v;
-}
-
 FrameLabels true_labels(const Scene& scene,
                         const Pose& T_world_camera,
                         std::span<const int> surfaces,
@@ -72,7 +67,7 @@ FrameLabels true_labels(const Scene& scene,
     const Surface& surface = scene.surfaces[surfaces[i]];
     if (surface.plane == 0) continue;
     labels.plane.data[i] = static_cast<std::uint16_t>(surface.plane);
-    labels.hv.data[i] = static_cast<std::uint8_t>(true_label(surface.normal));
+    labels.hv.data[i] = static_cast<std::uint8_t>(label_of_normal(surface.normal));
     planes.try_emplace(surface.plane, plane_in_view(surface, T_world_camera));
   }
   set_rms(frame, labels.plane, planes);

@@ -7,9 +7,6 @@
 
 namespace planescope {
 
-/// Eq. (1) of the paper: h up to 45 degrees from gravity.
-Label true_label(const Vec3d& normal_in_world);
-
 /// Ground truth of a frame of which is known what every pixel sees: `surfaces` per pixel, indices
 /// in scene.surfaces, -1 nothing.
 FrameLabels true_labels(const Scene& scene,
