@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
+#include "core/base/file_descriptor.hpp"
 
 namespace planescope {
 namespace {
@@ -77,7 +78,7 @@ CellLog::CellLog(const std::filesystem::path& dir, const PaperResults& run, bool
   // Written anew, without what was cut off in its middle.
   std::string text = identity.dump() + "\n";
   for (const Cell& cell : cells_) text += cell_line(cell) + "\n";
-  write_file_text(file_, text);
+  replace_file(file_, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
 }
 
 void CellLog::append(std::span<const Cell> cells) {

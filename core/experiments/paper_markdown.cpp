@@ -12,6 +12,8 @@ std::string paper_markdown(const PaperResults& results) {
       results.command, results.build.version, results.build.commit,
       results.build.modified ? " with changes" : "", results.weights.file, results.weights.network,
       results.weights.sha256, results.seed, results.tuning_seed);
+  if (results.quick) text += "\nQuick: fewer frames and cells than the full run has.\n";
+  if (results.count > 0) text += fmt::format("\nAt most {} frames of each set.\n", results.count);
   const auto add = [&text](const char* heading, const std::vector<Table>& tables) {
     if (!tables.empty()) text += fmt::format("\n## {}\n\n{}", heading, joined(tables, to_markdown));
   };

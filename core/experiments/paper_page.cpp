@@ -55,18 +55,22 @@ Data record_data(const PaperResults& results, const PaperTimings* timings) {
         fmt::format("{}, {} cores, {}; {} threads", html_escape(timings->machine.cpu),
                     timings->machine.cores, to_string(timings->machine.simd), timings->threads));
   if (results.quick) add("Quick", "fewer frames and cells than the full run has");
+  if (results.real.empty()) add("Recordings", "none: table IV and real scenes are left out");
+  if (results.count > 0) add("Frames", fmt::format("at most {} of each set", results.count));
   return rows;
 }
 
-std::string lead(const std::vector<Claim>& claims) {
+bool is_partial(const PaperResults& results) { return results.quick || results.count > 0; }
+
+std::string lead(const std::vector<Claim>& claims, const PaperResults& results) {
   if (claims.empty()) return "Every table and figure of the paper, measured again.";
   const auto met =
       std::count_if(claims.begin(), claims.end(), [](const Claim& c) { return c.met; });
   return fmt::format(
       "Every table and figure of the paper, measured again beside the printed numbers, and "
-      "measures "
-      "on which methods really differ. {} of {} bars are met with the printed seed.",
-      met, claims.size());
+      "measures on which methods really differ. {} of {} bars are met with the printed seed{}.",
+      met, claims.size(),
+      is_partial(results) ? ", but this is not the full run that they are for" : "");
 }
 
 Data claims_data(const std::vector<Claim>& claims) {
@@ -260,7 +264,7 @@ std::string paper_page(const PaperResults& results,
   const std::vector<Claim> all_claims = claims(results);
   Data page, sections{Data::type::list}, chapter_list{Data::type::list},
       figure_list{Data::type::list};
-  if (!all_claims.empty()) sections.push_back(section_data("claims", "What it must show"));
+  if (!all_claims.empty()) sections.push_back(section_data("claims", "What is claimed"));
   for (const Chapter& chapter : chapters(results, timings)) {
     sections.push_back(section_data(chapter.id, chapter.name));
     chapter_list.push_back(chapter_data(chapter));
@@ -272,7 +276,7 @@ std::string paper_page(const PaperResults& results,
   }
   page.set("css", css());
   page.set("version", results.build.version);
-  page.set("lead", lead(all_claims));
+  page.set("lead", lead(all_claims, results));
   page.set("sections", sections);
   page.set("record", record_data(results, timings));
   page.set("has_claims", !all_claims.empty());

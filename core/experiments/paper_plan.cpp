@@ -119,8 +119,9 @@ bool same_frames(const CellKey& a, const CellKey& b) {
 
 const std::vector<std::string>& refinements() {
   static const std::vector<std::string> names = {
-      "estimate_sigma",      "r1_merge_by_distance",     "r2_explain_away", "r3_weak_candidates",
-      "r4_fit_impure_nodes", "r5_reassign_shared_cells", "r6_refit",        "r7_second_merge"};
+      "estimate_sigma",     "r1_merge_by_distance", "r2_explain_away",
+      "r3_weak_candidates", "r4_fit_impure_nodes",  "r5_reassign_shared_cells",
+      "r6_refit",           "r7_second_merge",      "split_disconnected"};
   return names;
 }
 

@@ -43,6 +43,13 @@ const std::vector<Contestant>& noise_contestants() {
   return all;
 }
 
+/// The same in every plot, 0 for what the paper printed; -1: by its place.
+int color_of(const CellKey& contestant) {
+  const auto& all = noise_contestants();
+  const auto at = std::ranges::find(all, contestant, &Contestant::key);
+  return at == all.end() ? -1 : static_cast<int>(at - all.begin()) + 1;
+}
+
 CellKey on_frames(CellKey contestant, const CellKey& frames) {
   contestant.set = frames.set;
   contestant.seed = frames.seed;
@@ -81,9 +88,8 @@ LineChart noise_chart(const PaperResults& results,
   const std::vector<double> noise_cm = noise_of_stairs(results);
   LineChart chart{.title = title, .x_name = "noise [cm]", .x = noise_cm, .curves = {}};
   if (printed) chart.curves.push_back(printed_curve(noise_cm, printed));
-  int color = 0;  // the same in every plot
   for (const Contestant& contestant : noise_contestants()) {
-    Curve curve{contestant.name, {}, ++color};
+    Curve curve{contestant.name, {}, color_of(contestant.key)};
     for (const double noise : noise_cm) {
       const CellKey frames = stairs_of(results.seed, kPaperPoints, noise);
       const Cell* cell = results.find(on_frames(contestant.key, frames));
@@ -133,7 +139,7 @@ BarChart set_chart(const PaperResults& results,
   BarChart chart{.title = title, .groups = {}, .bars = {}, .low = 100};
   for (const CellKey& group : frames) chart.groups.push_back(group_name(group));
   for (const CellKey& contestant : bar_contestants(results)) {
-    Curve bar{contestant_name(contestant), {}};
+    Curve bar{contestant_name(contestant), {}, color_of(contestant)};
     for (const CellKey& group : frames) {
       const Cell* cell = results.find(on_frames(contestant, group));
       bar.values.push_back(cell ? cell->metrics.mean_iou : kNone);
@@ -176,10 +182,12 @@ std::vector<PaperPlot> set_plots(const PaperResults& results) {
   std::vector<PaperPlot> plots;
   for (const bool clouds : {true, false}) {
     const std::vector<CellKey> frames = frames_of(results, clouds);
-    for (std::size_t begin = 0; begin < frames.size(); begin += kMostGroups) {
-      const auto part =
-          std::span(frames).subspan(begin, std::min(kMostGroups, frames.size() - begin));
-      const std::string title = clouds ? "Mean IoU on clouds [%]" : "Mean IoU on depth images [%]";
+    const std::size_t parts = (frames.size() + kMostGroups - 1) / kMostGroups;
+    for (std::size_t k = 0; k < parts; ++k) {
+      const std::size_t begin = k * frames.size() / parts, end = (k + 1) * frames.size() / parts;
+      const auto part = std::span(frames).subspan(begin, end - begin);
+      std::string title = clouds ? "Mean IoU on clouds [%]" : "Mean IoU on depth images [%]";
+      if (parts > 1) title += fmt::format(", {} of {}", k + 1, parts);
       const BarChart chart = set_chart(results, part, title);
       if (chart.bars.empty()) continue;
       const std::string note = clouds ? "Scored by point; below, the noise on every coordinate."

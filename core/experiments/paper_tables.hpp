@@ -19,6 +19,7 @@ struct Claim {
   std::string bar;                                           // "<= 0.04"
   double value = 0;                                          // with the printed seed
   double tuning = std::numeric_limits<double>::quiet_NaN();  // with the seed that was tuned on
+  int frames = 0;                                            // that the value is the mean of
   bool met = false;                                          // with the printed one
   std::string others;                                        // what stands today
 };

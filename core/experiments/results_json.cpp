@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
+#include "core/evaluate/metrics_values.hpp"
 #include "core/experiments/results.hpp"
 #include "core/recording/json_file.hpp"
 
@@ -46,30 +47,13 @@ CellKey key_of(const AnyJson& json) {
   return key;
 }
 
-/// Every value of a Metrics by its name: `visit(name, value)`.
-template <typename AnyMetrics, typename Visit>
-void visit_values(AnyMetrics& m, const Visit& visit) {
-  visit("planes_truth", m.planes_truth);
-  visit("planes_found", m.planes_found);
-  visit("alpha_deg", m.alpha_deg);
-  visit("r_p", m.r_p);
-  visit("r_m", m.r_m);
-  visit("point_accuracy", m.point_accuracy);
-  visit("mean_iou", m.mean_iou);
-  visit("pq", m.pq);
-  visit("detected_iou80", m.detected_iou80);
-  visit("over_segmented", m.over_segmented);
-  visit("under_segmented", m.under_segmented);
-  visit("missed", m.missed);
-  visit("noise", m.noise);
-  visit("label_accuracy_edge", m.label_accuracy_edge);
-  visit("label_accuracy_inner", m.label_accuracy_inner);
-  visit("points", m.points);
-}
+constexpr int kMaxFrames = 1'000'000;
 
 template <typename AnyJson>
 Cell cell_of(const AnyJson& json) {
   Cell cell{key_of(json.at("key")), json.at("frames"), {}};
+  if (cell.frames < 1 || cell.frames > kMaxFrames)
+    throw Error(fmt::format("a cell of {} frames, expected 1 to {}", cell.frames, kMaxFrames));
   visit_values(cell.metrics, [&](const char* name, auto& value) {
     value = json.at(name).template get<std::remove_reference_t<decltype(value)>>();
   });

@@ -76,21 +76,6 @@ void append_nodes(const Run& run, const Judge& judge, std::vector<Histogram>& hi
   histograms.push_back(h);
 }
 
-/// How far a pair is from passing: below 1 it does.
-double strain(const Coplanarity& terms, const SegmentOptions& options) {
-  const double most = std::max(1e-9, 1 - options.theta_coplane);
-  double worst =
-      std::max(options.theta_coplane / std::max(1e-9, terms.normals), terms.n1_dmu / most);
-  if (options.criterion4_n2) worst = std::max(worst, terms.n2_dmu / most);
-  if (options.merge_offset_m > 0) worst = std::max(worst, terms.offset_m / options.merge_offset_m);
-  return worst;
-}
-double strain(const DistanceTerms& terms) {
-  return std::max({terms.angle_deg / terms.max_angle_deg, terms.gap_m / terms.max_gap_m,
-                   std::sqrt(terms.offset2_m2 / terms.bound2_m2),
-                   std::sqrt(std::max(0.0, terms.spread2_m2) / terms.bound2_m2)});
-}
-
 /// The pairs of each candidate with the plane it joined or, where it founded one, with the plane
 /// that it came nearest to joining.
 struct MergeSamples {
@@ -149,12 +134,13 @@ void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& h
       const MeasuredPlane seen = measured(run, candidate.fit, candidate.moments, candidate.bounds);
       add_pair<DistanceTerms>(
           planes, event, [&](std::int32_t k) { return distance_terms(planes.measured(k), seen); },
-          [&](const DistanceTerms& terms) { return strain(terms); }, true, judgement, samples);
+          [](const DistanceTerms& terms) { return strain_of(terms).worst; }, true, judgement,
+          samples);
     } else {
       add_pair<Coplanarity>(
           planes, event, [&](std::int32_t k) { return coplanarity(planes.fit(k), candidate.fit); },
-          [&](const Coplanarity& terms) { return strain(terms, options); }, false, judgement,
-          samples);
+          [&](const Coplanarity& terms) { return strain_of(terms, options).worst; }, false,
+          judgement, samples);
     }
   }
 

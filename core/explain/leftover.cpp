@@ -13,13 +13,15 @@
 namespace planescope {
 namespace {
 
-/// Step at which the assignment of leftovers begins.
-std::int32_t start_of_assignment(const Run& run) {
-  std::int32_t step = 0;
-  while (run.trace.events[step].type != EventType::assign &&
-         run.trace.events[step].type != EventType::drop)
-    ++step;
-  return step;
+/// Step at which the assignment of leftovers that `step` is of begins: R2 has one of its own at the
+/// end.
+std::int32_t start_of_assignment(const Run& run, std::int32_t step) {
+  const auto assigns = [&](std::int32_t at) {
+    const EventType type = run.event_at(at)->type;
+    return type == EventType::assign || type == EventType::drop;
+  };
+  while (step > 1 && assigns(step - 1)) --step;
+  return step - 1;
 }
 
 std::vector<LeftoverPlane> distances(const Run& run, std::int32_t step, const Vec3d& p) {
@@ -110,8 +112,9 @@ LeftoverReport explain_leftover(const Run& run, std::int32_t step) {
     choose_first(run, report.planes);
   } else {
     const CellGrid grid = make_cell_grid(octree);
-    const CellPlanes near = planes_near_cells(grid, planes_of_points(run, start_of_assignment(run)),
-                                              static_cast<std::size_t>(run.timeline.plane_count()));
+    const CellPlanes near =
+        planes_near_cells(grid, planes_of_points(run, start_of_assignment(run, step)),
+                          static_cast<std::size_t>(run.timeline.plane_count()));
     choose_nearest(run, report.planes, near.near(grid.cell_of[i]), i, p);
   }
   std::stable_sort(report.planes.begin(), report.planes.end(),

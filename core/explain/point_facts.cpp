@@ -74,6 +74,24 @@ std::int32_t truth_of_plane(const Run& run, std::int32_t id) {
   return *most > 0 ? static_cast<std::int32_t>(most - counts.begin()) : 0;
 }
 
+std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel) {
+  std::set<std::int32_t> steps;
+  for (const std::int32_t node : run.timeline.path_of_point(voxel))
+    steps.insert(run.timeline.decided_at()[node]);
+  for (const PointChange& change : run.timeline.changes_of_point(voxel)) steps.insert(change.step);
+  const std::int32_t leaf = run.timeline.node_of_point(voxel, run.steps());
+  const Label label = run.subject->prepared.classification.labels[voxel];
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    const bool of_candidate = event.type == EventType::wait && event.node == leaf &&
+                              (!run.segment_options.use_labels || event.label == label);
+    if (of_candidate || event.point == voxel) steps.insert(step);
+  }
+  steps.erase(0);
+  steps.erase(kNever);
+  return steps;
+}
+
 std::int32_t step_of_plane(const Run& run, std::int32_t voxel) {
   std::int32_t step = 0;
   for (const PointChange& change : run.timeline.changes_of_point(voxel))

@@ -3,6 +3,7 @@
 // What can be said of a point before and after the segmentation. Internal to core/explain.
 
 #include <optional>
+#include <set>
 #include <string>
 
 #include "core/explain/provenance.hpp"
@@ -23,6 +24,9 @@ std::optional<Absence> absence_of(const Run& run, std::size_t source);
 std::string describe_plane(const Run& run, std::int32_t id);
 /// The true plane of most voxels in a plane of the result, 0 where none is known.
 std::int32_t truth_of_plane(const Run& run, std::int32_t id);
+
+/// The steps that say something of the voxel, and of the candidate that it was part of.
+std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel);
 
 /// The step at which the point came to the plane it ends in, 0 where it ends in none.
 std::int32_t step_of_plane(const Run& run, std::int32_t voxel);

@@ -45,25 +45,6 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
   return text;
 }
 
-/// The steps that say something of the voxel, and of the candidate that it was part of.
-std::set<std::int32_t> steps_of(const Run& run, std::int32_t voxel) {
-  std::set<std::int32_t> steps;
-  for (const std::int32_t node : run.timeline.path_of_point(voxel))
-    steps.insert(run.timeline.decided_at()[node]);
-  for (const PointChange& change : run.timeline.changes_of_point(voxel)) steps.insert(change.step);
-  const std::int32_t leaf = run.timeline.node_of_point(voxel, run.steps());
-  const Label label = run.subject->prepared.classification.labels[voxel];
-  for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
-    const bool of_candidate = event.type == EventType::wait && event.node == leaf &&
-                              (!run.segment_options.use_labels || event.label == label);
-    if (of_candidate || event.point == voxel) steps.insert(step);
-  }
-  steps.erase(0);
-  steps.erase(kNever);
-  return steps;
-}
-
 std::string stage_of(const TraceEvent& event) {
   switch (event.type) {
     case EventType::visit:
@@ -127,7 +108,7 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
   life.push_back(station("voxel", describe_voxel(*run.subject, voxel)));
   life.push_back(station("label", describe_label(run, voxel)));
   const std::int32_t decisive = why_not(run, source).step;
-  std::set<std::int32_t> steps = steps_of(run, point);
+  std::set<std::int32_t> steps = steps_of_point(run, point);
   if (decisive > 0) steps.insert(decisive);  // also where it was another node's merge
   for (const std::int32_t step : steps) {
     const TraceEvent& event = *run.event_at(step);
