@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <kainjow/mustache.hpp>
@@ -14,17 +15,33 @@ namespace {
 using namespace chart;
 using kainjow::mustache::html_escape;
 
+constexpr std::size_t kMostDots = 60;  // of more the line alone is clearer
+
 double x_of(const Axis& axis, double value) {
   return kLeft + axis.share(value) * (kWidth - kLeft - kRight);
 }
 
-std::string x_ticks(const Axis& axis, const std::string& name) {
+/// Where x counts something, between whole numbers there is nothing.
+std::string x_ticks(const Axis& axis, const LineChart& chart) {
+  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
+  const bool counts = std::ranges::all_of(chart.x, is_whole);
   std::string svg;
-  for (const double tick : axis.ticks)
+  for (const double tick : axis.ticks) {
+    if (counts && !is_whole(tick)) continue;
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>\n",
                        x_of(axis, tick), kHeight - kBottom + 18, tick);
+  }
   return svg + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                           (kLeft + kWidth - kRight) / 2, kHeight - 6, html_escape(name));
+                           (kLeft + kWidth - kRight) / 2, kHeight - 6, html_escape(chart.x_name));
+}
+
+std::string mark(const LineChart& chart, const Axis& axis) {
+  if (!chart.x_mark || *chart.x_mark > axis.high) return "";
+  const double x = x_of(axis, *chart.x_mark);
+  return fmt::format(
+      "<path class=\"mark\" d=\"M{0:.1f} {1}V{2}\"/>"
+      "<text x=\"{3:.1f}\" y=\"{4}\">{5}</text>\n",
+      x, kTop, kHeight - kBottom, x + 6, kHeight - kBottom - 8, html_escape(chart.mark_name));
 }
 
 Axis y_axis(const LineChart& chart) {
@@ -51,13 +68,17 @@ std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, c
 
 std::string line_chart(const LineChart& chart) {
   assert(!chart.x.empty() && !chart.curves.empty());
-  const Axis x = axis_over(0, chart.x.back());
+  const Axis x = axis_over(chart.x_from, chart.x.back());
   const Axis y = y_axis(chart);
-  std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart.x_name);
+  std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart) + mark(chart, x);
   for (std::size_t c = 0; c < chart.curves.size(); ++c) {
     const Curve& curve = chart.curves[c];
     assert(curve.values.size() == chart.x.size());
     const int legend_x = kWidth - kRight + 16, legend_y = kTop + 8 + 20 * static_cast<int>(c);
+    for (std::size_t i = 0; i < chart.x.size() && chart.x.size() <= kMostDots; ++i)
+      if (!std::isnan(curve.values[i]))
+        svg += fmt::format("<circle class=\"bar{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n",
+                           color_of(curve, c), x_of(x, chart.x[i]), y_of(y, curve.values[i]));
     svg += fmt::format(
         "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
         color_of(curve, c), path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24,
@@ -77,7 +98,8 @@ std::string line_chart_style() {
       ".chart{display:block;width:100%;height:auto}"
       ".chart text{font-size:13px;fill:currentColor}"
       ".chart path{fill:none;stroke-width:2;stroke-linecap:round;stroke-linejoin:round}"
-      ".chart .grid{stroke:currentColor;stroke-width:1;opacity:.18}\n";
+      ".chart .grid{stroke:currentColor;stroke-width:1;opacity:.18}"
+      ".chart .mark{stroke:currentColor;stroke-width:1.5;stroke-dasharray:5 4}\n";
   const auto add_colors = [&](const char* const(&colors)[kColors]) {
     for (int c = 0; c < kColors; ++c)
       style += fmt::format(".curve{0}{{stroke:{1}}}.bar{0}{{fill:{1}}}", c, colors[c]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,12 @@ struct Curve {
 struct LineChart {
   std::string title;  // read out where the chart is not seen
   std::string x_name;
-  std::vector<double> x;      // ascending, not below 0; the axis begins at 0
-  std::vector<Curve> curves;  // at least one
-  bool from_zero = false;     // else the y axis spans the values alone
+  std::vector<double> x;              // ascending, not below x_from
+  double x_from = 0;                  // where the axis begins
+  std::vector<Curve> curves;          // at least one
+  std::optional<double> x_mark = {};  // a vertical line there ...
+  std::string mark_name = {};         // ... and what it means
+  bool from_zero = false;             // else the y axis spans the values alone
   double log_from = 0;  // above 0: a logarithmic y axis from there; smaller values stand there
 };
 

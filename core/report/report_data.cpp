@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/pipeline/options_table.hpp"
+#include "core/report/frame_json.hpp"
 
 namespace planescope {
 namespace {
@@ -27,7 +28,17 @@ void add_to(ReportTotals& totals, const ReportRecording& recording, std::vector<
   }
 }
 
+std::string in_report_folder(const ReportPicture& picture, const char* ending) {
+  const std::filesystem::path pictures = std::filesystem::path(picture.file).parent_path();
+  return (pictures.parent_path() / "report" / (picture.name + ending)).generic_string();
+}
+
 }  // namespace
+
+std::string copy_of(const ReportPicture& picture) { return in_report_folder(picture, ".jpg"); }
+std::string thumbnail_of(const ReportPicture& picture) {
+  return in_report_folder(picture, ".small.jpg");
+}
 
 ReportTotals totals_of(const Report& report) {
   ReportTotals totals;
@@ -47,8 +58,7 @@ ReportTotals totals_of(const ReportRecording& recording) {
 
 ReportFrame make_report_frame(const Frame& frame,
                               const FrameResult& result,
-                              const PipelineOptions& options,
-                              const std::vector<std::string>& plane_colors) {
+                              const PipelineOptions& options) {
   ReportFrame report;
   report.index = frame.index;
   report.name = frame.name;
@@ -59,11 +69,15 @@ ReportFrame make_report_frame(const Frame& frame,
   report.segment = result.segmentation.counts;
   report.noise = result.segmentation.noise;
   report.timings = result.timings;
-  for (const PlaneSummary& plane : summarize_planes(result, options.cloud.voxel_size_m)) {
-    const auto k = static_cast<std::size_t>(plane.id) - 1;
+  report.regions = sample_regions(frame, result);
+  for (PlaneSummary& plane : summarize_planes(result, options.cloud.voxel_size_m)) {
+    plane.normal = plane.normal.unaryExpr(&rounded);
+    plane.centroid = plane.centroid.unaryExpr(&rounded);
+    for (double* value : {&plane.offset_m, &plane.tilt_deg, &plane.rms_m, &plane.area_m2})
+      *value = rounded(*value);
     report.points_on_planes += plane.points;
     ++(plane.label == Label::v ? report.planes_v : report.planes_h);
-    report.planes.push_back({plane, k < plane_colors.size() ? plane_colors[k] : "#888888"});
+    report.planes.push_back({std::move(plane), "#888888"});
   }
   return report;
 }
@@ -73,7 +87,7 @@ std::vector<ReportOption> make_report_options(const PipelineOptions& options) {
   defaults.segment = profile_options(options.segment.profile);
   std::vector<ReportOption> result;
   for (const OptionInfo& info : option_table()) {
-    if (!info.matters(options)) continue;
+    if (!info.matters(options) || info.name == "threads") continue;
     ReportOption option{info.name, info.unit, info.meaning, info.section, info.get(options), false};
     option.changed = option.value != info.get(defaults);
     result.push_back(std::move(option));

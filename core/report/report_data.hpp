@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,34 +15,43 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/recording/recording.hpp"
 #include "core/report/plane_summary.hpp"
+#include "core/report/region_sample.hpp"
+#include "core/report/value_histogram.hpp"
 #include "core/segment/noise.hpp"
 
 namespace planescope {
+
+struct Judgement;
 
 /// A plane with the colour that all pictures give it ("#rrggbb").
 struct ReportPlane {
   PlaneSummary summary;
   std::string color;
+  int color_id = 0;  // of keep_colors()
 };
 
-/// One picture of a stage: a PNG beside the page, and a smaller copy inside it.
+/// One picture of a stage: a PNG beside the page. Two smaller copies for the page lie in the
+/// frame's folder `report`, as copy_of() and thumbnail_of() name them.
 struct ReportPicture {
-  std::string name;                 // "overlay", "depth", "labels", "margins", "cases", ...
-  std::string title;                // for people
-  std::string alt;                  // what is to be seen, for those who cannot see it
-  std::string file;                 // of the PNG, relative to the report
-  int width = 0, height = 0;        // of the PNG [px]
-  std::string pixels_sha256;        // of the PNG's pixels (RGB, row by row)
-  std::vector<unsigned char> jpeg;  // the copy in the page
+  std::string name;           // "overlay", "depth", "labels", "margins", "cases", ...
+  std::string title;          // for people
+  std::string alt;            // what is to be seen, for those who cannot see it
+  std::string file;           // of the PNG, relative to the report
+  int width = 0, height = 0;  // of the PNG [px]
+  std::string pixels_sha256;  // of the PNG's pixels (RGB, row by row)
 };
+/// "frames/000012/report/overlay.jpg" of "frames/000012/pictures/overlay.png".
+std::string copy_of(const ReportPicture& picture);
+std::string thumbnail_of(const ReportPicture& picture);
 
 /// One frame: its results, or why there are none.
 struct ReportFrame {
   int index = 0;
   std::string name;
   double timestamp_s = 0;
-  std::string sha256;   // Recording::frame_hash
-  std::string refused;  // why the frame could not be processed; empty: it was
+  std::string sha256;       // Recording::frame_hash
+  std::string refused;      // why the frame could not be processed; empty: it was
+  bool unreadable = false;  // refused for it is damaged
 
   Gravity gravity;
   CloudCounts counts;
@@ -51,9 +61,12 @@ struct ReportFrame {
   SegmentCounts segment;
   NoiseModel noise;
   std::vector<ReportPlane> planes;
+  RegionSample regions;
+  std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;
   std::optional<Metrics> metrics;  // where there is ground truth
   FrameTimings timings;
+  double reference_ms = 0;  // what reference_work() took just before; 0: not measured
 };
 
 struct ReportRecording {
@@ -74,7 +87,8 @@ struct ReportOption {
 struct Report {
   std::string version, commit;           // of planescope
   bool modified = false;                 // built from a tree that differs from the commit
-  std::string command;                   // as it was typed
+  std::string command;                   // as it was typed, without what changes no frame
+  std::string shard;                     // "2/8": a part of the frames; empty: all
   std::string created_utc;               // ISO 8601
   std::string renderer;                  // which GL drew; empty where none could
   std::string renderer_error;            // why none could
@@ -85,6 +99,7 @@ struct Report {
   std::vector<ReportOption> options;
   std::string case_colors[5];  // "#rrggbb", by Case
   std::vector<ReportRecording> recordings;
+  std::shared_ptr<const Judgement> judgement;  // null: held to nothing (judgement.hpp)
 };
 
 /// Sums over all frames that were processed.
@@ -98,14 +113,14 @@ struct ReportTotals {
 ReportTotals totals_of(const Report& report);
 ReportTotals totals_of(const ReportRecording& recording);
 
-/// Everything about a frame but its pictures and metrics. `plane_colors`: by plane id - 1.
+/// Everything about a frame but its pictures, metrics and planes' colours. Planes are rounded as
+/// report.json has them.
 ReportFrame make_report_frame(const Frame& frame,
                               const FrameResult& result,
-                              const PipelineOptions& options,
-                              const std::vector<std::string>& plane_colors);
+                              const PipelineOptions& options);
 
-/// Every option that the method takes, with its value; changed: against the defaults of the same
-/// profile.
+/// Every option that the method takes, with its value, but for the number of threads, which changes
+/// nothing; changed: against the defaults of the same profile.
 std::vector<ReportOption> make_report_options(const PipelineOptions& options);
 
 }  // namespace planescope

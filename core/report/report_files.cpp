@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+
 #include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -35,15 +39,25 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
                              frame.segment.unassigned, metrics);
 }
 
-void write_whole(const std::filesystem::path& path, const std::string& text) {
+}  // namespace
+
+void stream_whole(const std::filesystem::path& path,
+                  const std::function<void(std::ostream&)>& write) {
   const std::filesystem::path partial = path.string() + ".part";
-  write_file_bytes(partial, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  {
+    std::ofstream out(partial, std::ios::binary);
+    if (out) write(out);
+    out.close();
+    if (!out) throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
+  }
   std::error_code failed;
   std::filesystem::rename(partial, path, failed);
   if (failed) throw Error(path.string() + ": cannot be written: " + failed.message());
 }
 
-}  // namespace
+void write_whole(const std::filesystem::path& path, const std::string& text) {
+  stream_whole(path, [&](std::ostream& out) { out << text; });
+}
 
 std::string frames_csv(const Report& report) {
   std::string text =
@@ -57,9 +71,11 @@ std::string frames_csv(const Report& report) {
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {
-  write_whole(dir / "report.json", report_json(report));
   write_whole(dir / "frames.csv", frames_csv(report));
-  write_whole(dir / "index.html", report_html(report));
+  write_whole(dir / "junit.xml", junit_xml(report));
+  write_overviews(dir, report);
+  stream_whole(dir / "index.html", [&](std::ostream& out) { write_report_page(out, report, dir); });
+  stream_whole(dir / "report.json", [&](std::ostream& out) { write_report_json(out, report); });
 }
 
 }  // namespace planescope

@@ -5,45 +5,51 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/report/report_html_parts.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/pipeline/frame_times.hpp"
+#include "core/report/report_html_pieces.hpp"
 
 namespace planescope::html {
 namespace {
 
-Data pictures_data(const std::string& anchor, const ReportFrame& frame) {
-  Data pictures{Data::type::list};
-  bool hero = true;  // the first is shown large
-  for (const ReportPicture& picture : frame.pictures) {
-    Data data;
-    data.set("anchor", anchor + "-" + picture.name);
-    data.set("frame_anchor", anchor);
-    data.set("hero", hero);
-    data.set("title", picture.title);
-    data.set("alt", picture.alt);
-    data.set("width", std::to_string(picture.width));
-    data.set("height", std::to_string(picture.height));
-    data.set("jpeg", base64(picture.jpeg));
-    pictures.push_back(data);
-    hero = false;
+/// Pictures inside the page, and links to those that are not.
+void set_pictures(const PageSource& page, const PageFrame& frame, Data& data) {
+  Data pictures{Data::type::list}, files{Data::type::list};
+  for (const ReportPicture& picture : frame.frame->pictures) {
+    Data one;
+    one.set("title", picture.title);
+    one.set("file", href(picture.file));
+    const std::string source =
+        frame.embedded ? jpeg_source(page.dir / copy_of(picture)) : std::string();
+    if (source.empty()) {
+      one.set("copy", href(copy_of(picture)));
+      files.push_back(one);
+      continue;
+    }
+    one.set("picture_anchor", frame.anchor + "/" + picture.name);
+    const bool is_first = !pictures.is_non_empty_list();
+    one.set("shape", is_first                  ? Data("hero")
+                     : picture.name == "truth" ? Data("wide")
+                                               : Data(false));
+    one.set("alt", picture.alt);
+    one.set("width", std::to_string(picture.width));
+    one.set("height", std::to_string(picture.height));
+    one.set("source", source);
+    pictures.push_back(one);
   }
-  return pictures;
+  data.set("has_pictures", pictures.is_non_empty_list());
+  data.set("pictures", pictures);
+  data.set("has_files", files.is_non_empty_list());
+  data.set("files", files);
 }
 
-/// A true minus sign, and none before zeros.
-std::string decimal(double value, int digits) {
-  std::string text = fmt::format("{:.{}f}", std::abs(value), digits);
-  const bool zero = text.find_first_not_of("0.") == std::string::npos;
-  return value < 0 && !zero ? "\u2212" + text : text;
-}
-
-Data planes_data(const ReportFrame& frame) {
+Data planes_data(const PageFrame& frame) {
   Data planes{Data::type::list};
-  for (const ReportPlane& plane : frame.planes) {
+  for (const ReportPlane& plane : frame.frame->planes) {
     const PlaneSummary& s = plane.summary;
     Data data;
     data.set("id", std::to_string(s.id));
-    data.set("color", plane.color);
+    data.set("plane_anchor", fmt::format("{}/p{}", frame.anchor, s.id));
+    data.set("color", safe_color(plane.color));
     data.set("label", s.label == Label::h ? "h" : "v");
     data.set("area", fmt::format("{:.3f}", s.area_m2));
     data.set("points", grouped(s.points));
@@ -124,7 +130,7 @@ void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
       cells.push_back(cell);
     }
     row.set("numeral", to_string(static_cast<Case>(c)));
-    row.set("color", report.case_colors[c]);
+    row.set("color", safe_color(report.case_colors[c]));
     row.set("all", grouped(counts.nodes_per_case[c]));
     row.set("cells", cells);
     cases.push_back(row);
@@ -170,8 +176,7 @@ Data timings_data(const FrameTimings& t, bool is_ours) {
                {"t<sub>c</sub> classification", ms(t.t_c_ms)},
                {"t<sub>b</sub> octree", ms(t.t_b_ms)},
                {"t<sub>s</sub> traversal, merge, assignment", ms(t.t_s_ms)},
-               {"t<sub>d</sub> + t<sub>c</sub> + t<sub>b</sub> + t<sub>s</sub>",
-                ms(t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms)}},
+               {"t<sub>d</sub> + t<sub>c</sub> + t<sub>b</sub> + t<sub>s</sub>", ms(paper_ms(t))}},
               "ms");
 }
 
@@ -194,36 +199,41 @@ Data metrics_data(const Metrics& m) {
 
 }  // namespace
 
-std::string frame_anchor(std::size_t recording, const ReportFrame& frame) {
-  return fmt::format("r{}-f{:06}", recording, frame.index);
-}
-
-Data frame_data(const Report& report, std::size_t recording, const ReportFrame& frame, bool open) {
-  const std::string anchor = frame_anchor(recording, frame);
+Data frame_data(const PageSource& page, const PageFrame& of) {
+  const ReportFrame& frame = *of.frame;
   Data data;
-  data.set("anchor", anchor);
-  data.set("open", open);
+  data.set("anchor", of.anchor);
+  data.set("open", of.open);
   data.set("index", std::to_string(frame.index));
   data.set("name", text_or_false(frame.name));
+  data.set("recording_name", page.recording_of(of).name);
   data.set("refused", text_or_false(frame.refused));
-  if (!frame.refused.empty()) {
+  const bool is_bad = of.standing > Standing::passed;
+  data.set("badge",
+           is_bad ? Data(of.is_refused() ? "refused" : name_of(of.standing)) : Data(false));
+  data.set("standing", name_of(of.standing));
+  std::vector<std::string> reasons;
+  for (const Breach* breach : of.breaches) reasons.push_back(text_of(*breach));
+  data.set("has_reasons", !reasons.empty());
+  data.set("reasons", list_of("text", reasons));
+  set_comparison(page, of, data);
+  if (of.is_refused()) {
     data.set("summary", "refused");
     return data;
   }
-  const std::size_t planes = frame.planes.size();
   data.set(
       "summary",
-      fmt::format("{} plane{}, {} of {} points on them", planes, planes == 1 ? "" : "s",
+      fmt::format("{}, {} of {} points on them", counted(frame.planes.size(), "plane"),
                   share(frame.points_on_planes, frame.counts.kept), grouped(frame.counts.kept)));
-  data.set("pictures", pictures_data(anchor, frame));
-  data.set("has_planes", planes > 0);
-  data.set("planes", planes_data(frame));
-  const bool is_cloud = report.recordings[recording].info.width == 0;
+  set_pictures(page, of, data);
+  data.set("has_planes", !frame.planes.empty());
+  data.set("planes", planes_data(of));
+  const bool is_cloud = page.recording_of(of).info.width == 0;
   data.set("pixels_name", is_cloud ? "points" : "pixels");
   set_counts(frame, data);
-  const bool is_ours = report.method == Method::ours;
+  const bool is_ours = page.report.method == Method::ours;
   data.set("is_ours", is_ours);
-  if (is_ours) set_nodes(report, frame, data);
+  if (is_ours) set_nodes(page.report, frame, data);
   data.set("timings", timings_data(frame.timings, is_ours));
   data.set("has_metrics", frame.metrics.has_value());
   if (frame.metrics) data.set("metrics", metrics_data(*frame.metrics));

@@ -9,6 +9,7 @@
 
 #include "core/base/file_bytes.hpp"
 #include "core/image/png.hpp"
+#include "core/pipeline/frame_times.hpp"
 #include "core/pipeline/options_table.hpp"
 #include "core/recording/cloud_file.hpp"
 #include "core/report/plane_summary.hpp"
@@ -181,7 +182,7 @@ std::string timings_json(const FrameTimings& t) {
   json["t_c_ms"] = t.t_c_ms;
   json["t_b_ms"] = t.t_b_ms;
   json["t_s_ms"] = t.t_s_ms;
-  json["total_ms"] = t.load_ms + t.cloud_ms + t.t_d_ms + t.t_c_ms + t.t_b_ms + t.t_s_ms;
+  json["total_ms"] = total_ms(t);
   return printed(json);
 }
 

@@ -1,0 +1,58 @@
+#pragma once
+
+// A report held to rules and to an earlier one.
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/report/rules.hpp"
+
+namespace planescope {
+
+struct Judgement {
+  std::string baseline_file;  // as it was given; empty: none
+  std::optional<RecordedReport> baseline;
+  RecordedReport now;
+  std::vector<Rule> rules;
+  ReportComparison comparison;   // points into both
+  std::vector<Breach> breaches;  // worst first
+
+  Judgement() = default;
+  Judgement(const Judgement&) = delete;
+  Judgement& operator=(const Judgement&) = delete;
+
+  int errors() const;
+  int warnings() const { return static_cast<int>(breaches.size()) - errors(); }
+  /// Of options, weights and the like; none without a baseline.
+  std::vector<std::string> differences() const;
+  /// Lines for people, the worst first, the count at the end.
+  std::string text() const;
+};
+
+/// What --baseline and --rules ask for, read before any frame is run.
+class ReportGuard {
+ public:
+  /// Files may be empty: no baseline; with a baseline the built-in rules. Where `may_be_first`, a
+  /// baseline that is not there yet is none. Throws Error.
+  ReportGuard(std::filesystem::path baseline,
+              const std::filesystem::path& rules,
+              bool may_be_first = false);
+  bool is_on() const { return baseline_ || !rules_.empty(); }
+  /// Null where it is not on. Once: the baseline goes into the judgement.
+  std::shared_ptr<const Judgement> judge(const Report& report);
+  /// The report takes the place of the baseline, whole or not at all.
+  void approve(const std::filesystem::path& report_json) const;
+
+ private:
+  std::filesystem::path baseline_file_;
+  std::optional<RecordedReport> baseline_;
+  std::vector<Rule> rules_;
+};
+
+nlohmann::ordered_json judgement_json(const Judgement& judgement);
+
+}  // namespace planescope

@@ -1,0 +1,341 @@
+#include "core/report/rules.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+#include "core/base/error.hpp"
+#include "core/base/file_bytes.hpp"
+#include "core/report/json_place.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr const char* kSchema = "planescope.rules/1";
+constexpr std::uintmax_t kMostBytes = 1 << 20;
+
+using FrameValue = std::optional<double> (*)(const FrameComparison&);
+
+struct Metric {
+  RuleMetric metric;
+  FrameValue value;  // nullopt where the frame has none
+};
+
+template <PlaneFate kFate>
+std::optional<double> planes_with(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  return frame.count(kFate);
+}
+
+template <FrameFate kFate>
+std::optional<double> frames_with(const FrameComparison& frame) {
+  if (!frame.baseline) return std::nullopt;
+  return frame.fate == kFate ? 1 : 0;
+}
+
+/// Of planes that are the same plane in both.
+std::optional<double> farthest(const FrameComparison& frame, double PlaneComparison::*value) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  double most = 0;
+  for (const PlaneComparison& plane : frame.planes)
+    if (plane.fate <= PlaneFate::moved) most = std::max(most, plane.*value);
+  return most;
+}
+
+const RecordedFrame* done(const RecordedFrame* frame) {
+  return frame && frame->refused.empty() ? frame : nullptr;
+}
+
+template <double Metrics::*kValue>
+std::optional<double> scored(const FrameComparison& frame) {
+  const RecordedFrame* now = done(frame.now);
+  if (!now || !now->metrics) return std::nullopt;
+  return now->metrics.value().*kValue;
+}
+
+template <double Metrics::*kValue>
+std::optional<double> score_change(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared || !frame.now->metrics || !frame.baseline->metrics)
+    return std::nullopt;
+  const double change = (*frame.now->metrics).*kValue - (*frame.baseline->metrics).*kValue;
+  if (std::isnan(change)) return std::nullopt;
+  return change;
+}
+
+std::optional<double> time_ratio(const RecordedFrame* frame) {
+  if (!done(frame) || frame->time_ratio <= 0) return std::nullopt;
+  return frame->time_ratio;
+}
+
+double share_on_planes(const RecordedFrame& frame) {
+  return frame.points > 0
+             ? 100 * static_cast<double>(frame.points_on_planes) / static_cast<double>(frame.points)
+             : 0;
+}
+
+const std::vector<Metric>& metrics() {
+  using enum RuleFold;
+  static const std::vector<Metric> all = {
+      {{"planes_lost", "planes", "planes of the baseline that are gone", true, false, sum},
+       planes_with<PlaneFate::lost>},
+      {{"planes_gained", "planes", "planes that the baseline has not", true, false, sum},
+       planes_with<PlaneFate::gained>},
+      {{"planes_merged", "planes", "planes of the baseline that are one now", true, false, sum},
+       planes_with<PlaneFate::merged>},
+      {{"planes_split", "planes", "planes of the baseline that are several now", true, false, sum},
+       planes_with<PlaneFate::split>},
+      {{"planes_moved", "planes", "planes moved by 5 mm or turned by 1 degree", true, false, sum},
+       planes_with<PlaneFate::moved>},
+      {{"planes_resized", "planes", "planes with a quarter more area, or less", true, false, sum},
+       planes_with<PlaneFate::resized>},
+      {{"offset_mm", "mm", "the farthest that a plane moved", true, false, largest},
+       [](const FrameComparison& frame) {
+         std::optional<double> offset = farthest(frame, &PlaneComparison::offset_m);
+         if (offset) *offset *= 1000;
+         return offset;
+       }},
+      {{"angle_deg", "degrees", "the farthest that a plane turned", true, false, largest},
+       [](const FrameComparison& frame) { return farthest(frame, &PlaneComparison::angle_deg); }},
+      {{"frames_refused", "frames", "frames that the baseline processed and this does not", true,
+        false, sum},
+       frames_with<FrameFate::refused>},
+      {{"frames_missing", "frames", "frames that the baseline has alone", true, false, sum},
+       frames_with<FrameFate::missing>},
+      {{"inputs_changed", "frames", "frames whose pixels or points are not the baseline's", true,
+        false, sum},
+       frames_with<FrameFate::other_input>},
+      {{"planes", "planes", "planes found", false, false, sum},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const RecordedFrame* now = done(frame.now))
+           return static_cast<double>(now->planes.size());
+         return std::nullopt;
+       }},
+      {{"on_planes_percent", "%", "points on planes", false, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const RecordedFrame* now = done(frame.now)) return share_on_planes(*now);
+         return std::nullopt;
+       }},
+      {{"on_planes_change", "% points", "points on planes, now less the baseline", true, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (frame.fate != FrameFate::compared) return std::nullopt;
+         return share_on_planes(*frame.now) - share_on_planes(*frame.baseline);
+       }},
+      {{"mean_iou", "%", "mean IoU with the true planes", false, true}, scored<&Metrics::mean_iou>},
+      {{"pq", "%", "panoptic quality", false, true}, scored<&Metrics::pq>},
+      {{"alpha_deg", "degrees", "mean angle to the true normals", false, true},
+       scored<&Metrics::alpha_deg>},
+      {{"r_p", "%", "planes found of true ones", false, true}, scored<&Metrics::r_p>},
+      {{"r_m", "%", "points in no plane", false, true}, scored<&Metrics::r_m>},
+      {{"point_accuracy", "%", "points on the right plane", false, true},
+       scored<&Metrics::point_accuracy>},
+      {{"mean_iou_change", "% points", "mean IoU, now less the baseline", true, true},
+       score_change<&Metrics::mean_iou>},
+      {{"pq_change", "% points", "panoptic quality, now less the baseline", true, true},
+       score_change<&Metrics::pq>},
+      {{"alpha_change", "degrees", "alpha, now less the baseline", true, true},
+       score_change<&Metrics::alpha_deg>},
+      {{"point_accuracy_change", "% points", "point accuracy, now less the baseline", true, true},
+       score_change<&Metrics::point_accuracy>},
+      {{"time_ratio", "", "time from voxel grid to planes, of that of work timed beside it", false,
+        false, mean, true},
+       [](const FrameComparison& frame) { return time_ratio(frame.now); }},
+      {{"time_growth", "times", "time_ratio, now of the baseline's", true, false, mean, true},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         const auto now = time_ratio(frame.now), before = time_ratio(frame.baseline);
+         if (!now || !before) return std::nullopt;
+         return *now / *before;
+       }},
+  };
+  return all;
+}
+
+const Metric& find_metric(std::string_view name) {
+  return *std::ranges::find(metrics(), name, [](const Metric& m) { return m.metric.name; });
+}
+
+/// Of a frame, a recording, or all.
+struct Group {
+  std::string recording;
+  int frame = -1;
+  std::vector<double> values;  // of its frames
+
+  double folded(RuleFold fold) const {
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    switch (fold) {
+      case RuleFold::largest:
+        return *std::ranges::max_element(values);
+      case RuleFold::sum:
+        return sum;
+      case RuleFold::mean:
+        break;
+    }
+    return sum / static_cast<double>(values.size());
+  }
+};
+
+bool is_of(const Rule& rule, const FrameComparison& frame) {
+  return (rule.recording.empty() || rule.recording == frame.recording) &&
+         (rule.frame < 0 || rule.frame == frame.index);
+}
+
+void apply(const Rule& rule, const ReportComparison& comparison, std::vector<Breach>& breaches) {
+  const Metric& metric = find_metric(rule.metric);
+  std::vector<Group> groups;
+  for (const FrameComparison& frame : comparison.frames) {
+    const std::optional<double> value = is_of(rule, frame) ? metric.value(frame) : std::nullopt;
+    if (!value) continue;
+    const std::string recording = rule.scope == RuleScope::all ? "" : frame.recording;
+    auto group = std::ranges::find(groups, recording, &Group::recording);
+    if (rule.scope == RuleScope::frame || group == groups.end())
+      group = groups.insert(groups.end(),
+                            {recording, rule.scope == RuleScope::frame ? frame.index : -1, {}});
+    group->values.push_back(*value);
+  }
+  for (const Group& group : groups)
+    if (const double value = group.folded(metric.metric.fold);
+        value < rule.at_least || value > rule.at_most)
+      breaches.push_back({rule, group.recording, group.frame, value});
+}
+
+template <typename Enum>
+Enum parsed(const JsonPlace& place, std::initializer_list<Enum> values) {
+  const std::string text = place.text();
+  std::string known;
+  for (const Enum value : values) {
+    if (text == to_string(value)) return value;
+    known += (known.empty() ? "" : ", ") + std::string(to_string(value));
+  }
+  place.fail_kind("one of " + known);
+}
+
+Rule rule_of(const JsonPlace& place) {
+  place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
+  Rule rule;
+  rule.metric = place.at("metric").text();
+  if (std::ranges::none_of(metrics(),
+                           [&](const Metric& m) { return m.metric.name == rule.metric; })) {
+    std::vector<std::string_view> names;
+    for (const Metric& metric : metrics()) names.push_back(metric.metric.name);
+    place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
+  }
+  if (place.has("scope"))
+    rule.scope =
+        parsed(place.at("scope"), {RuleScope::frame, RuleScope::recording, RuleScope::all});
+  if (place.has("recording")) rule.recording = place.at("recording").text();
+  if (place.has("frame")) rule.frame = place.at("frame").whole(0);
+  if (place.has("at_least")) rule.at_least = place.at("at_least").number();
+  if (place.has("at_most")) rule.at_most = place.at("at_most").number();
+  if (!place.has("at_least") && !place.has("at_most"))
+    place.fail_kind("a rule with \"at_least\" or \"at_most\"");
+  if (place.has("level"))
+    rule.level = parsed(place.at("level"), {RuleLevel::off, RuleLevel::warn, RuleLevel::error});
+  else if (find_metric(rule.metric).metric.is_timing)
+    rule.level = RuleLevel::warn;
+  if (find_metric(rule.metric).metric.is_timing && rule.level == RuleLevel::error)
+    place.at("level").fail_kind("warn or off for " + rule.metric +
+                                ", which depends on the machine");
+  return rule;
+}
+
+}  // namespace
+
+const char* to_string(RuleLevel level) {
+  return level == RuleLevel::off ? "off" : level == RuleLevel::warn ? "warn" : "error";
+}
+
+const char* to_string(RuleScope scope) {
+  return scope == RuleScope::frame ? "frame" : scope == RuleScope::recording ? "recording" : "all";
+}
+
+const std::vector<RuleMetric>& rule_metrics() {
+  static const std::vector<RuleMetric> all = [] {
+    std::vector<RuleMetric> result;
+    for (const Metric& metric : metrics()) result.push_back(metric.metric);
+    return result;
+  }();
+  return all;
+}
+
+std::vector<Rule> built_in_rules() {
+  std::vector<Rule> rules;
+  const auto at_most = [&rules](const char* metric, double limit, RuleLevel level) {
+    rules.emplace_back();
+    rules.back().metric = metric;
+    rules.back().at_most = limit;
+    rules.back().level = level;
+  };
+  for (const char* metric : {"frames_missing", "frames_refused", "planes_lost", "planes_gained",
+                             "planes_merged", "planes_split"})
+    at_most(metric, 0, RuleLevel::error);
+  at_most("offset_mm", 5, RuleLevel::error);
+  at_most("angle_deg", 1, RuleLevel::error);
+  at_most("planes_resized", 0, RuleLevel::warn);
+  at_most("inputs_changed", 0, RuleLevel::warn);
+  rules.emplace_back();
+  rules.back().metric = "mean_iou_change";
+  rules.back().at_least = -1;
+  at_most("time_growth", 2, RuleLevel::warn);
+  rules.back().scope = RuleScope::all;
+  return rules;
+}
+
+std::vector<Rule> read_rules(const std::filesystem::path& file) {
+  const auto bytes = read_file_bytes(file, kMostBytes);
+  const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  try {
+    const JsonPlace place(json);
+    place.has_only({"schema", "rules"});
+    if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
+    std::vector<Rule> rules;
+    place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
+    return rules;
+  } catch (const Error& error) {
+    throw Error(file.string() + ": " + error.what());
+  }
+}
+
+std::string rules_json(const std::vector<Rule>& rules) {
+  nlohmann::ordered_json json = {{"schema", kSchema}, {"rules", nlohmann::ordered_json::array()}};
+  for (const Rule& rule : rules) {
+    nlohmann::ordered_json one = {{"metric", rule.metric}, {"scope", to_string(rule.scope)}};
+    if (!rule.recording.empty()) one["recording"] = rule.recording;
+    if (rule.frame >= 0) one["frame"] = rule.frame;
+    if (!std::isinf(rule.at_least)) one["at_least"] = rule.at_least;
+    if (!std::isinf(rule.at_most)) one["at_most"] = rule.at_most;
+    one["level"] = to_string(rule.level);
+    json["rules"].push_back(one);
+  }
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string Breach::text() const {
+  const RuleMetric& metric = find_metric(rule.metric).metric;
+  const bool low = value < rule.at_least;
+  return fmt::format("{} is {:.6g}, {} {:.6g} {}", metric.name, value, low ? "at least" : "at most",
+                     low ? rule.at_least : rule.at_most, metric.unit);
+}
+
+std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison) {
+  std::vector<Breach> breaches;
+  for (const Rule& rule : rules)
+    if (rule.level != RuleLevel::off) apply(rule, comparison, breaches);
+  // Frames that break most rules first.
+  std::map<std::pair<std::string, int>, int> errors;
+  for (const Breach& breach : breaches)
+    errors[{breach.recording, breach.frame}] += breach.rule.level == RuleLevel::error ? 1 : 0;
+  std::ranges::stable_sort(breaches, [&](const Breach& a, const Breach& b) {
+    if (a.rule.level != b.rule.level) return a.rule.level > b.rule.level;
+    return errors[{a.recording, a.frame}] > errors[{b.recording, b.frame}];
+  });
+  return breaches;
+}
+
+}  // namespace planescope
