@@ -30,7 +30,7 @@ struct Line {
       "A command that is given no recording takes the sample that comes with it.",
       "planescope"};
   Typed typed;
-  std::string command;
+  std::string command, frames_command;
   Job job;
 };
 
@@ -49,7 +49,12 @@ void define_view(Line& line) {
                           const char* help) {
     add(view, name, value, type, help)->group("Window");
   };
-  option("--open", t.open, "FILE[#BOOKMARK]", "A session that was saved, at one of its bookmarks");
+  option("--open", t.open, "FILE[#PLACE]",
+         "A session that was saved, at one of its bookmarks; or a report.json, at f12/p3: at the "
+         "decision that made plane 3 of frame 12, f12/was3: that lost the baseline's plane 3. r2/ "
+         "before it: of the report's second recording");
+  option("--baseline", t.baseline, "FILE",
+         "Of the report that is opened, whose options become run A; default: the one it names");
   option("--script", t.script, "FILE.json", "Actions and input to begin with, docs/desktop.md");
   option("--screenshot", t.screenshot, "FILE.png", "Draw the window into a picture, and end");
   option("--state", t.state, "FILE.json", "Write what the window shows as plain facts");
@@ -95,6 +100,14 @@ void define_segment(Line& line) {
   });
 }
 
+void add_guard(CLI::App* command, Typed& t) {
+  add(command, "--baseline", t.baseline, "FILE",
+      "An earlier report.json: what became of its planes; exit code 1 where it got worse");
+  add(command, "--rules", t.rules, "FILE",
+      "planescope.rules.json: what the report is held to; with a baseline there are built-in ones");
+  command->add_flag("--approve", t.approve, "The report becomes the baseline");
+}
+
 void define_report(Line& line) {
   CLI::App* report = line.app.add_subcommand(
       "report", "Write a report that opens in a browser: index.html, report.json, pictures");
@@ -102,9 +115,41 @@ void define_report(Line& line) {
   add_out(report, line.typed);
   add_json(report, line.typed);
   add_method(report, line.typed);
-  report->final_callback([&line] {
-    const ReportArgs args{input_args(line.typed), required_out(line.typed, "report"),
-                          line.typed.json, line.command};
+  add_guard(report, line.typed);
+  add(report, "--shard", line.typed.shard, "I/N",
+      "Only the I-th of N parts of the frames, to be joined by planescope report merge");
+  report->add_flag("--no-pictures", line.typed.no_pictures,
+                   "Figures alone: some ten times quicker, for a check before each commit");
+  report->add_flag("--resume", line.typed.resume,
+                   "Go on where a stopped run was: frames that it finished are taken as they are");
+  report->add_flag(
+      "--init", line.typed.init,
+      "Write the built-in rules to planescope.rules.json, to be changed, and no report");
+  CLI::App* merge = report->add_subcommand(
+      "merge", "Join the shards of a report to what the report without --shard would have been");
+  merge->add_option("SHARD", line.typed.shards, "Their folders, all of them")->type_name("");
+  add_out(merge, line.typed);
+  add_json(merge, line.typed);
+  add_guard(merge, line.typed);
+  merge->final_callback([&line] {
+    const ReportMergeArgs args{{line.typed.shards.begin(), line.typed.shards.end()},
+                               required_out(line.typed, "report merge"),
+                               line.typed.json,
+                               guard_args(line.typed)};
+    if (args.shards.empty()) throw Error("report merge: give the folders of the shards");
+    line.job = [args](std::stop_token) { return run_report_merge(args); };
+  });
+  report->final_callback([&line, report] {
+    if (report->got_subcommand("merge")) return;
+    if (line.typed.init) {
+      line.job = [](std::stop_token) { return run_report_init(); };
+      return;
+    }
+    ReportArgs args{input_args(line.typed), required_out(line.typed, "report"),
+                    line.typed.json,        line.frames_command,
+                    guard_args(line.typed), {},
+                    line.typed.resume,      !line.typed.no_pictures};
+    if (!line.typed.shard.empty()) args.shard = parse_shard(line.typed.shard);
     line.job = [args](std::stop_token stop) { return run_report(args, stop); };
   });
 }
@@ -227,6 +272,7 @@ Job print_job(const std::string& text) {
 Job parse_command_line(int argc, char** argv) {
   Line line;
   line.command = command_text(argc, argv);
+  line.frames_command = frames_command_text(argc, argv);
   CLI::App& app = line.app;
   app.set_version_flag("--version", "planescope " PLANESCOPE_VERSION);
   app.get_formatter()->column_width(34);

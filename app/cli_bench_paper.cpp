@@ -41,7 +41,9 @@ void define_bench_paper(CLI::App& bench,
                            "file"))
       ->type_name("gcn|FILE")
       ->allow_extra_args(false);
-  add(paper, "--from", t.from, "DIR", "Measure nothing: write pages of the results there");
+  add(paper, "--from", t.from, "DIR",
+      "Measure nothing: write pages of the results there, with figures where\nthey are of this "
+      "commit");
   add(paper, "--doc", t.doc, "FILE.md", "With --from: write docs/reproduction.md alone");
   add(paper, "--threads", t.threads, "N",
       "Default: all cores. The results are the same for any number");

@@ -53,7 +53,7 @@ void define_set(CLI::App* synth, Typed& t, const Choose& choose) {
     names += "\n" + wrapped(set.name + ": " + set.meaning);
   CLI::App* command = synth->add_subcommand(
       "set", "A set that methods are measured on: PLY clouds, or depth and its DIR.labels");
-  command->add_option("NAME", t.evaluation_set, names)->type_name("");
+  command->add_option("NAME", t.evaluation_set, names)->type_name("")->required();
   add_out(command, t);
   add(command, "--count", t.count, "N", "How many frames; default as many as are measured on");
   add(command, "--points", t.points, "N",
@@ -91,6 +91,7 @@ void define_training(CLI::App* synth, Typed& t, const Choose& choose) {
 
 void define_synth(CLI::App& app, Typed& typed, const std::function<void(Job)>& choose) {
   CLI::App* synth = app.add_subcommand("synth", "Write synthetic recordings with ground truth");
+  synth->require_subcommand(0, 1);  // `synth set stairs` names a set, not `synth stairs`
   define_sample(synth, typed, choose);
   define_stairs(synth, typed, choose);
   define_set(synth, typed, choose);

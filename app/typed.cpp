@@ -144,12 +144,16 @@ ViewArgs view_args(const Typed& typed) {
   ViewArgs args;
   args.input = input_args(typed);
   args.open = typed.open;
+  args.baseline = typed.baseline;
+  if (typed.open.empty() && !typed.baseline.empty())
+    throw Error("--baseline: is of a report, give --open REPORT.json");
   const bool options_given = !typed.profile.empty() || !typed.set.empty() ||
                              !typed.gravity.empty() || !typed.max_range.empty() ||
                              !typed.voxel.empty() || !typed.classifier.empty() ||
                              !typed.method.empty();
   if (!typed.open.empty() && options_given)
-    throw Error("--open brings the options of the session: leave out --profile, --set and such");
+    throw Error(
+        "--open brings the options of the session or report: leave out --profile, --set and such");
   args.script = typed.script;
   args.screenshot = typed.screenshot;
   args.state = typed.state;
@@ -313,7 +317,11 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
   args.json = typed.json;
   args.parts = chosen_parts(typed, bench_paper_parts());
   args.threads = thread_count(typed);
-  if (const char* data = std::getenv("PLANESCOPE_DATA")) args.data = data;
+  if (const char* data = std::getenv("PLANESCOPE_DATA"); data && *data) {
+    args.data = data;
+    if (!std::filesystem::is_directory(args.data))
+      throw Error("PLANESCOPE_DATA: " + args.data.string() + " is not a folder");
+  }
   for (const std::string& input : typed.inputs) {
     Typed one = typed;
     one.inputs = {input};
@@ -329,20 +337,41 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
   return args;
 }
 
+ReportGuardArgs guard_args(const Typed& typed) {
+  return {typed.baseline, typed.rules, typed.approve};
+}
+
+namespace {
+
+std::string shell_word(const std::string& word) {
+  if (!word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]#~`") == std::string::npos)
+    return word;
+  std::string inner;
+  for (const char c : word) inner += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return fmt::format("'{}'", inner);
+}
+
+}  // namespace
+
 std::string command_text(int argc, char** argv) {
   std::string text = "planescope";
+  for (int i = 1; i < argc; ++i) text.append(1, ' ').append(shell_word(argv[i]));
+  return text;
+}
+
+std::string frames_command_text(int argc, char** argv) {
+  constexpr std::string_view kWithValue[] = {"-o",         "--out",   "--threads",
+                                             "--baseline", "--rules", "--shard"};
+  constexpr std::string_view kFlags[] = {"--json", "--approve", "--resume"};
+  std::string text = "planescope";
   for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain =
-        !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]#~`") == std::string::npos;
-    text += ' ';
-    if (plain) {
-      text += word;
-      continue;
+    const std::string_view word = argv[i], name = word.substr(0, word.find('='));
+    if (std::ranges::find(kFlags, word) != std::end(kFlags)) continue;
+    if (std::ranges::find(kWithValue, name) != std::end(kWithValue)) {
+      if (name == word) ++i;
+    } else if (!word.starts_with("-o")) {
+      text.append(1, ' ').append(shell_word(argv[i]));
     }
-    text += '\'';
-    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    text += '\'';
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include "app/commands/bench_desktop.hpp"
 #include "app/commands/bench_paper.hpp"
 #include "app/commands/inputs.hpp"
+#include "app/commands/report.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
 #include "app/commands/train.hpp"
@@ -27,6 +28,9 @@ struct Typed {
       recipe = "planescope";
   std::string network, steps, epoch, from, baseline, prediction;
   std::vector<std::string> weights;
+  std::string rules, shard;
+  bool approve = false, init = false, no_pictures = false;
+  std::vector<std::string> shards;
   std::string only, rounds, sets, tuning_seed, doc;
   bool quick = false;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
@@ -50,9 +54,13 @@ BenchClassifierArgs bench_classifier_args(const Typed& typed);
 BenchPaperArgs bench_paper_args(const Typed& typed);
 ViewArgs view_args(const Typed& typed);
 BenchDesktopArgs bench_desktop_args(const Typed& typed);
+ReportGuardArgs guard_args(const Typed& typed);
 std::string required_out(const Typed& typed, const std::string& command);
 
 /// The command line as one could type it again in a shell.
 std::string command_text(int argc, char** argv);
+/// Without what changes no frame of a report: where it is written, how it is run, what it is held
+/// to.
+std::string frames_command_text(int argc, char** argv);
 
 }  // namespace planescope

@@ -48,6 +48,15 @@ void write_pages(const fs::path& dir, const Measured& m, const std::vector<Paper
                   paper_page(m.results, m.timings ? &*m.timings : nullptr, figures));
 }
 
+/// Throws Error where the folder holds what is not of an earlier run: a recording, say.
+void check_own(const fs::path& dir) {
+  if (!fs::exists(dir) || fs::is_empty(dir)) return;
+  for (const char* own : {"cells.jsonl", "paper.json", "paper.timings.json", "paper.md"})
+    if (fs::exists(dir / own)) return;
+  throw Error("output " + dir.string() +
+              ": holds other files, expected an empty folder or one of bench paper");
+}
+
 class PaperRun {
  public:
   PaperRun(const BenchPaperArgs& args, std::stop_token stop)
@@ -55,10 +64,12 @@ class PaperRun {
 
   int run() {
     check_output_dir(args_.out);
+    check_own(args_.out);
     Measured measured = args_.from.empty() ? measure() : recorded(args_.from);
     make_dir(args_.out);
     write_pages(args_.out, measured, {});
-    const bool drawn = !wanted("figures") || draw(measured);
+    const bool drawn = !wanted("figures") || !is_of_this_build(measured.results) || draw(measured);
+    if (log_) log_->finish();
     tell(measured);
     return drawn ? 0 : 3;
   }
@@ -67,6 +78,13 @@ class PaperRun {
   bool wanted(const char* part) const { return args_.parts.contains(part); }
   void check_stop() const {
     if (stop_.stop_requested()) throw Cancelled();
+  }
+
+  /// Pictures of another build, or with other weights, would show what the tables do not say.
+  bool is_of_this_build(const PaperResults& results) const {
+    const BuildInfo now = build_info();
+    return results.build.commit == now.commit && results.build.modified == now.modified &&
+           (weights_.sha256.empty() || results.weights.sha256 == weights_.sha256);
   }
 
   static Measured recorded(const fs::path& dir) {
@@ -82,10 +100,16 @@ class PaperRun {
     make_dir(args_.out);
     Measured measured;
     // What is not asked for stays as it was measured before.
-    if (!wanted("tables") && fs::exists(args_.out / "paper.json"))
+    measured.results = start_results();
+    if (!wanted("tables") && fs::exists(args_.out / "paper.json")) {
       measured.results = read_results(args_.out);
-    else
-      measured.results = start_results();
+      if (!is_of_this_build(measured.results))
+        throw Error(
+            fmt::format("{}: measured by commit {} with weights {}, this is commit {} with "
+                        "weights {}; measure its tables as well, or give another -o",
+                        (args_.out / "paper.json").string(), measured.results.build.commit,
+                        measured.results.weights.file, build_info().commit, weights_.file));
+    }
     if (!wanted("timings") && fs::exists(args_.out / "paper.timings.json"))
       measured.timings = read_timings(args_.out);
     if (wanted("tables")) measure_tables(real, measured.results);
@@ -120,8 +144,8 @@ class PaperRun {
   }
 
   void measure_tables(const std::vector<RealInput>& real, PaperResults& results) {
-    CellLog log(args_.out, results, args_.resume);
-    measure_all(log);
+    log_.emplace(args_.out, results, args_.resume);
+    measure_all(*log_);
     for (const RealInput& input : real) {
       Progress bar(input.name, static_cast<int>(input.input.frames.size()));
       results.real.push_back(measure_real(input, *tools_.gcn, args_.threads, [&](int done, int) {
@@ -130,9 +154,8 @@ class PaperRun {
       }));
     }
     for (const CellKey& key : plan())
-      results.cells.push_back(*std::ranges::find(log.cells(), key, &Cell::key));
+      results.cells.push_back(*std::ranges::find(log_->cells(), key, &Cell::key));
     write_results(args_.out, results);
-    log.finish();
   }
 
   std::vector<CellKey> plan() const { return planned_cells(paper_plan()); }
@@ -206,7 +229,7 @@ class PaperRun {
     }
     Progress bar("figures", 1);
     PaperFigureArgs figure_args;
-    figure_args.data = args_.data;
+    figure_args.recordings = args_.recordings;
     figure_args.weights = args_.weights;
     figure_args.threads = args_.threads;
     figure_args.stop = stop_;
@@ -244,6 +267,7 @@ class PaperRun {
   std::stop_token stop_;
   CellTools tools_;
   WeightsRecord weights_;
+  std::optional<CellLog> log_;  // until all is done, so that --resume measures no cell again
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ struct PaperRecording {
 
 struct BenchPaperArgs {
   std::vector<PaperRecording> recordings;
-  std::filesystem::path data;   // folder of recordings that pictures and labels are taken from
+  std::filesystem::path data;   // folder of recordings that labels are taken from
   std::string weights = "gcn";  // gcn, the shipped ones, or a file
   std::set<std::string> parts;  // of bench_paper_parts()
   std::uint64_t seed = 1, tuning_seed = 1001;

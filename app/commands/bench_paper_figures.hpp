@@ -2,19 +2,19 @@
 
 // The pictures of `planescope bench paper`.
 
-#include <filesystem>
 #include <functional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "app/commands/bench_paper.hpp"
 #include "core/experiments/paper_page.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope {
 
 struct PaperFigureArgs {
-  std::filesystem::path data;   // folder of real recordings; empty: none
+  std::vector<PaperRecording> recordings;
   std::string weights = "gcn";  // gcn, the shipped ones, or a file
   int threads = 1;
   std::stop_token stop;

@@ -55,6 +55,14 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     fmt::print(stderr, "planescope: no recording given, taking the sample, {}\n",
                paths[0].string());
   }
+  // What a glob gives beside a recording: its labels.
+  const std::vector<fs::path> given = paths;
+  std::erase_if(paths, [&](const fs::path& path) {
+    const auto is_label_dir_of = [&](const fs::path& recording) {
+      return recording != path && default_label_dir(recording) == path;
+    };
+    return std::ranges::any_of(given, is_label_dir_of);
+  });
   if (args.label_dir && paths.size() > 1)
     throw Error(
         fmt::format("--labels names one folder, but {} recordings are given", paths.size()));

@@ -50,6 +50,7 @@ struct LoadedFrame {
   Frame frame;
   FrameResult result;
   std::optional<SourceTruth> truth;
+  Strains strains;  // of runs for a report
 };
 
 /// False where frame `index` surely has no truth: no label file, and no cloud with fields.

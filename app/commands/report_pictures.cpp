@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/file_bytes.hpp"
 #include "core/base/sha256.hpp"
 #include "core/image/png.hpp"
 #include "core/report/thumbnail.hpp"
@@ -12,6 +13,7 @@ namespace planescope {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
+constexpr int kThumbnailWidth = 200;
 constexpr int kJpegQuality = 86;
 
 ReportPicture keep(const Image8& image,
@@ -23,13 +25,27 @@ ReportPicture keep(const Image8& image,
   picture.name = name;
   picture.title = title;
   picture.alt = alt;
-  picture.file = (job.relative / (name + ".png")).generic_string();
+  picture.file = (job.relative / "pictures" / (name + ".png")).generic_string();
   picture.width = image.width;
   picture.height = image.height;
   picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
-  write_png(job.dir / (name + ".png"), image);
-  picture.jpeg = encode_jpeg(shrink(image, job.copy_width), kJpegQuality);
+  write_png(job.dir / "pictures" / (name + ".png"), image);
+  const auto copy = [&](const char* ending, int width) {
+    write_file_bytes(job.dir / "report" / (name + ending),
+                     encode_jpeg(shrink(image, width), kJpegQuality));
+  };
+  copy(".jpg", job.copy_width);
+  copy(".small.jpg", kThumbnailWidth);
   return picture;
+}
+
+Image8 render(
+    Renderer& renderer, const DrawList& list, const Camera& camera, int width, int height) {
+  try {
+    return renderer.render(list, camera, width, height, Theme::light);
+  } catch (const Error& error) {
+    throw DrawingFailed(error.what());
+  }
 }
 
 /// Ground truth against the result: on the depth image, or of a cloud in space.
@@ -45,7 +61,7 @@ std::optional<Image8> draw_truth(const LoadedFrame& loaded,
       frame_camera(loaded.result, static_cast<double>(kPanelWidth) / kPanelHeight);
   std::vector<Image8> panels;
   for (const DrawList& list : scenes_truth(loaded.result, judged, color_of_plane))
-    panels.push_back(renderer->render(list, camera, kPanelWidth, kPanelHeight, Theme::light));
+    panels.push_back(render(*renderer, list, camera, kPanelWidth, kPanelHeight));
   return side_by_side(panels);
 }
 
@@ -71,7 +87,7 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
   const Camera camera = frame_camera(result, static_cast<double>(kWidth) / kHeight);
   const auto draw = [&](const DrawList& list, const std::string& name, const std::string& title,
                         const std::string& alt) {
-    const Image8 image = renderer->render(list, camera, kWidth, kHeight, Theme::light);
+    const Image8 image = render(*renderer, list, camera, kWidth, kHeight);
     pictures.push_back(keep(image, name, title, alt, job));
   };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/commands/inputs.hpp"
+#include "core/base/error.hpp"
 #include "core/report/report_data.hpp"
 #include "render/renderer.hpp"
 
@@ -13,16 +14,22 @@ namespace planescope {
 /// "#rrggbb".
 std::string css_color(Rgba color);
 
+/// The renderer gave up, rather than the disk.
+struct DrawingFailed : Error {
+  using Error::Error;
+};
+
 struct PictureJob {
-  std::filesystem::path dir;       // where the PNGs go; exists
+  std::filesystem::path dir;       // the frame's folder, with `pictures` and `report` in it
   std::filesystem::path relative;  // the same folder, as the report names it
   int copy_width = 1280;           // of the copies in the page [px]
   double max_range_m = 1.5;
   Method method = Method::ours;  // others have no labels and no octree to draw
 };
 
-/// One picture per stage, written as PNG and kept as a copy for the page. Without a renderer only
-/// those that are made in image space. The same frame gives the same pixels for any thread count.
+/// One picture per stage, written as PNG, with two smaller copies for the page. Without a renderer
+/// only those that are made in image space. The same frame gives the same pixels for any thread
+/// count.
 std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
                                          const std::vector<int>& color_of_plane,
                                          Renderer* renderer,

@@ -6,6 +6,7 @@
 
 #include "app/assets.hpp"
 #include "app/desktop/offscreen.hpp"
+#include "app/desktop/report_open.hpp"
 #include "app/desktop/session.hpp"
 #include "app/desktop/settings.hpp"
 #include "app/desktop/state_facts.hpp"
@@ -25,7 +26,7 @@ void print_actions() {
                action.takes.empty() ? "" : " (" + action.takes + ")");
 }
 
-/// Opens what was asked for: recordings, a session, what was open last, or the sample.
+/// Opens what was asked for: recordings, a session, a report, what was open last, or the sample.
 State first_state(const ViewArgs& args, const Settings& settings) {
   State state;
   Document& document = state.document;
@@ -58,7 +59,13 @@ State first_state(const ViewArgs& args, const Settings& settings) {
                               document.current()->path.string(), count));
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
-  if (!args.open.empty()) open_session(state, args.open);
+  if (args.open.empty()) return state;
+  if (is_report(args.open))
+    open_report(state, {args.open, args.baseline, args.input.label_dir});
+  else if (args.baseline.empty())
+    open_session(state, args.open);
+  else
+    throw Error(args.open + ": is no report, so --baseline says nothing of it");
   return state;
 }
 

@@ -12,7 +12,8 @@ namespace planescope {
 
 struct ViewArgs {
   InputArgs input;
-  std::string open;                  // session file, or file#bookmark
+  std::string open;                  // session or report, or a place in it after a '#'
+  std::filesystem::path baseline;    // of the report; empty: the one that it names
   std::filesystem::path script;      // scripted actions and input
   std::filesystem::path screenshot;  // a PNG of the window, drawn without a display
   std::filesystem::path state;       // facts about the window, as JSON

@@ -7,6 +7,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/camera.hpp"
+#include "app/desktop/report_open.hpp"
 #include "app/desktop/session.hpp"
 #include "core/base/error.hpp"
 #include "core/labels/label_files.hpp"
@@ -27,6 +28,7 @@ void leave_frame(State& state) {
   state.results.fix = {};
   state.results.sensitivity.clear();
   state.view.arrival.reset();
+  state.view.report_place.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
   LabelView& label = state.view.label;
@@ -230,11 +232,16 @@ std::vector<Action> document_actions() {
        has_recording,
        {}},
       {"session.open",
-       "Open a session",
+       "Open a session or a report",
        file,
        "Ctrl+Shift+O",
        "PATH[#BOOKMARK]",
-       [](State& s, const std::string& text) { open_session(s, text); },
+       [](State& s, const std::string& text) {
+         if (is_report(text))
+           open_report(s, {text, {}, {}});
+         else
+           open_session(s, text);
+       },
        {},
        {}},
       {"quit",

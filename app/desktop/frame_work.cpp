@@ -53,6 +53,13 @@ Wanted wanted_of(const Document& document, int frame) {
           options_key(document.options, false)};
 }
 
+Wanted with_options(Wanted wanted, const PipelineOptions& options) {
+  wanted.options = options;
+  wanted.prepare_key = options_key(options, true);
+  wanted.segment_key = options_key(options, false);
+  return wanted;
+}
+
 std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
                                             Classifiers& classifiers,
                                             std::string* refused_labels) {

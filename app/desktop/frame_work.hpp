@@ -46,6 +46,7 @@ struct Wanted {
   }
 };
 Wanted wanted_of(const Document& document, int frame);
+Wanted with_options(Wanted wanted, const PipelineOptions& options);
 
 // All throw what reading and preparing throw.
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;

@@ -1,11 +1,15 @@
 #include "app/desktop/jobs.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <mutex>
+#include <utility>
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/frame_work.hpp"
 #include "app/desktop/label_jobs.hpp"
+#include "app/desktop/report_arrival.hpp"
 #include "app/desktop/worker.hpp"
 #include "core/pipeline/options_table.hpp"
 
@@ -17,6 +21,20 @@ constexpr std::chrono::milliseconds kStripDelay{300};
 
 /// What the analysis worker does: one of these at a time, the later in place of the earlier.
 enum class Analysis : std::uint8_t { none, search, check, sensitivity };
+
+void show_arrival(State& state, const ReportArrival& arrival) {
+  state.view.flash = arrival.in_a;
+  if (arrival.step >= 0) go_to_step(state, arrival.step);
+  Selection& selected = state.view.selected;
+  if (arrival.plane >= 0) selected.plane = arrival.plane;
+  if (arrival.voxel >= 0) {
+    selected.voxel = arrival.voxel;
+    if (selected.node < 0)
+      selected.node = state.run()->timeline.node_of_point(arrival.voxel, state.view.step);
+  }
+  state.document.marked = arrival.marked;
+  if (!arrival.message.empty()) say(state, arrival.message);
+}
 
 }  // namespace
 
@@ -57,7 +75,9 @@ struct Jobs::Impl {
     wake();
   }
 
-  void run_frame(const Wanted& wanted);
+  std::shared_ptr<const RunView> view_of(const Wanted& wanted, std::string& refused_labels);
+  void run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place);
+  std::shared_ptr<const RunView> run_a(const Wanted& wanted, std::string& problems);
   void show_run(State& state, const std::shared_ptr<const RunView>& view);
   void stop_strip();
   void stop_analysis();
@@ -70,22 +90,48 @@ struct Jobs::Impl {
   void pursue_sensitivity(State& state);
 };
 
-void Jobs::Impl::run_frame(const Wanted& wanted) {
+std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
+                                                   std::string& refused_labels) {
+  const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
+  if (fresh) {
+    subject = nullptr;
+    subject = load_subject(wanted, classifiers, &refused_labels);
+    loaded = wanted;
+  }
+  auto run = make_run(subject, wanted.options);
+  if (fresh) home = home_of(*run);
+  return view_run(std::move(run), home);
+}
+
+/// Null where these options refuse the frame, which `problems` tells: B is there all the same.
+std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
   try {
-    std::string refused_labels;
-    const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
-    if (fresh) {
-      subject = nullptr;
-      subject = load_subject(wanted, classifiers, &refused_labels);
-      loaded = wanted;
-    }
-    auto run = make_run(subject, wanted.options);
-    if (fresh) home = home_of(*run);
-    const auto view = view_run(std::move(run), home);
-    deliver([this, wanted, view, refused = refused_labels](State& state) {
+    const auto view = view_of(wanted, problems);
+    deliver([wanted, view](State& state) {
+      if (wanted.is_shown(state.document)) state.results.pinned = view;
+    });
+    return view;
+  } catch (const std::exception& error) {
+    problems = fmt::format("no A: {}", error.what());
+    return nullptr;
+  }
+}
+
+/// `place`: where the window is to stand then, null to leave that to the view.
+void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place) {
+  try {
+    std::string problems;
+    std::shared_ptr<const RunView> a;
+    if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
+    const auto view = view_of(wanted, problems);
+    std::optional<ReportArrival> arrival;
+    if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
+    deliver([this, wanted, view, arrival, problems](State& state) {
       if (!wanted.is_shown(state.document)) return;
       show_run(state, view);
-      if (!refused.empty()) say(state, refused, true);
+      if (arrival) show_arrival(state, *arrival);
+      const bool both = arrival && !problems.empty() && !arrival->message.empty();
+      if (!problems.empty()) say(state, both ? problems + "; " + arrival->message : problems, true);
     });
   } catch (const std::exception& error) {
     deliver([wanted, message = std::string(error.what())](State& state) {
@@ -135,7 +181,8 @@ void Jobs::Impl::pursue_run(State& state) {
     state.results.current = nullptr;
   }
   run_wanted = wanted;
-  runs.replace([this, wanted](std::stop_token) { run_frame(wanted); });
+  runs.replace([this, wanted, place = std::exchange(state.view.report_place, nullptr)](
+                   std::stop_token) { run_frame(wanted, place); });
 }
 
 void Jobs::Impl::pursue_comparison(State& state) {

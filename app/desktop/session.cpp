@@ -114,6 +114,27 @@ Session read_session(const State& state, const fs::path& path) {
 
 }  // namespace
 
+void take_recording(State& state, OpenRecording taken, int frame) {
+  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
+  Document& document = state.document;
+  const auto same = [&](const OpenRecording& open) {
+    std::error_code gone;
+    return fs::equivalent(open.path, taken.path, gone);
+  };
+  for (const OpenRecording& open : document.recordings)
+    if (same(open)) {  // its labels stay where they are being made
+      taken.label_dir = open.label_dir;
+      taken.labels = open.labels;
+    }
+  std::erase_if(document.recordings, same);
+  document.recordings.push_back(std::move(taken));
+  document.recording = static_cast<int>(document.recordings.size()) - 1;
+  document.frame = frame;
+  state.results = {};
+  state.undo.clear();
+  state.redo.clear();
+}
+
 void save_session(const State& state, const fs::path& path) {
   const OpenRecording* open = state.document.current();
   if (path.empty()) throw Error("action session.save: a path is missing");
@@ -177,30 +198,14 @@ void open_session(State& state, const std::string& where) {
     throw Error(fmt::format("{}: it leads to frame {}, but {} has {} frames", path.string(),
                             arrival.frame, session.recording.path.string(), count));
 
-  Document& document = state.document;
-  if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
   session.view.mode = Mode::debugger;
-  const auto same = [&](const OpenRecording& open) {
-    std::error_code gone;
-    return fs::equivalent(open.path, session.recording.path, gone);
-  };
-  for (const OpenRecording& open : document.recordings)
-    if (same(open)) {  // its labels stay where they are being made
-      session.recording.label_dir = open.label_dir;
-      session.recording.labels = open.labels;
-    }
-  std::erase_if(document.recordings, same);
-  document.recordings.push_back(session.recording);
-  document.recording = static_cast<int>(document.recordings.size()) - 1;
-  document.frame = arrival.frame;
+  take_recording(state, std::move(session.recording), arrival.frame);
+  Document& document = state.document;
   document.options = session.options;
   document.breakpoints = session.breakpoints;
   document.bookmarks = session.bookmarks;
   document.marked = session.marked;
   document.session = path;
-  state.results = {};
-  state.undo.clear();
-  state.redo.clear();
   state.view = session.view;
   state.view.camera = arrival.camera;
   apply(state, {"filter.set", arrival.filter});

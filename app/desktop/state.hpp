@@ -26,6 +26,8 @@
 
 namespace planescope::desktop {
 
+struct ReportPlace;
+
 // ---- Document ----------------------------------------------------------------------------------
 
 struct OpenRecording {
@@ -184,7 +186,8 @@ struct ViewState {
   std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
 
   std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
-  std::optional<Bookmark> arrival;  // where to go once the frame's run is there
+  std::optional<Bookmark> arrival;                  // where to go once the frame's run is there
+  std::shared_ptr<const ReportPlace> report_place;  // likewise; A is run, too
   bool strip_stopped = false;
   std::string focus;    // widget that takes the keyboard in the next frame
   std::string message;  // status bar, until the next

@@ -6,9 +6,7 @@
 
 #include "app/commands/paper_figures/parts.hpp"
 #include "core/segment/candidate.hpp"
-#include "core/synthetic/counter_random.hpp"
-#include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/scenes.hpp"
+#include "core/synthetic/sample.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 
@@ -151,10 +149,7 @@ Camera camera_of(const FrameResult& result, const DrawBox& cell) {
 
 PaperFigure node_cases(const Work& work) {
   work.begin("node cases");
-  // As the third frame of `synth sample`.
-  const std::uint64_t seed = random_bits(work.results.seed, 0, 2);
-  const Scene scene = make_scene("boxes", seed);
-  const Frame frame = render_scene(scene, scene.camera, D435Model{}, seed);
+  const Frame frame = make_sample_frame({.seed = work.results.seed}, 2).frame;
   const PipelineOptions options = options_of(with_ours({}, "paper", "gcn"), work);
   const FrameResult result = run_frame(frame, options, work.network.get());
   const Octree& octree = result.segmentation.octree;
@@ -165,8 +160,8 @@ PaperFigure node_cases(const Work& work) {
   figure.note = fmt::format(
       "One node of each case from one frame, boxes through the camera model, profile paper, labels "
       "of the 3D-GCN: its points inside its cell, h blue and v orange, what lies around it grey. "
-      "To look into "
-      "it: planescope synth sample --seed {} -o sample; planescope sample --profile paper, frame 2",
+      "To look into it: planescope synth sample --seed {} -o sample; planescope sample --profile "
+      "paper, frame 2",
       work.results.seed);
   constexpr const char* kColumns[] = {"", "(a) Case I", "(b) Case II", "(c) Case III",
                                       "(d) Case IV"};

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "app/commands/inputs.hpp"
 #include "app/commands/paper_figures/parts.hpp"
 #include "render/paint.hpp"
@@ -16,48 +14,37 @@ namespace {
 
 constexpr int kWidth = 960, kHeight = 720;  // of clouds
 
-/// A frame of a recording that is often at hand, and what it does not say of itself.
+/// Which frame of a recording makes a scene, and how far it reaches.
 struct RealScene {
-  const char* name;
-  const char* path;  // below the folder of recordings
+  const PaperRecording* recording = nullptr;
+  std::string name;
   int frame = 0;
-  Vec3d gravity;
   double max_range_m = 1.5;
-  std::optional<std::array<double, 4>> intrinsics;
-  std::optional<double> depth_unit_m;
 };
-const std::vector<RealScene>& real_scenes_known() {
-  static const std::vector<RealScene> scenes = {
-      {"stairs from above",
-       "stairs_kinect2_512x424/0000_depth.png",
-       0,
-       {0.047, 0.235, 0.971},
-       1.5,
-       {{365.3177, 365.3174, 254.685, 208.549}},
-       0.001},
-      {"building entrance",
-       "plane_seg_clouds/anymal/ori_entrance_stair_climb/06.pcd",
-       0,
-       {0, 0, -1},
-       1.5,
-       {},
-       {}},
-      {"room with parcels", "felixchenfy_d4xx_640x480", 0, {-0.323, 0.844, 0.428}, 4, {}, {}},
-      {"office corner",
-       "realsense_sdk_bag/single_depth_color_640x480.bag",
-       0,
-       {0, 1, 0},
-       3,
-       {},
-       {}},
-      {"robot lab",
-       "aims_slam_realsense_640x480",
-       20,
-       {0.175, 0.922, 0.346},
-       2,
-       {{383.8, 383.8, 321.7, 236.8}},
-       {}},
-  };
+
+struct KnownScene {
+  const char* recording;  // its name in assets/paper_recordings.txt
+  const char* name;
+  int frame = 0;
+  double max_range_m = 1.5;
+};
+constexpr KnownScene kKnownScenes[] = {
+    {"kinect_stairs", "stairs from above"},      {"entrance_stairs_cloud", "building entrance"},
+    {"parcels_room", "room with parcels", 0, 4}, {"office_corner", "office corner", 0, 3},
+    {"robot_lab", "robot lab", 20, 2},
+};
+
+/// Those that are known; of other recordings, each one's first frame.
+std::vector<RealScene> scenes_of(std::span<const PaperRecording> recordings) {
+  std::vector<RealScene> scenes;
+  for (const KnownScene& known : kKnownScenes)
+    for (const PaperRecording& recording : recordings)
+      if (recording.name == known.recording)
+        scenes.push_back({&recording, known.name, known.frame, known.max_range_m});
+  if (!scenes.empty()) return scenes;
+  for (const PaperRecording& recording : recordings)
+    scenes.push_back({&recording, recording.name, open_inputs(recording.input)[0].frames[0],
+                      recording.input.pipeline.cloud.max_range_m});
   return scenes;
 }
 
@@ -72,23 +59,12 @@ const std::vector<Contestant>& contestants() {
   return all;
 }
 
-InputArgs input_of(const RealScene& scene, const std::filesystem::path& data) {
-  InputArgs input;
-  input.inputs = {data / scene.path};
-  input.frames.first = scene.frame;
-  input.frames.last = scene.frame + 1;
-  input.recording.intrinsics = scene.intrinsics;
-  input.recording.depth_unit_m = scene.depth_unit_m;
-  return input;
-}
-
 PipelineOptions scene_options(const RealScene& scene,
                               const Contestant& contestant,
                               const Work& work) {
   PipelineOptions options = options_of(contestant.key, work);
   options.cloud.max_range_m = scene.max_range_m;
-  options.gravity.mode = GravityMode::fixed;
-  options.gravity.direction = scene.gravity;
+  options.gravity = scene.recording->input.pipeline.gravity;
   return options;
 }
 
@@ -127,7 +103,7 @@ std::vector<int> colors_after(const FrameResult& result, std::vector<ColoredPlan
 }
 
 void add_scene(PaperFigure& figure, const Work& work, const RealScene& scene) {
-  const std::vector<OpenInput> inputs = open_inputs(input_of(scene, work.args.data));
+  const std::vector<OpenInput> inputs = open_inputs(scene.recording->input);
   std::vector<ColoredPlane> first;
   Camera camera;
   for (const Contestant& contestant : contestants()) {
@@ -137,8 +113,8 @@ void add_scene(PaperFigure& figure, const Work& work, const RealScene& scene) {
     if (first.empty()) {
       camera = frame_camera(loaded.result, static_cast<double>(kWidth) / kHeight);
       add_picture(figure, scene.name, "scene",
-                  fmt::format("{}, frame {}; {} points", inputs[0].path.filename().string(),
-                              scene.frame, loaded.result.cloud.counts.kept),
+                  fmt::format("{}, frame {}; {} points", scene.recording->name, scene.frame,
+                              loaded.result.cloud.counts.kept),
                   plain_view(loaded, work, camera));
     }
     add_picture(figure, scene.name, contestant.name, planes_text(loaded.result),
@@ -157,9 +133,7 @@ PaperFigure real_scenes(const Work& work) {
       "cloud by height), then the planes that each method finds and the share of points in none of "
       "them. A plane keeps the colour it has in the first picture. Labels of the 3D-GCN; other "
       "options as by default.";
-  if (work.args.data.empty()) return figure;
-  for (const RealScene& scene : real_scenes_known())
-    if (std::filesystem::exists(work.args.data / scene.path)) add_scene(figure, work, scene);
+  for (const RealScene& scene : scenes_of(work.args.recordings)) add_scene(figure, work, scene);
   return figure;
 }
 

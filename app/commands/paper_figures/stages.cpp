@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/paper_figures/parts.hpp"
-#include "core/synthetic/counter_random.hpp"
-#include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/scenes.hpp"
+#include "core/synthetic/sample.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::figures {
@@ -17,10 +15,7 @@ constexpr int kWidth = 720, kHeight = 540;
 
 PaperFigure stages(const Work& work) {
   work.begin("stages");
-  // As the first frame of `synth sample`.
-  const std::uint64_t seed = random_bits(work.results.seed, 0, 0);
-  const Scene scene = make_scene("stairs", seed);
-  const Frame frame = render_scene(scene, scene.camera, D435Model{}, seed);
+  const Frame frame = make_sample_frame({.seed = work.results.seed}, 0).frame;
   const PipelineOptions options = options_of(with_ours({}, "refined", "gcn"), work);
   const FrameResult result = run_frame(frame, options, work.network.get());
 

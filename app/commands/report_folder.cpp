@@ -1,0 +1,160 @@
+#include "app/commands/report_folder.hpp"
+
+#include <algorithm>
+
+#include "app/output.hpp"
+#include "core/base/error.hpp"
+#include "core/report/segment_files.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kParts[] = {"pictures", "report"};
+
+bool has_records(const fs::path& dir) {
+  std::error_code failed;
+  for (fs::recursive_directory_iterator at(dir, failed), end; !failed && at != end;
+       at.increment(failed))
+    if (at->path().filename() == "frame.json") return true;
+  return false;
+}
+
+/// A record may be anybody's: it is this frame's, and its pictures are those in the frame's folder.
+void settle_record(const fs::path& frame, ReportFrame& record) {
+  const auto fail = [&](const std::string& what) {
+    throw Error((frame / "report" / "frame.json").string() + ": " + what);
+  };
+  if (frame_folder(record.index).filename() != frame.filename())
+    fail("is of frame " + std::to_string(record.index));
+  for (ReportPicture& picture : record.pictures) {
+    if (picture.name.empty() ||
+        !std::ranges::all_of(picture.name, [](char c) { return c >= 'a' && c <= 'z'; }))
+      fail("names a picture '" + picture.name + "', expected small letters");
+    picture.file = (frame / "pictures" / (picture.name + ".png")).generic_string();
+  }
+}
+
+template <typename Body>
+auto on_disk(const fs::path& dir, Body&& body) {
+  try {
+    return body();
+  } catch (const fs::filesystem_error& error) {
+    throw Error("output " + dir.string() + ": " + error.code().message());
+  }
+}
+
+}  // namespace
+
+ReportFolder::ReportFolder(fs::path dir, bool resume) : dir_(std::move(dir)) {
+  if (!dir_.has_filename()) dir_ = dir_.parent_path();
+  check_output_dir(dir_);
+  work_ = dir_ / ".report-work";
+  on_disk(dir_, [&] {
+    for (fs::path d = fs::absolute(dir_); !fs::exists(d); d = d.parent_path())
+      made_dirs_.push_back(d);
+    std::ranges::reverse(made_dirs_);
+    fs::create_directories(work_);
+  });
+  lock_ = LabelLock::take(work_, "planescope report");
+  if (!lock_.is_held()) {
+    made_dirs_.clear();
+    throw Error("output " + dir_.string() + ": another report is being written there, " +
+                lock_.why_not());
+  }
+  if (resume) return;
+  on_disk(dir_, [&] {
+    for (const auto& entry : fs::directory_iterator(work_))
+      if (entry.path().filename() != "lock") fs::remove_all(entry.path());
+  });
+}
+
+ReportFolder::~ReportFolder() {
+  if (!lock_.is_held()) return;
+  std::error_code ignored;
+  if (over_ || !has_records(work_)) fs::remove_all(work_, ignored);
+  lock_ = LabelLock();
+  // Only those that are empty go.
+  for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
+}
+
+fs::path ReportFolder::place_of(const fs::path& frame) const {
+  const bool in_work = fs::exists(work_ / frame / "report" / "frame.json");
+  return (in_work ? work_ : dir_) / frame;
+}
+
+bool ReportFolder::has(const fs::path& frame) const {
+  return fs::exists(place_of(frame) / "report" / "frame.json");
+}
+
+std::optional<ReportFrame> ReportFolder::find(const fs::path& frame, const std::string& key) {
+  const fs::path place = place_of(frame);
+  std::optional<ReportFrame> found = find_frame_record(place / "report", key);
+  if (!found) return found;
+  settle_record(frame, *found);
+  const fs::path root = place == work_ / frame ? work_ : dir_;
+  for (const ReportPicture& picture : found->pictures)
+    for (const std::string& file : {picture.file, copy_of(picture), thumbnail_of(picture)})
+      if (std::error_code none; !fs::exists(root / file) || fs::file_size(root / file, none) == 0)
+        return std::nullopt;
+  if (root == work_) {
+    const std::lock_guard lock(mutex_);
+    finished_.insert(frame);
+  }
+  return found;
+}
+
+fs::path ReportFolder::start(const fs::path& frame) {
+  on_disk(dir_, [&] {
+    fs::remove_all(work_ / frame);
+    for (const char* part : kParts) fs::create_directories(work_ / frame / part);
+  });
+  return work_ / frame;
+}
+
+void ReportFolder::finish(const fs::path& frame,
+                          const ReportFrame& record,
+                          bool ours,
+                          const std::string& key) {
+  write_frame_record(work_ / frame / "report", record, ours, key);
+  const std::lock_guard lock(mutex_);
+  finished_.insert(frame);
+}
+
+void ReportFolder::take(const fs::path& frame, const fs::path& dir) {
+  if (!fs::is_regular_file(dir / frame / "report" / "frame.json"))
+    throw Error((dir / frame).string() + ": the frame's files are missing");
+  start(frame);
+  on_disk(dir_, [&] {
+    for (const char* part : kParts)
+      fs::copy(dir / frame / part, work_ / frame / part, fs::copy_options::recursive);
+  });
+  const std::lock_guard lock(mutex_);
+  finished_.insert(frame);
+}
+
+ReportFrame ReportFolder::read(const fs::path& frame) const {
+  ReportFrame record = read_frame_record(place_of(frame) / "report");
+  settle_record(frame, record);
+  return record;
+}
+
+void ReportFolder::commit(bool whole) {
+  on_disk(dir_, [&] {
+    while (!finished_.empty()) {
+      const fs::path frame = *finished_.begin();
+      fs::create_directories(dir_ / frame);
+      for (const char* part : kParts) {
+        fs::remove_all(dir_ / frame / part);
+        fs::rename(work_ / frame / part, dir_ / frame / part);
+      }
+      finished_.erase(finished_.begin());
+    }
+  });
+  over_ = whole;
+}
+
+void ReportFolder::give_up() { over_ = true; }
+
+}  // namespace planescope

@@ -1,0 +1,59 @@
+#pragma once
+
+// Where a report comes to be: finished frames are kept until the report is complete, also by a run
+// that is stopped or killed, so that another one can go on.
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/labels/label_lock.hpp"
+#include "core/report/frame_record.hpp"
+
+namespace planescope {
+
+/// Frames go by the folder that is theirs below DIR, "01-a.bag/frames/000012". They are written
+/// below DIR/.report-work; commit() moves them to their place, over what stood there.
+class ReportFolder {
+ public:
+  /// Where not `resume`, what a stopped run left is gone. Throws Error where DIR cannot be written
+  /// to, or another run writes into it.
+  ReportFolder(std::filesystem::path dir, bool resume);
+  /// Finished frames stay where there are any, of this run or of one before, for one that resumes.
+  ~ReportFolder();
+  ReportFolder(const ReportFolder&) = delete;
+  ReportFolder& operator=(const ReportFolder&) = delete;
+
+  /// The frame as an earlier run left it, where that was of the same key and its files are there.
+  std::optional<ReportFrame> find(const std::filesystem::path& frame, const std::string& key);
+  bool has(const std::filesystem::path& frame) const;
+  /// An empty folder for the frame's files, with `pictures` and `report` in it.
+  std::filesystem::path start(const std::filesystem::path& frame);
+  void finish(const std::filesystem::path& frame,
+              const ReportFrame& record,
+              bool ours,
+              const std::string& key);
+  /// A finished frame's files, copied from another report in `dir`.
+  void take(const std::filesystem::path& frame, const std::filesystem::path& dir);
+  /// A frame that was finished, found or taken.
+  ReportFrame read(const std::filesystem::path& frame) const;
+
+  int finished() const { return static_cast<int>(finished_.size()); }
+  /// `whole`: nothing is left for another run to go on with.
+  void commit(bool whole);
+  void give_up();  // what is finished goes too
+
+ private:
+  std::filesystem::path place_of(const std::filesystem::path& frame) const;
+
+  std::filesystem::path dir_, work_;
+  std::vector<std::filesystem::path> made_dirs_;  // outermost first
+  LabelLock lock_;
+  bool over_ = false;  // nothing in work_ is wanted any more
+  mutable std::mutex mutex_;
+  std::set<std::filesystem::path> finished_;  // in work_
+};
+
+}  // namespace planescope

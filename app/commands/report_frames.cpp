@@ -1,0 +1,354 @@
+#include "app/commands/report_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <optional>
+
+#include "app/commands/report_pictures.hpp"
+#include "app/progress.hpp"
+#include "core/base/random.hpp"
+#include "core/base/sha256.hpp"
+#include "core/base/text.hpp"
+#include "core/base/work_list.hpp"
+#include "core/pipeline/score.hpp"
+#include "core/report/segment_files.hpp"
+#include "render/context.hpp"
+#include "render/palette.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Draws on the thread that made it, where that is possible; where it is not, says why.
+struct Painter {
+  std::unique_ptr<GlContext> context;
+  std::unique_ptr<Renderer> renderer;
+  std::string description, error;
+
+  explicit Painter(bool wanted) {
+    if (!wanted) return;
+    try {
+      context = make_egl_context();
+      description = context->description();
+      renderer = std::make_unique<Renderer>();
+    } catch (const Error& failure) {
+      give_up(failure);
+    }
+  }
+  ~Painter() { renderer.reset(); }  // before its context
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  void give_up(const Error& failure) {
+    error = failure.what();
+    renderer.reset();
+  }
+};
+
+/// Planes' colours follow those of the recording's frame before: frames run side by side wait here
+/// for their turn.
+class ColorChain {
+ public:
+  explicit ColorChain(std::size_t inputs) : before_(inputs), next_(inputs, 0) {}
+
+  /// Sets the planes' colours; false where the chain was broken. `turn` counts the input's slots.
+  bool follow(std::size_t input, int turn, std::vector<ReportPlane>& planes) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return broken_ || next_[input] == turn; });
+    if (broken_) return false;
+    std::vector<ColoredPlane> now;
+    for (const ReportPlane& plane : planes) {
+      const PlaneSummary& s = plane.summary;
+      now.push_back({s.label, s.normal, s.offset_m, s.centroid, plane.color_id});
+    }
+    const bool colored = !planes.empty() && planes[0].color_id > 0;  // by an earlier run
+    if (!colored) keep_colors(before_[input], now);
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+      planes[k].color_id = now[k].color_id;
+      planes[k].color = css_color(plane_color(now[k].color_id));
+    }
+    before_[input] = std::move(now);
+    ++next_[input];
+    changed_.notify_all();
+    return true;
+  }
+  /// A frame without planes of its own passes on what it got.
+  bool pass(std::size_t input, int turn) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return broken_ || next_[input] == turn; });
+    ++next_[input];
+    changed_.notify_all();
+    return !broken_;
+  }
+  void break_off() {
+    const std::lock_guard lock(mutex_);
+    broken_ = true;
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::vector<ColoredPlane>> before_;
+  std::vector<int> next_;
+  bool broken_ = false;
+};
+
+/// Work of a fixed size, so that times can be told on a machine of any speed [ms].
+double reference_work() {
+  const auto started = std::chrono::steady_clock::now();
+  Random random(1);
+  std::vector<double> values(60'000);
+  for (double& value : values) value = random.uniform();
+  std::ranges::sort(values);
+  const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - started;
+  return values.front() <= values.back() ? time.count() : 0;
+}
+
+/// What a frame is made from. `sha256`: Recording::frame_hash(), which reads the frame anew.
+std::string key_of(const ReportFramesJob& job,
+                   const OpenInput& input,
+                   const Frame& frame,
+                   const std::string& sha256) {
+  const int index = frame.index;
+  const Intrinsics& k = frame.intrinsics;
+  std::string text =
+      fmt::format("{}\n{}\n{} {} {} {} {} {}", job.build_key, sha256, frame.depth_unit_m, k.fx,
+                  k.fy, k.cx, k.cy, static_cast<int>(k.distortion));
+  for (const double coefficient : k.coefficients) text += fmt::format(" {}", coefficient);
+  if (frame.gravity) {
+    const Vec3d& g = frame.gravity->direction;
+    text += fmt::format("\n{} {} {} {}", g.x(), g.y(), g.z(), to_string(frame.gravity->source));
+  }
+  const auto add_hash = [&text](const auto& values) {
+    text.append(1, '\n').append(sha256_hex(std::as_bytes(std::span(values))));
+  };
+  add_hash(frame.color.data);
+  if (frame.cloud) {
+    add_hash(frame.cloud->label);
+    add_hash(frame.cloud->instance);
+  }
+  for (const char* ending : {"plane.png", "hv.png", "json"})
+    if (const fs::path file = input.label_dir / fmt::format("{:06}.{}", index, ending);
+        fs::is_regular_file(file))
+      text.append(1, '\n').append(sha256_hex_of_file(file));
+  return sha256_hex(std::as_bytes(std::span(text)));
+}
+
+class FrameWriter {
+ public:
+  FrameWriter(const ReportFramesJob& job, ReportFolder& folder, ColorChain& chain, Painter& painter)
+      : job_(job), folder_(folder), chain_(chain), painter_(painter) {}
+
+  /// False where the chain of colours was broken.
+  bool write(const ReportSlot& slot, int turn) {
+    const OpenInput& input = job_.inputs[slot.input];
+    if (job_.resume && folder_.has(slot.folder))
+      if (auto found = find(input, slot)) return chain_.follow(slot.input, turn, found->planes);
+    ReportFrame frame;
+    std::optional<LoadedFrame> loaded;
+    const double reference_ms = reference_work();
+    try {
+      loaded = job_.run(input, slot.index, job_.options, job_.classifier);
+      frame = make_report_frame(loaded->frame, loaded->result, job_.options);
+      frame.histograms =
+          decision_histograms(loaded->result.segmentation, loaded->strains, job_.options.segment);
+      if (loaded->truth) frame.metrics = score_frame(loaded->result, *loaded->truth);
+      frame.sha256 = input.recording->frame_hash(slot.index);
+    } catch (const Error& error) {
+      loaded.reset();
+      frame = refused(input, slot.index, error);
+    }
+    frame.reference_ms = reference_ms;
+    const bool goes_on =
+        loaded ? chain_.follow(slot.input, turn, frame.planes) : chain_.pass(slot.input, turn);
+    if (goes_on && !slot.colors_only) put_down(slot, frame, loaded ? &*loaded : nullptr);
+    return goes_on;
+  }
+
+ private:
+  std::optional<ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {
+    try {
+      return folder_.find(slot.folder, key_of(job_, input, input.recording->frame(slot.index),
+                                              input.recording->frame_hash(slot.index)));
+    } catch (const Error&) {
+      return std::nullopt;  // damaged: made anew
+    }
+  }
+
+  static ReportFrame refused(const OpenInput& input, int index, const Error& error) {
+    ReportFrame frame;
+    frame.index = index;
+    frame.refused = error.what();
+    frame.unreadable = dynamic_cast<const FrameRefused*>(&error) == nullptr;
+    try {
+      frame.sha256 = input.recording->frame_hash(index);
+    } catch (const Error&) {
+      frame.unreadable = true;
+    }
+    return frame;
+  }
+
+  void put_down(const ReportSlot& slot, ReportFrame& frame, const LoadedFrame* loaded) {
+    const fs::path place = folder_.start(slot.folder);
+    std::string key;
+    if (loaded) {
+      PictureJob job;
+      job.dir = place;
+      job.relative = slot.folder;
+      job.copy_width = job_.copy_width;
+      job.max_range_m = job_.options.cloud.max_range_m;
+      job.method = job_.options.method;
+      if (job_.pictures) frame.pictures = draw(*loaded, frame, job);
+      // Without its pictures a frame is not finished for a run that can draw.
+      if (painter_.renderer || !job_.pictures)
+        key = key_of(job_, job_.inputs[slot.input], loaded->frame, frame.sha256);
+    }
+    folder_.finish(slot.folder, frame, job_.options.method == Method::ours, key);
+  }
+
+  std::vector<ReportPicture> draw(const LoadedFrame& loaded,
+                                  const ReportFrame& frame,
+                                  const PictureJob& job) {
+    std::vector<int> colors;
+    for (const ReportPlane& plane : frame.planes) colors.push_back(plane.color_id);
+    if (painter_.renderer) {
+      try {
+        return draw_pictures(loaded, colors, painter_.renderer.get(), job);
+      } catch (const DrawingFailed& failure) {
+        painter_.give_up(failure);
+        folder_.start(job.relative);  // anew
+      }
+    }
+    return draw_pictures(loaded, colors, nullptr, job);
+  }
+
+  const ReportFramesJob& job_;
+  ReportFolder& folder_;
+  ColorChain& chain_;
+  Painter& painter_;
+};
+
+}  // namespace
+
+std::vector<std::string> recording_names(const std::vector<OpenInput>& inputs) {
+  std::vector<fs::path> paths;
+  std::vector<std::string> last, names;
+  for (const OpenInput& input : inputs) {
+    paths.push_back(fs::absolute(input.path).lexically_normal());
+    if (!paths.back().has_filename()) paths.back() = paths.back().parent_path();
+    last.push_back(paths.back().filename().string());
+    if (last.back().empty()) last.back() = "recording";
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    std::string name = last[i];
+    if (std::ranges::count(last, name) > 1)
+      name = fmt::format("{}-{}", paths[i].parent_path().filename().string(), name);
+    const std::string once = name;
+    for (int n = 2; std::ranges::count(names, name) > 0; ++n) name = fmt::format("{}-{}", once, n);
+    names.push_back(name);
+  }
+  return names;
+}
+
+fs::path report_frame_folder(std::size_t recordings,
+                             std::size_t recording,
+                             const std::string& name,
+                             int index) {
+  if (recordings == 1) return frame_folder(index);
+  return fmt::format("{:02}-{}", recording + 1, name) / frame_folder(index);
+}
+
+Shard parse_shard(const std::string& text) {
+  const std::vector<std::string> parts = split(text, '/');
+  if (parts.size() != 2) throw Error("--shard '" + text + "' is not I/N, as 2/8");
+  Shard shard;
+  shard.index = parse_integer(parts[0], "--shard " + text);
+  shard.count = parse_integer(parts[1], "--shard " + text);
+  if (shard.count < 1 || shard.index < 1 || shard.index > shard.count)
+    throw Error("--shard " + text + ": expected I from 1 to N");
+  return shard;
+}
+
+std::vector<ReportSlot> report_slots(const std::vector<OpenInput>& inputs, const Shard& shard) {
+  std::int64_t total = 0;
+  for (const OpenInput& input : inputs) total += static_cast<std::int64_t>(input.frames.size());
+  const std::int64_t first = total * (shard.index - 1) / shard.count;
+  const std::int64_t end = total * shard.index / shard.count;
+  const std::vector<std::string> names = recording_names(inputs);
+  std::vector<ReportSlot> slots;
+  std::int64_t at = 0;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::int64_t end_of_input = at + static_cast<std::int64_t>(inputs[i].frames.size());
+    for (const int index : inputs[i].frames) {
+      ReportSlot slot;
+      slot.input = i;
+      slot.index = index;
+      slot.folder = report_frame_folder(inputs.size(), i, names[i], index);
+      slot.colors_only = at < first;
+      if (at < end && end_of_input > first) slots.push_back(std::move(slot));
+      ++at;
+    }
+  }
+  return slots;
+}
+
+LoadedFrame run_report_frame(const OpenInput& input,
+                             int index,
+                             const PipelineOptions& options,
+                             const Classifier* classifier) {
+  Trace trace;
+  LoadedFrame loaded = run_input_frame(input, index, options, classifier, true, &trace);
+  loaded.strains = std::move(trace.strains);
+  return loaded;
+}
+
+ReportDrawing write_report_frames(const ReportFramesJob& job,
+                                  ReportFolder& folder,
+                                  std::vector<ReportSlot>& slots,
+                                  const std::stop_token& stop) {
+  std::vector<int> turns, of_input(job.inputs.size(), 0);
+  for (const ReportSlot& slot : slots) turns.push_back(of_input[slot.input]++);
+  const int count = static_cast<int>(slots.size());
+  const int workers = std::clamp(job.options.threads, 1, std::max(1, count));
+  PipelineOptions options = job.options;
+  options.threads = std::max(1, job.options.threads / workers);
+  const ReportFramesJob one{job.inputs,    options,        job.classifier, job.run,
+                            job.build_key, job.copy_width, job.resume,     job.pictures};
+  // Frames are drawn side by side: no threads of the software renderer's own beside them.
+  if (options.threads == 1) ::setenv("LP_NUM_THREADS", "0", 0);
+
+  ColorChain chain(job.inputs.size());
+  ReportDrawing drawing;
+  std::mutex mutex;
+  Progress progress("report", count);
+  const auto make_body = [&] {
+    const auto painter = std::make_shared<Painter>(job.pictures);
+    const std::lock_guard lock(mutex);
+    if (drawing.renderer.empty()) drawing.renderer = painter->description;
+    return [&, painter](int i) {
+      ReportSlot& slot = slots[static_cast<std::size_t>(i)];
+      if (stop.stop_requested()) return chain.break_off();
+      try {
+        slot.done = FrameWriter(one, folder, chain, *painter)
+                        .write(slot, turns[static_cast<std::size_t>(i)]);
+      } catch (...) {
+        chain.break_off();
+        throw;
+      }
+      const std::lock_guard guard(mutex);
+      if (drawing.error.empty()) drawing.error = painter->error;
+    };
+  };
+  work_through_with(count, workers, make_body,
+                    [&](int done, int) { progress.show(done, fmt::format("{} frames", done)); });
+  return drawing;
+}
+
+}  // namespace planescope

@@ -1,0 +1,41 @@
+#pragma once
+
+// Where in a run the window stands that was opened from a report.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/pipeline/pipeline.hpp"
+#include "core/replay/run.hpp"
+#include "core/report/compare_planes.hpp"
+#include "core/report/recorded_report.hpp"
+
+namespace planescope::desktop {
+
+/// A place in a report, with what is known of it there.
+struct ReportPlace {
+  int frame = 0;
+  int plane = 0;             // 0: the frame alone
+  bool of_baseline = false;  // whose plane it is
+  RecordedFrame now;
+  std::optional<RecordedFrame> baseline;  // where it has the same input
+  std::optional<PlaneComparison> fate;    // of the plane since the baseline
+  std::optional<PipelineOptions> options_a;
+  std::string note;  // what is not as it was, one line
+};
+
+struct ReportArrival {
+  std::int32_t step = -1;  // -1: the last
+  std::int32_t plane = -1, voxel = -1;
+  bool in_a = false;                  // all of this is of run A
+  std::vector<std::uint32_t> marked;  // voxels of the plane that is no more
+  std::string message;
+};
+
+/// The decision that made the plane what it is, or is not any more. `a` null: there is no such run.
+ReportArrival arrival_at(const ReportPlace& place, const Run* a, const Run& b);
+
+}  // namespace planescope::desktop
