@@ -162,6 +162,8 @@ TEST_P(BadInputs, OneLineExitTwoAndNothingWritten) {
   const fs::path dir = scratch();
   const fs::path input = bad.make(dir);
   for (const std::string& command : kWritingCommands) {
+    // A report tells of the damaged frame and has the others (report_test.cpp).
+    if (command == "report" && bad.name == "LaterPngCutInHalf") continue;
     std::vector<std::string> args = {command,     input.string(), "-o", (dir / "out").string(),
                                      "--gravity", "0,1,0"};
     args.insert(args.end(), bad.more_args.begin(), bad.more_args.end());

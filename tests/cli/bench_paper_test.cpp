@@ -142,6 +142,22 @@ TEST(BenchPaper, TimesRecordingsAndCountsThoseWithoutGravity) {
   EXPECT_GT(json["timings"]["methods"][0]["fps"], 0);
 }
 
+TEST(BenchPaper, DrawsEachFigureIntoThePage) {
+  const fs::path dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran = bench(dir / "out", {(dir / "rec").string(), "--only", "figures"});
+  if (ran.code == 3) GTEST_SKIP() << ran.err;  // nothing to draw with here
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const std::string page = read_text(dir / "out/index.html");
+  for (const char* title : {"A staircase of 10 planes", "Real scenes, method by method",
+                            "The framework, stage by stage", "Cases of a node"})
+    EXPECT_NE(page.find(title), std::string::npos) << title;
+  for (const char* text : {"(a) Case I", "(b) Case II", "(c) Case III", "(d) Case IV"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  EXPECT_NE(page.find("rec, frame 0"), std::string::npos) << "the recording given is a scene";
+  EXPECT_EQ(page.find("src=\"http"), std::string::npos) << "one file";
+}
+
 TEST(BenchPaper, WritesItsPagesAgainFromWhatWasMeasured) {
   const fs::path dir = scratch();
   ASSERT_EQ(bench(dir / "out", {"--only", "tables", "--sets", "kerbs"}).code, 0);

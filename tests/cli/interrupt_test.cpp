@@ -30,7 +30,7 @@ TEST(Interrupt, AReportThatIsCutShortIsValidAndSaysSo) {
   write_depth_folder(dir / "rec", floor_and_wall(), 400);
   const Ran ran = run_and_signal(
       {"report", (dir / "rec").string(), "-o", (dir / "out").string(), "--gravity", "0,1,0"},
-      SIGINT, dir / "out");
+      SIGINT, dir / "out" / ".report-work");
   EXPECT_EQ(ran.code, 130);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   const auto report = nlohmann::json::parse(read_text(dir / "out/report.json"));

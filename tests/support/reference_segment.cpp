@@ -9,6 +9,7 @@
 #include <memory>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "core/segment/criteria.hpp"
 #include "core/segment/noise.hpp"
@@ -25,23 +26,17 @@ struct Node {
   std::array<std::unique_ptr<Node>, 8> children;
 };
 
-struct GrowingPlane {
+struct Candidate {
   Label label = Label::h;
   Points points;  // that the fit is made from
   PlaneFit fit;
-  Moments moments;  // of the points, made anew with each fit
-  Bounds bounds;
+  Moments moments = {};  // of the points, made anew with each fit
+  Bounds bounds = {};
   double sigma_ang = 0;
-  bool alive = true;
 };
 
-struct Candidate {
-  Label label = Label::h;
-  Points points;
-  PlaneFit fit;
-  Moments moments;  // of the points, made anew with each fit
-  Bounds bounds;
-  double sigma_ang = 0;
+struct GrowingPlane : Candidate {
+  bool alive = true;
 };
 
 class Method {
@@ -70,6 +65,8 @@ class Method {
     assign();
     if (options_.r6_refit) refit();
     if (options_.r5_reassign_shared_cells) reassign();
+    if (options_.r5_reassign_shared_cells && options_.r2_explain_away) drop_emptied();
+    split();
     return conclude();
   }
 
@@ -164,7 +161,7 @@ class Method {
     if (!options_.estimate_sigma) return;
     std::map<std::pair<Cell, Label>, Points> cells;
     for (int i = 0; i < static_cast<int>(points_.size()); ++i)
-      cells[{coarse_of(i), labels_[i]}].push_back(i);
+      cells[{coarse_of(i), options_.use_labels ? labels_[i] : Label::unknown}].push_back(i);
     std::vector<NoiseSample> samples;
     for (const auto& [key, set] : cells) {
       if (set.size() < 8) continue;
@@ -255,7 +252,7 @@ class Method {
   }
 
   void found(const Candidate& c) {
-    planes_.push_back({c.label, c.points, c.fit, c.moments, c.bounds, c.sigma_ang, true});
+    planes_.push_back({c});
     for (const int i : c.points) plane_of_[i] = static_cast<int>(planes_.size()) - 1;
   }
 
@@ -371,27 +368,35 @@ class Method {
     return na > nb || (na == nb && a < b);
   }
 
-  void prune() {
-    auto near = planes_near();
-    std::vector<int> order(planes_.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return larger(b, a); });
+  Points points_on(int plane) const {
+    Points result;
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i)
+      if (plane_of_[i] == plane) result.push_back(i);
+    return result;
+  }
+
+  double typical_area() const {
     std::multimap<double, double> areas;
-    double points = 0, below = 0, typical_area = 0;
+    double points = 0, below = 0;
     for (const GrowingPlane& plane : planes_)
       if (plane.alive) {
         areas.insert({area_per_point(plane.fit), plane.fit.count});
         points += plane.fit.count;
       }
-    for (const auto& [area, count] : areas) {
-      typical_area = area;
-      if ((below += count) >= points / 2) break;
-    }
+    for (const auto& [area, count] : areas)
+      if ((below += count) >= points / 2) return area;
+    return 0;
+  }
+
+  void prune() {
+    auto near = planes_near();
+    std::vector<int> order(planes_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return larger(b, a); });
+    const double typical = typical_area();
     for (const int k : order) {
       if (!planes_[k].alive) continue;
-      Points own;
-      for (int i = 0; i < static_cast<int>(points_.size()); ++i)
-        if (plane_of_[i] == k) own.push_back(i);
+      const Points own = points_on(k);
       int unexplained = 0;
       for (const int i : own) {
         bool explained = false;
@@ -404,8 +409,12 @@ class Method {
       const PlaneFit& f = planes_[k].fit;
       const bool wide =
           std::sqrt(f.eigenvalues[1] / f.count) >= 2 * noise_.sigma(range(f.centroid));
-      const bool dense = 0.12 * area_per_point(f) <= typical_area;
-      if (wide && dense && unexplained >= std::max(8.0, 0.25 * static_cast<double>(own.size())))
+      const bool dense = 0.12 * area_per_point(f) <= typical;
+      const double z = std::abs(f.normal.z());
+      const bool h = planes_[k].label == Label::h;
+      const bool contradicted = options_.use_labels && (h ? z < 0.5 : z > std::sqrt(0.75));
+      if (!contradicted && wide && dense &&
+          unexplained >= std::max(8.0, 0.25 * static_cast<double>(own.size())))
         continue;
       planes_[k].alive = false;
       for (const int i : own) {
@@ -433,7 +442,7 @@ class Method {
 
   void assign() {
     auto near = planes_near();
-    for (const int i : leftovers_) {
+    for (const int i : std::exchange(leftovers_, {})) {
       if (options_.leftover_rule == LeftoverRule::nearest) {
         plane_of_[i] = nearest(near[coarse_of(i)], i);
         continue;
@@ -477,6 +486,52 @@ class Method {
       if (plane_of_[i] < 0 || near[coarse_of(i)].size() < 2) continue;
       const int k = nearest(near[coarse_of(i)], i);
       if (k >= 0) plane_of_[i] = k;
+    }
+  }
+
+  void drop_emptied() {
+    for (std::size_t k = 0; k < planes_.size(); ++k) {
+      const Points kept = points_on(static_cast<int>(k));
+      if (!planes_[k].alive || 2 * kept.size() >= planes_[k].points.size()) continue;
+      planes_[k].alive = false;
+      for (const int i : kept) {
+        plane_of_[i] = -1;
+        leftovers_.push_back(i);
+      }
+    }
+    assign();
+  }
+
+  std::vector<Points> parts_of(Points rest) const {
+    std::vector<Points> parts;
+    while (!rest.empty()) {
+      Points part{rest.back()};
+      rest.pop_back();
+      for (std::size_t reached = 0; reached < part.size(); ++reached) {
+        const auto touches = [&, at = points_[part[reached]]](int i) {
+          return (points_[i] - at).norm() <= options_.split_gap_m;
+        };
+        std::copy_if(rest.begin(), rest.end(), std::back_inserter(part), touches);
+        std::erase_if(rest, touches);
+      }
+      std::sort(part.begin(), part.end());
+      parts.push_back(part);
+    }
+    return parts;
+  }
+
+  void split() {
+    if (options_.split_disconnected != SplitRule::on) return;
+    const std::size_t founded = planes_.size();
+    for (std::size_t k = 0; k < founded; ++k) {
+      const std::vector<Points> parts = parts_of(points_on(static_cast<int>(k)));
+      if (!planes_[k].alive || parts.size() < 2) continue;
+      planes_[k].alive = false;
+      for (const Points& part : parts) {
+        const bool large = static_cast<int>(part.size()) >= std::max(3, options_.theta_n_in);
+        for (const int i : part) plane_of_[i] = -1;
+        if (large) found({.label = planes_[k].label, .points = part, .fit = fit(part)});
+      }
     }
   }
 

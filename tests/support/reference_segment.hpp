@@ -3,6 +3,7 @@
 // The method once more, as plainly as it can be written: a pointer octree built by inserting one
 // point after the other, every node with the set of its points (Sun et al. 2023, Sec. IV-A), every
 // covariance computed from the points themselves in two passes, std::map instead of sorted arrays.
+// Gaps are those of SplitRule::on, what was looked through is not asked.
 // What core/segment must agree with, point by point, and what it is timed against.
 
 #include <span>

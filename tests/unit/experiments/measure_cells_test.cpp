@@ -71,8 +71,8 @@ TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
             .segment;
     const int on = o.estimate_sigma + o.r1_merge_by_distance + o.r2_explain_away +
                    o.r3_weak_candidates + o.r4_fit_impure_nodes + o.r5_reassign_shared_cells +
-                   o.r6_refit + o.r7_second_merge;
-    EXPECT_EQ(on, 7) << refinement;
+                   o.r6_refit + o.r7_second_merge + (o.split_disconnected != SplitRule::off);
+    EXPECT_EQ(on, 8) << refinement;
   }
 }
 

@@ -137,9 +137,10 @@ INSTANTIATE_TEST_SUITE_P(
                                                                  o.merge_partner =
                                                                      MergePartner::first;
                                                                })},
-                    NamedOptions{"refined_split",
-                                 with(Profile::refined,
-                                      [](SegmentOptions& o) { o.split_disconnected = true; })}),
+                    NamedOptions{"refined_split", with(Profile::refined,
+                                                       [](SegmentOptions& o) {
+                                                         o.split_disconnected = SplitRule::on;
+                                                       })}),
     [](const auto& param) { return param.param.name; });
 
 TEST(Explain, AStopIsSaidInWords) {

@@ -30,7 +30,8 @@ inline Run stopped_at(const Run& run, std::int32_t step) {
   stopped.trace.events.resize(static_cast<std::size_t>(step));
   stopped.segmentation.octree.nodes =
       segment_until(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                    prepared.sensor(), run.segment_options, static_cast<std::size_t>(step))
+                    prepared.sensor(), run.segment_options, static_cast<std::size_t>(step),
+                    more_measurements(prepared, run.segment_options))
           .nodes;
   stopped.segmentation.plane_of.clear();
   stopped.segmentation.planes.clear();

@@ -23,8 +23,8 @@ void PrintTo(const NamedOptions& named, std::ostream* out) { *out << named.name;
 
 SegmentOptions split_options() {
   SegmentOptions options = profile_options(Profile::refined);
-  options.split_disconnected = true;
-  options.split_cell_m = 0.025;  // finer than the clouds are sampled: many parts, many too small
+  options.split_disconnected = SplitRule::on;
+  options.split_gap_m = 0.025;  // finer than the clouds are sampled: many parts, many too small
   return options;
 }
 
@@ -32,6 +32,18 @@ SegmentOptions without_labels() {
   SegmentOptions options = profile_options(Profile::paper);
   options.use_labels = false;
   return options;
+}
+
+SegmentOptions with_spreads() {
+  SegmentOptions options = profile_options(Profile::refined);
+  options.r8_voxel_spread = true;
+  return options;
+}
+
+Measurements more_of(const test::LabelledCloud& cloud, const SegmentOptions& options) {
+  Measurements more;
+  if (options.r8_voxel_spread) more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .zz = 1e-5f});
+  return more;
 }
 
 void expect_same_fit(const PlaneFit& a, const PlaneFit& b) {
@@ -85,9 +97,10 @@ TEST_P(Replay, TheStateAtAnyStepIsThatOfARunStoppedThere) {
   const SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
     const test::LabelledCloud cloud = test::random_cloud(seed);
+    const Measurements more = more_of(cloud, options);
     Trace trace;
     const Segmentation segmentation =
-        segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, &trace);
+        segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, &trace, more);
     const Timeline timeline(trace, segmentation, options);
     ASSERT_EQ(timeline.steps(), static_cast<std::int32_t>(trace.events.size()));
 
@@ -96,7 +109,7 @@ TEST_P(Replay, TheStateAtAnyStepIsThatOfARunStoppedThere) {
     for (int move = 0; move < 40 && !HasFailure(); ++move) {
       SCOPED_TRACE(testing::Message() << "cloud " << seed << ", step " << k);
       const SegmentSnapshot stopped =
-          segment_until(cloud.points, cloud.labels, cloud.cube, kSensor, options, k);
+          segment_until(cloud.points, cloud.labels, cloud.cube, kSensor, options, k, more);
       ASSERT_EQ(stopped.events, static_cast<std::size_t>(k));
       expect_same_nodes(timeline, k, stopped);
       expect_same_points(timeline, k, stopped);
@@ -165,6 +178,7 @@ INSTANTIATE_TEST_SUITE_P(Profiles,
                                                       profile_options(Profile::paper_closest)},
                                          NamedOptions{"refined", profile_options(Profile::refined)},
                                          NamedOptions{"refined_split", split_options()},
+                                         NamedOptions{"refined_spreads", with_spreads()},
                                          NamedOptions{"paper_without_labels", without_labels()}),
                          [](const auto& named) { return named.param.name; });
 

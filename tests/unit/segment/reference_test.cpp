@@ -40,6 +40,7 @@ TEST_P(AgainstReference, RandomCloudsGiveIdenticalPlanes) {
     options.use_labels = seed % 5 != 0;
     options.mse_normalization = seed % 7 == 0 ? MseNormalization::mean : MseNormalization::scatter;
     if (options.mse_normalization == MseNormalization::mean) options.theta_e_n_m2 = 4e-5;
+    options.split_disconnected = seed % 3 == 0 ? SplitRule::on : SplitRule::off;
     options.sigma_by_range = seed % 2 == 0 && options.estimate_sigma;
     const Vec3d sensor(-1.5, 0, 0.8);
     const Segmentation ours = segment(cloud.points, cloud.labels, cloud.cube, sensor, options);

@@ -1,0 +1,196 @@
+// From a report's plane to the decision in the debugger.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+
+namespace planescope::testing_cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct ViewReport : testing::Test {
+  const fs::path dir = scratch();
+  const fs::path sample = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
+
+  ViewReport() {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    setenv("XDG_STATE_HOME", (dir / "state").c_str(), 1);
+  }
+  /// Its report.json.
+  fs::path report(const std::string& out, std::vector<std::string> args) {
+    args.insert(args.begin(), "report");
+    args.insert(args.end(), {"--classifier", "pca", "-o", (dir / out).string()});
+    const Ran ran = run(args);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return dir / out / "report.json";
+  }
+  static Ran view(const std::string& target, const std::vector<std::string>& more) {
+    std::vector<std::string> args{"view", "--open", target, "--offscreen", "--size", "800x500"};
+    args.insert(args.end(), more.begin(), more.end());
+    return run(args);
+  }
+  /// What the window shows.
+  Json facts(const std::string& target, std::vector<std::string> more = {}) {
+    more.insert(more.end(), {"--state", (dir / "state.json").string()});
+    const Ran ran = view(target, more);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return Json::parse(read_text(dir / "state.json"));
+  }
+  void refuses(const std::string& target,
+               const std::string& part,
+               const std::vector<std::string>& more = {}) {
+    const Ran ran = view(target, more);
+    EXPECT_EQ(ran.code, 2) << target;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+  }
+};
+
+std::vector<int> samples_of(const Json& frame) {
+  std::vector<int> samples;
+  const std::vector<int> runs = frame["regions"]["runs"];
+  for (std::size_t i = 0; i < runs.size(); i += 2)
+    samples.insert(samples.end(), static_cast<std::size_t>(runs[i + 1]), runs[i]);
+  return samples;
+}
+
+/// The plane of `before` of whose samples the fewest are on planes in `after`.
+int lost_plane(const Json& before, const Json& after) {
+  const std::vector<int> a = samples_of(before), b = samples_of(after);
+  std::vector<double> all(before["planes"].size() + 1), kept(all.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (a[i] > 0) {
+      ++all[static_cast<std::size_t>(a[i])];
+      kept[static_cast<std::size_t>(a[i])] += b[i] > 0;
+    }
+  std::size_t lost = 1;
+  for (std::size_t k = 2; k < all.size(); ++k)
+    if (kept[k] * all[lost] < kept[lost] * all[k]) lost = k;
+  return static_cast<int>(lost);
+}
+
+Json frame_in(const fs::path& report) {
+  return Json::parse(read_text(report))["recordings"][0]["frames"][0];
+}
+
+TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
+  const fs::path before = report("before", {sample, "--frames", "0"});
+  const fs::path after = report("after", {sample, "--frames", "0", "--set", "theta_n_in=60"});
+  const int lost = lost_plane(frame_in(before), frame_in(after));
+  const std::string target = after.string() + "#f000/was" + std::to_string(lost);
+
+  const Json there = facts(target, {"--baseline", before});
+  EXPECT_EQ(there["recording"], sample.string());
+  EXPECT_EQ(there["frame"], 0);
+  EXPECT_EQ(there["pinned"], true);
+  EXPECT_EQ(there["options"]["theta_n_in"], "60") << "B is the report";
+  EXPECT_EQ(there["options"]["classifier"], "pca");
+  const std::string event = there["event"];
+  EXPECT_NE(event.find("< 60"), std::string::npos)
+      << "case II by the option that changed: " << event;
+  EXPECT_EQ(there["case"], "II");
+  EXPECT_EQ(there["tab"], "point");
+  EXPECT_GE(there["voxel"], 0);
+  EXPECT_GT(there["marked"], 100) << "what it covered";
+  const std::string message = there["message"];
+  EXPECT_NE(message.find("part at step " + there["step"].dump()), std::string::npos) << message;
+
+  // The report's own word, a path from its folder on.
+  Json named = Json::parse(read_text(after));
+  named["verdict"] = {{"baseline", "../before/report.json"}};
+  write_text(after, named.dump());
+  const Json again = facts(target);
+  EXPECT_EQ(again["step"], there["step"]);
+  EXPECT_EQ(again["message"], message);
+
+  write_text(dir / "to_a.json", R"({"actions": ["run.restore"]})");
+  EXPECT_EQ(facts(target, {"--script", dir / "to_a.json"})["options"]["theta_n_in"], "5")
+      << "A is the baseline";
+}
+
+TEST_F(ViewReport, APlaneLeadsToWhereItWasFounded) {
+  const fs::path file = report("out", {sample, "--frames", "0"});
+  const std::size_t planes = frame_in(file)["planes"].size();
+  const Json there = facts(file.string() + "#f0/p" + std::to_string(planes));
+  EXPECT_EQ(there["pinned"], false) << "there is no baseline";
+  EXPECT_EQ(there["planes"], planes);
+  const std::string event = there["event"], plane = there["plane"];
+  EXPECT_TRUE(event.ends_with("founds " + plane)) << event << ", plane " << plane;
+  EXPECT_EQ(there["tab"], "inspector");
+
+  const Json frame = facts(file.string());
+  EXPECT_EQ(frame["step"], frame["steps"]) << "no plane: as a frame opens";
+}
+
+TEST_F(ViewReport, WithTheBaselinesOptionsTheWindowSaysThatAIsB) {
+  const fs::path file = report("out", {sample, "--frames", "0"});
+  fs::copy(file, dir / "earlier.json");
+  Json earlier = Json::parse(read_text(file));
+  earlier["created_utc"] = "2024-01-02T03:04:05Z";
+  write_text(dir / "earlier.json", earlier.dump());
+  const Json there = facts(file.string() + "#f0/was1", {"--baseline", dir / "earlier.json"});
+  EXPECT_EQ(there["pinned"], true);
+  const std::string message = there["message"];
+  EXPECT_TRUE(message.starts_with("A and B are the same")) << message;
+  EXPECT_NE(message.find("plane 1"), std::string::npos) << message;
+}
+
+TEST_F(ViewReport, WhatIsNotInTheReportIsRefusedInOneLine) {
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
+  refuses(file + "#f0/q1", "out/report.json: 'f0/q1' is no place in a report, expected f<frame>");
+  refuses(file + "#r2/f0", "report.json: r2 is not in it, it has 1 recording");
+  refuses(file + "#f7", "report.json: f7 is not in it, of rec it has frame 0, 1");
+  refuses(file + "#f0/p3", "report.json: p3 is not in it, frame 0 has 2 planes");
+  refuses(file + "#f0/was1", "it names none; give --baseline FILE");
+  refuses(file + "#f0/was1", "is " + file + " itself", {"--baseline", file});
+  refuses(file + "#f0", "/nowhere.json", {"--baseline", "/nowhere.json"});
+  refuses(file + "#f0", "leave out --profile", {"--set", "theta_n_in=7"});
+
+  Json other = Json::parse(read_text(file));
+  other["created_utc"] = "2024-01-02T03:04:05Z";
+  other["recordings"][0]["frames"][0]["sha256"] = std::string(64, 'a');
+  other["recordings"][0]["frames"].erase(1);
+  write_text(dir / "base.json", other.dump());
+  const std::vector<std::string> against{"--baseline", dir / "base.json"};
+  refuses(file + "#f0/was1", "base.json: was1 is not in it, rec frame 0 is of another input",
+          against);
+  refuses(file + "#f1/was1", "base.json: was1 is not in it, rec frame 1 is not there", against);
+  EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
+}
+
+TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
+  Image16 other = floor_and_wall();
+  other.at(3, 3) += 1;
+  fs::rename(dir / "rec", dir / "out/rec");
+  EXPECT_EQ(facts(file + "#f0/p1")["recording"], (dir / "out/rec").string()) << "beside the report";
+  fs::create_directories(dir / "elsewhere");
+  fs::rename(dir / "out/rec", dir / "elsewhere/rec");
+  refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " is neither there nor");
+  EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/rec"})["recording"],
+            (dir / "elsewhere/rec").string());
+  write_depth_folder(dir / "rec", other);
+  refuses(file + "#f0/p1", "is another recording than that of " + file);
+
+  fs::remove_all(dir / "rec");
+  fs::rename(dir / "elsewhere/rec", dir / "rec");
+  write_text(dir / "mine.safetensors", "not these");
+  Json weights = Json::parse(read_text(file));
+  for (Json& option : weights["record"]["options"])
+    if (option["name"] == "classifier") option["value"] = "../mine.safetensors";
+  weights["record"]["weights"] = {{"sha256", std::string(64, 'a')}};
+  write_text(file, weights.dump());
+  refuses(file + "#f0/p1", "mine.safetensors: are other weights than those of");
+}
+
+}  // namespace
+}  // namespace planescope::testing_cli

@@ -1,0 +1,357 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+#include <sstream>
+
+#include "core/base/file_bytes.hpp"
+#include "core/image/png.hpp"
+#include "core/report/judgement.hpp"
+#include "core/report/plane_map.hpp"
+#include "core/report/report_files.hpp"
+#include "core/report/thumbnail.hpp"
+#include "support/temp_dir.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHostile = "\"><script>alert(1)</script>";
+
+PlaneSummary make_plane(int id) {
+  PlaneSummary plane;
+  plane.id = id;
+  plane.label = Label::h;
+  plane.offset_m = id;
+  plane.centroid = Vec3d(0, 0, id);
+  plane.area_m2 = 1;
+  plane.points = 300;
+  return plane;
+}
+
+ReportPicture make_picture(const std::string& name, int index) {
+  ReportPicture picture;
+  picture.name = name;
+  picture.title = "Picture " + name;
+  picture.alt = "What " + name + " shows.";
+  picture.file = "frames/00000" + std::to_string(index) + "/pictures/" + name + ".png";
+  picture.width = picture.height = 8;
+  return picture;
+}
+
+/// Two planes, in the left and in the right half of what was measured.
+ReportFrame make_frame(int index) {
+  ReportFrame frame;
+  frame.index = index;
+  frame.name = "name" + std::to_string(index);
+  frame.sha256 = std::string(64, 'a');
+  frame.gravity = {Vec3d(0, 1, 0), GravitySource::estimate, 0.87, "floor and two walls"};
+  frame.counts = {1000, 100, 5, 200, 1, 694};
+  frame.points_on_planes = 600;
+  frame.planes_h = 2;
+  frame.planes = {{make_plane(1), "#0072b2"}, {make_plane(2), "#d55e00"}};
+  frame.regions = {8, 4, 2, {{1, 2}, {2, 2}, {1, 2}, {2, 2}}};
+  for (const char* name : {"overlay", "cases"}) frame.pictures.push_back(make_picture(name, index));
+  return frame;
+}
+
+Report make_report(int frames) {
+  Report report;
+  report.version = "1.2.3";
+  report.commit = std::string(40, 'c');
+  report.command = "planescope report a.bag";
+  report.created_utc = "2024-01-02T03:04:05Z";
+  report.classifier = "pca";
+  report.options = make_report_options({});
+  for (std::string& color : report.case_colors) color = "#e69f00";
+  ReportRecording recording;
+  recording.info.path = "dir/a.bag";
+  recording.info.width = 640;
+  recording.info.height = 480;
+  recording.name = "a.bag";
+  recording.frame_count = recording.frames_asked = frames;
+  for (int i = 0; i < frames; ++i) recording.frames.push_back(make_frame(i));
+  report.recordings.push_back(recording);
+  return report;
+}
+
+fs::path fresh_dir() {
+  const fs::path dir = temp_dir() / testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  return dir;
+}
+
+/// The copies that a page is made from.
+void write_copies(const fs::path& dir, const Report& report) {
+  const std::vector<unsigned char> jpeg = encode_jpeg(Image8(8, 8, 3, 200), 80);
+  for (const ReportRecording& recording : report.recordings)
+    for (const ReportFrame& frame : recording.frames)
+      for (const ReportPicture& picture : frame.pictures)
+        for (const std::string& copy : {copy_of(picture), thumbnail_of(picture)}) {
+          fs::create_directories((dir / copy).parent_path());
+          write_file_bytes(dir / copy, jpeg);
+        }
+}
+
+std::string page_of(const Report& report, const fs::path& dir) {
+  std::ostringstream out;
+  write_report_page(out, report, dir);
+  return out.str();
+}
+std::string page_of(const Report& report) {
+  const fs::path dir = fresh_dir();
+  write_copies(dir, report);
+  return page_of(report, dir);
+}
+
+/// Held against an earlier report, as --baseline does.
+void judge(Report& report, const Report& baseline) {
+  const fs::path file = temp_dir() / "page_baseline.json";
+  write_file_text(file, report_json(baseline));
+  report.judgement = ReportGuard(file, "").judge(report);
+}
+
+/// Frame 1 of three has lost its second plane.
+Report make_failing_report() {
+  Report report = make_report(3);
+  ReportFrame& frame = report.recordings[0].frames[1];
+  frame.planes.pop_back();
+  frame.regions.runs = {{1, 2}, {0, 2}, {1, 2}, {0, 2}};
+  report.options[0].value += "9";
+  judge(report, make_report(3));
+  return report;
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+bool has(const std::string& page, const std::string& part) {
+  return page.find(part) != std::string::npos;
+}
+
+TEST(ReportPage, NeedsNothingButItself) {
+  const std::string page = page_of(make_report(3));
+  for (const char* reference : {"http://", "https://", "src=\"/", "src=\"frames", "url(",
+                                "<script src", "<link rel=\"stylesheet", "@import"})
+    EXPECT_FALSE(has(page, reference)) << reference;
+  EXPECT_TRUE(has(page, "src=\"data:image/jpeg;base64,"));
+  EXPECT_TRUE(has(page, "default-src 'none'"));
+}
+
+/// What stands between each `start` and the next quotation mark.
+std::vector<std::string> values_after(const std::string& page, const std::string& start) {
+  std::vector<std::string> values;
+  for (std::size_t at = page.find(start); at != std::string::npos; at = page.find(start, at + 1)) {
+    const std::size_t begin = at + start.size();
+    values.push_back(page.substr(begin, page.find('"', begin) - begin));
+  }
+  return values;
+}
+
+TEST(ReportPage, EveryLinkHasItsTargetInThePageAndEveryIdIsThereOnce) {
+  const std::string page = page_of(make_failing_report());
+  std::set<std::string> ids;
+  for (const std::string& id : values_after(page, " id=\""))
+    EXPECT_TRUE(ids.insert(id).second) << id;
+  const std::vector<std::string> links = values_after(page, "href=\"#");
+  for (const std::string& link : links) EXPECT_TRUE(ids.contains(link)) << link;
+  EXPECT_GT(links.size(), 10u);
+}
+
+TEST(ReportPage, HasOneHeadingOfTheFirstLevelAndItsLandmarks) {
+  const std::string page = page_of(make_failing_report());
+  EXPECT_EQ(count_of(page, "<h1"), 1u);
+  EXPECT_EQ(count_of(page, "<main"), 1u);
+  EXPECT_EQ(count_of(page, "<header"), 1u);
+  EXPECT_EQ(count_of(page, "<footer"), 1u);
+  EXPECT_TRUE(has(page, "<html lang=\"en\">"));
+}
+
+TEST(ReportPage, SaysThatThereIsNothingToCompareAgainst) {
+  EXPECT_TRUE(has(page_of(make_report(1)), "Nothing to compare against"));
+}
+
+TEST(ReportPage, PassesWhereNothingChanged) {
+  Report report = make_report(3);
+  judge(report, make_report(3));
+  const std::string page = page_of(report);
+  EXPECT_TRUE(has(page, "<h2 id=\"verdict-title\">Passed</h2>"));
+  EXPECT_FALSE(has(page, "id=\"worst\""));
+  EXPECT_TRUE(has(page, "All as in the baseline: 2 planes, each the same."));
+}
+
+TEST(ReportPage, TellsTheVerdictThenWhatDiffersThenTheWorstFrameThenFigures) {
+  const std::string page = page_of(make_failing_report());
+  std::size_t before = 0;
+  for (const char* part : {"<h2 id=\"verdict-title\">Failed</h2>", "1 error and 0 warnings",
+                           "This run is not set up as the baseline was", "id=\"worst\"",
+                           "planes_lost is 1, at most 0", "id=\"totals\"", "id=\"frames\""}) {
+    const std::size_t at = page.find(part);
+    ASSERT_NE(at, std::string::npos) << part;
+    EXPECT_GT(at, before) << part;
+    before = at;
+  }
+}
+
+TEST(ReportPage, SaysHowToOpenAPlaneThatIsGoneAndWhereItStands) {
+  const std::string page = page_of(make_failing_report());
+  EXPECT_TRUE(has(page, "planescope view --open report.json#f001/was2"));
+  EXPECT_TRUE(has(page, "id=\"f001/was2\""));
+  EXPECT_FALSE(has(page, "report.json#f001/p1"));  // which is the same
+  EXPECT_FALSE(has(page, "report.json#f000"));     // a frame that holds
+}
+
+TEST(ReportPage, NamesTheRecordingInAnchorsOfSeveral) {
+  Report report = make_report(1);
+  report.recordings.push_back(report.recordings[0]);
+  const std::string page = page_of(report);
+  EXPECT_TRUE(has(page, "id=\"r1/f000\""));
+  EXPECT_TRUE(has(page, "id=\"r2/f000/p2\""));
+}
+
+TEST(ReportPage, ShowsBothSetsOfPlanesWithoutTheBaselinesPictures) {
+  EXPECT_EQ(count_of(page_of(make_failing_report()), "class=\"compare\""), 1u);
+}
+
+TEST(ReportPage, ListsFramesThatTheBaselineHasAlone) {
+  Report report = make_report(2);
+  judge(report, make_report(3));
+  const std::string page = page_of(report);
+  EXPECT_TRUE(has(page, "<span class=\"badge failed\">missing</span>"));
+  EXPECT_TRUE(has(page, "id=\"missing1\""));
+}
+
+TEST(ReportPage, EmbedsFewFramesAndLinksThePicturesOfTheOthers) {
+  const Report report = make_report(9);
+  Report many = make_report(0);
+  for (int i = 0; i < 40; ++i) {
+    many.recordings[0].frames.push_back(
+        report.recordings[0].frames[static_cast<std::size_t>(i % 9)]);
+    many.recordings[0].frames.back().index = i;
+    many.recordings[0].frames.back().points_on_planes = static_cast<std::uint64_t>(i);
+  }
+  const std::string page = page_of(many);
+  EXPECT_EQ(count_of(page, "<figure id="), 2 * 12u);  // the worst are the first here
+  EXPECT_EQ(count_of(page, "data-copy="), 2 * 28u);
+  EXPECT_EQ(count_of(page, "<tr data-frame="), 40u);
+}
+
+TEST(ReportPage, LinksAPictureWhoseCopyIsMissing) {
+  const Report report = make_report(1);
+  const fs::path dir = fresh_dir();  // nothing in it
+  const std::string page = page_of(report, dir);
+  EXPECT_FALSE(has(page, "src=\"data:image/jpeg"));
+  EXPECT_TRUE(has(page, "<a href=\"frames/000000/pictures/overlay.png\""));
+}
+
+TEST(ReportPage, TextFromOutsideCannotBecomeMarkup) {
+  Report report = make_failing_report();
+  ReportRecording& recording = report.recordings[0];
+  recording.name = recording.info.device = recording.info.format = kHostile;
+  recording.info.path = std::string("dir/") + kHostile;
+  recording.info.warnings = {kHostile};
+  report.command = report.renderer = report.renderer_error = report.commit = kHostile;
+  report.options[0].value = kHostile;
+  report.case_colors[1] = "red;background:url(//evil)";
+  ReportFrame& frame = recording.frames[0];
+  frame.name = frame.gravity.note = frame.sha256 = kHostile;
+  frame.planes[0].color = "\"><b>";
+  frame.pictures[0].title = frame.pictures[0].alt = kHostile;
+  frame.pictures[0].file = std::string("javascript:alert(1)/") + kHostile;
+  recording.frames[2].refused = kHostile;
+  const std::string page = page_of(report, fresh_dir());
+  EXPECT_EQ(count_of(page, "<script"), 1u);
+  EXPECT_FALSE(has(page, "\"><b>"));
+  EXPECT_FALSE(has(page, "url("));
+  EXPECT_FALSE(has(page, "javascript:"));
+  EXPECT_TRUE(has(page, "href=\"javascript%3Aalert%281%29/%22%3E%3Cscript%3E"));
+  EXPECT_TRUE(has(page, "&lt;script&gt;alert(1)&lt;/script&gt;"));
+}
+
+TEST(ReportPage, BytesThatAreNoTextAreReplaced) {
+  Report report = make_report(1);
+  report.recordings[0].name = "a\xff\xc3";
+  report.recordings[0].frames[0].name = "ok \xc3\xa4 \xed\xa0\x80";
+  const std::string page = page_of(report);
+  EXPECT_TRUE(has(page, "<h1>a\uFFFD\uFFFD</h1>"));
+  EXPECT_TRUE(has(page, "ok \u00e4 \uFFFD\uFFFD\uFFFD"));
+}
+
+TEST(ReportPage, LeavesNoTemplateTagUnfilled) {
+  Report report = make_failing_report();
+  report.recordings[0].frames[0].metrics = Metrics{};
+  report.recordings[0].info.warnings = {"a warning"};
+  EXPECT_FALSE(has(page_of(report), "{{"));
+}
+
+TEST(ReportPage, DrawsHowASequenceGoesBesideItsBaseline) {
+  const std::string page = page_of(make_failing_report());
+  EXPECT_TRUE(has(page, "aria-label=\"Planes by frame\""));
+  EXPECT_TRUE(has(page, ">baseline</text>"));
+  EXPECT_FALSE(has(page_of(make_report(2)), "Frame by frame"));
+}
+
+TEST(ReportPage, RecordsTheRulesAndTheCommand) {
+  const std::string page = page_of(make_failing_report());
+  EXPECT_TRUE(has(page, "planescope report a.bag -o DIR"));
+  EXPECT_TRUE(has(page, "<span class=\"badge failed\">1 time</span>"));
+}
+
+TEST(ReportOverviews, AreWrittenWhereThereIsSomethingToSeeMove) {
+  const fs::path dir = fresh_dir();
+  Report report = make_report(3);
+  write_copies(dir, report);
+  write_overviews(dir, report);
+  EXPECT_EQ(png_info(dir / "overview.png").width, 8);
+  EXPECT_TRUE(has(page_of(report, dir), "<a href=\"overview.png\">"));
+
+  const fs::path other = dir / "one";
+  report.recordings[0].frames.resize(1);
+  write_copies(other, report);
+  write_overviews(other, report);
+  EXPECT_FALSE(fs::exists(other / "overview.png"));
+}
+
+TEST(ReportOverviews, GoOnOverADamagedFrame) {
+  const fs::path dir = fresh_dir();
+  const Report report = make_report(3);
+  write_copies(dir, report);
+  write_file_text(dir / copy_of(report.recordings[0].frames[1].pictures[0]), "no JPEG");
+  write_overviews(dir, report);
+  EXPECT_EQ(png_info(dir / "overview.png").height, 8);
+}
+
+TEST(PlaneMap, KeepsAPlanesColourAndMarksThoseThatAreLostOrGained) {
+  const auto become = [](PlaneFate fate, int baseline, int now) {
+    PlaneComparison plane;
+    plane.fate = fate;
+    plane.baseline = baseline;
+    plane.now = now;
+    return plane;
+  };
+  const PlaneComparison lost = become(PlaneFate::lost, 1, 0), same = become(PlaneFate::same, 2, 1);
+  const PlaneComparison gained = become(PlaneFate::gained, 0, 2);
+  const ComparedInks inks = compared_inks({lost, same, gained}, 2, {"#0072b2", "#d55e00"});
+  EXPECT_EQ(inks.baseline[1].color, "#0072b2");
+  EXPECT_FALSE(inks.baseline[1].marked);
+  EXPECT_TRUE(inks.baseline[0].marked);
+  EXPECT_FALSE(inks.now[0].marked);
+  EXPECT_TRUE(inks.now[1].marked);
+}
+
+TEST(PlaneMap, ShowsNothingWhereNothingWasMeasuredAndNothingOfClouds) {
+  const Image8 map = draw_plane_map({8, 2, 2, {{-1, 1}, {1, 1}, {0, 2}}}, {{"#0072b2", false}});
+  ASSERT_EQ(map.channels, 4);
+  EXPECT_EQ(map.at(0, 0, 3), 0);
+  EXPECT_EQ(map.at(map.width * 3 / 4, map.height / 4, 2), 0xb2);
+  EXPECT_TRUE(draw_plane_map({1, 5, 1, {{1, 5}}}, {{"#0072b2", false}}).empty());
+}
+
+}  // namespace
+}  // namespace planescope

@@ -1,0 +1,208 @@
+#include "core/report/rules.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/json_schema.hpp"
+#include "support/refusal.hpp"
+#include "support/temp_dir.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+RecordedFrame frame_with(int index, std::vector<double> heights_m, double mean_iou = 90) {
+  RecordedFrame frame;
+  frame.index = index;
+  frame.points = 100;
+  frame.points_on_planes = 90;
+  std::vector<int> plane_of(10);
+  for (const double height : heights_m) {
+    PlaneSummary plane;
+    plane.id = static_cast<int>(frame.planes.size()) + 1;
+    plane.label = Label::h;
+    plane.centroid.z() = plane.offset_m = height;
+    plane.area_m2 = 1;
+    frame.planes.push_back(plane);
+    plane_of[frame.planes.size() - 1] = plane.id;
+  }
+  frame.regions = {1, 10, 1, runs_of(plane_of)};
+  frame.metrics = Metrics{};
+  frame.metrics->mean_iou = mean_iou;
+  return frame;
+}
+
+RecordedReport report_of(std::vector<RecordedRecording> recordings) {
+  RecordedReport report;
+  report.recordings = std::move(recordings);
+  return report;
+}
+
+const RecordedReport& baseline() {
+  static const RecordedReport report = report_of(
+      {{"a", {frame_with(0, {0, 0.2}), frame_with(1, {0, 0.2})}}, {"b", {frame_with(0, {0})}}});
+  return report;
+}
+
+std::vector<Breach> broken(const RecordedReport& now,
+                           const std::vector<Rule>& rules = built_in_rules()) {
+  return broken_rules(rules, compare_reports(baseline(), now));
+}
+
+Rule rule(const std::string& metric, double at_least, double at_most, RuleScope scope) {
+  Rule result;
+  result.metric = metric;
+  result.at_least = at_least;
+  result.at_most = at_most;
+  result.scope = scope;
+  return result;
+}
+
+TEST(Rules, TheSameReportBreaksNone) { EXPECT_TRUE(broken(baseline()).empty()); }
+
+TEST(Rules, AMoveOfSixMillimetresIsAnErrorOfItsFrame) {
+  RecordedReport now = baseline();
+  now.recordings[0].frames[1] = frame_with(1, {0, 0.206});
+  const auto found = broken(now);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].recording, "a");
+  EXPECT_EQ(found[0].frame, 1);
+  EXPECT_EQ(found[0].rule.level, RuleLevel::error);
+  EXPECT_EQ(found[0].text(), "offset_mm is 6, at most 5 mm");
+}
+
+TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
+  RecordedReport now = baseline();
+  now.recordings[0].frames[0].planes[0].area_m2 = 2;
+  now.recordings[0].frames[1] = frame_with(1, {0, 0.206});
+  now.recordings[1].frames[0] = frame_with(0, {0.1}, 80);
+  const auto found = broken(now);
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_EQ(found[0].recording, "b");
+  EXPECT_EQ(found[1].recording, "b");
+  EXPECT_EQ(found[2].frame, 1);
+  EXPECT_EQ(found[3].rule.metric, "planes_resized");
+  EXPECT_EQ(found[3].rule.level, RuleLevel::warn);
+}
+
+TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
+  RecordedReport now = baseline();
+  now.recordings[0].frames[0].refused = "no gravity";
+  now.recordings[1].frames.clear();
+  const auto found = broken(now);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].rule.metric, "frames_missing");
+  EXPECT_EQ(found[0].recording, "b");
+  EXPECT_EQ(found[1].rule.metric, "frames_refused");
+}
+
+TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  RecordedReport now = baseline();
+  now.recordings[0].frames[0] = frame_with(0, {0, 0.2, 0.5}, 80);
+  now.recordings[0].frames[1] = frame_with(1, {0, 0.2, 0.5}, 100);
+  const auto value_of = [&](const std::string& metric, RuleScope scope) {
+    // Broken whatever the value is.
+    const auto found = broken(now, {rule(metric, kAny, kAny, scope)});
+    std::vector<double> values;
+    for (const Breach& breach : found) values.push_back(breach.value);
+    return values;
+  };
+  EXPECT_EQ(value_of("planes_gained", RuleScope::frame), (std::vector<double>{1, 1, 0}));
+  EXPECT_EQ(value_of("planes_gained", RuleScope::recording), (std::vector<double>{2, 0}));
+  EXPECT_EQ(value_of("planes_gained", RuleScope::all), (std::vector<double>{2}));
+  EXPECT_EQ(value_of("mean_iou", RuleScope::recording), (std::vector<double>{90, 90}));
+  EXPECT_EQ(value_of("mean_iou_change", RuleScope::frame), (std::vector<double>{-10, 10, 0}));
+  EXPECT_EQ(value_of("offset_mm", RuleScope::all), (std::vector<double>{0}));
+  EXPECT_EQ(value_of("pq", RuleScope::all).size(), 1u);
+}
+
+TEST(Rules, ARuleHoldsForItsRecordingAndFrameAlone) {
+  Rule one = rule("planes", 0, 1, RuleScope::frame);
+  EXPECT_EQ(broken(baseline(), {one}).size(), 2u);
+  one.frame = 1;
+  EXPECT_EQ(broken(baseline(), {one}).size(), 1u);
+  one.recording = "b";
+  EXPECT_TRUE(broken(baseline(), {one}).empty());
+  one = rule("planes", 0, 1, RuleScope::frame);
+  one.level = RuleLevel::off;
+  EXPECT_TRUE(broken(baseline(), {one}).empty());
+}
+
+TEST(Rules, WithoutABaselineOnlyWhatNeedsNoneIsAsked) {
+  const ReportComparison alone = compare_reports({}, baseline());
+  EXPECT_TRUE(broken_rules(built_in_rules(), alone).empty());
+  EXPECT_EQ(broken_rules({rule("planes", 2, 100, RuleScope::frame)}, alone).size(), 1u);
+}
+
+TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {
+  std::ifstream file(PLANESCOPE_SOURCE_DIR "/assets/schemas/rules.schema.json");
+  const auto schema = nlohmann::json::parse(file);
+  std::vector<Rule> rules = built_in_rules();
+  for (const RuleMetric& metric : rule_metrics())
+    rules.push_back(rule(std::string(metric.name), 0, 1, RuleScope::all));
+  EXPECT_EQ(schema_error(schema, nlohmann::json::parse(rules_json(rules))), "");
+  EXPECT_NE(
+      schema_error(schema, nlohmann::json::parse(
+                               R"({"schema": "planescope.rules/1", "rules": [{"metric": "x"}]})")),
+      "");
+}
+
+TEST(Rules, TimesOnlyEverWarn) {
+  const fs::path file = temp_dir() / "time.rules.json";
+  const auto written = [&](const char* level) {
+    std::ofstream(file)
+        << R"({"schema": "planescope.rules/1", "rules": [{"metric": "time_growth", "at_most": 1.1)"
+        << level << "}]}";
+    return file;
+  };
+  EXPECT_EQ(read_rules(written("")).at(0).level, RuleLevel::warn);
+  EXPECT_NE(message_of([&] {
+              read_rules(written(R"(, "level": "error")"));
+            }).find("rules[0].level is \"error\", expected warn or off"),
+            std::string::npos);
+  RecordedReport now = baseline();
+  RecordedReport before = baseline();
+  for (RecordedReport* report : {&before, &now})
+    for (RecordedFrame& frame : report->recordings[0].frames)
+      frame.time_ratio = report == &now ? 9 : 3;
+  const auto found = broken_rules(built_in_rules(), compare_reports(before, now));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].text(), "time_growth is 3, at most 2 times");
+  EXPECT_EQ(found[0].rule.level, RuleLevel::warn);
+}
+
+TEST(Rules, AFileOfThemIsReadAsItWasWritten) {
+  const fs::path file = temp_dir() / "planescope.rules.json";
+  std::vector<Rule> rules = built_in_rules();
+  rules.push_back(rule("mean_iou", 85, std::numeric_limits<double>::infinity(), RuleScope::all));
+  rules.back().recording = "a";
+  rules.back().frame = 3;
+  std::ofstream(file) << rules_json(rules);
+  EXPECT_EQ(rules_json(read_rules(file)), rules_json(rules));
+}
+
+TEST(Rules, AMistakeInTheFileIsNamed) {
+  const fs::path file = temp_dir() / "planescope.rules.json";
+  const auto refusal_of = [&](const std::string& rule) {
+    std::ofstream(file) << R"({"schema": "planescope.rules/1", "rules": [)" + rule + "]}";
+    const std::string text = message_of([&] { read_rules(file); });
+    EXPECT_EQ(text.rfind(file.string() + ": ", 0), 0u) << text;
+    return text;
+  };
+  EXPECT_NE(refusal_of(R"({"metric": "planes_lsot", "at_most": 0})").find("planes_lost"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(R"({"metric": "planes", "atmost": 0})").find("has \"atmost\""),
+            std::string::npos);
+  EXPECT_NE(refusal_of(R"({"metric": "planes"})").find("\"at_least\" or \"at_most\""),
+            std::string::npos);
+  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})")
+                .find("rules[0].level is \"fatal\", expected one of off, warn, error"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace planescope
