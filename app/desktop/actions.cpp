@@ -34,6 +34,8 @@ const std::vector<Action>& action_table() {
   return table;
 }
 
+bool has_run(const State& state) { return state.run() != nullptr; }
+
 const Action& find_action(const std::string& name) {
   std::vector<std::string> names;
   for (const Action& action : action_table()) {

@@ -34,6 +34,8 @@ struct Action {
 };
 
 const std::vector<Action>& action_table();
+/// What most actions of the debugger need: a frame was segmented.
+bool has_run(const State& state);
 /// Throws Error naming the nearest existing action.
 const Action& find_action(const std::string& name);
 /// From a key or a menu it is asked for.

@@ -15,7 +15,6 @@
 namespace planescope::desktop {
 namespace {
 
-bool has_run(const State& state) { return state.run() != nullptr; }
 bool has_recording(const State& state) { return state.document.current() != nullptr; }
 
 /// What belonged to the frame before is let go of; the view stays.

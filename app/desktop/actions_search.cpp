@@ -11,8 +11,6 @@
 namespace planescope::desktop {
 namespace {
 
-bool has_run(const State& state) { return state.run() != nullptr; }
-
 void set_filter(State& state, const std::string& text) {
   Search& search = state.view.search;
   search.text = text;

@@ -9,8 +9,6 @@
 namespace planescope::desktop {
 namespace {
 
-bool has_run(const State& state) { return state.run() != nullptr; }
-
 int node_count(const Run& run) { return static_cast<int>(run.octree().nodes.size()); }
 
 void select_node(State& state, std::int32_t node) {

@@ -8,8 +8,6 @@
 namespace planescope::desktop {
 namespace {
 
-bool has_run(const State& state) { return state.run() != nullptr; }
-
 void step_by(State& state, int by) {
   state.view.playing.direction = 0;
   go_to_step(state, state.view.step + by);

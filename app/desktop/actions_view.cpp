@@ -15,8 +15,6 @@ namespace {
 const std::vector<std::string> kColorNames = {"cases",   "planes", "labels",
                                               "margins", "truth",  "camera"};
 
-bool has_run(const State& state) { return state.run() != nullptr; }
-
 Action color_action(ColorBy by, const std::string& title, const std::string& key) {
   const std::string name = kColorNames[static_cast<std::size_t>(by)];
   return {"color." + name,
