@@ -142,6 +142,10 @@ void define_report(Line& line) {
   report->final_callback([&line, report] {
     if (report->got_subcommand("merge")) return;
     if (line.typed.init) {
+      for (const CLI::Option* option : report->get_options())
+        if (option->count() > 0 && option->get_name() != "--init")
+          throw Error("report --init: only writes planescope.rules.json, " + option->get_name() +
+                      " says nothing of it");
       line.job = [](std::stop_token) { return run_report_init(); };
       return;
     }

@@ -135,8 +135,9 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
                      : names.empty() ? "unexpected argument '" + given + "'"
                                      : "unknown command '" + given + "'";
   if (!near.empty()) return text + ", did you mean '" + near + "'?";
-  const std::string name = command == &app ? "" : " " + command->get_name();
-  return text + ", see planescope" + name + " --help";
+  std::string path;
+  for (; command != &app; command = command->get_parent()) path = " " + command->get_name() + path;
+  return text + ", see planescope" + path + " --help";
 }
 
 }  // namespace planescope

@@ -77,7 +77,7 @@ build() {
   export CCACHE_SLOPPINESS=include_file_mtime,include_file_ctime
   local werror=${PLANESCOPE_WERROR:-OFF}
   # GCC's sanitizer instrumentation raises false "may be used uninitialized" warnings.
-  case $preset in asan | tsan) werror=OFF ;; esac
+  case $preset in asan | asan-core | tsan) werror=OFF ;; esac
   say "building build/$preset with $(nproc) jobs"
   cmake --preset "$preset" -DPLANESCOPE_WERROR="$werror" --log-level=WARNING >&2
   cmake --build "build/$preset" -j "$(nproc)" ${1:+--target "$@"} >&2

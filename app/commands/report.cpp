@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "app/commands/report_finish.hpp"
 #include "app/commands/report_pictures.hpp"
@@ -98,8 +99,12 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
   const ReportDrawing drawing = write_report_frames(job, folder, slots, stop);
   report.renderer = drawing.error.empty() ? drawing.renderer : "";
   report.renderer_error = drawing.error;
+  std::set<fs::path> frames;
+  int resumed = 0;
   for (const ReportSlot& slot : slots) {
     if (slot.colors_only) continue;
+    frames.insert(slot.folder);
+    resumed += slot.found;
     ReportRecording& recording = report.recordings[slot.input];
     ++recording.frames_asked;
     report.partial |= !slot.done;
@@ -110,7 +115,10 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     folder.give_up();
     throw_first_refusal(report);
   }
-  folder.commit(!report.partial);
+  folder.commit(!report.partial, frames);
+  if (args.resume)
+    fmt::print(stderr, "planescope: {} of {} frames were finished before\n", resumed,
+               frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 

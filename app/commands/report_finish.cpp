@@ -4,12 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/output.hpp"
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/report/report_files.hpp"
 
 namespace planescope {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr const char* kRulesFile = "planescope.rules.json";
 
@@ -22,10 +25,10 @@ void print_facts(const std::filesystem::path& out, const Report& report, bool js
     return;
   }
   nlohmann::ordered_json facts = {
-      {"schema", "planescope/report-written/1"},  {"page", page},
-      {"recordings", totals.recordings},          {"frames_done", totals.frames_done},
-      {"frames_refused", totals.frames_refused},  {"planes", totals.planes},
-      {"rendered", report.renderer_error.empty()}};
+      {"schema", "planescope/report-written/1"}, {"page", page},
+      {"recordings", totals.recordings},         {"frames_done", totals.frames_done},
+      {"frames_refused", totals.frames_refused}, {"planes", totals.planes},
+      {"rendered", !report.renderer.empty()}};
   if (report.judgement) facts["verdict"] = judgement_json(*report.judgement);
   fmt::print("{}\n", facts.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
@@ -54,6 +57,9 @@ Refused refused_of(const Report& report) {
 ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
     throw Error("--approve: give --baseline FILE, which the report is to become");
+  if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
+  if (args.approve && fs::is_directory(args.baseline))
+    throw Error("--baseline " + args.baseline.string() + ": is a folder, expected a report.json");
   return {args.baseline, args.rules, args.approve};
 }
 
@@ -84,7 +90,13 @@ int finish_report(const std::filesystem::path& out,
   if (!report.renderer_error.empty())
     fmt::print(stderr, "planescope: rendering failed, the data files are written: {}\n",
                report.renderer_error);
-  if (args.approve && !refused.unreadable) guard.approve(out / "report.json");
+  if (args.approve && refused.unreadable)
+    fmt::print(stderr, "planescope: warning: --approve: {} stays as it was\n",
+               args.baseline.string());
+  else if (args.approve) {
+    guard.approve(out / "report.json");
+    fmt::print(stderr, "planescope: {} is the baseline now\n", args.baseline.string());
+  }
   if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
   if (refused.unreadable) return 2;
   return report.renderer_error.empty() ? 0 : 3;

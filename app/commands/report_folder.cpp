@@ -118,6 +118,7 @@ void ReportFolder::finish(const fs::path& frame,
                           bool ours,
                           const std::string& key) {
   write_frame_record(work_ / frame / "report", record, ours, key);
+  if (std::error_code none; record.pictures.empty()) fs::remove(work_ / frame / "pictures", none);
   const std::lock_guard lock(mutex_);
   finished_.insert(frame);
 }
@@ -127,8 +128,11 @@ void ReportFolder::take(const fs::path& frame, const fs::path& dir) {
     throw Error((dir / frame).string() + ": the frame's files are missing");
   start(frame);
   on_disk(dir_, [&] {
-    for (const char* part : kParts)
-      fs::copy(dir / frame / part, work_ / frame / part, fs::copy_options::recursive);
+    for (const char* part : kParts) {
+      fs::remove(work_ / frame / part);
+      if (fs::exists(dir / frame / part))
+        fs::copy(dir / frame / part, work_ / frame / part, fs::copy_options::recursive);
+    }
   });
   const std::lock_guard lock(mutex_);
   finished_.insert(frame);
@@ -140,17 +144,38 @@ ReportFrame ReportFolder::read(const fs::path& frame) const {
   return record;
 }
 
-void ReportFolder::commit(bool whole) {
+void ReportFolder::remove_others(const std::set<fs::path>& frames) {
+  std::vector<fs::path> places = {dir_};  // of "frames"
+  for (const auto& entry : fs::directory_iterator(dir_))
+    if (entry.is_directory() && entry.path() != work_) places.push_back(entry.path());
+  for (const fs::path& place : places) {
+    std::vector<fs::path> others;
+    std::error_code failed;
+    for (const auto& entry : fs::directory_iterator(place / "frames", failed))
+      if (fs::exists(entry.path() / "report" / "frame.json") &&
+          !frames.contains(entry.path().lexically_relative(dir_)))
+        others.push_back(entry.path());
+    for (const fs::path& frame : others) {
+      for (const char* part : kParts) fs::remove_all(frame / part);
+      for (fs::path empty = frame; empty != dir_ && fs::is_empty(empty);
+           empty = empty.parent_path())
+        fs::remove(empty);
+    }
+  }
+}
+
+void ReportFolder::commit(bool whole, const std::set<fs::path>& frames) {
   on_disk(dir_, [&] {
     while (!finished_.empty()) {
       const fs::path frame = *finished_.begin();
       fs::create_directories(dir_ / frame);
       for (const char* part : kParts) {
         fs::remove_all(dir_ / frame / part);
-        fs::rename(work_ / frame / part, dir_ / frame / part);
+        if (fs::exists(work_ / frame / part)) fs::rename(work_ / frame / part, dir_ / frame / part);
       }
       finished_.erase(finished_.begin());
     }
+    if (whole) remove_others(frames);
   });
   over_ = whole;
 }

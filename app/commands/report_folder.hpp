@@ -40,13 +40,14 @@ class ReportFolder {
   /// A frame that was finished, found or taken.
   ReportFrame read(const std::filesystem::path& frame) const;
 
-  int finished() const { return static_cast<int>(finished_.size()); }
-  /// `whole`: nothing is left for another run to go on with.
-  void commit(bool whole);
+  /// `whole`: nothing is left for another run to go on with, and frames of an earlier report that
+  /// are none of `frames` go.
+  void commit(bool whole, const std::set<std::filesystem::path>& frames);
   void give_up();  // what is finished goes too
 
  private:
   std::filesystem::path place_of(const std::filesystem::path& frame) const;
+  void remove_others(const std::set<std::filesystem::path>& frames);
 
   std::filesystem::path dir_, work_;
   std::vector<std::filesystem::path> made_dirs_;  // outermost first

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/commands/report_pictures.hpp"
@@ -147,10 +148,13 @@ class FrameWriter {
       : job_(job), folder_(folder), chain_(chain), painter_(painter) {}
 
   /// False where the chain of colours was broken.
-  bool write(const ReportSlot& slot, int turn) {
+  bool write(ReportSlot& slot, int turn) {
     const OpenInput& input = job_.inputs[slot.input];
     if (job_.resume && folder_.has(slot.folder))
-      if (auto found = find(input, slot)) return chain_.follow(slot.input, turn, found->planes);
+      if (auto found = find(input, slot)) {
+        slot.found = true;
+        return chain_.follow(slot.input, turn, found->planes);
+      }
     ReportFrame frame;
     std::optional<LoadedFrame> loaded;
     const double reference_ms = reference_work();
@@ -235,6 +239,13 @@ class FrameWriter {
   Painter& painter_;
 };
 
+/// As report.json writes it, which is what the next report compares with.
+std::string as_utf8(const std::string& text) {
+  using Json = nlohmann::json;
+  const std::string written = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(written).get<std::string>();
+}
+
 }  // namespace
 
 std::vector<std::string> recording_names(const std::vector<OpenInput>& inputs) {
@@ -243,13 +254,13 @@ std::vector<std::string> recording_names(const std::vector<OpenInput>& inputs) {
   for (const OpenInput& input : inputs) {
     paths.push_back(fs::absolute(input.path).lexically_normal());
     if (!paths.back().has_filename()) paths.back() = paths.back().parent_path();
-    last.push_back(paths.back().filename().string());
+    last.push_back(as_utf8(paths.back().filename().string()));
     if (last.back().empty()) last.back() = "recording";
   }
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     std::string name = last[i];
     if (std::ranges::count(last, name) > 1)
-      name = fmt::format("{}-{}", paths[i].parent_path().filename().string(), name);
+      name = fmt::format("{}-{}", as_utf8(paths[i].parent_path().filename().string()), name);
     const std::string once = name;
     for (int n = 2; std::ranges::count(names, name) > 0; ++n) name = fmt::format("{}-{}", once, n);
     names.push_back(name);

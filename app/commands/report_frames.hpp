@@ -36,6 +36,7 @@ struct ReportSlot {
   std::filesystem::path folder;  // below the report, "01-a.bag/frames/000012"
   bool colors_only = false;      // of another shard; its planes' colours go on in this one's
   bool done = false;
+  bool found = false;  // as an earlier run left it
 };
 /// All frames of this shard, each recording's in order; before them those of other shards that
 /// their colours follow from.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "app/commands/report.hpp"
 #include "app/commands/report_finish.hpp"
@@ -78,6 +79,8 @@ int run_report_merge(const ReportMergeArgs& args) {
     if (fs::weakly_canonical(shard.dir) == fs::weakly_canonical(args.out))
       throw Error("output " + args.out.string() + " is one of the shards");
   ReportFolder folder(args.out, false);
+  folder.give_up();  // what fails half way is begun again
+  std::set<fs::path> frames;
   Report report = shards.front().head.report;
   report.shard.clear();
   for (ReportRecording& recording : report.recordings) recording.frames_asked = 0;
@@ -90,15 +93,13 @@ int run_report_merge(const ReportMergeArgs& args) {
     for (const auto& [recording, index] : shard.head.frames) {
       const fs::path frame = folder_of(report, recording, index);
       folder.take(frame, shard.dir);
+      frames.insert(frame);
       report.recordings[recording].frames.push_back(folder.read(frame));
     }
   }
   if (!report.renderer_error.empty()) report.renderer.clear();
-  if (totals_of(report).frames_done == 0) {
-    folder.give_up();
-    throw_first_refusal(report);
-  }
-  folder.commit(true);
+  if (totals_of(report).frames_done == 0) throw_first_refusal(report);
+  folder.commit(true, frames);
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 

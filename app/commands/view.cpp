@@ -34,8 +34,10 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   state.view.message = "? shows the keys, Ctrl+P finds an action by name";
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
+  const bool opens_report = !args.open.empty() && is_report(args.open);
+  document.recording_options.damaged_frames_later = opens_report;
   const auto open = [&](const fs::path& path) {
-    document.recordings.push_back({path, open_recording(path, args.input.recording),
+    document.recordings.push_back({path, open_recording(path, document.recording_options),
                                    args.input.label_dir.value_or(default_label_dir(path))});
   };
   for (const fs::path& path : args.input.inputs) open(path);
@@ -60,8 +62,9 @@ State first_state(const ViewArgs& args, const Settings& settings) {
     document.frame = document.frame > 0 && document.frame < count ? document.frame : frames[0];
   }
   if (args.open.empty()) return state;
-  if (is_report(args.open))
-    open_report(state, {args.open, args.baseline, args.input.label_dir});
+  if (opens_report)
+    open_report(state,
+                {args.open, args.baseline, args.input.label_dir, !args.input.inputs.empty()});
   else if (args.baseline.empty())
     open_session(state, args.open);
   else

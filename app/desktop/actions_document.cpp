@@ -237,7 +237,7 @@ std::vector<Action> document_actions() {
        "PATH[#BOOKMARK]",
        [](State& s, const std::string& text) {
          if (is_report(text))
-           open_report(s, {text, {}, {}});
+           open_report(s, {text, {}, {}, false});
          else
            open_session(s, text);
        },

@@ -25,12 +25,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As it was typed, from the report on, or beside it; nothing where none is there.
+/// As it was typed, from the folders on in which the report lies, or beside it; nothing where none
+/// is there. It was typed where the report was run, often some folders above it.
 std::optional<fs::path> find_file(const fs::path& typed, const fs::path& report) {
+  std::error_code none;
+  if (fs::exists(typed, none)) return typed;
   const fs::path folder = fs::absolute(report).parent_path();
-  const fs::path name = typed.has_filename() ? typed.filename() : typed.parent_path().filename();
-  for (const fs::path& path : {typed, folder / typed, folder / name})
-    if (fs::exists(path)) return path;
+  for (fs::path above = folder;; above = above.parent_path()) {
+    if (fs::exists(above / typed, none)) return above / typed;
+    if (above == above.parent_path()) break;
+  }
+  const fs::path beside =
+      folder / (typed.has_filename() ? typed.filename() : typed.parent_path().filename());
+  if (fs::exists(beside, none)) return beside;
   return {};
 }
 
@@ -125,25 +132,40 @@ void expect_same_frame(const OpenRecording& open,
                     open.path.string(), report.string(), frame.index, found, frame.sha256));
 }
 
+/// The report says of a damaged frame what it is; the others can be seen.
+OpenRecording open_tolerant(const fs::path& path,
+                            RecordingOptions options,
+                            const fs::path& label_dir) {
+  options.damaged_frames_later = true;
+  return {path, open_recording(path, options), label_dir};
+}
+
 OpenRecording open_recorded(const State& state,
                             const RecordedRecording& recorded,
                             const RecordedFrame& frame,
                             const ReportLink& link,
                             const fs::path& report) {
-  for (const OpenRecording& open : state.document.recordings) {
+  const std::vector<OpenRecording>& given = state.document.recordings;
+  for (const OpenRecording& open : given) {
     const fs::path path = fs::absolute(open.path).lexically_normal();
-    if ((path.has_filename() ? path : path.parent_path()).filename() != recorded.name) continue;
-    OpenRecording again{open.path, open_recording(open.path, state.document.recording_options),
-                        open.label_dir};
+    const bool of_this_name =
+        (path.has_filename() ? path : path.parent_path()).filename() == recorded.name;
+    if (!of_this_name && !(link.only_given && given.size() == 1)) continue;
+    OpenRecording again =
+        open_tolerant(open.path, state.document.recording_options, open.label_dir);
     expect_same_frame(again, frame, report);
     return again;
   }
   const auto path = find_file(recorded.path, report);
-  if (!path)
-    throw Error(fmt::format("{}: its recording {} is neither there nor beside the report",
-                            report.string(), recorded.path.string()));
-  OpenRecording open{*path, open_recording(*path, recorded.options),
-                     link.label_dir.value_or(default_label_dir(*path))};
+  if (!path || link.only_given)
+    throw Error(
+        fmt::format("{}: its recording {} is {}; give it: planescope view RECORDING --open {}",
+                    report.string(), recorded.path.string(),
+                    link.only_given ? "none of those that were given"
+                                    : "neither there nor in or above the report's folder",
+                    report.string()));
+  OpenRecording open =
+      open_tolerant(*path, recorded.options, link.label_dir.value_or(default_label_dir(*path)));
   expect_same_frame(open, frame, report);
   return open;
 }
@@ -174,9 +196,12 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
   const auto file = link.baseline.empty() ? find_file(typed, target.file) : typed;
   if (!file) {
     if (target.of_baseline)
-      throw Error(fmt::format("{}: its baseline {} is neither there nor beside it",
-                              target.file.string(), typed.string()));
-    add_note(note, fmt::format("no A: the baseline {} is not there", typed.string()));
+      throw Error(
+          fmt::format("{}: its baseline {} is neither there nor in or above its folder; "
+                      "give --baseline FILE",
+                      target.file.string(), typed.string()));
+    add_note(note, fmt::format("no A: the baseline {} is not there; give --baseline FILE",
+                               typed.string()));
     return {};
   }
   Baseline baseline{*file, read_report(*file)};

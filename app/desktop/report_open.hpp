@@ -17,10 +17,12 @@ struct ReportLink {
   std::string target;                              // report_target.hpp
   std::filesystem::path baseline;                  // empty: the one that the report names
   std::optional<std::filesystem::path> label_dir;  // nothing: beside the recording
+  bool only_given = false;                         // the recording is one of those that are open
 };
 
 /// Options of the report become those of run B, of its baseline those of run A. The recording is
-/// looked for among those open, where the report says, from the report on and beside it. Throws
+/// looked for among those open, where the report says, from its folder and those above, and beside
+/// it. A damaged frame of it stops nobody from seeing the others. Throws
 /// Error that names the file and what is wrong, the state unchanged: a place that the report does
 /// not have, a recording or weights that are others.
 void open_report(State& state, const ReportLink& link);

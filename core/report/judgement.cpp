@@ -20,6 +20,27 @@ std::string where(const Breach& breach) {
   return fmt::format("{} frame {}", breach.recording, breach.frame);
 }
 
+std::string counted(int count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+/// Frames that the baseline has not, in a line for each recording.
+std::vector<std::string> added_frames(const ReportComparison& comparison) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < comparison.frames.size();) {
+    const std::string& recording = comparison.frames[i].recording;
+    int frames = 0, added = 0;
+    for (; i < comparison.frames.size() && comparison.frames[i].recording == recording; ++i) {
+      ++frames;
+      added += comparison.frames[i].fate == FrameFate::added;
+    }
+    if (added > 0)
+      lines.push_back(fmt::format("{}: {} not in the baseline", recording,
+                                  added == frames ? "is" : counted(added, "frame")));
+  }
+  return lines;
+}
+
 }  // namespace
 
 int Judgement::errors() const {
@@ -40,8 +61,10 @@ std::string Judgement::text() const {
                         breaches[i].text());
   if (breaches.size() > kMostLines)
     text += fmt::format("... and {} more\n", breaches.size() - kMostLines);
+  for (const std::string& line : unguarded) text.append("warn   ").append(line).append("\n");
   const std::string against = baseline ? " against " + baseline_file : "";
-  return text + fmt::format("{} errors, {} warnings{}\n", errors(), warnings(), against);
+  return text + fmt::format("{}, {}{}\n", counted(errors(), "error"),
+                            counted(warnings(), "warning"), against);
 }
 
 Json judgement_json(const Judgement& judgement) {
@@ -49,6 +72,7 @@ Json judgement_json(const Judgement& judgement) {
                {"differences", judgement.differences()},
                {"errors", judgement.errors()},
                {"warnings", judgement.warnings()},
+               {"unguarded", judgement.unguarded},
                {"breaches", Json::array()}};
   for (const Breach& breach : judgement.breaches)
     json["breaches"].push_back(
@@ -65,8 +89,8 @@ ReportGuard::ReportGuard(std::filesystem::path baseline,
                          const std::filesystem::path& rules,
                          bool may_be_first)
     : baseline_file_(std::move(baseline)) {
-  const bool is_first = may_be_first && !std::filesystem::exists(baseline_file_);
-  if (!baseline_file_.empty() && !is_first) baseline_ = read_report(baseline_file_);
+  is_first_ = may_be_first && !std::filesystem::exists(baseline_file_);
+  if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
     throw Error(baseline_file_.string() +
                 ": is of a run that was stopped, expected a whole report");
@@ -87,6 +111,11 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
   judgement->comparison =
       compare_reports(judgement->baseline ? *judgement->baseline : none, judgement->now);
   judgement->breaches = broken_rules(rules_, judgement->comparison);
+  const bool has_baseline = judgement->baseline.has_value();
+  if (!is_first_) judgement->unguarded = idle_rules(rules_, judgement->comparison, has_baseline);
+  if (has_baseline)
+    for (std::string& line : added_frames(judgement->comparison))
+      judgement->unguarded.push_back(std::move(line));
   return judgement;
 }
 

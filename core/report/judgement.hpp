@@ -20,13 +20,15 @@ struct Judgement {
   std::vector<Rule> rules;
   ReportComparison comparison;   // points into both
   std::vector<Breach> breaches;  // worst first
+  /// Idle rules, and recordings and frames that the baseline has not: each counts as a warning.
+  std::vector<std::string> unguarded;
 
   Judgement() = default;
   Judgement(const Judgement&) = delete;
   Judgement& operator=(const Judgement&) = delete;
 
   int errors() const;
-  int warnings() const { return static_cast<int>(breaches.size()) - errors(); }
+  int warnings() const { return static_cast<int>(breaches.size() + unguarded.size()) - errors(); }
   /// Of options, weights and the like; none without a baseline.
   std::vector<std::string> differences() const;
   /// Lines for people, the worst first, the count at the end.
@@ -49,6 +51,7 @@ class ReportGuard {
 
  private:
   std::filesystem::path baseline_file_;
+  bool is_first_ = false;  // there is no baseline yet
   std::optional<RecordedReport> baseline_;
   std::vector<Rule> rules_;
 };

@@ -169,8 +169,17 @@ Data worst_data(const PageSource& page, const PageFrame& frame) {
   return data;
 }
 
-Data general_data(const PagePlan& plan) {
+Data general_data(const PagePlan& plan, const Judgement* judgement) {
   Data list{Data::type::list};
+  const std::vector<std::string> none;
+  for (const std::string& line : judgement ? judgement->unguarded : none) {
+    Data row;
+    row.set("level", to_string(RuleLevel::warn));
+    row.set("class", "warning");
+    row.set("where", "");
+    row.set("text", line);
+    list.push_back(row);
+  }
   for (const Breach* breach : plan.general) {
     Data row;
     row.set("level", to_string(breach->rule.level));
@@ -229,8 +238,9 @@ void set_verdict(const PageSource& page, Data& data) {
   const Data differences = judgement ? differences_of(*judgement) : Data{Data::type::list};
   data.set("has_differences", differences.is_non_empty_list());
   data.set("differences", differences);
-  data.set("has_general", !page.plan.general.empty());
-  data.set("general", general_data(page.plan));
+  const Data general = general_data(page.plan, judgement);
+  data.set("has_general", general.is_non_empty_list());
+  data.set("general", general);
   data.set("partial", page.report.partial);
   data.set("frames_done", std::to_string(totals.frames_done + totals.frames_refused));
   data.set("frames_asked", std::to_string(totals.frames_asked));

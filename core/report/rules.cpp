@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
@@ -16,6 +17,8 @@
 
 namespace planescope {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.rules/1";
 constexpr std::uintmax_t kMostBytes = 1 << 20;
@@ -79,6 +82,13 @@ double share_on_planes(const RecordedFrame& frame) {
              : 0;
 }
 
+/// Labels that are gone take what held the frame to them along.
+std::optional<double> labels_missing(const FrameComparison& frame) {
+  const RecordedFrame *before = done(frame.baseline), *now = done(frame.now);
+  if (!before || !now) return std::nullopt;
+  return before->metrics && !now->metrics ? 1 : 0;
+}
+
 const std::vector<Metric>& metrics() {
   using enum RuleFold;
   static const std::vector<Metric> all = {
@@ -110,6 +120,9 @@ const std::vector<Metric>& metrics() {
       {{"inputs_changed", "frames", "frames whose pixels or points are not the baseline's", true,
         false, sum},
        frames_with<FrameFate::other_input>},
+      {{"labels_missing", "frames", "frames that the baseline has labels for and this has not",
+        true, false, sum},
+       labels_missing},
       {{"planes", "planes", "planes found", false, false, sum},
        [](const FrameComparison& frame) -> std::optional<double> {
          if (const RecordedFrame* now = done(frame.now))
@@ -233,6 +246,9 @@ Rule rule_of(const JsonPlace& place) {
   if (place.has("at_most")) rule.at_most = place.at("at_most").number();
   if (!place.has("at_least") && !place.has("at_most"))
     place.fail_kind("a rule with \"at_least\" or \"at_most\"");
+  if (rule.at_least > rule.at_most)
+    place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
+                                rule.at_least, rule.at_most));
   if (place.has("level"))
     rule.level = parsed(place.at("level"), {RuleLevel::off, RuleLevel::warn, RuleLevel::error});
   else if (find_metric(rule.metric).metric.is_timing)
@@ -241,6 +257,25 @@ Rule rule_of(const JsonPlace& place) {
     place.at("level").fail_kind("warn or off for " + rule.metric +
                                 ", which depends on the machine");
   return rule;
+}
+
+/// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
+std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
+  const RuleMetric& metric = find_metric(rule.metric).metric;
+  if (metric.needs_baseline && !has_baseline) return "needs a baseline";
+  const std::vector<FrameComparison>& frames = comparison.frames;
+  if (!rule.recording.empty() &&
+      std::ranges::find(frames, rule.recording, &FrameComparison::recording) == frames.end())
+    return "there is no recording of this name";
+  if (std::ranges::none_of(frames,
+                           [&](const FrameComparison& frame) { return is_of(rule, frame); }))
+    return "there is no such frame";
+  const auto has_labels = [&](const FrameComparison& frame) {
+    return is_of(rule, frame) && done(frame.now) && frame.now->metrics;
+  };
+  if (metric.needs_truth && !metric.needs_baseline && std::ranges::none_of(frames, has_labels))
+    return "no frame has labels";
+  return "";
 }
 
 }  // namespace
@@ -270,8 +305,8 @@ std::vector<Rule> built_in_rules() {
     rules.back().at_most = limit;
     rules.back().level = level;
   };
-  for (const char* metric : {"frames_missing", "frames_refused", "planes_lost", "planes_gained",
-                             "planes_merged", "planes_split"})
+  for (const char* metric : {"frames_missing", "frames_refused", "labels_missing", "planes_lost",
+                             "planes_gained", "planes_merged", "planes_split"})
     at_most(metric, 0, RuleLevel::error);
   at_most("offset_mm", 5, RuleLevel::error);
   at_most("angle_deg", 1, RuleLevel::error);
@@ -287,12 +322,22 @@ std::vector<Rule> built_in_rules() {
 
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
   const auto bytes = read_file_bytes(file, kMostBytes);
-  const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+      twice = value.get<std::string>();
+    return true;
+  };
+  const Json json = Json::parse(bytes.begin(), bytes.end(), watch, false);
   if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  if (!twice.empty()) throw Error(file.string() + ": has \"" + twice + "\" twice in one object");
   try {
     const JsonPlace place(json);
-    place.has_only({"schema", "rules"});
     if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
+    place.has_only({"schema", "rules"});
     std::vector<Rule> rules;
     place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
     return rules;
@@ -302,9 +347,9 @@ std::vector<Rule> read_rules(const std::filesystem::path& file) {
 }
 
 std::string rules_json(const std::vector<Rule>& rules) {
-  nlohmann::ordered_json json = {{"schema", kSchema}, {"rules", nlohmann::ordered_json::array()}};
+  Json json = {{"schema", kSchema}, {"rules", Json::array()}};
   for (const Rule& rule : rules) {
-    nlohmann::ordered_json one = {{"metric", rule.metric}, {"scope", to_string(rule.scope)}};
+    Json one = {{"metric", rule.metric}, {"scope", to_string(rule.scope)}};
     if (!rule.recording.empty()) one["recording"] = rule.recording;
     if (rule.frame >= 0) one["frame"] = rule.frame;
     if (!std::isinf(rule.at_least)) one["at_least"] = rule.at_least;
@@ -336,6 +381,22 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
     return errors[{a.recording, a.frame}] > errors[{b.recording, b.frame}];
   });
   return breaches;
+}
+
+std::vector<std::string> idle_rules(const std::vector<Rule>& rules,
+                                    const ReportComparison& comparison,
+                                    bool has_baseline) {
+  std::vector<std::string> idle;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    if (rules[i].level == RuleLevel::off) continue;
+    const std::string why = why_idle(rules[i], comparison, has_baseline);
+    if (why.empty()) continue;
+    std::string rule = fmt::format("rule {}, {}", i + 1, rules[i].metric);
+    if (!rules[i].recording.empty()) rule += " of " + rules[i].recording;
+    if (rules[i].frame >= 0) rule += fmt::format(" frame {}", rules[i].frame);
+    idle.push_back(rule + ", holds nothing: " + why);
+  }
+  return idle;
 }
 
 }  // namespace planescope

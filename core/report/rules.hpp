@@ -67,4 +67,10 @@ struct Breach {
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison);
 
+/// Rules that nothing can break, a line each with why: their recording, frame or labels are not
+/// there, or no baseline is. Those that are off are meant to be.
+std::vector<std::string> idle_rules(const std::vector<Rule>& rules,
+                                    const ReportComparison& comparison,
+                                    bool has_baseline);
+
 }  // namespace planescope

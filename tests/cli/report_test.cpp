@@ -236,6 +236,31 @@ TEST(Report, LeavesOtherFilesOfAFrameAlone) {
       std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures" / "planes.png"));
 }
 
+TEST(Report, FramesThatAreNoLongerAskedForAreGone) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  const auto out = dir / "out";
+  ASSERT_EQ(run(report_args({dir / "rec"}, out, {"--no-pictures"})).code, 0);
+  write_text(out / "frames" / "000001" / "mine.txt", "mine");
+  ASSERT_EQ(run(report_args({dir / "rec"}, out, {"--no-pictures", "--frames", "0"})).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(out / "frames" / "000000" / "report"));
+  EXPECT_FALSE(std::filesystem::exists(out / "frames" / "000001" / "report"));
+  EXPECT_EQ(read_text(out / "frames" / "000001" / "mine.txt"), "mine");
+  EXPECT_FALSE(std::filesystem::exists(out / "frames" / "000002"));
+}
+
+TEST(Report, WithoutPicturesSaysSoAndLeavesNoFolderForThem) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran = run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--json"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(Json::parse(ran.out)["rendered"], false);
+  EXPECT_FALSE(std::filesystem::exists(dir / "out" / "frames" / "000000" / "pictures"));
+  const Ran again =
+      run(report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume", "--json"}));
+  EXPECT_NE(again.err.find("1 of 1 frames were finished before"), std::string::npos) << again.err;
+}
+
 TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
@@ -446,6 +471,59 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
       report("tilted", {"--baseline", baseline, "--gravity", "0.1,1,0", "--approve"});
   EXPECT_EQ(approved.code, 0) << "it was looked at";
   EXPECT_EQ(report("again", {"--baseline", baseline, "--gravity", "0.1,1,0"}).code, 0);
+}
+
+TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  write_depth_folder(dir / "new", floor_and_wall());
+  write_text(dir / "rules.json",
+             R"({"schema": "planescope.rules/1", "rules": [
+               {"metric": "planes_lost", "at_most": 0},
+               {"metric": "planes", "recording": "rce", "at_least": 2}]})");
+  const std::string rules = (dir / "rules.json").string();
+  const Ran forgotten = run(report_args({dir / "rec"}, dir / "out", {"--rules", rules}));
+  EXPECT_EQ(forgotten.code, 0) << forgotten.err;
+  EXPECT_NE(forgotten.out.find("warn   rule 1, planes_lost, holds nothing: needs a baseline\n"
+                               "warn   rule 2, planes of rce, holds nothing: there is no recording "
+                               "of this name\n0 errors, 2 warnings\n"),
+            std::string::npos)
+      << forgotten.out;
+  std::filesystem::copy(dir / "out/report.json", dir / "baseline.json");
+  const Ran more = run(report_args({dir / "rec", dir / "new"}, dir / "more",
+                                   {"--baseline", (dir / "baseline.json").string()}));
+  EXPECT_EQ(more.code, 0) << more.err;
+  EXPECT_NE(more.out.find("warn   new: is not in the baseline\n0 errors, 1 warning against"),
+            std::string::npos)
+      << more.out;
+  EXPECT_EQ(read_report(dir / "more")["verdict"]["unguarded"],
+            Json({"new: is not in the baseline"}));
+  EXPECT_NE(read_text(dir / "more/index.html").find("new: is not in the baseline"),
+            std::string::npos);
+}
+
+TEST(ReportGuard, ANameThatIsNoTextIsTheBaselinesAllTheSame) {
+  const auto dir = scratch();
+  const auto recording = dir / "rec\xff";
+  write_depth_folder(recording, floor_and_wall());
+  const std::string baseline = (dir / "baseline.json").string();
+  ASSERT_EQ(run(report_args({recording}, dir / "a", {"--baseline", baseline, "--approve"})).code,
+            0);
+  const Ran again = run(report_args({recording}, dir / "b", {"--baseline", baseline}));
+  EXPECT_EQ(again.code, 0) << again.out << again.err;
+}
+
+TEST(ReportGuard, WhereTheBaselineCannotBeKeptIsFoundBeforeAnythingIsRun) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "file", "no folder");
+  for (const auto& baseline : {dir / "file" / "baseline.json", dir / "rec"}) {
+    const Ran ran = run(
+        report_args({dir / "rec"}, dir / "out", {"--baseline", baseline.string(), "--approve"}));
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  }
 }
 
 TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {

@@ -77,6 +77,8 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"info", "--intrinsics", "1,2,3"}, "FX,FY,CX,CY"},
       {{"info", "--depth-unit", "-1"}, "--depth-unit"},
       {{"segment"}, "-o DIR"},
+      {{"report", "merge", "--frames", "1"}, "see planescope report merge --help"},
+      {{"report", "--init", "--frames", "1"}, "--frames says nothing of it"},
       {{"segment", "-o"}, "out"},
       {{"synth"}, "sample, stairs"},
       {{"synth", "sample"}, "-o DIR"},

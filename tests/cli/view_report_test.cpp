@@ -166,6 +166,29 @@ TEST_F(ViewReport, WhatIsNotInTheReportIsRefusedInOneLine) {
   EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
 }
 
+TEST_F(ViewReport, OpensFromTheReportsFolderWhatWasTypedAboveIt) {
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const fs::path here = fs::current_path();
+  fs::current_path(dir);
+  const Ran ran = run({"report", "rec", "-o", "a/out", "--no-pictures", "--gravity", "0,1,0"});
+  fs::current_path(dir / "a/out");
+  const Json there = facts("report.json#f1/p1");
+  fs::current_path(here);
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(there["frame"], 1);
+  EXPECT_EQ(there["recording"], (dir / "rec").string());
+}
+
+TEST_F(ViewReport, ADamagedFrameBesideIsNotInTheWay) {
+  write_depth_folder(dir / "rec", floor_and_wall(), 3);
+  fs::resize_file(dir / "rec/depth/000001.png", 200);
+  const Ran ran = run({"report", dir / "rec", "-o", dir / "out", "--no-pictures"});
+  EXPECT_EQ(ran.code, 2) << ran.err;
+  const std::string file = dir / "out/report.json";
+  EXPECT_EQ(facts(file + "#f2/p1")["frame"], 2);
+  EXPECT_EQ(facts(file + "#f2/p1", {dir / "rec"})["frame"], 2);
+}
+
 TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
   write_depth_folder(dir / "rec", floor_and_wall());
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
@@ -178,8 +201,14 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRefusedInOneLine) {
   refuses(file + "#f0/p1", "its recording " + (dir / "rec").string() + " is neither there nor");
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/rec"})["recording"],
             (dir / "elsewhere/rec").string());
+  fs::rename(dir / "elsewhere/rec", dir / "elsewhere/renamed");
+  EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/renamed"})["frame"], 0) << "it was given";
+  fs::rename(dir / "elsewhere/renamed", dir / "elsewhere/rec");
   write_depth_folder(dir / "rec", other);
   refuses(file + "#f0/p1", "is another recording than that of " + file);
+
+  write_depth_folder(dir / "third", other);
+  refuses(file + "#f0/p1", "is another recording than that of " + file, {dir / "third"});
 
   fs::remove_all(dir / "rec");
   fs::rename(dir / "elsewhere/rec", dir / "rec");

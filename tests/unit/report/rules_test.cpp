@@ -202,6 +202,47 @@ TEST(Rules, AMistakeInTheFileIsNamed) {
   EXPECT_NE(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})")
                 .find("rules[0].level is \"fatal\", expected one of off, warn, error"),
             std::string::npos);
+  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})")
+                .find("at_least 5 not above at_most 4"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)")
+                .find("has \"rules\" twice in one object"),
+            std::string::npos);
+}
+
+TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
+  RecordedReport now = baseline();
+  now.recordings[0].frames[1].metrics.reset();
+  const auto found = broken(now);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].rule.metric, "labels_missing");
+  EXPECT_EQ(found[0].frame, 1);
+}
+
+TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
+  const auto idle = [](Rule one, const RecordedReport& now, bool has_baseline = true) {
+    const std::vector<std::string> lines = idle_rules(
+        {one}, compare_reports(has_baseline ? baseline() : RecordedReport(), now), has_baseline);
+    return lines.empty() ? "" : lines[0];
+  };
+  Rule one = rule("planes", 0, 9, RuleScope::frame);
+  EXPECT_EQ(idle(one, baseline()), "");
+  one.frame = 1;
+  EXPECT_EQ(idle(one, baseline()), "");
+  one.recording = "b";
+  EXPECT_EQ(idle(one, baseline()),
+            "rule 1, planes of b frame 1, holds nothing: there is no such frame");
+  one.recording = "bb";
+  EXPECT_EQ(idle(one, baseline()),
+            "rule 1, planes of bb frame 1, holds nothing: there is no recording of this name");
+  one.level = RuleLevel::off;
+  EXPECT_EQ(idle(one, baseline()), "");
+  EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
+            "rule 1, planes_lost, holds nothing: needs a baseline");
+  RecordedReport unlabelled = report_of({{"a", {frame_with(0, {0})}}});
+  unlabelled.recordings[0].frames[0].metrics.reset();
+  EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
+            "rule 1, mean_iou, holds nothing: no frame has labels");
 }
 
 }  // namespace
