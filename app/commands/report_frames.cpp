@@ -332,8 +332,10 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   options.threads = std::max(1, job.options.threads / workers);
   const ReportFramesJob one{job.inputs,    options,        job.classifier, job.run,
                             job.build_key, job.copy_width, job.resume,     job.pictures};
-  // Frames are drawn side by side: no threads of the software renderer's own beside them.
-  if (options.threads == 1) ::setenv("LP_NUM_THREADS", "0", 0);
+  // Mesa's software renderer fills one frame's triangles at a time, whichever thread asks: with
+  // threads of its own it leaves no core idle while others wait for it.
+  ::setenv("LP_NUM_THREADS",
+           std::to_string(job.options.threads > 1 ? job.options.threads : 0).c_str(), 0);
 
   ColorChain chain(job.inputs.size());
   ReportDrawing drawing;

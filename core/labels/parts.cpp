@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/disjoint_sets.hpp"
+
 namespace planescope {
 namespace {
 
 constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
-
-/// Union-find with path halving.
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 }  // namespace
 
@@ -22,33 +18,29 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
   // The pixels grow into the gaps, ring by ring; where two meet on a path short enough they are
   // one. `steps` is the distance into the gap.
   std::vector<std::uint16_t> steps(grid.pixels(), kFar);
-  std::vector<std::uint32_t> parent(grid.pixels());
+  DisjointSets sets(grid.pixels());
   std::vector<std::uint32_t> reached(pixels.begin(), pixels.end());
-  for (const std::uint32_t pixel : reached) {
-    steps[pixel] = 0;
-    parent[pixel] = pixel;
-  }
+  for (const std::uint32_t pixel : reached) steps[pixel] = 0;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const std::uint32_t pixel = reached[k];
     if (2 * steps[pixel] >= gap_px) break;  // from here on the other side comes half way
     for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (grid.measured[other] || steps[other] != kFar) return;
       steps[other] = static_cast<std::uint16_t>(steps[pixel] + 1);
-      parent[other] = pixel;
+      sets.join(other, pixel);
       reached.push_back(other);
     });
   }
   for (const std::uint32_t pixel : reached)
     for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (other > pixel || steps[other] == kFar || steps[pixel] + steps[other] > gap_px) return;
-      const std::uint32_t a = root_of(parent, pixel), b = root_of(parent, other);
-      parent[std::max(a, b)] = std::min(a, b);
+      sets.join(pixel, other);
     });
 
   std::vector<PixelSet> parts;
   std::vector<int> part_of_root(grid.pixels(), -1);
   for (const std::uint32_t pixel : pixels) {
-    int& part = part_of_root[root_of(parent, pixel)];
+    int& part = part_of_root[sets.root(pixel)];
     if (part < 0) {
       part = static_cast<int>(parts.size());
       parts.emplace_back();

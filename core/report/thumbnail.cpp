@@ -13,24 +13,39 @@
 namespace planescope {
 namespace {
 
-/// Source pixels [first, last) that a target pixel covers, with the weights of the outer ones.
+/// Source pixels from `first` on that a target pixel covers, and how much of it each is.
 struct Span {
-  int first = 0, last = 0;
-  double begin = 0, end = 0;
-  double weight(int i) const { return std::min(end, i + 1.0) - std::max(begin, double(i)); }
+  int first = 0;
+  std::vector<double> shares;  // their sum is 1
 };
 std::vector<Span> spans(int source, int target) {
   std::vector<Span> result;
   const double scale = static_cast<double>(source) / target;
   for (int i = 0; i < target; ++i) {
+    const double begin = i * scale, end = (i + 1) * scale;
     Span span;
-    span.begin = i * scale;
-    span.end = (i + 1) * scale;
-    span.first = static_cast<int>(std::floor(span.begin));
-    span.last = std::min(source, static_cast<int>(std::ceil(span.end - 1e-9)));
+    span.first = static_cast<int>(std::floor(begin));
+    const int last = std::min(source, static_cast<int>(std::ceil(end - 1e-9)));
+    for (int pixel = span.first; pixel < last; ++pixel)
+      span.shares.push_back((std::min(end, pixel + 1.0) - std::max(begin, double(pixel))) / scale);
     result.push_back(span);
   }
   return result;
+}
+
+/// sums += share * row, shrunk to `columns`.
+void add_row(const std::uint8_t* row,
+             int channels,
+             const std::vector<Span>& columns,
+             double share,
+             std::vector<double>& sums) {
+  double* sum = sums.data();
+  for (const Span& column : columns) {
+    const std::uint8_t* pixel = row + column.first * channels;
+    for (const double part : column.shares)
+      for (int c = 0; c < channels; ++c) sum[c] += share * part * *pixel++;
+    sum += channels;
+  }
 }
 
 }  // namespace
@@ -42,20 +57,15 @@ Image8 shrink(const Image8& image, int max_width) {
   Image8 small(max_width, height, image.channels);
   const std::vector<Span> columns = spans(image.width, max_width);
   const std::vector<Span> rows = spans(image.height, height);
+  std::vector<double> sums(static_cast<std::size_t>(max_width) * image.channels);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < max_width; ++x) {
-      for (int c = 0; c < image.channels; ++c) {
-        double sum = 0, weights = 0;
-        for (int v = rows[y].first; v < rows[y].last; ++v) {
-          for (int u = columns[x].first; u < columns[x].last; ++u) {
-            const double weight = rows[y].weight(v) * columns[x].weight(u);
-            sum += weight * image.at(u, v, c);
-            weights += weight;
-          }
-        }
-        small.at(x, y, c) = static_cast<std::uint8_t>(std::lround(sum / weights));
-      }
-    }
+    std::ranges::fill(sums, 0);
+    int row = rows[y].first;
+    for (const double share : rows[y].shares)
+      add_row(&image.at(0, row++), image.channels, columns, share, sums);
+    std::ranges::transform(sums, &small.at(0, y), [](double sum) {
+      return static_cast<std::uint8_t>(std::min(sum + 0.5, 255.0));
+    });
   }
   return small;
 }

@@ -72,6 +72,14 @@ NearestPlane nearest_plane(const SegmentState& state,
   return best;
 }
 
+void give_up_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points) {
+  state.planes[plane].alive = false;
+  for (const std::uint32_t i : points) {
+    state.plane_of[i] = -1;
+    state.leftovers.push_back(i);
+  }
+}
+
 void assign_leftovers(SegmentState& state, std::size_t first) {
   state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());
   const auto leftovers = std::span(state.leftovers).subspan(first);

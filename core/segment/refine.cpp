@@ -21,11 +21,7 @@ bool contradicts_its_label(const GrowingPlane& plane) {
 
 void drop(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points) {
   state.log({.type = EventType::refine, .refinement = 2, .plane = plane});
-  state.planes[plane].alive = false;
-  for (const std::uint32_t i : points) {
-    state.plane_of[i] = -1;
-    state.leftovers.push_back(i);
-  }
+  give_up_plane(state, plane, points);
 }
 
 bool larger(const SegmentState& state, std::int32_t a, std::int32_t b) {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/segment/cells.hpp"
 #include "core/segment/sight.hpp"
 #include "core/segment/state.hpp"
@@ -13,23 +13,6 @@ namespace planescope {
 namespace {
 
 using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
-
-/// Disjoint sets of 0 .. n - 1; the smallest member stands for its set.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Finds the parts of one plane after the other.
 class PartFinder {
@@ -43,7 +26,7 @@ class PartFinder {
 
   /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
   std::vector<Part> parts_of(std::span<const std::uint32_t> points) {
-    Sets sets(points.size());
+    DisjointSets sets(points.size());
     gather(points, sets);
     for (std::size_t c = 0; c < cells_.size(); ++c) {
       link(points, cells_[c], cells_[c], sets);
@@ -76,7 +59,7 @@ class PartFinder {
     return std::clamp(static_cast<int>(std::ceil(std::log2(gap_m / leaf))), 0, cube.max_depth);
   }
 
-  void gather(std::span<const std::uint32_t> points, Sets& sets) {
+  void gather(std::span<const std::uint32_t> points, DisjointSets& sets) {
     constexpr int kClumpLevels = 2;  // a quarter of a cell: its diagonal is less than the gap
     const int shift = 3 * (levels_ - kClumpLevels);
     cells_.clear();
@@ -98,13 +81,16 @@ class PartFinder {
     }
   }
 
-  bool is_whole(const Cell& cell, Sets& sets) const {
+  bool is_whole(const Cell& cell, DisjointSets& sets) const {
     for (std::uint32_t c = cell.begin; c < cell.end; ++c)
       if (sets.root(clumps_[c].begin) != sets.root(clumps_[cell.begin].begin)) return false;
     return true;
   }
 
-  void link(std::span<const std::uint32_t> points, const Cell& a, const Cell& b, Sets& sets) const {
+  void link(std::span<const std::uint32_t> points,
+            const Cell& a,
+            const Cell& b,
+            DisjointSets& sets) const {
     if (a.whole && b.whole &&
         sets.root(clumps_[a.begin].begin) == sets.root(clumps_[b.begin].begin))
       return;
@@ -122,7 +108,7 @@ class PartFinder {
     return false;
   }
 
-  static std::vector<Part> parts_in(std::span<const std::uint32_t> points, Sets& sets) {
+  static std::vector<Part> parts_in(std::span<const std::uint32_t> points, DisjointSets& sets) {
     std::vector<Part> parts;
     std::vector<std::uint32_t> number(points.size());
     for (std::uint32_t k = 0; k < points.size(); ++k) {
@@ -169,7 +155,7 @@ std::vector<Part> parts_seen_apart(const SegmentState& state,
     return is_plane_of_its_own(state, part);
   });
   const auto count = static_cast<std::uint32_t>(scraps - parts.begin());
-  Sets sets(parts.size());
+  DisjointSets sets(parts.size());
   for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
   if (count > 1) {
     const Sight sight(state, plane, spacing_m);
@@ -215,11 +201,7 @@ void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
 /// A part too small to be a candidate is none.
 void drop(SegmentState& state, std::int32_t plane, const Part& points) {
   state.log({.type = EventType::leave, .refinement = kSplit, .plane = plane});
-  state.planes[plane].alive = false;
-  for (const std::uint32_t i : points) {
-    state.plane_of[i] = -1;
-    state.leftovers.push_back(i);
-  }
+  give_up_plane(state, plane, points);
 }
 
 }  // namespace

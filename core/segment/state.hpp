@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/segment/candidate.hpp"
@@ -115,6 +116,8 @@ NearestPlane nearest_plane(const SegmentState& state,
 void join_weak_candidates(SegmentState& state);
 void merge_planes_again(SegmentState& state);
 void prune_explained_planes(SegmentState& state);
+/// Its points are left over.
+void give_up_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);
 void assign_leftovers(SegmentState& state, std::size_t first = 0);  // of state.leftovers
 void refit_planes(SegmentState& state);
 void reassign_shared_points(SegmentState& state);

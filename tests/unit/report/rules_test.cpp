@@ -151,6 +151,17 @@ TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {
       "");
 }
 
+TEST(Rules, TheDocumentTellsOfEveryMetricWithItsUnit) {
+  std::ifstream file(PLANESCOPE_SOURCE_DIR "/docs/report.md");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (const RuleMetric& metric : rule_metrics()) {
+    std::string row = "| `";
+    row.append(metric.name).append("` | ").append(metric.unit).append(" | ");
+    row.append(metric.meaning).append(" | ");
+    EXPECT_NE(text.find(row), std::string::npos) << row;
+  }
+}
+
 TEST(Rules, TimesOnlyEverWarn) {
   const fs::path file = temp_dir() / "time.rules.json";
   const auto written = [&](const char* level) {
