@@ -27,9 +27,9 @@ function(planescope_target_defaults target)
 endfunction()
 
 # planescope_unity(target [ALONE sources...]): with PLANESCOPE_UNITY, compiles the target's files
-# eight at a time, in the order they are listed and only with files of their own folder: a third of
-# the time. Names in anonymous namespaces must then differ within a folder; files whose names do
-# not, and files with compile options of their own, compile alone.
+# eight at a time, in the order they are listed and only with files of their own folder: half the
+# time. Names in anonymous namespaces must then differ within a folder; files whose names do not
+# compile alone, as CMake has it for files with compile options of their own.
 function(planescope_unity target)
   if(NOT PLANESCOPE_UNITY)
     return()
@@ -44,16 +44,21 @@ function(planescope_unity target)
     get_filename_component(source ${source} ABSOLUTE)
     get_filename_component(folder ${source} DIRECTORY)
     file(RELATIVE_PATH name ${CMAKE_CURRENT_SOURCE_DIR} ${source})
-    get_source_file_property(own_options ${source} TARGET_DIRECTORY ${target} COMPILE_OPTIONS)
-    if(own_options OR name IN_LIST ARG_ALONE)
+    if(name IN_LIST ARG_ALONE)
+      list(REMOVE_ITEM ARG_ALONE ${name})
       continue()
     endif()
+    # The same in every checkout, for ccache.
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "of_${folder}" folder)
     math(EXPR batch "${count_${folder}}0 / 80")
     math(EXPR count_${folder} "${count_${folder}}+0 + 1")
     set_source_files_properties(${source} TARGET_DIRECTORY ${target}
       PROPERTIES UNITY_GROUP "${folder}_${batch}")
   endforeach()
+  if(ARG_ALONE)
+    message(FATAL_ERROR "${target} has no ${ARG_ALONE}, which it lists as ALONE")
+  endif()
 endfunction()
 
 # planescope_test(NAME sources... [LIBS libs...] [LABELS labels...] [ALONE sources...]): one
@@ -65,7 +70,7 @@ function(planescope_test name)
   target_link_libraries(${name} PRIVATE planescope::core ${ARG_LIBS} GTest::gtest GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  # What is tested is optimised as ever; the tests need not be, and compile quicker.
+  # The libraries are optimised to the end; tests need not be, and compile quicker.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   planescope_unity(${name} ALONE ${ARG_ALONE})
   # Listing the tests is a start of the program: it waits for the test run, off the build's path.

@@ -20,7 +20,8 @@ void print_facts(const std::filesystem::path& out, const Report& report, bool js
   const ReportTotals totals = totals_of(report);
   const std::string page = (out / "index.html").string();
   if (!json) {
-    fmt::print("{}: {} frames, {} planes\n", page, totals.frames_done, totals.planes);
+    fmt::print("{}: {} frame{}, {} plane{}\n", page, totals.frames_done,
+               totals.frames_done == 1 ? "" : "s", totals.planes, totals.planes == 1 ? "" : "s");
     if (report.judgement) fmt::print("{}", report.judgement->text());
     return;
   }
@@ -94,6 +95,7 @@ int finish_report(const std::filesystem::path& out,
     fmt::print(stderr, "planescope: warning: --approve: {} stays as it was\n",
                args.baseline.string());
   else if (args.approve) {
+    fs::create_directories(fs::absolute(args.baseline).parent_path());
     guard.approve(out / "report.json");
     fmt::print(stderr, "planescope: {} is the baseline now\n", args.baseline.string());
   }

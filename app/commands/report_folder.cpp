@@ -36,6 +36,14 @@ void settle_record(const fs::path& frame, ReportFrame& record) {
   }
 }
 
+/// "01-a.bag", as report_frame_folder() names it; not another report that lies there.
+bool is_of_a_recording(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  return digits >= 2 && name.compare(digits, 1, "-") == 0 && entry.is_directory() &&
+         !entry.is_symlink() && !fs::exists(entry.path() / "report.json");
+}
+
 template <typename Body>
 auto on_disk(const fs::path& dir, Body&& body) {
   try {
@@ -147,7 +155,7 @@ ReportFrame ReportFolder::read(const fs::path& frame) const {
 void ReportFolder::remove_others(const std::set<fs::path>& frames) {
   std::vector<fs::path> places = {dir_};  // of "frames"
   for (const auto& entry : fs::directory_iterator(dir_))
-    if (entry.is_directory() && entry.path() != work_) places.push_back(entry.path());
+    if (is_of_a_recording(entry)) places.push_back(entry.path());
   for (const fs::path& place : places) {
     std::vector<fs::path> others;
     std::error_code failed;

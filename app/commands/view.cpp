@@ -35,9 +35,10 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
-  document.recording_options.damaged_frames_later = opens_report;
+  RecordingOptions options = args.input.recording;
+  options.damaged_frames_later = opens_report;  // it may be another frame that is opened
   const auto open = [&](const fs::path& path) {
-    document.recordings.push_back({path, open_recording(path, document.recording_options),
+    document.recordings.push_back({path, open_recording(path, options),
                                    args.input.label_dir.value_or(default_label_dir(path))});
   };
   for (const fs::path& path : args.input.inputs) open(path);

@@ -25,20 +25,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As it was typed, from the folders on in which the report lies, or beside it; nothing where none
-/// is there. It was typed where the report was run, often some folders above it.
-std::optional<fs::path> find_file(const fs::path& typed, const fs::path& report) {
-  std::error_code none;
-  if (fs::exists(typed, none)) return typed;
+/// Where a file that was typed when the report was made may be, those that are there: from here,
+/// beside the report, and from its folder and those above it on, where reports are mostly run.
+std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   const fs::path folder = fs::absolute(report).parent_path();
+  std::vector<fs::path> places = {
+      typed, folder / (typed.has_filename() ? typed.filename() : typed.parent_path().filename())};
   for (fs::path above = folder;; above = above.parent_path()) {
-    if (fs::exists(above / typed, none)) return above / typed;
+    places.push_back(above / typed);
     if (above == above.parent_path()) break;
   }
-  const fs::path beside =
-      folder / (typed.has_filename() ? typed.filename() : typed.parent_path().filename());
-  if (fs::exists(beside, none)) return beside;
-  return {};
+  std::erase_if(places, [](const fs::path& place) {
+    std::error_code none;
+    return !fs::exists(place, none);
+  });
+  return places;
 }
 
 const RecordedRecording& recording_of(const RecordedReport& report, const ReportTarget& target) {
@@ -103,71 +104,80 @@ PipelineOptions options_from(const RecordedReport& report,
                                  file.filename().string()));
     return options;
   }
-  const auto weights = find_file(options.classifier, file);
-  if (!weights)
-    throw Error(fmt::format("{}: its weights {} are neither there nor beside it", file.string(),
-                            options.classifier));
-  if (sha256_hex_of_file(*weights) != report.weights_sha256)
+  const std::vector<fs::path> places = places_of(options.classifier, file);
+  if (places.empty())
+    throw Error(fmt::format("{}: its weights {} are neither there nor in or above its folder",
+                            file.string(), options.classifier));
+  const auto same = std::ranges::find(places, report.weights_sha256, sha256_hex_of_file);
+  if (same == places.end())
     throw Error(fmt::format("{}: are other weights than those of {}, SHA-256 differs",
-                            weights->string(), file.string()));
-  options.classifier = weights->string();
+                            places[0].string(), file.string()));
+  options.classifier = same->string();
   return options;
 }
 
-/// Throws Error where it is another recording than the report's.
-void expect_same_frame(const OpenRecording& open,
-                       const RecordedFrame& frame,
-                       const fs::path& report) {
+/// Why it is another recording than the report's; empty: it is that.
+std::string why_other(const OpenRecording& open,
+                      const RecordedFrame& frame,
+                      const fs::path& report) {
+  const std::string other =
+      fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
   const int count = open.recording->frame_count();
   if (frame.index >= count)
-    throw Error(
-        fmt::format("{}: is another recording than that of {}: it has {} frames, expected "
-                    "frame {}",
-                    open.path.string(), report.string(), count, frame.index));
+    return fmt::format("{}: it has {} frames, expected frame {}", other, count, frame.index);
   const std::string found = open.recording->frame_hash(frame.index);
   if (!frame.sha256.empty() && found != frame.sha256)
-    throw Error(
-        fmt::format("{}: is another recording than that of {}: frame {} has SHA-256 {}, "
-                    "expected {}",
-                    open.path.string(), report.string(), frame.index, found, frame.sha256));
+    return fmt::format("{}: frame {} has SHA-256 {}, expected {}", other, frame.index, found,
+                       frame.sha256);
+  return "";
 }
 
-/// The report says of a damaged frame what it is; the others can be seen.
-OpenRecording open_tolerant(const fs::path& path,
-                            RecordingOptions options,
-                            const fs::path& label_dir) {
-  options.damaged_frames_later = true;
-  return {path, open_recording(path, options), label_dir};
+/// A recording that may be the report's.
+struct Candidate {
+  fs::path path;
+  RecordingOptions options;
+  fs::path label_dir;
+};
+
+std::vector<Candidate> candidates_of(const State& state,
+                                     const RecordedRecording& recorded,
+                                     const ReportLink& link,
+                                     const fs::path& report) {
+  std::vector<Candidate> candidates;
+  for (const OpenRecording& open : state.document.recordings) {
+    const fs::path path = fs::absolute(open.path).lexically_normal();
+    if (link.only_given ||
+        (path.has_filename() ? path : path.parent_path()).filename() == recorded.name)
+      candidates.push_back({open.path, state.document.recording_options, open.label_dir});
+  }
+  if (link.only_given) return candidates;
+  for (const fs::path& path : places_of(recorded.path, report))
+    candidates.push_back(
+        {path, recorded.options, link.label_dir.value_or(default_label_dir(path))});
+  return candidates;
 }
 
+/// The first that is the report's recording. Throws Error.
 OpenRecording open_recorded(const State& state,
                             const RecordedRecording& recorded,
                             const RecordedFrame& frame,
                             const ReportLink& link,
                             const fs::path& report) {
-  const std::vector<OpenRecording>& given = state.document.recordings;
-  for (const OpenRecording& open : given) {
-    const fs::path path = fs::absolute(open.path).lexically_normal();
-    const bool of_this_name =
-        (path.has_filename() ? path : path.parent_path()).filename() == recorded.name;
-    if (!of_this_name && !(link.only_given && given.size() == 1)) continue;
-    OpenRecording again =
-        open_tolerant(open.path, state.document.recording_options, open.label_dir);
-    expect_same_frame(again, frame, report);
-    return again;
+  std::string refusal;
+  for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
+    // The report says of a damaged frame what it is; the others can be seen.
+    candidate.options.damaged_frames_later = true;
+    const OpenRecording open{candidate.path, open_recording(candidate.path, candidate.options),
+                             candidate.label_dir};
+    const std::string why = why_other(open, frame, report);
+    if (why.empty()) return open;
+    if (refusal.empty()) refusal = why;
   }
-  const auto path = find_file(recorded.path, report);
-  if (!path || link.only_given)
-    throw Error(
-        fmt::format("{}: its recording {} is {}; give it: planescope view RECORDING --open {}",
-                    report.string(), recorded.path.string(),
-                    link.only_given ? "none of those that were given"
-                                    : "neither there nor in or above the report's folder",
-                    report.string()));
-  OpenRecording open =
-      open_tolerant(*path, recorded.options, link.label_dir.value_or(default_label_dir(*path)));
-  expect_same_frame(open, frame, report);
-  return open;
+  if (!refusal.empty()) throw Error(refusal);
+  throw Error(fmt::format(
+      "{}: its recording {} is neither there nor in or above the report's folder; give it: "
+      "planescope view RECORDING --open {}",
+      report.string(), recorded.path.string(), report.string()));
 }
 
 bool same_options(const PipelineOptions& a, const PipelineOptions& b) {
@@ -193,8 +203,9 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
                               target.file.string(), target.plane));
     return {};
   }
-  const auto file = link.baseline.empty() ? find_file(typed, target.file) : typed;
-  if (!file) {
+  const std::vector<fs::path> places =
+      link.baseline.empty() ? places_of(typed, target.file) : std::vector{typed};
+  if (places.empty()) {
     if (target.of_baseline)
       throw Error(
           fmt::format("{}: its baseline {} is neither there nor in or above its folder; "
@@ -204,11 +215,13 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
                                typed.string()));
     return {};
   }
-  Baseline baseline{*file, read_report(*file)};
+  const fs::path& file = places[0];
+  if (file != typed) add_note(note, fmt::format("the baseline is {}", file.string()));
+  Baseline baseline{file, read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)
     throw Error(fmt::format("{}: is {} itself, approved since: was{} was of an earlier baseline",
-                            file->string(), target.file.string(), target.plane));
+                            file.string(), target.file.string(), target.plane));
   return baseline;
 }
 

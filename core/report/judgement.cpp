@@ -24,20 +24,24 @@ std::string counted(int count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// Frames that the baseline has not, in a line for each recording.
+/// Of each recording the frames that the baseline has not.
 std::vector<std::string> added_frames(const ReportComparison& comparison) {
-  std::vector<std::string> lines;
-  for (std::size_t i = 0; i < comparison.frames.size();) {
-    const std::string& recording = comparison.frames[i].recording;
-    int frames = 0, added = 0;
-    for (; i < comparison.frames.size() && comparison.frames[i].recording == recording; ++i) {
-      ++frames;
-      added += comparison.frames[i].fate == FrameFate::added;
-    }
-    if (added > 0)
-      lines.push_back(fmt::format("{}: {} not in the baseline", recording,
-                                  added == frames ? "is" : counted(added, "frame")));
+  struct Count {
+    std::string recording;
+    int added = 0, all = 0;
+  };
+  std::vector<Count> counts;
+  for (const FrameComparison& frame : comparison.frames) {
+    auto count = std::ranges::find(counts, frame.recording, &Count::recording);
+    if (count == counts.end()) count = counts.insert(count, {frame.recording});
+    ++count->all;
+    count->added += frame.fate == FrameFate::added;
   }
+  std::vector<std::string> lines;
+  for (const Count& count : counts)
+    if (count.added > 0)
+      lines.push_back(fmt::format("{}: {} not in the baseline", count.recording,
+                                  count.added == count.all ? "is" : counted(count.added, "frame")));
   return lines;
 }
 
@@ -46,6 +50,17 @@ std::vector<std::string> added_frames(const ReportComparison& comparison) {
 int Judgement::errors() const {
   return static_cast<int>(std::ranges::count(
       breaches, RuleLevel::error, [](const Breach& breach) { return breach.rule.level; }));
+}
+
+int Judgement::warnings() const {
+  return static_cast<int>(breaches.size() + idle.size() + added.size()) - errors();
+}
+
+std::vector<std::string> Judgement::unguarded() const {
+  std::vector<std::string> lines;
+  for (const IdleRule& rule : idle) lines.push_back(rule.text());
+  lines.insert(lines.end(), added.begin(), added.end());
+  return lines;
 }
 
 std::vector<std::string> Judgement::differences() const {
@@ -61,7 +76,11 @@ std::string Judgement::text() const {
                         breaches[i].text());
   if (breaches.size() > kMostLines)
     text += fmt::format("... and {} more\n", breaches.size() - kMostLines);
-  for (const std::string& line : unguarded) text.append("warn   ").append(line).append("\n");
+  const std::vector<std::string> lines = unguarded();
+  for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i)
+    text.append("warn   ").append(lines[i]).append("\n");
+  if (lines.size() > kMostLines)
+    text += fmt::format("... and {} more\n", lines.size() - kMostLines);
   const std::string against = baseline ? " against " + baseline_file : "";
   return text + fmt::format("{}, {}{}\n", counted(errors(), "error"),
                             counted(warnings(), "warning"), against);
@@ -72,7 +91,7 @@ Json judgement_json(const Judgement& judgement) {
                {"differences", judgement.differences()},
                {"errors", judgement.errors()},
                {"warnings", judgement.warnings()},
-               {"unguarded", judgement.unguarded},
+               {"unguarded", judgement.unguarded()},
                {"breaches", Json::array()}};
   for (const Breach& breach : judgement.breaches)
     json["breaches"].push_back(
@@ -112,10 +131,8 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
       compare_reports(judgement->baseline ? *judgement->baseline : none, judgement->now);
   judgement->breaches = broken_rules(rules_, judgement->comparison);
   const bool has_baseline = judgement->baseline.has_value();
-  if (!is_first_) judgement->unguarded = idle_rules(rules_, judgement->comparison, has_baseline);
-  if (has_baseline)
-    for (std::string& line : added_frames(judgement->comparison))
-      judgement->unguarded.push_back(std::move(line));
+  if (!is_first_) judgement->idle = idle_rules(rules_, judgement->comparison, has_baseline);
+  if (has_baseline) judgement->added = added_frames(judgement->comparison);
   return judgement;
 }
 

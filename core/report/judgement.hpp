@@ -20,15 +20,18 @@ struct Judgement {
   std::vector<Rule> rules;
   ReportComparison comparison;   // points into both
   std::vector<Breach> breaches;  // worst first
-  /// Idle rules, and recordings and frames that the baseline has not: each counts as a warning.
-  std::vector<std::string> unguarded;
+  std::vector<IdleRule> idle;
+  std::vector<std::string> added;  // "rec: is not in the baseline", a line for each recording
 
   Judgement() = default;
   Judgement(const Judgement&) = delete;
   Judgement& operator=(const Judgement&) = delete;
 
   int errors() const;
-  int warnings() const { return static_cast<int>(breaches.size() + unguarded.size()) - errors(); }
+  /// What is broken, idle or added, but no error.
+  int warnings() const;
+  /// Idle rules and what was added, a line each.
+  std::vector<std::string> unguarded() const;
   /// Of options, weights and the like; none without a baseline.
   std::vector<std::string> differences() const;
   /// Lines for people, the worst first, the count at the end.

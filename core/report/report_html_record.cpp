@@ -99,9 +99,12 @@ void set_rules(const Judgement& judgement, Data& data) {
     row.set("frames", frames_of(rule));
     row.set("limits", limits_of(rule));
     row.set("level", to_string(rule.level));
-    row.set("broken", broken > 0 ? counted(static_cast<std::size_t>(broken), "time") : "held");
-    const char* bad = rule.level == RuleLevel::error ? "failed" : "warning";
-    row.set("class", broken > 0 ? Data(bad) : Data(false));
+    const bool idle = std::ranges::count(judgement.idle, rule, &IdleRule::rule) > 0;
+    row.set("broken", broken > 0 ? counted(static_cast<std::size_t>(broken), "time")
+                      : idle     ? "holds nothing"
+                                 : "held");
+    const char* bad = rule.level == RuleLevel::error && !idle ? "failed" : "warning";
+    row.set("class", broken > 0 || idle ? Data(bad) : Data(false));
     rows.push_back(row);
   }
   data.set("has_rules", rows.is_non_empty_list());

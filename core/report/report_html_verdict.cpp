@@ -172,7 +172,7 @@ Data worst_data(const PageSource& page, const PageFrame& frame) {
 Data general_data(const PagePlan& plan, const Judgement* judgement) {
   Data list{Data::type::list};
   const std::vector<std::string> none;
-  for (const std::string& line : judgement ? judgement->unguarded : none) {
+  for (const std::string& line : judgement ? judgement->unguarded() : none) {
     Data row;
     row.set("level", to_string(RuleLevel::warn));
     row.set("class", "warning");

@@ -14,6 +14,7 @@
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/report/json_place.hpp"
+#include "core/report/rule_metrics.hpp"
 
 namespace planescope {
 namespace {
@@ -22,155 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.rules/1";
 constexpr std::uintmax_t kMostBytes = 1 << 20;
-
-using FrameValue = std::optional<double> (*)(const FrameComparison&);
-
-struct Metric {
-  RuleMetric metric;
-  FrameValue value;  // nullopt where the frame has none
-};
-
-template <PlaneFate kFate>
-std::optional<double> planes_with(const FrameComparison& frame) {
-  if (frame.fate != FrameFate::compared) return std::nullopt;
-  return frame.count(kFate);
-}
-
-template <FrameFate kFate>
-std::optional<double> frames_with(const FrameComparison& frame) {
-  if (!frame.baseline) return std::nullopt;
-  return frame.fate == kFate ? 1 : 0;
-}
-
-/// Of planes that are the same plane in both.
-std::optional<double> farthest(const FrameComparison& frame, double PlaneComparison::*value) {
-  if (frame.fate != FrameFate::compared) return std::nullopt;
-  double most = 0;
-  for (const PlaneComparison& plane : frame.planes)
-    if (plane.fate <= PlaneFate::moved) most = std::max(most, plane.*value);
-  return most;
-}
-
-const RecordedFrame* done(const RecordedFrame* frame) {
-  return frame && frame->refused.empty() ? frame : nullptr;
-}
-
-template <double Metrics::*kValue>
-std::optional<double> scored(const FrameComparison& frame) {
-  const RecordedFrame* now = done(frame.now);
-  if (!now || !now->metrics) return std::nullopt;
-  return now->metrics.value().*kValue;
-}
-
-template <double Metrics::*kValue>
-std::optional<double> score_change(const FrameComparison& frame) {
-  if (frame.fate != FrameFate::compared || !frame.now->metrics || !frame.baseline->metrics)
-    return std::nullopt;
-  const double change = (*frame.now->metrics).*kValue - (*frame.baseline->metrics).*kValue;
-  if (std::isnan(change)) return std::nullopt;
-  return change;
-}
-
-std::optional<double> time_ratio(const RecordedFrame* frame) {
-  if (!done(frame) || frame->time_ratio <= 0) return std::nullopt;
-  return frame->time_ratio;
-}
-
-double share_on_planes(const RecordedFrame& frame) {
-  return frame.points > 0
-             ? 100 * static_cast<double>(frame.points_on_planes) / static_cast<double>(frame.points)
-             : 0;
-}
-
-/// Labels that are gone take what held the frame to them along.
-std::optional<double> labels_missing(const FrameComparison& frame) {
-  const RecordedFrame *before = done(frame.baseline), *now = done(frame.now);
-  if (!before || !now) return std::nullopt;
-  return before->metrics && !now->metrics ? 1 : 0;
-}
-
-const std::vector<Metric>& metrics() {
-  using enum RuleFold;
-  static const std::vector<Metric> all = {
-      {{"planes_lost", "planes", "planes of the baseline that are gone", true, false, sum},
-       planes_with<PlaneFate::lost>},
-      {{"planes_gained", "planes", "planes that the baseline has not", true, false, sum},
-       planes_with<PlaneFate::gained>},
-      {{"planes_merged", "planes", "planes of the baseline that are one now", true, false, sum},
-       planes_with<PlaneFate::merged>},
-      {{"planes_split", "planes", "planes of the baseline that are several now", true, false, sum},
-       planes_with<PlaneFate::split>},
-      {{"planes_moved", "planes", "planes moved by 5 mm or turned by 1 degree", true, false, sum},
-       planes_with<PlaneFate::moved>},
-      {{"planes_resized", "planes", "planes with a quarter more area, or less", true, false, sum},
-       planes_with<PlaneFate::resized>},
-      {{"offset_mm", "mm", "the farthest that a plane moved", true, false, largest},
-       [](const FrameComparison& frame) {
-         std::optional<double> offset = farthest(frame, &PlaneComparison::offset_m);
-         if (offset) *offset *= 1000;
-         return offset;
-       }},
-      {{"angle_deg", "degrees", "the farthest that a plane turned", true, false, largest},
-       [](const FrameComparison& frame) { return farthest(frame, &PlaneComparison::angle_deg); }},
-      {{"frames_refused", "frames", "frames that the baseline processed and this does not", true,
-        false, sum},
-       frames_with<FrameFate::refused>},
-      {{"frames_missing", "frames", "frames that the baseline has alone", true, false, sum},
-       frames_with<FrameFate::missing>},
-      {{"inputs_changed", "frames", "frames whose pixels or points are not the baseline's", true,
-        false, sum},
-       frames_with<FrameFate::other_input>},
-      {{"labels_missing", "frames", "frames that the baseline has labels for and this has not",
-        true, false, sum},
-       labels_missing},
-      {{"planes", "planes", "planes found", false, false, sum},
-       [](const FrameComparison& frame) -> std::optional<double> {
-         if (const RecordedFrame* now = done(frame.now))
-           return static_cast<double>(now->planes.size());
-         return std::nullopt;
-       }},
-      {{"on_planes_percent", "%", "points on planes", false, false},
-       [](const FrameComparison& frame) -> std::optional<double> {
-         if (const RecordedFrame* now = done(frame.now)) return share_on_planes(*now);
-         return std::nullopt;
-       }},
-      {{"on_planes_change", "% points", "points on planes, now less the baseline", true, false},
-       [](const FrameComparison& frame) -> std::optional<double> {
-         if (frame.fate != FrameFate::compared) return std::nullopt;
-         return share_on_planes(*frame.now) - share_on_planes(*frame.baseline);
-       }},
-      {{"mean_iou", "%", "mean IoU with the true planes", false, true}, scored<&Metrics::mean_iou>},
-      {{"pq", "%", "panoptic quality", false, true}, scored<&Metrics::pq>},
-      {{"alpha_deg", "degrees", "mean angle to the true normals", false, true},
-       scored<&Metrics::alpha_deg>},
-      {{"r_p", "%", "planes found of true ones", false, true}, scored<&Metrics::r_p>},
-      {{"r_m", "%", "points in no plane", false, true}, scored<&Metrics::r_m>},
-      {{"point_accuracy", "%", "points on the right plane", false, true},
-       scored<&Metrics::point_accuracy>},
-      {{"mean_iou_change", "% points", "mean IoU, now less the baseline", true, true},
-       score_change<&Metrics::mean_iou>},
-      {{"pq_change", "% points", "panoptic quality, now less the baseline", true, true},
-       score_change<&Metrics::pq>},
-      {{"alpha_change", "degrees", "alpha, now less the baseline", true, true},
-       score_change<&Metrics::alpha_deg>},
-      {{"point_accuracy_change", "% points", "point accuracy, now less the baseline", true, true},
-       score_change<&Metrics::point_accuracy>},
-      {{"time_ratio", "", "time from voxel grid to planes, of that of work timed beside it", false,
-        false, mean, true},
-       [](const FrameComparison& frame) { return time_ratio(frame.now); }},
-      {{"time_growth", "times", "time_ratio, now of the baseline's", true, false, mean, true},
-       [](const FrameComparison& frame) -> std::optional<double> {
-         const auto now = time_ratio(frame.now), before = time_ratio(frame.baseline);
-         if (!now || !before) return std::nullopt;
-         return *now / *before;
-       }},
-  };
-  return all;
-}
-
-const Metric& find_metric(std::string_view name) {
-  return *std::ranges::find(metrics(), name, [](const Metric& m) { return m.metric.name; });
-}
 
 /// Of a frame, a recording, or all.
 struct Group {
@@ -261,21 +113,22 @@ Rule rule_of(const JsonPlace& place) {
 
 /// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
 std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
-  const RuleMetric& metric = find_metric(rule.metric).metric;
-  if (metric.needs_baseline && !has_baseline) return "needs a baseline";
-  const std::vector<FrameComparison>& frames = comparison.frames;
-  if (!rule.recording.empty() &&
-      std::ranges::find(frames, rule.recording, &FrameComparison::recording) == frames.end())
-    return "there is no recording of this name";
-  if (std::ranges::none_of(frames,
-                           [&](const FrameComparison& frame) { return is_of(rule, frame); }))
-    return "there is no such frame";
-  const auto has_labels = [&](const FrameComparison& frame) {
-    return is_of(rule, frame) && done(frame.now) && frame.now->metrics;
-  };
-  if (metric.needs_truth && !metric.needs_baseline && std::ranges::none_of(frames, has_labels))
-    return "no frame has labels";
-  return "";
+  const Metric& metric = find_metric(rule.metric);
+  if (metric.metric.needs_baseline && !has_baseline) return "it needs a baseline";
+  bool has_recording = rule.recording.empty(), has_frame = false, has_value = false;
+  for (const FrameComparison& frame : comparison.frames) {
+    if (!frame.now && !metric.metric.needs_baseline) continue;
+    has_recording |= frame.recording == rule.recording;
+    if (!is_of(rule, frame)) continue;
+    has_frame = true;
+    has_value |= metric.value(frame).has_value();
+  }
+  if (!has_recording) return "there is no recording of this name";
+  if (!has_frame) return "there is no such frame";
+  // A change of scores waits for labels, unless it is asked for by name.
+  const bool by_name = !rule.recording.empty() || rule.frame >= 0;
+  if (has_value || (metric.metric.needs_baseline && !by_name)) return "";
+  return metric.metric.needs_truth ? "no such frame has labels" : "no such frame has a value of it";
 }
 
 }  // namespace
@@ -286,15 +139,6 @@ const char* to_string(RuleLevel level) {
 
 const char* to_string(RuleScope scope) {
   return scope == RuleScope::frame ? "frame" : scope == RuleScope::recording ? "recording" : "all";
-}
-
-const std::vector<RuleMetric>& rule_metrics() {
-  static const std::vector<RuleMetric> all = [] {
-    std::vector<RuleMetric> result;
-    for (const Metric& metric : metrics()) result.push_back(metric.metric);
-    return result;
-  }();
-  return all;
 }
 
 std::vector<Rule> built_in_rules() {
@@ -383,20 +227,23 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
   return breaches;
 }
 
-std::vector<std::string> idle_rules(const std::vector<Rule>& rules,
-                                    const ReportComparison& comparison,
-                                    bool has_baseline) {
-  std::vector<std::string> idle;
-  for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (rules[i].level == RuleLevel::off) continue;
-    const std::string why = why_idle(rules[i], comparison, has_baseline);
-    if (why.empty()) continue;
-    std::string rule = fmt::format("rule {}, {}", i + 1, rules[i].metric);
-    if (!rules[i].recording.empty()) rule += " of " + rules[i].recording;
-    if (rules[i].frame >= 0) rule += fmt::format(" frame {}", rules[i].frame);
-    idle.push_back(rule + ", holds nothing: " + why);
+std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison,
+                                 bool has_baseline) {
+  std::vector<IdleRule> idle;
+  for (const Rule& rule : rules) {
+    if (rule.level == RuleLevel::off) continue;
+    if (std::string why = why_idle(rule, comparison, has_baseline); !why.empty())
+      idle.push_back({rule, std::move(why)});
   }
   return idle;
+}
+
+std::string IdleRule::text() const {
+  std::string text = rule.metric;
+  if (!rule.recording.empty()) text.append(" of ").append(rule.recording);
+  if (rule.frame >= 0) text += fmt::format(" frame {}", rule.frame);
+  return text + ": this rule holds nothing, " + why;
 }
 
 }  // namespace planescope

@@ -67,10 +67,16 @@ struct Breach {
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison);
 
-/// Rules that nothing can break, a line each with why: their recording, frame or labels are not
-/// there, or no baseline is. Those that are off are meant to be.
-std::vector<std::string> idle_rules(const std::vector<Rule>& rules,
-                                    const ReportComparison& comparison,
-                                    bool has_baseline);
+/// A rule that nothing can break: its recording, frame or labels are not there, or no baseline is.
+struct IdleRule {
+  Rule rule;
+  std::string why;
+  /// "planes of rec frame 7: this rule holds nothing, there is no such frame"
+  std::string text() const;
+};
+/// Not those that are off: these are meant to hold nothing.
+std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison,
+                                 bool has_baseline);
 
 }  // namespace planescope

@@ -179,6 +179,25 @@ TEST_F(ViewReport, OpensFromTheReportsFolderWhatWasTypedAboveIt) {
   EXPECT_EQ(there["recording"], (dir / "rec").string());
 }
 
+TEST_F(ViewReport, OfRecordingsOfOneNameTheOneThatIsMeantIsTaken) {
+  Image16 other = floor_and_wall();
+  other.at(3, 3) += 1;
+  write_depth_folder(dir / "one/rec", floor_and_wall());
+  write_depth_folder(dir / "two/rec", other);
+  const Ran ran = run({"report", dir / "one/rec", dir / "two/rec", "-o", dir / "a/out",
+                       "--no-pictures", "--gravity", "0,1,0"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const std::string file = dir / "a/out/report.json";
+  EXPECT_EQ(facts(file + "#r2/f0", {dir / "one/rec", dir / "two/rec"})["recording"],
+            (dir / "two/rec").string());
+  Json typed = Json::parse(read_text(file));
+  typed["recordings"][1]["path"] = "two/rec";
+  write_text(file, typed.dump());
+  write_depth_folder(dir / "a/two/rec", floor_and_wall());
+  EXPECT_EQ(facts(file + "#r2/f0")["recording"], (dir / "two/rec").string())
+      << "the one in between is another";
+}
+
 TEST_F(ViewReport, ADamagedFrameBesideIsNotInTheWay) {
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
   fs::resize_file(dir / "rec/depth/000001.png", 200);

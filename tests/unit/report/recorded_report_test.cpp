@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/report/report_files.hpp"
+#include "support/empty_report.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
@@ -23,13 +24,8 @@ fs::path written(const std::string& text) {
 }
 
 Report make_report() {
-  Report report;
-  report.version = "1.2.3";
-  report.commit = std::string(40, 'c');
-  report.command = "planescope report a -o b";
-  report.created_utc = "2024-01-02T03:04:05Z";
+  Report report = empty_report();
   report.classifier = "gcn";
-  report.options = make_report_options({});
   ReportRecording recording;
   recording.name = "rec";
   ReportFrame frame;

@@ -10,6 +10,7 @@
 #include "core/report/plane_map.hpp"
 #include "core/report/report_files.hpp"
 #include "core/report/thumbnail.hpp"
+#include "support/empty_report.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope {
@@ -57,14 +58,7 @@ ReportFrame make_frame(int index) {
 }
 
 Report make_report(int frames) {
-  Report report;
-  report.version = "1.2.3";
-  report.commit = std::string(40, 'c');
-  report.command = "planescope report a.bag";
-  report.created_utc = "2024-01-02T03:04:05Z";
-  report.classifier = "pca";
-  report.options = make_report_options({});
-  for (std::string& color : report.case_colors) color = "#e69f00";
+  Report report = empty_report();
   ReportRecording recording;
   recording.info.path = "dir/a.bag";
   recording.info.width = 640;

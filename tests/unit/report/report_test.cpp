@@ -13,6 +13,7 @@
 #include "core/report/report_files.hpp"
 #include "core/report/report_head.hpp"
 #include "core/report/thumbnail.hpp"
+#include "support/empty_report.hpp"
 #include "support/json_schema.hpp"
 #include "support/temp_dir.hpp"
 
@@ -61,15 +62,8 @@ WeightsRecord make_weights_record() {
 }
 
 Report make_report() {
-  Report report;
-  report.version = "1.2.3";
-  report.commit = std::string(40, 'c');
-  report.command = "planescope report a.bag -o out";
-  report.created_utc = "2024-01-02T03:04:05Z";
+  Report report = empty_report();
   report.renderer = "llvmpipe";
-  report.classifier = "pca";
-  report.options = make_report_options({});
-  for (std::string& color : report.case_colors) color = "#e69f00";
   ReportRecording recording;
   recording.info.path = "dir/a<b>.bag";
   recording.info.format = "RealSense SDK bag";

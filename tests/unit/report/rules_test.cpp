@@ -232,9 +232,9 @@ TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
 
 TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   const auto idle = [](Rule one, const RecordedReport& now, bool has_baseline = true) {
-    const std::vector<std::string> lines = idle_rules(
+    const std::vector<IdleRule> found = idle_rules(
         {one}, compare_reports(has_baseline ? baseline() : RecordedReport(), now), has_baseline);
-    return lines.empty() ? "" : lines[0];
+    return found.empty() ? "" : found[0].text();
   };
   Rule one = rule("planes", 0, 9, RuleScope::frame);
   EXPECT_EQ(idle(one, baseline()), "");
@@ -242,18 +242,29 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   EXPECT_EQ(idle(one, baseline()), "");
   one.recording = "b";
   EXPECT_EQ(idle(one, baseline()),
-            "rule 1, planes of b frame 1, holds nothing: there is no such frame");
+            "planes of b frame 1: this rule holds nothing, there is no such frame");
   one.recording = "bb";
   EXPECT_EQ(idle(one, baseline()),
-            "rule 1, planes of bb frame 1, holds nothing: there is no recording of this name");
+            "planes of bb frame 1: this rule holds nothing, there is no recording of this name");
   one.level = RuleLevel::off;
   EXPECT_EQ(idle(one, baseline()), "");
   EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
-            "rule 1, planes_lost, holds nothing: needs a baseline");
+            "planes_lost: this rule holds nothing, it needs a baseline");
+  RecordedReport fewer = baseline();
+  fewer.recordings[0].frames.pop_back();
+  one = rule("planes", 0, 9, RuleScope::frame);
+  one.frame = 1;
+  EXPECT_EQ(idle(one, fewer), "planes frame 1: this rule holds nothing, there is no such frame")
+      << "only the baseline has it";
   RecordedReport unlabelled = report_of({{"a", {frame_with(0, {0})}}});
   unlabelled.recordings[0].frames[0].metrics.reset();
   EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
-            "rule 1, mean_iou, holds nothing: no frame has labels");
+            "mean_iou: this rule holds nothing, no such frame has labels");
+  one = rule("mean_iou_change", -1, 100, RuleScope::all);
+  EXPECT_EQ(idle(one, unlabelled), "") << "of frames that may get labels";
+  one.recording = "a";
+  EXPECT_EQ(idle(one, unlabelled),
+            "mean_iou_change of a: this rule holds nothing, no such frame has labels");
 }
 
 }  // namespace
