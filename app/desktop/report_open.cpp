@@ -26,18 +26,19 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Where a file that was typed when the report was made may be, those that are there: from here,
-/// beside the report, and from its folder and those above it on, where reports are mostly run.
+/// from the report's folder on, beside the report, and from the folders above on, where reports are
+/// mostly run. Not the report itself.
 std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   const fs::path folder = fs::absolute(report).parent_path();
-  std::vector<fs::path> places = {
-      typed, folder / (typed.has_filename() ? typed.filename() : typed.parent_path().filename())};
-  for (fs::path above = folder;; above = above.parent_path()) {
+  const fs::path name = typed.has_filename() ? typed.filename() : typed.parent_path().filename();
+  std::vector<fs::path> places = {typed, folder / typed, folder / name};
+  for (fs::path above = folder; above.has_relative_path();) {
+    above = above.parent_path();
     places.push_back(above / typed);
-    if (above == above.parent_path()) break;
   }
-  std::erase_if(places, [](const fs::path& place) {
+  std::erase_if(places, [&](const fs::path& place) {
     std::error_code none;
-    return !fs::exists(place, none);
+    return !fs::exists(place, none) || fs::equivalent(place, report, none);
   });
   return places;
 }
