@@ -217,7 +217,8 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
     return {};
   }
   const fs::path& file = places[0];
-  if (file != typed) add_note(note, fmt::format("the baseline is {}", file.string()));
+  if (file != typed)
+    add_note(note, fmt::format("the baseline is {}", file.lexically_normal().string()));
   Baseline baseline{file, read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)

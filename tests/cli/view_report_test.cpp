@@ -108,7 +108,8 @@ TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
   write_text(after, named.dump());
   const Json again = facts(target);
   EXPECT_EQ(again["step"], there["step"]);
-  EXPECT_EQ(again["message"], message);
+  EXPECT_EQ(again["message"],
+            "the baseline is " + (dir / "before/report.json").string() + "; " + message);
 
   write_text(dir / "to_a.json", R"({"actions": ["run.restore"]})");
   EXPECT_EQ(facts(target, {"--script", dir / "to_a.json"})["options"]["theta_n_in"], "5")
