@@ -111,6 +111,14 @@ Rule rule_of(const JsonPlace& place) {
   return rule;
 }
 
+/// How far the value is past its limit, of the limit.
+double excess_of(const Breach& breach) {
+  const bool low = breach.value < breach.rule.at_least;
+  const double limit = low ? breach.rule.at_least : breach.rule.at_most;
+  const double excess = std::abs(breach.value - limit) / std::max(1.0, std::abs(limit));
+  return std::isfinite(excess) ? excess : 0;
+}
+
 /// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
 std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
   const Metric& metric = find_metric(rule.metric);
@@ -216,13 +224,17 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
   std::vector<Breach> breaches;
   for (const Rule& rule : rules)
     if (rule.level != RuleLevel::off) apply(rule, comparison, breaches);
-  // Frames that break most rules first.
-  std::map<std::pair<std::string, int>, int> errors;
-  for (const Breach& breach : breaches)
-    errors[{breach.recording, breach.frame}] += breach.rule.level == RuleLevel::error ? 1 : 0;
+  // Frames that break most rules first; of those that break as many, the one that breaks them most.
+  std::map<std::pair<std::string, int>, std::pair<int, double>> weights;
+  for (const Breach& breach : breaches) {
+    auto& [errors, excess] = weights[{breach.recording, breach.frame}];
+    if (breach.rule.level != RuleLevel::error) continue;
+    ++errors;
+    excess += excess_of(breach);
+  }
   std::ranges::stable_sort(breaches, [&](const Breach& a, const Breach& b) {
     if (a.rule.level != b.rule.level) return a.rule.level > b.rule.level;
-    return errors[{a.recording, a.frame}] > errors[{b.recording, b.frame}];
+    return weights[{a.recording, a.frame}] > weights[{b.recording, b.frame}];
   });
   return breaches;
 }

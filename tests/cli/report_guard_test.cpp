@@ -26,8 +26,10 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
 
   const Ran same = report("same", {"--baseline", baseline, "--threads", "1"});
   EXPECT_EQ(same.code, 0) << same.err;
-  EXPECT_NE(same.out.find("0 errors, 0 warnings against " + baseline), std::string::npos)
-      << same.out;
+  // A busy machine may add a warning about the time.
+  EXPECT_NE(same.out.find("\n0 errors, "), std::string::npos) << same.out;
+  EXPECT_NE(same.out.find(" against " + baseline), std::string::npos) << same.out;
+  EXPECT_EQ(same.out.find("planes_"), std::string::npos) << same.out;
 
   const Ran tilted = report("tilted", {"--baseline", baseline, "--gravity", "0.1,1,0"});
   EXPECT_EQ(tilted.code, 1);
@@ -66,8 +68,7 @@ TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
   const Ran more = run(report_args({dir / "rec", dir / "new"}, dir / "more",
                                    {"--baseline", (dir / "baseline.json").string()}));
   EXPECT_EQ(more.code, 0) << more.err;
-  EXPECT_NE(more.out.find("warn   new: is not in the baseline\n0 errors, 1 warning against"),
-            std::string::npos)
+  EXPECT_NE(more.out.find("warn   new: is not in the baseline\n0 errors, "), std::string::npos)
       << more.out;
   EXPECT_EQ(read_report(dir / "more")["verdict"]["unguarded"],
             Json({"new: is not in the baseline"}));

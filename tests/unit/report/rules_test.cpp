@@ -88,6 +88,16 @@ TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
   EXPECT_EQ(found[3].rule.level, RuleLevel::warn);
 }
 
+TEST(Rules, OfFramesThatBreakAsManyTheOneThatBreaksThemMostComesFirst) {
+  RecordedReport now = baseline();
+  now.recordings[0].frames[0] = frame_with(0, {0, 0.206});
+  now.recordings[0].frames[1] = frame_with(1, {0, 0.209});
+  const auto found = broken(now);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].frame, 1);
+  EXPECT_EQ(found[1].frame, 0);
+}
+
 TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
   RecordedReport now = baseline();
   now.recordings[0].frames[0].refused = "no gravity";
