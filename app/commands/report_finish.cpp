@@ -7,6 +7,7 @@
 #include "app/output.hpp"
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
+#include "core/base/text.hpp"
 #include "core/report/report_files.hpp"
 
 namespace planescope {
@@ -20,8 +21,8 @@ void print_facts(const std::filesystem::path& out, const Report& report, bool js
   const ReportTotals totals = totals_of(report);
   const std::string page = (out / "index.html").string();
   if (!json) {
-    fmt::print("{}: {} frame{}, {} plane{}\n", page, totals.frames_done,
-               totals.frames_done == 1 ? "" : "s", totals.planes, totals.planes == 1 ? "" : "s");
+    fmt::print("{}: {}, {}\n", page, counted(totals.frames_done, "frame"),
+               counted(totals.planes, "plane"));
     if (report.judgement) fmt::print("{}", report.judgement->text());
     return;
   }

@@ -4,6 +4,7 @@
 
 #include "core/base/file_bytes.hpp"
 #include "core/base/sha256.hpp"
+#include "core/base/text.hpp"
 #include "core/image/png.hpp"
 #include "core/report/thumbnail.hpp"
 #include "render/scenes.hpp"
@@ -66,8 +67,7 @@ std::optional<Image8> draw_truth(const LoadedFrame& loaded,
 }
 
 std::string in_planes(const FrameResult& result) {
-  const std::size_t planes = result.segmentation.planes.size();
-  return fmt::format("{} plane{}", planes, planes == 1 ? "" : "s");
+  return counted(result.segmentation.planes.size(), "plane");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "app/desktop/session.hpp"
 #include "core/base/error.hpp"
 #include "core/base/sha256.hpp"
+#include "core/base/text.hpp"
 #include "core/labels/label_files.hpp"
 #include "core/pipeline/classifiers.hpp"
 #include "core/pipeline/options_table.hpp"
@@ -46,8 +47,8 @@ std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
 const RecordedRecording& recording_of(const RecordedReport& report, const ReportTarget& target) {
   const auto count = report.recordings.size();
   if (static_cast<std::size_t>(target.recording) > count)
-    throw Error(fmt::format("{}: r{} is not in it, it has {} recording{}", target.file.string(),
-                            target.recording, count, count == 1 ? "" : "s"));
+    throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
+                            target.recording, counted(count, "recording")));
   return report.recordings[static_cast<std::size_t>(target.recording) - 1];
 }
 
@@ -73,8 +74,8 @@ void expect_plane(const RecordedFrame& frame, const ReportTarget& target, const 
     throw Error(fmt::format("{}: {}{} is not in it, frame {} was refused: {}", file.string(),
                             letters, target.plane, frame.index, frame.refused));
   if (static_cast<std::size_t>(target.plane) > count)
-    throw Error(fmt::format("{}: {}{} is not in it, frame {} has {} plane{}", file.string(),
-                            letters, target.plane, frame.index, count, count == 1 ? "" : "s"));
+    throw Error(fmt::format("{}: {}{} is not in it, frame {} has {}", file.string(), letters,
+                            target.plane, frame.index, counted(count, "plane")));
 }
 
 void add_note(std::string& note, const std::string& more) {

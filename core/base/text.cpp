@@ -76,4 +76,10 @@ std::vector<std::string> split(const std::string& text, char separator) {
   }
 }
 
+std::string counted(std::size_t count, std::string_view noun) {
+  std::string text = std::to_string(count);
+  text.append(1, ' ').append(noun);
+  return count == 1 ? text : text.append(1, 's');
+}
+
 }  // namespace planescope

@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/base/file_descriptor.hpp"
+#include "core/base/text.hpp"
 
 namespace planescope {
 namespace {
@@ -18,10 +19,6 @@ std::string where(const Breach& breach) {
   if (breach.recording.empty()) return "all frames";
   if (breach.frame < 0) return breach.recording;
   return fmt::format("{} frame {}", breach.recording, breach.frame);
-}
-
-std::string counted(int count, const char* noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 /// Of each recording the frames that the baseline has not.
