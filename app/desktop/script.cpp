@@ -11,6 +11,7 @@
 #include "app/desktop/state_facts.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/explain/trace_text.hpp"
 #include "render/font.hpp"
 
 namespace planescope::desktop {
@@ -56,15 +57,17 @@ class Player {
     else if (step.contains("screenshot"))
       stage_.screenshot(step.at("screenshot").get<std::string>());
     else if (step.contains("state"))
-      write_state(step.at("state").get<std::string>());
+      write(step.at("state").get<std::string>(), state_text(shell_.state(), shell_.idle()));
+    else if (step.contains("trace"))
+      write(step.at("trace").get<std::string>(), trace());
     else if (step.contains("expect"))
       expect(step.at("expect"));
     else if (step.contains("frames"))
       for (int i = step.at("frames"); i > 0; --i) stage_.draw_frame();
     else
       throw Error(
-          "is none of do, click, drag, hover, wheel, key, type, screenshot, state, expect, "
-          "frames");
+          "is none of do, click, drag, hover, wheel, key, type, screenshot, state, trace, "
+          "expect, frames");
     if (step.value("wait", true)) settle(shell_, stage_, stop_);
   }
 
@@ -167,11 +170,17 @@ class Player {
       stage_.draw_frame();
     }
   }
-  void write_state(const fs::path& path) {
+  static void write(const fs::path& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary);
-    file << state_text(shell_.state(), shell_.idle());
+    file << text;
     file.close();
-    if (!file) throw Error(path.string() + ": the state cannot be written there");
+    if (!file) throw Error(path.string() + ": cannot be written");
+  }
+  std::string trace() const {
+    const State& state = shell_.state();
+    if (!state.run()) throw Error("there is no run whose trace could be written");
+    const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
+    return trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
   void expect(const Json& facts) const {
     const Json now = state_facts(shell_.state(), shell_.idle());
