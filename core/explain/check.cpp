@@ -59,10 +59,10 @@ Check planarity_check(const std::string& criterion,
                       const SegmentOptions& options,
                       double value,
                       double threshold) {
-  if (options.rms_criterion3)
+  if (options.noise.rms_criterion3)
     return at_most(
         {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
-         "m", options.estimate_sigma ? "" : "fixed_rms_m"},
+         "m", options.noise.estimate_sigma ? "" : "fixed_rms_m"},
         value, threshold);
   if (options.mse_normalization == MseNormalization::mean)
     return at_most({criterion, "Eq. (5)", "e_n / N", "mean square error along the normal", "m²",
@@ -94,10 +94,10 @@ std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOpt
   return checks;
 }
 
-std::vector<Check> distance_checks(const DistanceTerms& terms, bool with_angle) {
+std::vector<Check> distance_checks(const DistanceTerms& terms) {
   const std::string criterion = "R1", equation = "refined";
   std::vector<Check> checks;
-  if (with_angle)
+  if (!terms.any_angle)
     checks.push_back(at_most({criterion, equation, "angle",
                               "between the normals; more where they are not sure", "deg", ""},
                              terms.angle_deg, terms.max_angle_deg));

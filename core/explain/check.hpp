@@ -30,8 +30,8 @@ Check planarity_check(const std::string& criterion,
                       double threshold);
 /// Criterion 4, Eq. (6).
 std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options);
-/// R1, which measures distances instead; R3 leaves the angle unasked.
-std::vector<Check> distance_checks(const DistanceTerms& terms, bool with_angle = true);
+/// R1, which measures distances instead.
+std::vector<Check> distance_checks(const DistanceTerms& terms);
 
 // Numbers for sentences.
 std::string number(double value, const std::string& unit);  // four digits: "0.0071 m²"

@@ -77,7 +77,7 @@ std::int32_t Correspondence::voxel(std::int32_t voxel) const {
 
 bool Correspondence::same_event(const TraceEvent& from, const TraceEvent& to) const {
   if (from.type != to.type || from.node_case != to.node_case || from.label != to.label ||
-      from.refinement != to.refinement || (from.node < 0) != (to.node < 0) ||
+      from.stage != to.stage || (from.node < 0) != (to.node < 0) ||
       (from.point < 0) != (to.point < 0))
     return false;
   if (from.node >= 0) return node(from.node) == to.node;

@@ -4,9 +4,8 @@
 #include <limits>
 
 #include "core/explain/bins.hpp"
-#include "core/explain/plane_list.hpp"
-#include "core/replay/truth_check.hpp"
-#include "core/segment/candidate.hpp"
+#include "core/replay/state_walk.hpp"
+#include "core/segment/choices.hpp"
 
 namespace planescope {
 namespace {
@@ -31,7 +30,7 @@ Histogram describe(std::string quantity,
 /// Each decision against ground truth.
 class Judge {
  public:
-  explicit Judge(const Run& run) : wrong_(wrong_decisions(run)) {}
+  explicit Judge(const Run& run) : wrong_(run.wrong) {}
   /// Of the event that led to the step.
   Judgement at(std::int32_t step) const {
     if (wrong_.empty() || step == kNever) return Judgement::unknown;
@@ -39,7 +38,7 @@ class Judge {
   }
 
  private:
-  std::vector<std::uint8_t> wrong_;
+  const std::vector<std::uint8_t>& wrong_;
 };
 
 /// The terms of nodes, each over the nodes where its criterion was asked.
@@ -65,13 +64,13 @@ void append_nodes(const Run& run, const Judge& judge, std::vector<Histogram>& hi
   h.bins = linear_bins(n_in, std::max(24.0, kRoom * options.theta_n_in), true);
   histograms.push_back(h);
 
-  if (options.rms_criterion3)
+  if (options.noise.rms_criterion3)
     h = describe("rms", "RMS", "m", run.segmentation.noise.estimated ? "" : "fixed_rms_m",
                  run.segmentation.noise.by_range ? kVaries : run.segmentation.noise.theta_rms(1));
   else
     h = describe("mse", options.mse_normalization == MseNormalization::mean ? "e_n / N" : "e_n",
                  "m²", "theta_e_n_m2", options.theta_e_n_m2);
-  h.logarithmic = !options.rms_criterion3;
+  h.logarithmic = !options.noise.rms_criterion3;
   h.bins = h.logarithmic ? logarithmic_bins(e_n) : linear_bins(e_n, 0.05, false);
   histograms.push_back(h);
 }
@@ -81,45 +80,45 @@ void append_nodes(const Run& run, const Judge& judge, std::vector<Histogram>& hi
 struct MergeSamples {
   std::vector<Sample> offset, normals, n1_dmu, n2_dmu, angle;
 
-  void add(const Coplanarity& terms, Judgement judgement) {
-    offset.push_back({terms.offset_m, judgement});
-    normals.push_back({terms.normals, judgement});
-    n1_dmu.push_back({terms.n1_dmu, judgement});
-    n2_dmu.push_back({terms.n2_dmu, judgement});
-  }
-  void add(const DistanceTerms& terms, Judgement judgement) {
-    offset.push_back({std::sqrt(terms.offset2_m2), judgement});
-    angle.push_back({terms.angle_deg, judgement});
+  void add(const Pair& pair, Judgement judgement) {
+    if (const auto* by_distance = std::get_if<DistanceTerms>(&pair.terms)) {
+      offset.push_back({std::sqrt(by_distance->offset2_m2), judgement});
+      angle.push_back({by_distance->angle_deg, judgement});
+    } else {
+      const auto& terms = std::get<Coplanarity>(pair.terms);
+      offset.push_back({terms.offset_m, judgement});
+      normals.push_back({terms.normals, judgement});
+      n1_dmu.push_back({terms.n1_dmu, judgement});
+      n2_dmu.push_back({terms.n2_dmu, judgement});
+    }
   }
 };
 
-template <typename Terms, typename TermsOf, typename StrainOf>
-void add_pair(const PlaneList& planes,
-              const TraceEvent& event,
-              TermsOf terms_of,
-              StrainOf strain_of,
-              bool same_label,
-              Judgement judgement,
-              MergeSamples& samples) {
-  if (event.type == EventType::merge) return samples.add(terms_of(event.plane), judgement);
-  Terms nearest;
+/// The pair to show for a candidate: with the plane it joined, or the one it came nearest to
+/// joining.
+std::optional<Pair> pair_of(const SegmentState& state,
+                            const TraceEvent& event,
+                            const Candidate& candidate) {
+  const MeasuredPlane measured = state.measured(candidate);
+  if (event.type == EventType::merge) return compare(state, event.plane, candidate, measured);
+  std::optional<Pair> nearest;
   double least = std::numeric_limits<double>::infinity();
-  for (std::int32_t k = 0; k < planes.size(); ++k) {
-    if (!planes.alive(k) || (same_label && planes.label(k) != event.label)) continue;
-    const Terms terms = terms_of(k);
-    if (const double value = strain_of(terms); value < least) {
-      least = value;
-      nearest = terms;
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
+    const std::optional<Pair> pair = compare(state, k, candidate, measured);
+    if (!pair) continue;
+    if (const double worst = strain_of(*pair, state.options).worst; worst < least) {
+      least = worst;
+      nearest = pair;
     }
   }
-  if (std::isfinite(least)) samples.add(nearest, judgement);
+  return nearest;
 }
 
 void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& histograms) {
   const SegmentOptions& options = run.segment_options;
   MergeSamples samples;
   std::vector<Sample> distances;
-  PlaneList planes(run);
+  StateWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);
     const Judgement judgement = judge.at(step);
@@ -127,21 +126,10 @@ void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& h
       distances.push_back({event.value, judgement});
     if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
       continue;
-    planes.advance_to(step - 1);
-    const Candidate candidate =
-        fit_label(run.octree(), event.node, event.label, options.use_labels);
-    if (options.r1_merge_by_distance) {
-      const MeasuredPlane seen = measured(run, candidate.fit, candidate.moments, candidate.bounds);
-      add_pair<DistanceTerms>(
-          planes, event, [&](std::int32_t k) { return distance_terms(planes.measured(k), seen); },
-          [](const DistanceTerms& terms) { return strain_of(terms).worst; }, true, judgement,
-          samples);
-    } else {
-      add_pair<Coplanarity>(
-          planes, event, [&](std::int32_t k) { return coplanarity(planes.fit(k), candidate.fit); },
-          [&](const Coplanarity& terms) { return strain_of(terms, options).worst; }, false,
-          judgement, samples);
-    }
+    const SegmentState& state = walk.advance_to(step - 1);
+    Candidate candidate = fit_label(run.octree(), event.node, event.label, options.use_labels);
+    candidate.sigma_ang = state.sigma_ang(candidate.fit);
+    if (const auto pair = pair_of(state, event, candidate)) samples.add(*pair, judgement);
   }
 
   const auto append = [&](Histogram h, const std::vector<Sample>& values, double most) {
@@ -152,7 +140,7 @@ void append_merges(const Run& run, const Judge& judge, std::vector<Histogram>& h
   append(describe("", "|n₁·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane), samples.n1_dmu, 1);
   append(describe("", "|n₂·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane), samples.n2_dmu, 1);
   append(describe("", "angle", "deg", "", kVaries), samples.angle, 45);
-  const bool limited = !options.r1_merge_by_distance && options.merge_offset_m > 0;
+  const bool limited = !options.r1_merge_by_distance.on && options.merge_offset_m > 0;
   append(describe("offset", "offset", "m", limited ? "merge_offset_m" : "",
                   limited ? options.merge_offset_m : kVaries),
          samples.offset, 0.2);

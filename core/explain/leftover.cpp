@@ -7,8 +7,8 @@
 
 #include "core/explain/check.hpp"
 #include "core/explain/explain.hpp"
-#include "core/explain/plane_list.hpp"
-#include "core/segment/cells.hpp"
+#include "core/replay/state_walk.hpp"
+#include "core/segment/choices.hpp"
 
 namespace planescope {
 namespace {
@@ -24,62 +24,50 @@ std::int32_t start_of_assignment(const Run& run, std::int32_t step) {
   return step - 1;
 }
 
-std::vector<LeftoverPlane> distances(const Run& run, std::int32_t step, const Vec3d& p) {
-  std::vector<LeftoverPlane> planes;
-  for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k) {
-    const PlaneChange* plane = run.timeline.plane_at(k, step);
-    if (!plane || !plane->alive) continue;
-    LeftoverPlane row;
-    row.plane = k;
-    row.distance_m = std::abs(plane->fit.distance_m(p));
-    planes.push_back(row);
+/// All planes that there are, as the choice that is made again sees them.
+template <typename Choose>
+std::vector<LeftoverPlane> planes_asked(const SegmentState& state,
+                                        std::uint32_t i,
+                                        const std::string& why_not_asked,
+                                        Choose choose) {
+  const Reach reach = reach_of(state, i, state.options.leftover_rule);
+  std::vector<LeftoverPlane> rows;
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
+    if (!state.planes[k].alive) continue;
+    const PointTerms terms = point_terms(state, k, i, reach);
+    rows.push_back(
+        {k, terms.distance_m, terms.limit_m, terms.penalty_m, false, false, why_not_asked});
   }
-  return planes;
+  const PointVisitor visitor = [&](const PointTerms& terms) {
+    const auto row = std::ranges::find(rows, terms.plane, &LeftoverPlane::plane);
+    row->considered = true;
+    row->why_not = terms.passes() ? "another is nearer" : "too far";
+  };
+  const PlaneChoice choice = choose(&visitor);
+  for (LeftoverPlane& row : rows) {
+    row.chosen = row.plane == choice.plane;
+    if (row.chosen) row.why_not.clear();
+  }
+  return rows;
 }
 
-/// As written: the first of the list within the distance.
-void choose_first(const Run& run, std::vector<LeftoverPlane>& planes) {
-  bool found = false;
-  for (LeftoverPlane& plane : planes) {
-    plane.limit_m = run.segment_options.leftover_distance_m;
-    plane.considered = !found;
-    plane.chosen = !found && plane.distance_m <= plane.limit_m;
-    found = found || plane.chosen;
-    if (!plane.considered)
-      plane.why_not = "an earlier plane took it";
-    else if (!plane.chosen)
-      plane.why_not = "too far";
+std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::uint32_t i) {
+  StateWalk walk(run);
+  if (run.segment_options.leftover_rule == LeftoverRule::first) {
+    const SegmentState& state = walk.advance_to(step - 1);
+    return planes_asked(state, i, "an earlier plane took it", [&](const PointVisitor* visitor) {
+      return choose_first_plane(state, i, visitor);
+    });
   }
-}
-
-/// R1: the nearest within tau of those with points nearby, the other label's moved away a little.
-void choose_nearest(const Run& run,
-                    std::vector<LeftoverPlane>& planes,
-                    std::span<const std::int32_t> near,
-                    std::uint32_t i,
-                    const Vec3d& p) {
-  const NoiseModel& noise = run.segmentation.noise;
-  const double range = (p - run.subject->prepared.sensor()).norm();
-  LeftoverPlane* best = nullptr;
-  for (LeftoverPlane& plane : planes) {
-    const bool same = !run.segment_options.use_labels ||
-                      run.octree().labels[i] == run.timeline.label_of_plane(plane.plane);
-    plane.limit_m = noise.tau(range);
-    plane.penalty_m = same ? 0 : noise.other_label_penalty(range);
-    plane.considered = std::binary_search(near.begin(), near.end(), plane.plane);
-    if (!plane.considered) {
-      plane.why_not = "no points of it within 10 cm";
-    } else if (plane.distance_m > plane.limit_m) {
-      plane.why_not = "too far";
-    } else {
-      plane.why_not = "another is nearer";
-      if (!best || plane.distance_m + plane.penalty_m < best->distance_m + best->penalty_m)
-        best = &plane;
-    }
-  }
-  if (!best) return;
-  best->chosen = true;
-  best->why_not.clear();
+  const Neighbourhood around(walk.advance_to(start_of_assignment(run, step)));
+  const double cell_cm =
+      100 * run.octree().cube.edge_m /
+      std::exp2(run.octree().cube.max_depth - run.segment_options.noise.neighbour_levels);
+  const SegmentState& state = walk.advance_to(step - 1);
+  return planes_asked(state, i, fmt::format("no points of it within {:.3g} cm", cell_cm),
+                      [&](const PointVisitor* visitor) {
+                        return choose_nearest_plane(state, around.near(i), i, visitor);
+                      });
 }
 
 std::string outcome_of(const LeftoverReport& report) {
@@ -102,21 +90,9 @@ LeftoverReport explain_leftover(const Run& run, std::int32_t step) {
   const TraceEvent* event = run.event_at(step);
   if (!event || (event->type != EventType::assign && event->type != EventType::drop)) return report;
   report.point = event->point;
-  const Octree& octree = run.octree();
-  const auto i = static_cast<std::uint32_t>(std::find(octree.order.begin(), octree.order.end(),
-                                                      static_cast<std::uint32_t>(event->point)) -
-                                            octree.order.begin());
-  const Vec3d p = octree.points[i].cast<double>();
-  report.planes = distances(run, step - 1, p);
-  if (run.segment_options.leftover_rule == LeftoverRule::first) {
-    choose_first(run, report.planes);
-  } else {
-    const CellGrid grid = make_cell_grid(octree);
-    const CellPlanes near =
-        planes_near_cells(grid, planes_of_points(run, start_of_assignment(run, step)),
-                          static_cast<std::size_t>(run.timeline.plane_count()));
-    choose_nearest(run, report.planes, near.near(grid.cell_of[i]), i, p);
-  }
+  const std::vector<std::uint32_t>& order = run.octree().order;
+  const auto at = std::ranges::find(order, static_cast<std::uint32_t>(event->point));
+  report.planes = planes_for(run, step, static_cast<std::uint32_t>(at - order.begin()));
   std::stable_sort(report.planes.begin(), report.planes.end(),
                    [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
   report.outcome = outcome_of(report);

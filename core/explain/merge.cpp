@@ -9,108 +9,89 @@
 
 #include "core/explain/check.hpp"
 #include "core/explain/explain.hpp"
-#include "core/explain/plane_list.hpp"
-#include "core/segment/candidate.hpp"
-#include "core/segment/cells.hpp"
+#include "core/replay/state_walk.hpp"
+#include "core/segment/choices.hpp"
 
 namespace planescope {
 namespace {
 
-PartnerReport by_direction(const PlaneList& planes,
-                           std::int32_t plane,
-                           const PlaneFit& candidate,
-                           const SegmentOptions& options) {
-  const Coplanarity terms = coplanarity(planes.fit(plane), candidate);
+PartnerReport report_of(const Pair& pair, const SegmentOptions& options) {
   PartnerReport partner;
-  partner.plane = plane;
-  partner.checks = coplanarity_checks(terms, options);
-  partner.coplanar = is_coplanar(terms, options);
-  partner.cost = terms.offset_m;
+  partner.plane = pair.plane;
+  const auto* by_distance = std::get_if<DistanceTerms>(&pair.terms);
+  partner.checks = by_distance ? distance_checks(*by_distance)
+                               : coplanarity_checks(std::get<Coplanarity>(pair.terms), options);
+  partner.coplanar = pair.coplanar;
+  partner.cost = pair.cost;
   return partner;
 }
 
-PartnerReport by_distance(const PlaneList& planes,
-                          std::int32_t plane,
-                          const MeasuredPlane& candidate,
-                          bool with_angle = true) {
-  DistanceTerms terms = distance_terms(planes.measured(plane), candidate);
-  if (!with_angle) terms.max_angle_deg = 180;
-  PartnerReport partner;
-  partner.plane = plane;
-  partner.checks = distance_checks(terms, with_angle);
-  partner.coplanar = terms.passes();
-  partner.cost = terms.cost();
-  return partner;
-}
-
-/// All planes alive, in the order of the list: the paper's question, or R1's.
-std::vector<PartnerReport> partners_in_list(const PlaneList& planes,
-                                            const Candidate& candidate,
-                                            const MeasuredPlane& measured,
-                                            const SegmentOptions& options) {
+/// What a choice that is made again asks, and which partner it takes.
+template <typename Choose>
+std::vector<PartnerReport> partners_asked(const SegmentOptions& options, Choose choose) {
   std::vector<PartnerReport> partners;
-  for (std::int32_t k = 0; k < planes.size(); ++k) {
-    if (!planes.alive(k)) continue;
-    if (!options.r1_merge_by_distance)
-      partners.push_back(by_direction(planes, k, candidate.fit, options));
-    else if (planes.label(k) == candidate.label)
-      partners.push_back(by_distance(planes, k, measured));
-  }
+  const PairVisitor visitor = [&](const Pair& pair) {
+    partners.push_back(report_of(pair, options));
+  };
+  const std::int32_t chosen = choose(&visitor);
+  for (PartnerReport& partner : partners) partner.chosen = partner.plane == chosen;
   return partners;
 }
 
-/// R3: planes with points near the candidate's, whatever their angle, and those that weak
-/// candidates founded before it.
+/// The planes of the list that stand behind the one that was taken first: never asked.
+void append_never_asked(const SegmentState& state,
+                        const Candidate& candidate,
+                        std::vector<PartnerReport>& partners) {
+  const MeasuredPlane measured = state.measured(candidate);
+  const std::int32_t asked = partners.empty() ? -1 : partners.back().plane;
+  for (auto k = asked + 1; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
+    const std::optional<Pair> pair = compare(state, k, candidate, measured);
+    if (!pair) continue;
+    partners.push_back(report_of(*pair, state.options));
+    partners.back().never_asked = true;
+    partners.back().coplanar = false;
+    for (Check& check : partners.back().checks) check = not_asked(check);
+  }
+}
+
+/// The step at which the strong candidates had all been merged: R3's first event follows.
+std::int32_t end_of_strong(const Run& run) {
+  std::int32_t step = 0;
+  const auto is_of_weak = [](const TraceEvent& event) {
+    return event.stage == Stage::r3_weak_candidates && event.type != EventType::wait;
+  };
+  while (!is_of_weak(*run.event_at(step + 1))) ++step;
+  return step;
+}
+
 std::vector<PartnerReport> partners_of_weak(const Run& run,
-                                            const PlaneList& planes,
-                                            const Candidate& candidate,
-                                            const MeasuredPlane& measured) {
-  std::int32_t start = 0;  // the state when the strong ones had been merged
-  while (run.trace.events[start].refinement != 3 || run.trace.events[start].type == EventType::wait)
-    ++start;
-  PlaneList before(run);
-  before.advance_to(start);
-  const std::int32_t strong = before.size();
-  const CellGrid grid = make_cell_grid(run.octree());
-  const CellPlanes near = planes_near_cells(grid, planes_of_points(run, start), strong);
+                                            StateWalk& walk,
+                                            std::int32_t step,
+                                            const Candidate& candidate) {
+  const Neighbourhood strong(walk.advance_to(end_of_strong(run)));
+  const SegmentState& state = walk.advance_to(step);
+  return partners_asked(state.options, [&](const PairVisitor* visitor) {
+    return choose_partner_of_weak(state, candidate, strong, visitor);
+  });
+}
 
-  std::vector<std::uint8_t> is_near(strong, 0);
-  const OctreeNode& node = run.octree().nodes[candidate.node];
-  for (std::uint32_t i = node.begin; i < node.end; ++i)
-    if (!run.segment_options.use_labels || run.octree().labels[i] == candidate.label)
-      for (const std::int32_t k : near.near(grid.cell_of[i])) is_near[k] = 1;
-
-  std::vector<PartnerReport> partners;
-  for (std::int32_t k = 0; k < planes.size(); ++k)
-    if (planes.label(k) == candidate.label && (k >= strong || is_near[k]))
-      partners.push_back(by_distance(planes, k, measured, k >= strong));
+std::vector<PartnerReport> partners_in_list(const SegmentState& state, const Candidate& candidate) {
+  auto partners = partners_asked(state.options, [&](const PairVisitor* visitor) {
+    return choose_partner(state, candidate, visitor);
+  });
+  append_never_asked(state, candidate, partners);
   return partners;
 }
 
 /// R7: a plane against those that are no smaller.
-std::vector<PartnerReport> partners_of_plane(const PlaneList& planes, std::int32_t plane) {
-  const MeasuredPlane small = planes.measured(plane);
-  std::vector<PartnerReport> partners;
-  for (std::int32_t k = 0; k < planes.size(); ++k)
-    if (k != plane && planes.alive(k) && planes.label(k) == planes.label(plane) &&
-        planes.measured(k).moments.count >= small.moments.count)
-      partners.push_back(by_distance(planes, k, small));
-  return partners;
-}
-
-/// Marks the first coplanar one, or the cheapest; what stands behind the first was never asked.
-void choose(std::vector<PartnerReport>& partners, bool first) {
-  PartnerReport* best = nullptr;
-  for (PartnerReport& partner : partners) {
-    if (first && best) {
-      partner.never_asked = true;
-      partner.coplanar = false;
-      for (Check& check : partner.checks) check = not_asked(check);
-    } else if (partner.coplanar && (!best || partner.cost < best->cost)) {
-      best = &partner;
-    }
-  }
-  if (best) best->chosen = true;
+std::vector<PartnerReport> partners_of_plane(const SegmentState& state, std::int32_t plane) {
+  std::vector<std::int32_t> larger;
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
+    if (k != plane && state.planes[k].moments.count >= state.planes[plane].moments.count)
+      larger.push_back(k);
+  return partners_asked(state.options, [&](const PairVisitor* visitor) {
+    return choose_partner_of_plane(state, plane, larger, visitor);
+  });
 }
 
 /// The chosen one, coplanar ones by cost, the nearest misses, what was never asked.
@@ -129,7 +110,8 @@ std::string outcome_of(const MergeReport& report, const TraceEvent& event, doubl
                        distance_text(event.value));
   const std::string because =
       report.partners.empty() ? "nothing to compare with" : "no coplanar plane";
-  if (event.refinement != 3) return fmt::format("founded {}: {}", plane_name(event.plane), because);
+  if (event.stage != Stage::r3_weak_candidates)
+    return fmt::format("founded {}: {}", plane_name(event.plane), because);
   const std::string known = fmt::format("{} points, normal known to {:.2g}°", report.points,
                                         sigma_ang * 180 / std::numbers::pi);
   if (event.type == EventType::found)
@@ -139,36 +121,34 @@ std::string outcome_of(const MergeReport& report, const TraceEvent& event, doubl
 
 MergeReport explain_candidate(const Run& run, std::int32_t step) {
   const TraceEvent& event = *run.event_at(step);
-  const SegmentOptions& options = run.segment_options;
-  const Candidate candidate = fit_label(run.octree(), event.node, event.label, options.use_labels);
-  const MeasuredPlane seen = measured(run, candidate.fit, candidate.moments, candidate.bounds);
-  PlaneList planes(run);
-  planes.advance_to(step - 1);
+  StateWalk walk(run);
+  Candidate candidate =
+      fit_label(run.octree(), event.node, event.label, run.segment_options.use_labels);
+  candidate.sigma_ang = walk.state().sigma_ang(candidate.fit);
 
   MergeReport report;
   report.node = event.node;
   report.label = event.label;
   report.points = static_cast<std::uint32_t>(candidate.moments.count);
   report.candidate = candidate.fit;
-  const bool weak = event.refinement == 3;
-  report.partners = weak ? partners_of_weak(run, planes, candidate, seen)
-                         : partners_in_list(planes, candidate, seen, options);
-  choose(report.partners, !weak && options.merge_partner == MergePartner::first);
-  report.outcome = outcome_of(report, event, seen.sigma_ang);
+  report.partners = event.stage == Stage::r3_weak_candidates
+                        ? partners_of_weak(run, walk, step - 1, candidate)
+                        : partners_in_list(walk.advance_to(step - 1), candidate);
+  report.outcome = outcome_of(report, event, candidate.sigma_ang);
   return report;
 }
 
 MergeReport explain_second_merge(const Run& run, std::int32_t step) {
   const TraceEvent& event = *run.event_at(step);
-  PlaneList planes(run);
-  planes.advance_to(step - 1);
+  StateWalk walk(run);
+  const SegmentState& state = walk.advance_to(step - 1);
+  const GrowingPlane& plane = state.planes[event.plane];
   MergeReport report;
-  report.label = planes.label(event.plane);
-  report.points = static_cast<std::uint32_t>(planes.measured(event.plane).moments.count);
-  report.candidate = planes.fit(event.plane);
-  report.partners = partners_of_plane(planes, event.plane);
-  choose(report.partners, false);
-  const double offset = planes.fit(event.other).distance_m(report.candidate.centroid);
+  report.label = plane.label;
+  report.points = static_cast<std::uint32_t>(plane.moments.count);
+  report.candidate = plane.fit;
+  report.partners = partners_of_plane(state, event.plane);
+  const double offset = state.planes[event.other].fit.distance_m(plane.fit.centroid);
   report.outcome = fmt::format("{} merged into {} (R7), {} off it", plane_name(event.plane),
                                plane_name(event.other), distance_text(std::abs(offset)));
   return report;
@@ -178,7 +158,7 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
   const TraceEvent& event = *run.event_at(step);
   MergeReport report;
   report.label = run.timeline.label_of_plane(event.plane);
-  const bool seen = run.segment_options.split_disconnected == SplitRule::seen &&
+  const bool seen = run.segment_options.split_disconnected.rule == SplitRule::seen &&
                     !run.subject->prepared.from_cloud;
   report.outcome =
       fmt::format("{} split off {}: they do not touch{}", plane_name(event.plane),
@@ -191,12 +171,13 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
 MergeReport explain_merge(const Run& run, std::int32_t step) {
   MergeReport report;
   if (const TraceEvent* event = run.event_at(step)) {
-    const bool weak_left = event->type == EventType::leave && event->refinement == 3;
+    const bool weak_left =
+        event->type == EventType::leave && event->stage == Stage::r3_weak_candidates;
     if (event->type == EventType::found && event->node < 0)
       report = explain_split(run, step);
     else if (event->type == EventType::found || event->type == EventType::merge || weak_left)
       report = explain_candidate(run, step);
-    else if (event->type == EventType::refine && event->refinement == 7)
+    else if (event->type == EventType::refine && event->stage == Stage::r7_second_merge)
       report = explain_second_merge(run, step);
   }
   sort_for_reading(report.partners);

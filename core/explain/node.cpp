@@ -44,10 +44,10 @@ Check pca(const PlaneFit& fit) {
   return check;
 }
 
-Check sure_enough(double sigma_ang) {
-  return at_most(
-      {"R3", "refined", "σ_ang", "how well the normal is known; else it waits", "deg", ""},
-      kDeg * sigma_ang, kDeg * kWeakSigmaAng);
+Check sure_enough(double sigma_ang, const r3_weak_candidates::Options& options) {
+  return at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits", "deg",
+                  "r3_sure_sigma_ang_deg"},
+                 kDeg * sigma_ang, options.sure_sigma_ang_deg);
 }
 
 /// Appends a criterion's checks; asking stops with the first criterion that fails.
@@ -145,9 +145,10 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
                                facts.purity.n_in, options)});
   questions.ask({pca(facts.fit)});
   questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
-  if (options.r3_weak_candidates) questions.ask({sure_enough(facts.sigma_ang)});
+  if (options.r3_weak_candidates.on)
+    questions.ask({sure_enough(facts.sigma_ang, options.r3_weak_candidates)});
   report.stopped = stopped_at(report);
-  if (!pure && options.r4_fit_impure_nodes) ask_by_label(run, node, report.checks);
+  if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
 
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);

@@ -53,7 +53,7 @@ std::string stage_of(const TraceEvent& event) {
     case EventType::found:
     case EventType::merge:
     case EventType::wait:
-      return event.refinement == kSplit ? "refinement" : "merge";
+      return event.stage == Stage::split_disconnected ? "refinement" : "merge";
     case EventType::assign:
     case EventType::drop:
     case EventType::leave:

@@ -19,7 +19,8 @@ class Ballot {
   void vote(std::int32_t step, std::uint32_t voxel) {
     if (step <= 0) return;
     const TraceEvent& event = *run_.event_at(step);
-    Kind& kind = kinds_[{static_cast<int>(event.type), event.node_case, event.refinement}];
+    Kind& kind =
+        kinds_[{static_cast<int>(event.type), event.node_case, static_cast<int>(event.stage)}];
     ++kind.points;
     Step& votes = kind.steps[step];
     if (votes.points++ == 0) votes.voxel = static_cast<std::int32_t>(voxel);
@@ -51,7 +52,7 @@ class Ballot {
     std::map<std::int32_t, Step> steps;
   };
   const Run& run_;
-  std::map<std::tuple<int, int, int>, Kind> kinds_;  // by type, case and refinement
+  std::map<std::tuple<int, int, int>, Kind> kinds_;  // by type, case and stage
 };
 
 std::int32_t founding_of(const Run& run, std::int32_t plane) {
@@ -76,7 +77,7 @@ class Likeness {
 
  private:
   bool alike_by_planes(const TraceEvent& a, const TraceEvent& b) const {
-    return a.type == b.type && a.refinement == b.refinement && b.node < 0 && b.point < 0 &&
+    return a.type == b.type && a.stage == b.stage && b.node < 0 && b.point < 0 &&
            (a.plane < 0) == (b.plane < 0) && (a.plane < 0 || same_plane(a.plane, b.plane));
   }
   bool same_plane(std::int32_t plane_a, std::int32_t plane_b) const {

@@ -46,7 +46,7 @@ Cause at_greatest_depth(const Run& run, std::int32_t node) {
                              node, facts.purity.n_in, facts.purity.n_out);
     return cause;
   }
-  const bool rms = run.segment_options.rms_criterion3;
+  const bool rms = run.segment_options.noise.rms_criterion3;
   cause.text = fmt::format("node {} is not planar at the greatest depth (case III: {} {} > {})",
                            node, rms ? "RMS" : "e_n", number(facts.e_n, rms ? "m" : "m²"),
                            number(facts.theta_e_n, ""));
@@ -80,7 +80,7 @@ Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
     cause.text =
         plane_name(event.plane) + " was dropped (R2): larger planes explain it, or it is noise";
     cause.remedy = {"r2_explain_away = off would keep it", "r2_explain_away", "off"};
-  } else if (event.refinement == kSplit) {
+  } else if (event.stage == Stage::split_disconnected) {
     cause.text = plane_name(event.plane) + ", split off for not touching, has too few points";
     cause.remedy = {"split_disconnected = off would keep it", "split_disconnected", "off"};
   } else {
@@ -185,7 +185,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.step = merge;
   why.node = run.event_at(merge)->node;
   why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
-  if (!run.segment_options.r1_merge_by_distance)
+  if (!run.segment_options.r1_merge_by_distance.on)
     why.remedy = {fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
                               run.event_at(merge)->value, why.node),
                   "merge_offset_m", fmt::format("{:.2g}", 0.95 * run.event_at(merge)->value)};

@@ -181,52 +181,63 @@ void append_criteria(std::vector<OptionInfo>& table) {
                          in_segment(&SegmentOptions::cube_anchor)));
 }
 
+/// Takes the rows that a stage's options describe.
+template <typename Options>
+class Rows {
+ public:
+  Rows(std::vector<OptionInfo>& table, Options SegmentOptions::*stage, std::string group)
+      : table_(table), stage_(stage), group_(std::move(group)) {}
+
+  template <typename T>
+  void number(const char* name,
+              const char* unit,
+              const char* meaning,
+              T Options::*field,
+              OptionRange range = {}) {
+    add(planescope::number("refinements", name, unit, meaning, of(field), range));
+  }
+  void flag(const char* name, const char* meaning, bool Options::*field) {
+    add(planescope::flag("refinements", name, meaning, of(field)));
+  }
+  template <typename T>
+  void choice(const char* name,
+              std::vector<std::string> values,
+              const char* meaning,
+              T Options::*field) {
+    add(planescope::choice("refinements", name, std::move(values), meaning, of(field)));
+  }
+
+ private:
+  template <typename T>
+  auto of(T Options::*field) {
+    return [ stage = stage_, field ](auto& o) -> auto& { return o.segment.*stage.*field; };
+  }
+  void add(OptionInfo row) {
+    row.group = group_;
+    table_.push_back(std::move(row));
+  }
+
+  std::vector<OptionInfo>& table_;
+  Options SegmentOptions::*stage_;
+  std::string group_;
+};
+
+/// "R2: explain away", "split disconnected planes".
+std::string group_of(const RefinementInfo& info) {
+  const bool numbered = info.name[0] == 'R';
+  return numbered ? fmt::format("{}: {}", info.name, info.title) : info.title;
+}
+
 void append_refinements(std::vector<OptionInfo>& table) {
-  const std::string s = "refinements";
-  table.push_back(flag(s, "rms_criterion3",
-                       "Criterion 3 asks RMS <= theta_rms instead of e_n <= theta_e_n_m2",
-                       in_segment(&SegmentOptions::rms_criterion3)));
-  table.push_back(flag(s, "estimate_sigma",
-                       "theta_rms and tau follow the noise measured in the cloud",
-                       in_segment(&SegmentOptions::estimate_sigma)));
-  table.push_back(flag(s, "sigma_by_range",
-                       "the noise grows with the square of range, and both with it",
-                       in_segment(&SegmentOptions::sigma_by_range)));
-  table.push_back(number(s, "fixed_rms_m", "m",
-                         "theta_rms, the largest RMS of a plane, where the noise is not measured",
-                         in_segment(&SegmentOptions::fixed_rms_m)));
-  table.push_back(number(s, "fixed_tau_m", "m",
-                         "tau, the distance to a plane, where the noise is not measured",
-                         in_segment(&SegmentOptions::fixed_tau_m)));
-  table.push_back(flag(s, "r1_merge_by_distance",
-                       "R1: merge by distance and RMS; leftovers go to a plane with points nearby",
-                       in_segment(&SegmentOptions::r1_merge_by_distance)));
-  table.push_back(flag(s, "r2_explain_away",
-                       "R2: drop planes whose points a larger neighbour explains",
-                       in_segment(&SegmentOptions::r2_explain_away)));
-  table.push_back(flag(s, "r3_weak_candidates",
-                       "R3: candidates with uncertain normals wait for the certain ones",
-                       in_segment(&SegmentOptions::r3_weak_candidates)));
-  table.push_back(flag(s, "r4_fit_impure_nodes",
-                       "R4: fit each label's points of an impure node before dividing it",
-                       in_segment(&SegmentOptions::r4_fit_impure_nodes)));
-  table.push_back(flag(s, "r5_reassign_shared_cells",
-                       "R5: points in cells that planes share go to the nearest",
-                       in_segment(&SegmentOptions::r5_reassign_shared_cells)));
-  table.push_back(flag(s, "r6_refit",
-                       "R6: refit planes without the points that lie near two of them",
-                       in_segment(&SegmentOptions::r6_refit)));
-  table.push_back(flag(s, "r7_second_merge", "R7: a second pass of merging",
-                       in_segment(&SegmentOptions::r7_second_merge)));
-  table.push_back(flag(s, "r8_voxel_spread",
-                       "R8: fits see how the points of each voxel spread about their mean",
-                       in_segment(&SegmentOptions::r8_voxel_spread)));
-  table.push_back(choice(s, "split_disconnected", {"off", "seen", "on"},
-                         "split planes into parts that do not touch; seen: where the sensor looked "
-                         "through the gap",
-                         in_segment(&SegmentOptions::split_disconnected)));
-  table.push_back(number(s, "split_gap_m", "m", "points no farther apart than this touch",
-                         in_segment(&SegmentOptions::split_gap_m), {0.005, 10}));
+  Rows noise(table, &SegmentOptions::noise, "Noise, and what follows from it");
+  NoiseOptions::describe(noise);
+#define PLANESCOPE_ROWS(name)                                       \
+  {                                                                 \
+    Rows rows(table, &SegmentOptions::name, group_of(name::kInfo)); \
+    name::Options::describe(rows);                                  \
+  }
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
+#undef PLANESCOPE_ROWS
 }
 
 }  // namespace

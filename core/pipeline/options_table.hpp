@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,13 +12,6 @@ namespace planescope {
 
 /// `on_off` is for switches; `text` for what can be anything, like a file.
 enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
-
-/// The values that a number may take.
-struct OptionRange {
-  double min = 0;
-  double max = std::numeric_limits<double>::infinity();
-  bool min_excluded = false;
-};
 
 /// One option by its name, as `--set`, `planescope options`, the sliders and the report know it.
 struct OptionInfo {
@@ -34,6 +26,7 @@ struct OptionInfo {
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
+  std::string group = {};                 // within its section: "R2: explain away"; may be empty
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }

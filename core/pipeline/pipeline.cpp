@@ -76,16 +76,16 @@ PreparedFrame prepare_frame(const Frame& frame,
 
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
   SegmentOptions result = options.segment;
-  if (prepared.from_cloud) result.sigma_by_range = false;
+  if (prepared.from_cloud) result.noise.sigma_by_range = false;
   return result;
 }
 
 Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptions& options) {
   Measurements more;
   more.rays = !prepared.from_cloud;
-  if (options.r8_voxel_spread && prepared.voxels.size_m > 0)
+  if (options.r8_voxel_spread.on && prepared.voxels.size_m > 0)
     more.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
-  if (options.split_disconnected == SplitRule::seen && more.rays)
+  if (options.split_disconnected.rule == SplitRule::seen && more.rays)
     more.beyond = points_beyond(prepared.cloud);
   return more;
 }

@@ -29,7 +29,7 @@ std::string decision(const Run& run, const TraceEvent& event) {
     case Case::III:
     case Case::IV: {
       const char* op = decided == Case::IV ? "≤" : ">";
-      if (options.rms_criterion3)
+      if (options.noise.rms_criterion3)
         return fmt::format("case {}, RMS {:.2f} {} {:.2f} mm", to_string(decided), facts.e_n * kMm,
                            op, facts.theta_e_n * kMm);
       return fmt::format("case {}, e_n {:.3g} {} {:.3g} m²", to_string(decided), facts.e_n, op,
@@ -48,20 +48,12 @@ std::string candidate(const Run& run, const TraceEvent& event) {
 }
 
 std::string refinement(const TraceEvent& event) {
-  const std::string plane = plane_name(event.plane);
-  switch (event.refinement) {
-    case 2:
-      return fmt::format("R2: larger planes explain {}, its points are left over", plane);
-    case 5:
-      return fmt::format("R5: point {} goes from {} to {}, {:.1f} mm off it", event.point, plane,
-                         plane_name(event.other), event.value * kMm);
-    case 6:
-      return fmt::format("R6: {} fitted anew without the points that a second plane shares", plane);
-    case 7:
-      return fmt::format("R7: {} merges into {}", plane, plane_name(event.other));
-    default:
-      return fmt::format("split: {} fitted anew to the points it has", plane);
-  }
+  return fmt::format(
+      "{}: {}", to_string(event.stage),
+      fmt::format(fmt::runtime(refinement_of(event.stage)->says),
+                  fmt::arg("plane", plane_name(event.plane)),
+                  fmt::arg("other", plane_name(event.other)), fmt::arg("point", event.point),
+                  fmt::arg("mm", event.value * kMm)));
 }
 
 }  // namespace
@@ -85,7 +77,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       return fmt::format("node {} (depth {}): {}", event->node,
                          run.octree().nodes[event->node].depth, decision(run, *event));
     case EventType::found:
-      if (event->refinement == kSplit)
+      if (event->node < 0)
         return fmt::format("split: {} parts from {}, which it does not touch", plane,
                            plane_name(event->other));
       return fmt::format("{} founds {}", candidate(run, *event), plane);
@@ -106,7 +98,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       return fmt::format("{} waits: its normal is known to {:.1f}° only", candidate(run, *event),
                          event->value * kDegrees);
     case EventType::leave:
-      if (event->refinement == kSplit)
+      if (event->node < 0)
         return fmt::format("split: {} has too few points, they are left over", plane);
       return fmt::format("{} is left over: its normal is known to {:.1f}° only",
                          candidate(run, *event), event->value * kDegrees);

@@ -57,7 +57,8 @@ std::vector<NodeFacts> facts_of(const Run& run) {
     const Planarity planar = planarity(facts.fit, noise, range, options);
     facts.e_n = planar.value;
     facts.theta_e_n = planar.threshold;
-    facts.sigma_ang = normal_uncertainty(facts.fit, noise.sigma(range));
+    facts.sigma_ang =
+        normal_uncertainty(facts.fit, noise.sigma(range), options.noise.normal_sigma_share);
     if (truth.known()) counter.count(node, facts);
     result.push_back(facts);
   }

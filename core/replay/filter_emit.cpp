@@ -57,7 +57,10 @@ FilterTerm FilterEmitter::constant(const FilterToken& token, FilterType type, do
   return {type, token.begin, token.end, value};
 }
 
-FilterTerm FilterEmitter::named(const FilterToken& token) {
+FilterTerm FilterEmitter::named(const FilterToken& token, FilterType wanted) {
+  // `merge` is a stage beside `stage==`, and a kind of event elsewhere.
+  if (const FilterValue* value = find_filter_value(token.text); value && value->type == wanted)
+    return constant(token, value->type, value->value);
   if (const FilterField* field = find_filter_field(token.text)) {
     const FilterTerm term{field->type, token.begin, token.end};
     if (field->option)

@@ -30,7 +30,7 @@ class FilterEmitter {
   explicit FilterEmitter(std::string_view text) : text_(text) {}
 
   FilterTerm constant(const FilterToken& token, FilterType type, double value);
-  FilterTerm named(const FilterToken& token);
+  FilterTerm named(const FilterToken& token, FilterType wanted = FilterType::boolean);
   void compare(const FilterTerm& left, const FilterToken& sign, const FilterTerm& right);
   void emit(FilterOp::Code code) { program_.push_back({.code = code}); }
   /// A jump whose target is the place of land() after it.

@@ -57,8 +57,11 @@ void append_events(std::vector<FilterField>& fields) {
   using enum FilterType;
   add("step", "number of the event, from 1", number,
       [](View e) { return static_cast<double>(e.step); });
-  add("refinement", "the refinement that decided: R1 to R7, split", FilterType::refinement,
-      [](View e) { return e.event.refinement > 0 ? e.event.refinement : kAbsent; });
+  add("stage", "what decided: criteria, merge, assign, or a refinement, R1 to R8, split",
+      FilterType::stage, [](View e) { return static_cast<double>(e.event.stage); });
+  add("refinement", "the refinement that decided: R1 to R8, split", FilterType::stage, [](View e) {
+    return refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
+  });
   add("label", "h or v: of the candidate, node, point or plane", FilterType::label, label_of);
   add("plane", "planes that the event concerns, as P7 or 7", FilterType::plane, nullptr);
   add("point", "points that the event names, moves or has in its node", FilterType::point, nullptr);

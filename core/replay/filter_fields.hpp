@@ -17,7 +17,7 @@ enum class FilterType : std::uint8_t {
   boolean,
   node_case,
   label,
-  refinement,
+  stage,
   plane,       // the planes that an event concerns
   point,       // the points that it concerns
   plane_name,  // P7

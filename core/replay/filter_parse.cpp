@@ -63,7 +63,9 @@ class Parser {
     const FilterTerm left = sum();
     if (!next_is_comparison()) return left;
     const FilterToken sign = tokens_[at_++];
-    const FilterTerm right = sum();
+    const bool is_stage = left.type == FilterType::stage && at_ < tokens_.size() &&
+                          tokens_[at_].kind == FilterToken::name;
+    const FilterTerm right = is_stage ? emitter_.named(tokens_[at_++], left.type) : sum();
     emitter_.compare(left, sign, right);
     if (next_is_comparison())
       fail_filter(tokens_[at_], "comparisons do not chain: join two of them with '&&'");

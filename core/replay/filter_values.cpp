@@ -14,8 +14,8 @@ const char* to_string(FilterType type) {
       return "a case (I, II, III or IV)";
     case FilterType::label:
       return "a label (h or v)";
-    case FilterType::refinement:
-      return "a refinement (R1 to R7, or split)";
+    case FilterType::stage:
+      return "a stage (criteria, merge, assign, R1 to R8, or split)";
     case FilterType::plane:
     case FilterType::plane_name:
       return "a plane";
@@ -34,14 +34,11 @@ const std::vector<FilterValue>& filter_values() {
                      static_cast<double>(c)});
     all.push_back({"h", "level, like treads", FilterType::label, 1});
     all.push_back({"v", "upright, like risers", FilterType::label, 2});
-    const std::pair<const char*, const char*> refinements[] = {
-        {"R1", "merge by distance"}, {"R2", "explain away"},
-        {"R3", "weak candidates"},   {"R4", "fit impure nodes"},
-        {"R5", "reassign points"},   {"R6", "refit"},
-        {"R7", "second merge"},      {"split", "split disconnected planes"}};
-    for (int r = 1; r <= kSplit; ++r)
-      all.push_back({refinements[r - 1].first, refinements[r - 1].second, FilterType::refinement,
-                     static_cast<double>(r)});
+    for (const Stage stage : stages()) {
+      const RefinementInfo* refinement = refinement_of(stage);
+      all.push_back({to_string(stage), refinement ? refinement->title : "a stage of the paper",
+                     FilterType::stage, static_cast<double>(stage)});
+    }
     return all;
   }();
   return values;

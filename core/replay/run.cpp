@@ -22,7 +22,7 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
   run->segment_options = segment_options(prepared, options);
   run->segmentation =
       find_regions(run->subject->frame, prepared, options, &run->trace).segmentation;
-  run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation, run->segment_options)
+  run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation)
                                  : Timeline(run->segmentation, prepared.voxels.points);
   run->facts = facts_of(*run);
   run->wrong = wrong_decisions(*run);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/replay/replay_trace.hpp"
-
 namespace planescope {
 namespace {
 
@@ -25,38 +23,41 @@ const Change* last_until(std::span<const Change> changes, std::int32_t step) {
   return after == changes.begin() ? nullptr : &*(after - 1);
 }
 
-/// Sorts records by what `index` names, each in its order.
-template <typename Record, typename Change>
+/// Sorts records by the row that `row_of` names, each in its order.
+template <typename Record, typename RowOf, typename Change>
 void to_rows(const std::vector<Record>& records,
-             std::int32_t Record::*index,
+             RowOf row_of,
              std::size_t rows,
              std::vector<std::uint32_t>& first,
              std::vector<Change>& changes) {
   first.assign(rows + 1, 0);
-  for (const Record& record : records) ++first[record.*index + 1];
+  for (const Record& record : records) ++first[row_of(record) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   changes.resize(records.size());
   std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (const Record& record : records) changes[next[record.*index]++] = record.change;
+  for (const Record& record : records) changes[next[row_of(record)]++] = record.change;
 }
 
 }  // namespace
 
-Timeline::Timeline(const Trace& trace,
-                   const Segmentation& segmentation,
-                   const SegmentOptions& options) {
+Timeline::Timeline(const Trace& trace, const Segmentation& segmentation)
+    : steps_(trace.steps()),
+      queued_at_(trace.queued_at),
+      visited_at_(trace.visited_at),
+      decided_at_(trace.decided_at) {
   const Octree& octree = segmentation.octree;
-  ReplayedTrace replayed = replay_trace(trace, octree, options);
-  steps_ = static_cast<std::int32_t>(trace.events.size());
-  queued_at_ = std::move(replayed.queued_at);
-  visited_at_ = std::move(replayed.visited_at);
-  decided_at_ = std::move(replayed.decided_at);
-  to_rows(replayed.points, &ReplayedTrace::Point::point, octree.order.size(), points_first_,
-          point_changes_);
-  to_rows(replayed.planes, &ReplayedTrace::Plane::plane, replayed.plane_labels.size(),
-          planes_first_, plane_changes_);
-  plane_labels_ = std::move(replayed.plane_labels);
-  result_of_plane_.assign(plane_labels_.size(), 0);
+  for (auto* at : {&queued_at_, &visited_at_, &decided_at_})
+    at->resize(octree.nodes.size(), kNever);
+  std::size_t planes = 0;
+  for (const Trace::Plane& plane : trace.planes)
+    planes = std::max(planes, static_cast<std::size_t>(plane.plane) + 1);
+  to_rows(
+      trace.points, [&](const Trace::Point& record) { return octree.order[record.point]; },
+      octree.order.size(), points_first_, point_changes_);
+  to_rows(
+      trace.planes, [](const Trace::Plane& record) { return record.plane; }, planes, planes_first_,
+      plane_changes_);
+  result_of_plane_.assign(planes, 0);
   for (const PlaneRegion& region : segmentation.planes)
     if (region.founded < plane_count()) result_of_plane_[region.founded] = region.id;
 
@@ -82,9 +83,11 @@ Timeline::Timeline(const Segmentation& segmentation, std::span<const Vec3f> poin
   }
   for (std::size_t k = 0; k < count; ++k) {
     const PlaneRegion& region = segmentation.planes[k];
-    plane_changes_.push_back({.moments = moments[k], .fit = region.fit});
+    PlaneChange& change = plane_changes_.emplace_back();
+    change.label = region.label;
+    change.moments = moments[k];
+    change.fit = region.fit;
     planes_first_.push_back(static_cast<std::uint32_t>(k + 1));
-    plane_labels_.push_back(region.label);
     result_of_plane_.push_back(region.id);
   }
   leaf_of_point_.assign(points.size(), -1);

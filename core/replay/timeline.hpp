@@ -5,15 +5,12 @@
 // follows from them, before the next is decided; nothing in it knows of later events.
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "core/segment/segment.hpp"
 
 namespace planescope {
-
-inline constexpr std::int32_t kNever = std::numeric_limits<std::int32_t>::max();
 
 enum class NodeState : std::uint8_t {
   unborn,   // its parent is not divided yet
@@ -22,27 +19,11 @@ enum class NodeState : std::uint8_t {
   settled,  // case known
 };
 
-/// A point's plane, or that it was left over, from a step on.
-struct PointChange {
-  std::int32_t step = 0;
-  std::int32_t plane = -1;  // plane of the trace, -1 none
-  bool leftover = false;    // on the list of leftovers
-};
-
-/// A plane from a step on.
-struct PlaneChange {
-  std::int32_t step = 0;
-  bool alive = true;
-  std::int32_t into = -1;  // where not alive: the plane it went into, -1 if dropped
-  Moments moments;         // of what it was fitted to
-  PlaneFit fit;
-};
-
 class Timeline {
  public:
   Timeline() = default;
-  /// `options`: as they were given to segment(), which made the others.
-  Timeline(const Trace& trace, const Segmentation& segmentation, const SegmentOptions& options);
+  /// Of what segment() made with a trace.
+  Timeline(const Trace& trace, const Segmentation& segmentation);
 
   /// Of a result without a trace: its planes stand from step 0 on, and no step follows.
   Timeline(const Segmentation& segmentation, std::span<const Vec3f> points);
@@ -69,7 +50,7 @@ class Timeline {
   std::span<const PlaneChange> changes_of_plane(std::int32_t plane) const;  // by step
   /// Null before it is founded.
   const PlaneChange* plane_at(std::int32_t plane, std::int32_t step) const;
-  Label label_of_plane(std::int32_t plane) const { return plane_labels_[plane]; }
+  Label label_of_plane(std::int32_t plane) const { return changes_of_plane(plane).front().label; }
   /// Id in the result (PlaneRegion::id), 0 where it is not part of it.
   std::int32_t result_of_plane(std::int32_t plane) const { return result_of_plane_[plane]; }
 
@@ -79,7 +60,6 @@ class Timeline {
   std::vector<std::uint32_t> points_first_, planes_first_{0};
   std::vector<PointChange> point_changes_;
   std::vector<PlaneChange> plane_changes_;
-  std::vector<Label> plane_labels_;
   std::vector<std::int32_t> result_of_plane_;
   std::vector<std::int32_t> leaf_of_point_;  // the deepest node that ever held each point
   std::vector<std::int32_t> parents_;

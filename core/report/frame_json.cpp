@@ -101,13 +101,13 @@ Json nodes_json(const SegmentCounts& counts) {
   return json;
 }
 
-Json noise_json(const NoiseModel& noise) {
+Json noise_json(const ReportNoise& noise) {
   return {{"estimated", noise.estimated},
           {"by_range", noise.by_range},
           {"of_spreads", noise.of_spreads},
-          {"sigma_at_1m_m", rounded(noise.sigma(1))},
-          {"theta_rms_at_1m_m", rounded(noise.theta_rms(1))},
-          {"tau_at_1m_m", rounded(noise.tau(1))}};
+          {"sigma_at_1m_m", rounded(noise.sigma_m)},
+          {"theta_rms_at_1m_m", rounded(noise.theta_rms_m)},
+          {"tau_at_1m_m", rounded(noise.tau_m)}};
 }
 
 GravitySource gravity_source(const JsonPlace& place) {
@@ -151,9 +151,9 @@ void read_segmentation(const JsonPlace& place, ReportFrame& frame) {
   frame.noise.estimated = noise.at("estimated").boolean();
   frame.noise.by_range = noise.at("by_range").boolean();
   frame.noise.of_spreads = noise.at("of_spreads").boolean();
-  frame.noise.constant_m = frame.noise.growth_per_m = noise.at("sigma_at_1m_m").number();
-  frame.noise.fixed_rms_m = noise.at("theta_rms_at_1m_m").number();
-  frame.noise.fixed_tau_m = noise.at("tau_at_1m_m").number();
+  frame.noise.sigma_m = noise.at("sigma_at_1m_m").number();
+  frame.noise.theta_rms_m = noise.at("theta_rms_at_1m_m").number();
+  frame.noise.tau_m = noise.at("tau_at_1m_m").number();
 }
 
 ValueHistogram read_histogram(const JsonPlace& place) {

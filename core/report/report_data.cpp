@@ -67,7 +67,9 @@ ReportFrame make_report_frame(const Frame& frame,
   report.counts = result.cloud.counts;
   report.voxels = result.voxels.points.size();
   report.segment = result.segmentation.counts;
-  report.noise = result.segmentation.noise;
+  const NoiseModel& noise = result.segmentation.noise;
+  report.noise = {noise.estimated, noise.by_range,     noise.of_spreads,
+                  noise.sigma(1),  noise.theta_rms(1), noise.tau(1)};
   report.timings = result.timings;
   report.regions = sample_regions(frame, result);
   for (PlaneSummary& plane : summarize_planes(result, options.cloud.voxel_size_m)) {

@@ -44,6 +44,12 @@ struct ReportPicture {
 std::string copy_of(const ReportPicture& picture);
 std::string thumbnail_of(const ReportPicture& picture);
 
+/// The noise that was measured, and the thresholds that follow, one metre from the sensor [m].
+struct ReportNoise {
+  bool estimated = false, by_range = false, of_spreads = false;
+  double sigma_m = 0, theta_rms_m = 0, tau_m = 0;
+};
+
 /// One frame: its results, or why there are none.
 struct ReportFrame {
   int index = 0;
@@ -59,7 +65,7 @@ struct ReportFrame {
   std::uint64_t points_on_planes = 0;
   int planes_h = 0, planes_v = 0;
   SegmentCounts segment;
-  NoiseModel noise;
+  ReportNoise noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
   std::vector<ValueHistogram> histograms;  // of our own method's decisions

@@ -143,7 +143,7 @@ void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
       grouped(counts.nodes_visited), grouped(counts.candidates), grouped(counts.merges),
       grouped(counts.leftovers), grouped(counts.assigned), grouped(counts.unassigned));
   if (frame.noise.estimated) {
-    const double sigma_mm = 1000 * frame.noise.sigma(1);
+    const double sigma_mm = 1000 * frame.noise.sigma_m;
     text += fmt::format(" Measured noise: {:.1f} mm{}.", sigma_mm,
                         frame.noise.by_range ? " at 1 m, growing with the square of range" : "");
   }

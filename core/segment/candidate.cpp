@@ -22,7 +22,7 @@ Planarity planarity(const PlaneFit& fit,
                     const NoiseModel& noise,
                     double range_m,
                     const SegmentOptions& options) {
-  if (options.rms_criterion3) {
+  if (options.noise.rms_criterion3) {
     const double theta = noise.theta_rms(range_m);
     return {fit.rms_m(), theta, is_planar(fit, theta * theta, MseNormalization::mean)};
   }

@@ -4,7 +4,6 @@
 // found a plane. The traversal and whoever explains it call the same functions.
 
 #include <cstdint>
-#include <numbers>
 
 #include "core/segment/criteria.hpp"
 #include "core/segment/noise.hpp"
@@ -35,11 +34,5 @@ Planarity planarity(const PlaneFit& fit,
                     const NoiseModel& noise,
                     double range_m,
                     const SegmentOptions& options);
-
-// R3. A candidate whose normal is not sure yet waits for the strong ones. A plane of their own is
-// for those with enough points and a normal known to 8 degrees.
-inline constexpr double kWeakSigmaAng = 4 * std::numbers::pi / 180;     // [rad]
-inline constexpr double kMaxWeakSigmaAng = 8 * std::numbers::pi / 180;  // [rad]
-inline constexpr double kMinWeakPoints = 10;
 
 }  // namespace planescope

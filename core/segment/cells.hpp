@@ -1,6 +1,6 @@
 #pragma once
 
-// Cells of eight octree leaves' edge (10 cm): what "neighbouring" means in the refinements. Points
+// Cells some levels above the octree's leaves: what "neighbouring" means in the refinements. Points
 // are in Morton order, so a cell is a range of them.
 
 #include <cstdint>
@@ -10,8 +10,6 @@
 #include "core/segment/octree.hpp"
 
 namespace planescope {
-
-inline constexpr int kCellLevels = 3;  // levels above the leaves: 8 x 1.25 cm
 
 /// First point of each non-empty cell `levels` above the leaves, and the number of points at the
 /// end.
@@ -25,7 +23,7 @@ struct CellGrid {
   std::vector<std::uint32_t> neighbours;
   std::size_t size() const { return starts.size() - 1; }
 };
-CellGrid make_cell_grid(const Octree& octree, int levels = kCellLevels);
+CellGrid make_cell_grid(const Octree& octree, int levels);
 
 /// For each cell, the planes with points in its 3 x 3 x 3 neighbourhood, ascending.
 struct CellPlanes {

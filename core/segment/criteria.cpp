@@ -49,50 +49,16 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options) {
          (options.merge_offset_m <= 0 || terms.offset_m <= options.merge_offset_m);
 }
 
-double normal_uncertainty(const PlaneFit& fit, double sigma_m) {
-  const double noise =
-      std::max(fit.eigenvalues[0] / std::max(1.0, fit.count - 3), sigma_m * sigma_m / 4);
+double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share) {
+  const double least = least_share * sigma_m;
+  const double noise = std::max(fit.eigenvalues[0] / std::max(1.0, fit.count - 3), least * least);
   if (fit.eigenvalues[1] <= 0) return std::numbers::pi / 2;
   return std::min(std::numbers::pi / 2, std::sqrt(noise / fit.eigenvalues[1]));
-}
-
-bool is_wider_than_noise(const PlaneFit& fit, double sigma_m) {
-  return std::sqrt(fit.eigenvalues[1] / fit.count) >= 2 * sigma_m;
 }
 
 double area_per_point(const PlaneFit& fit) {
   // A rectangle's variances are its squared sides over 12.
   return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
-}
-
-bool is_dense(const PlaneFit& fit, double typical_area_per_point) {
-  constexpr double kLeastShare = 0.12;
-  return kLeastShare * area_per_point(fit) <= typical_area_per_point;
-}
-
-DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b) {
-  const MeasuredPlane& sure = b.sigma_ang < a.sigma_ang ? b : a;
-  const MeasuredPlane& other = b.sigma_ang < a.sigma_ang ? a : b;
-  constexpr double kDeg = 180 / std::numbers::pi;
-  constexpr double kMaxLateral2 = 0.25;  // [m^2]: the bound stops growing half a metre away
-
-  constexpr double kNear = 0.1;    // [m]: regions this close are neighbours
-  constexpr double kFarAngle = 5;  // [deg]: over a gap, directions must agree better
-
-  const Vec3d& n = sure.fit.normal;
-  const Vec3d dmu = other.fit.centroid - sure.fit.centroid;
-  const double offset = n.dot(dmu);
-  const double lateral2 = std::max(0.0, dmu.squaredNorm() - offset * offset);
-  DistanceTerms terms;
-  terms.gap_m = gap_between(a.bounds, b.bounds);
-  terms.max_gap_m = std::max(kNear, other.tau_m / (3 * std::max(other.sigma_ang, 1e-9)));
-  terms.angle_deg = kDeg * std::acos(std::min(1.0, std::abs(n.dot(other.fit.normal))));
-  terms.max_angle_deg = terms.gap_m <= kNear ? 10 + 3 * kDeg * other.sigma_ang : kFarAngle;
-  terms.offset2_m2 = offset * offset;
-  terms.spread2_m2 = n.dot(other.moments.scatter() * n) / other.moments.count;
-  terms.bound2_m2 = other.tau_m * other.tau_m +
-                    9 * sure.sigma_ang * sure.sigma_ang * std::min(lateral2, kMaxLateral2);
-  return terms;
 }
 
 PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options) {

@@ -44,40 +44,12 @@ Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate);
 bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
 
 /// Standard deviation of a fit's normal direction [rad], from its residuals and its middle extent;
-/// never better than noise sigma_m / 2 would allow.
-double normal_uncertainty(const PlaneFit& fit, double sigma_m);
-
-/// Is the region wider across its shorter axis than the noise alone could make it?
-bool is_wider_than_noise(const PlaneFit& fit, double sigma_m);
+/// never better than `least_share` of the noise sigma_m would allow.
+double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share);
 
 /// Area of the rectangle with the fit's second moments, per point [m^2]: how thinly points are
 /// spread.
 double area_per_point(const PlaneFit& fit);
-/// Flying pixels along an edge lie on a plane too, but far more thinly than a surface's points.
-bool is_dense(const PlaneFit& fit, double typical_area_per_point);
-
-/// R1: coplanarity by distance. The surer of the two planes measures the other.
-struct DistanceTerms {
-  double angle_deg = 0, max_angle_deg = 0;
-  double gap_m = 0,
-         max_gap_m = 0;   // between the regions' boxes; as far as the normals can be trusted
-  double offset2_m2 = 0;  // squared distance of the other's centroid
-  double spread2_m2 = 0;  // n^T S n / N of the other
-  double bound2_m2 = 0;   // both must stay below
-  bool passes() const {
-    return angle_deg <= max_angle_deg && gap_m <= max_gap_m && offset2_m2 <= bound2_m2 &&
-           spread2_m2 <= bound2_m2;
-  }
-  double cost() const { return (offset2_m2 + spread2_m2) / bound2_m2; }
-};
-struct MeasuredPlane {
-  const PlaneFit& fit;
-  const Moments& moments;
-  double sigma_ang = 0;  // normal_uncertainty [rad]
-  double tau_m = 0;      // how far off its points may lie, for noise
-  Bounds bounds;         // of its points
-};
-DistanceTerms distance_terms(const MeasuredPlane& a, const MeasuredPlane& b);
 
 /// How far a pair is from passing for one plane: each value over its limit, 1 passes.
 struct PairStrain {

@@ -39,17 +39,12 @@ SegmentOptions profile_options(Profile profile) {
     case Profile::refined:
       o.merge_partner = MergePartner::best;
       o.leftover_rule = LeftoverRule::nearest;
-      o.rms_criterion3 = true;
-      o.estimate_sigma = true;
-      o.sigma_by_range = true;
-      o.r1_merge_by_distance = true;
-      o.r2_explain_away = true;
-      o.r3_weak_candidates = true;
-      o.r4_fit_impure_nodes = true;
-      o.r5_reassign_shared_cells = true;
-      o.r6_refit = true;
-      o.r7_second_merge = true;
-      o.split_disconnected = SplitRule::seen;
+      o.noise.rms_criterion3 = true;
+      o.noise.estimate_sigma = true;
+      o.noise.sigma_by_range = true;
+#define PLANESCOPE_REFINED(name) o.name = name::kRefined;
+      PLANESCOPE_REFINEMENTS(PLANESCOPE_REFINED)
+#undef PLANESCOPE_REFINED
       break;
   }
   return o;

@@ -1,10 +1,14 @@
 #pragma once
 
-// All numbers that steer the segmentation. Sun et al. 2023, Sec. V "Implementation Details", and
-// the refinements of planescope's own (docs/method.md). Defaults stand here only.
+// All numbers that steer the segmentation: Sun et al. 2023, Sec. V "Implementation Details", and
+// planescope's own refinements (docs/method.md). Defaults stand here, in noise_options.hpp and with
+// each refinement.
 
 #include <cstdint>
 #include <string>
+
+#include "core/segment/noise_options.hpp"
+#include "core/segment/refinements.hpp"
 
 namespace planescope {
 
@@ -16,8 +20,6 @@ enum class MseNormalization : std::uint8_t { scatter, mean };  // e_n as printed
 enum class CubeAnchor : std::uint8_t { center, min_corner };   // where the octree's cube stands
 enum class MergePartner : std::uint8_t { first, best };
 enum class LeftoverRule : std::uint8_t { first, nearest };
-/// Which gaps within a plane make two of it: none, those that the sensor looked through, or all.
-enum class SplitRule : std::uint8_t { off, seen, on };
 
 struct SegmentOptions {
   Profile profile = Profile::refined;
@@ -37,24 +39,12 @@ struct SegmentOptions {
   bool use_labels = true;  // false: all points carry one label ("without PC")
   CubeAnchor cube_anchor = CubeAnchor::center;
 
-  // Thresholds from the measured noise, for Criterion 3 by RMS and for the refinements.
-  bool rms_criterion3 = false;  // Criterion 3: RMS <= theta_rms instead of e_n <= theta_e_n_m2
-  bool estimate_sigma = false;  // theta_rms and tau follow the noise; otherwise the fixed ones
-  bool sigma_by_range = false;  // noise estimated per range bin: both grow with range
-  double fixed_rms_m = 0.006;   // theta_rms where the noise is not estimated
-  double fixed_tau_m = 0.010;   // tau where the noise is not estimated
+  NoiseOptions noise;  // thresholds from the measured noise
 
-  // Refinements, each on its own.
-  bool r1_merge_by_distance = false;
-  bool r2_explain_away = false;
-  bool r3_weak_candidates = false;
-  bool r4_fit_impure_nodes = false;
-  bool r5_reassign_shared_cells = false;
-  bool r6_refit = false;
-  bool r7_second_merge = false;
-  bool r8_voxel_spread = false;
-  SplitRule split_disconnected = SplitRule::off;
-  double split_gap_m = 0.05;  // points no farther apart than this touch
+  // One member for each file of core/segment/refine/: r1_merge_by_distance and so on.
+#define PLANESCOPE_OPTIONS(name) ::planescope::name::Options name;
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_OPTIONS)
+#undef PLANESCOPE_OPTIONS
 };
 
 /// The defaults of a profile.

@@ -18,15 +18,26 @@ double elapsed_ms(Clock::time_point since) {
   return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
 }
 
-/// The cube as the options want it: where it is, or with its lower corner at the points' own.
-Cube placed(const Cube& cube, std::span<const Vec3f> points, CubeAnchor anchor) {
-  Cube result = cube;
-  if (anchor == CubeAnchor::min_corner && !points.empty()) {
-    Vec3f low = points[0];
-    for (const Vec3f& p : points) low = low.cwiseMin(p);
-    result.min_corner = low.cast<double>();
-  }
-  return result;
+/// The refinements that follow a stage of the paper, in their turn.
+void refine(SegmentState& state, After stage) {
+  struct Step {
+    RefinementInfo info;
+    void (*run)(SegmentState&);
+  };
+  static const std::vector<Step> steps = [] {
+    std::vector<Step> all;
+    // run() is found by the options' namespace; a refinement within the paper's stages has none.
+#define PLANESCOPE_STEP(name)                                                                  \
+  all.push_back({name::kInfo, [](auto& s) {                                                    \
+                   if constexpr (requires { run(s, s.options.name); }) run(s, s.options.name); \
+                 }});
+    PLANESCOPE_REFINEMENTS(PLANESCOPE_STEP)
+#undef PLANESCOPE_STEP
+    std::ranges::stable_sort(all, {}, [](const Step& step) { return step.info.turn; });
+    return all;
+  }();
+  for (const Step& step : steps)
+    if (step.info.after == stage) step.run(state);
 }
 
 /// Numbers the planes that are left by size and hands them over with their points.
@@ -66,37 +77,6 @@ void conclude(SegmentState& state, Segmentation& result) {
 
 }  // namespace
 
-SegmentState start_segmentation(std::span<const Vec3f> points,
-                                std::span<const Label> labels,
-                                const Cube& cube,
-                                const Vec3d& sensor,
-                                const SegmentOptions& options,
-                                Trace* trace,
-                                const Measurements& more) {
-  assert(points.size() == labels.size());
-  SegmentState state{options, sensor, more, trace};
-  state.octree = build_octree(points, labels, placed(cube, points, options.cube_anchor));
-  if (!more.spreads.empty())
-    for (const std::uint32_t i : state.octree.order)
-      state.octree.spreads.push_back(more.spreads[i]);
-  state.plane_of.assign(points.size(), -1);
-  return state;
-}
-
-void run_stages(SegmentState& state) {
-  const SegmentOptions& options = state.options;
-  state.noise = measure_noise(state.octree, state.sensor, options);
-  traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
-  if (options.r3_weak_candidates) join_weak_candidates(state);
-  if (options.r7_second_merge) merge_planes_again(state);
-  if (options.r2_explain_away) prune_explained_planes(state);
-  assign_leftovers(state);
-  if (options.r6_refit) refit_planes(state);
-  if (options.r5_reassign_shared_cells) reassign_shared_points(state);
-  if (options.r5_reassign_shared_cells && options.r2_explain_away) drop_emptied_planes(state);
-  if (options.split_disconnected != SplitRule::off) split_disconnected_planes(state);
-}
-
 Segmentation segment(std::span<const Vec3f> points,
                      std::span<const Label> labels,
                      const Cube& cube,
@@ -110,7 +90,11 @@ Segmentation segment(std::span<const Vec3f> points,
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();
-  run_stages(state);
+  state.noise = measure_noise(state.octree, state.sensor, options);
+  traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
+  refine(state, After::merging);
+  assign_leftovers(state);
+  refine(state, After::assignment);
   conclude(state, result);
   result.timings.traverse_ms = elapsed_ms(built);
   return result;

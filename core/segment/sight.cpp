@@ -6,16 +6,13 @@
 namespace planescope {
 namespace {
 
-constexpr double kCellM = 0.02;
-constexpr double kMaxCells = 1000;  // along an axis
-constexpr double kBehindM = 0.03;   // what is nearer behind a plane may be noise of it
-constexpr double kTaus = 2;         // likewise
-constexpr double kOpenShare = 0.5;  // of a gap
+constexpr double kMaxCells = 1000;  // along an axis: a bound on memory
 
 }  // namespace
 
 Sight::Sight(const SegmentState& state, std::int32_t plane, double spacing_m)
     : state_(state),
+      options_(state.options.split_disconnected),
       fit_(state.planes[plane].fit),
       from_above_(label_of_normal(fit_.normal) == Label::h) {
   u_ = fit_.normal.unitOrthogonal();
@@ -24,23 +21,24 @@ Sight::Sight(const SegmentState& state, std::int32_t plane, double spacing_m)
   Vec2d high = -low_;
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i) {
     if (state.plane_of[i] != plane) continue;
-    const Vec2d p = on_plane(state.octree.points[i].cast<double>());
+    const Vec2d p = on_plane(state.point(i));
     low_ = low_.cwiseMin(p);
     high = high.cwiseMax(p);
   }
   const Vec2d size = high - low_;
-  cell_m_ = std::max({kCellM, spacing_m, size.maxCoeff() / kMaxCells});
+  cell_m_ = std::max({options_.sight_cell_m, spacing_m, size.maxCoeff() / kMaxCells});
   columns_ = static_cast<int>(size.x() / cell_m_) + 1;
   rows_ = static_cast<int>(size.y() / cell_m_) + 1;
   passed_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
-    if (state.plane_of[i] != plane) mark(state.octree.points[i].cast<double>());
+    if (state.plane_of[i] != plane) mark(state.point(i));
   for (const Vec3f& p : state.more.beyond) mark(p.cast<double>());
 }
 
 std::optional<Vec3d> Sight::passed_at(const Vec3d& measured) const {
   const double point_m = fit_.distance_m(measured);
-  if (std::abs(point_m) < std::max(kBehindM, kTaus * state_.tau(measured))) return std::nullopt;
+  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * state_.tau(measured)))
+    return std::nullopt;
   if (!state_.more.rays) {
     const double up_m = -point_m / fit_.normal.z();
     if (!from_above_ || up_m < 0) return std::nullopt;
@@ -92,7 +90,7 @@ bool Sight::is_open_between(std::span<const std::uint32_t> a,
   const int samples = static_cast<int>(gap.norm() / cell_m_) - 1;
   int open = 0;
   for (int k = 1; k <= samples; ++k) open += is_open_at(start + gap * k / (samples + 1)) ? 1 : 0;
-  return samples > 0 && open >= kOpenShare * samples;
+  return samples > 0 && open >= options_.open_share * samples;
 }
 
 }  // namespace planescope

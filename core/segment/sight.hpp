@@ -29,6 +29,7 @@ class Sight {
   bool is_open_at(const Vec3d& p) const;
 
   const SegmentState& state_;
+  const split_disconnected::Options& options_;
   const PlaneFit& fit_;
   bool from_above_ = false;
   Vec3d u_, v_;  // axes on the plane

@@ -1,9 +1,9 @@
 #pragma once
 
-// What the stages of segment() hand to each other. Internal to core/segment.
+// The segmentation on its way: what its stages read, and the handful of functions through which
+// alone they change it. Internal to core/segment and to what replays and explains it.
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,55 +12,38 @@
 
 namespace planescope {
 
-/// A plane while it is being put together: moments, so that joining two never touches points.
-struct GrowingPlane {
-  Label label = Label::h;
-  Moments moments;
-  PlaneFit fit;
-  double sigma_ang = 0;  // [rad]
-  Bounds bounds;
-  bool alive = true;       // false: merged into another or pruned
-  std::int32_t into = -1;  // the plane that R7 merged it into
-};
-
-/// Thrown by SegmentState::log() instead of logging event number `stop_at`.
-struct Stopped {};
-
 struct SegmentState {
   const SegmentOptions& options;
-  const Vec3d& sensor;
+  Vec3d sensor;
   const Measurements& more;
-  Trace* trace;
+  Trace* trace = nullptr;
   Octree octree = {};
   NoiseModel noise = {};
   std::vector<std::int32_t> plane_of = {};  // per Morton-ordered point: index into planes, -1 none
   std::vector<GrowingPlane> planes = {};    // in order of founding
-  std::vector<std::uint32_t> leftovers = {};  // Morton-order positions, in the order they were left
+  std::vector<std::uint32_t> leftovers = {};  // Morton positions, in the order they were left over
   std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
   SegmentCounts counts = {};
-  std::size_t stop_at = std::numeric_limits<std::size_t>::max();
 
+  Vec3d point(std::uint32_t i) const { return octree.points[i].cast<double>(); }
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }
+  double sigma(const PlaneFit& fit) const { return noise.sigma(range(fit.centroid)); }
+  /// How well the normal is known [rad].
+  double sigma_ang(const PlaneFit& fit) const {
+    return normal_uncertainty(fit, sigma(fit), options.noise.normal_sigma_share);
+  }
+  /// Is the point at Morton position i an inlier of a candidate with this label?
+  bool has_label(std::uint32_t i, Label label) const {
+    return !options.use_labels || octree.labels[i] == label;
+  }
   /// A growing plane or a candidate, as distance_terms() takes it.
   template <typename PlaneOrCandidate>
   MeasuredPlane measured(const PlaneOrCandidate& p) const {
     return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid), p.bounds};
   }
-  /// Call it before changing what the event says: the state after k events is then the one in which
-  /// a run stands that is stopped at the next.
-  void log(TraceEvent event) const {
-    if (!trace) return;
-    if (trace->events.size() == stop_at) throw Stopped{};
-    trace->events.push_back(event);
-  }
-  /// The same for a plane that is fitted anew.
-  void log_refit(std::int32_t plane, const Moments& moments, std::uint8_t refinement) const {
-    log({.type = EventType::refine, .refinement = refinement, .plane = plane});
-    if (trace) trace->refits.push_back(moments);
-  }
-  std::int32_t input_index(std::uint32_t morton) const {
-    return static_cast<std::int32_t>(octree.order[morton]);
+  std::int32_t input_index(std::uint32_t i) const {
+    return static_cast<std::int32_t>(octree.order[i]);
   }
 };
 
@@ -73,8 +56,45 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 Trace* trace,
                                 const Measurements& more);
 
-/// All stages after that, in their order.
-void run_stages(SegmentState& state);
+/// A decision. Log it before what follows from it.
+inline void log(const SegmentState& state, const TraceEvent& event) {
+  if (state.trace) state.trace->events.push_back(event);
+}
+
+// Whatever changes, changes through one of these. With a trace each appends its change.
+
+/// Takes a node from the queue; settles it; puts its children at the queue's end.
+void visit_node(SegmentState& state, std::int32_t node);
+void settle_node(SegmentState& state, std::int32_t node, Case decided);
+void divide_node(SegmentState& state, std::int32_t node);
+
+/// The point at Morton position i goes to the plane, out of where it was.
+inline void give_point(SegmentState& state, std::uint32_t i, std::int32_t plane) {
+  state.plane_of[i] = plane;
+  if (state.trace) state.trace->points.push_back({i, {state.trace->steps(), plane, false}});
+}
+/// ... or to the leftovers.
+inline void leave_point(SegmentState& state, std::uint32_t i) {
+  state.plane_of[i] = -1;
+  state.leftovers.push_back(i);
+  if (state.trace) state.trace->points.push_back({i, {state.trace->steps(), -1, true}});
+}
+
+/// The plane's number: the event that founds it is logged before.
+std::int32_t found_plane(SegmentState& state, const GrowingPlane& plane);
+/// Fits the plane to what the moments are of.
+void fit_again(SegmentState& state, std::int32_t plane, const Moments& moments);
+/// Eqs. (8)-(11): moments add, and the fit follows from them; no point is touched again.
+template <typename PlaneOrCandidate>
+void grow_plane(SegmentState& state, std::int32_t plane, const PlaneOrCandidate& part) {
+  state.planes[plane].bounds += part.bounds;
+  Moments moments = state.planes[plane].moments;
+  fit_again(state, plane, moments += part.moments);
+}
+/// The plane is no more: merged `into` another, or dropped. Its points go on by themselves.
+void end_plane(SegmentState& state, std::int32_t plane, std::int32_t into = -1);
+/// Drops a plane and leaves its points over.
+void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);
 
 /// Points of each plane, ascending Morton positions, as CSR.
 struct PlanePoints {
@@ -84,44 +104,22 @@ struct PlanePoints {
     return {points.data() + first[plane], points.data() + first[plane + 1]};
   }
 };
-
 PlanePoints points_by_plane(const SegmentState& state);
 
 /// area_per_point() of the plane that the median point of all planes belongs to.
 double typical_area_per_point(const SegmentState& state);
 
-/// Is the point at Morton position i an inlier of a candidate with this label?
-inline bool has_label(const SegmentState& state, std::uint32_t i, Label label) {
-  return !state.options.use_labels || state.octree.labels[i] == label;
-}
-
 /// Breadth-first traversal (Sec. IV-C): settles every node, founds and merges planes, fills the
 /// leftovers and the weak candidates.
 void traverse(SegmentState& state);
 
-/// Merges the candidate into a coplanar plane or lets it found one; its points follow.
+/// Lets the candidate found a plane, or join one; its points follow. `stage`: what decided it.
+void found(SegmentState& state, const Candidate& candidate, Stage stage);
+void merge(SegmentState& state, const Candidate& candidate, std::int32_t plane, Stage stage);
+/// Sec. IV-C, Criterion 4: merges the candidate into the plane of its choice, or founds one.
 void conquer(SegmentState& state, const Candidate& candidate);
 
-/// Among `planes`, the one nearest to the point at Morton position i, within tau and with the
-/// penalty for the other label; plane -1 if there is none.
-struct NearestPlane {
-  std::int32_t plane = -1;
-  double distance_m = -1;
-};
-NearestPlane nearest_plane(const SegmentState& state,
-                           std::span<const std::int32_t> planes,
-                           std::uint32_t i);
-
-/// R3, R7, R2, R6, R5 and R2 again after the traversal, around the assignment of leftovers.
-void join_weak_candidates(SegmentState& state);
-void merge_planes_again(SegmentState& state);
-void prune_explained_planes(SegmentState& state);
-/// Its points are left over.
-void give_up_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);
-void assign_leftovers(SegmentState& state, std::size_t first = 0);  // of state.leftovers
-void refit_planes(SegmentState& state);
-void reassign_shared_points(SegmentState& state);
-void drop_emptied_planes(SegmentState& state);
-void split_disconnected_planes(SegmentState& state);
+/// Sec. IV-C, last paragraph: gives the leftovers from the `first` on to planes.
+void assign_leftovers(SegmentState& state, std::size_t first = 0);
 
 }  // namespace planescope

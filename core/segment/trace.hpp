@@ -1,10 +1,14 @@
 #pragma once
 
+// What the segmentation decided and what followed from it, step by step.
+
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/classify/classifier.hpp"
-#include "core/geometry/moments.hpp"
+#include "core/geometry/plane.hpp"
+#include "core/segment/refinements.hpp"
 
 namespace planescope {
 
@@ -21,21 +25,61 @@ enum class EventType : std::uint8_t {
            // or all that are left of `plane`, a part too small after the split
 };
 
-/// TraceEvent::refinement of what split_disconnected did.
-inline constexpr std::uint8_t kSplit = 8;
+/// What decided: a stage of the paper, or a refinement, by the name of its file.
+enum class Stage : std::uint8_t {
+  criteria,  // Criteria 1-3, in the traversal
+  merge,     // Criterion 4
+  assign,    // of the leftovers
+#define PLANESCOPE_STAGE(name) name,
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)
+#undef PLANESCOPE_STAGE
+};
+/// "criteria", "merge", "assign", or what the refinement calls itself: "R1" ... "split".
+const char* to_string(Stage stage);
+/// Null for a stage of the paper.
+const RefinementInfo* refinement_of(Stage stage);
+/// All of them, in their order.
+const std::vector<Stage>& stages();
 
 /// One decision, fixed size, logged before anything that follows from it. Features are recomputed
 /// by whoever shows them; -1 where not applicable.
 struct TraceEvent {
   EventType type = EventType::visit;
-  std::uint8_t node_case = 0;    // Case for `decide`
-  std::uint8_t refinement = 0;   // 1..7 for `refine` and for what R1..R7 decided, or kSplit
+  std::uint8_t node_case = 0;  // Case for `decide`
+  Stage stage = Stage::criteria;
   Label label = Label::unknown;  // of the candidate: R4 makes two of one node
   std::int32_t node = -1;
   std::int32_t plane = -1;  // index of the candidate plane, in order of founding
   std::int32_t other = -1;
   std::int32_t point = -1;  // index into the points given to segment()
   float value = 0;
+};
+
+/// A plane while it is being put together: moments, so that joining two never touches points.
+struct GrowingPlane {
+  Label label = Label::h;
+  Moments moments;  // of what it was fitted to
+  PlaneFit fit;
+  double sigma_ang = 0;  // [rad]
+  Bounds bounds;
+  bool alive = true;       // false: merged into another or pruned
+  std::int32_t into = -1;  // where not alive: the plane that R7 merged it into, -1 if dropped
+};
+
+// Step k is the state after the first k events. A change belongs to the event logged last: it holds
+// from that event's step on.
+inline constexpr std::int32_t kNever = std::numeric_limits<std::int32_t>::max();
+
+/// A point's plane, or that it was left over, from a step on.
+struct PointChange {
+  std::int32_t step = 0;
+  std::int32_t plane = -1;  // plane of the trace, -1 none
+  bool leftover = false;    // on the list of leftovers
+};
+
+/// A plane from a step on.
+struct PlaneChange : GrowingPlane {
+  std::int32_t step = 0;
 };
 
 /// Values over their limits: up to 1 they pass. For histograms.
@@ -48,12 +92,23 @@ struct Strains {
 
 struct Trace {
   std::vector<TraceEvent> events;
+
+  // All changes, in the order of their steps.
+  std::vector<std::int32_t> queued_at, visited_at, decided_at;  // per node, from which step on
+  struct Point {
+    std::uint32_t point;  // Morton position
+    PointChange change;
+  };
+  std::vector<Point> points;
+  struct Plane {
+    std::int32_t plane;
+    PlaneChange change;
+  };
+  std::vector<Plane> planes;
+
   Strains strains;
-  /// What planes were fitted to anew, per `refine` event of R6 and of the split, in their order:
-  /// the points that R6 leaves out are not among the events.
-  std::vector<Moments> refits;
-  /// The points of each part that split off, per `found` event of the split, in their order.
-  std::vector<std::vector<std::uint32_t>> parts;  // Morton order
+
+  std::int32_t steps() const { return static_cast<std::int32_t>(events.size()); }
 };
 
 }  // namespace planescope

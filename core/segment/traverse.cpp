@@ -14,47 +14,45 @@ Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) 
 /// Criterion 3; fills in how sure the normal is.
 bool planar(const SegmentState& state, Candidate& candidate) {
   const double range = state.range(candidate.fit.centroid);
-  candidate.sigma_ang = normal_uncertainty(candidate.fit, state.noise.sigma(range));
+  candidate.sigma_ang = state.sigma_ang(candidate.fit);
   const Planarity asked = planarity(candidate.fit, state.noise, range, state.options);
   if (state.trace)
     state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
   return asked.passes;
 }
 
-void leave_over(SegmentState& state, const OctreeNode& node, std::optional<Label> except = {}) {
+void leave_over(SegmentState& state, std::int32_t index, std::optional<Label> except = {}) {
+  const OctreeNode& node = state.octree.nodes[index];
   for (std::uint32_t i = node.begin; i < node.end; ++i)
-    if (!except || !has_label(state, i, *except)) state.leftovers.push_back(i);
+    if (!except || !state.has_label(i, *except)) leave_point(state, i);
 }
 
 void settle(SegmentState& state, std::int32_t index, Case decided, double e_n) {
-  state.log({.type = EventType::decide,
-             .node_case = static_cast<std::uint8_t>(decided),
-             .node = index,
-             .value = static_cast<float>(e_n)});
-  OctreeNode& node = state.octree.nodes[index];
-  node.decided = decided;
-  ++state.counts.nodes_per_case[static_cast<int>(decided)];
-  ++state.counts.nodes_per_case_depth[static_cast<int>(decided)][node.depth];
+  log(state, {.type = EventType::decide,
+              .node_case = static_cast<std::uint8_t>(decided),
+              .node = index,
+              .value = static_cast<float>(e_n)});
+  settle_node(state, index, decided);
 }
 
 void divide_or_leave(SegmentState& state, std::int32_t index) {
   OctreeNode& node = state.octree.nodes[index];
   if (node.depth < state.octree.cube.max_depth) {
-    divide(state.octree, index);
+    divide_node(state, index);
   } else {
     node.at_max_depth = true;
-    leave_over(state, node);
+    leave_over(state, index);
   }
 }
 
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
-  if (state.options.r3_weak_candidates && candidate.sigma_ang > kWeakSigmaAng) {
-    state.log({.type = EventType::wait,
-               .refinement = 3,
-               .label = candidate.label,
-               .node = candidate.node,
-               .value = static_cast<float>(candidate.sigma_ang)});
+  if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
+    log(state, {.type = EventType::wait,
+                .stage = Stage::r3_weak_candidates,
+                .label = candidate.label,
+                .node = candidate.node,
+                .value = static_cast<float>(candidate.sigma_ang)});
     state.weak.push_back(candidate);
   } else {
     conquer(state, candidate);
@@ -64,7 +62,6 @@ void accept(SegmentState& state, const Candidate& candidate) {
 /// R4: an impure node whose labels are each planar (or too few to matter) is conquered label by
 /// label instead of being divided down to where the labels part.
 bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
-  const OctreeNode node = state.octree.nodes[index];
   if (!has_enough_inliers(purity.n_in, state.options)) return false;
   Candidate inliers = fit_label(state, index, purity.inlier);
   if (!planar(state, inliers)) return false;
@@ -76,26 +73,25 @@ bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& pur
     if (!planar(state, outliers)) return false;
   }
   state.octree.nodes[index].impure_fit = true;
-  if (!both) leave_over(state, node, purity.inlier);
+  if (!both) leave_over(state, index, purity.inlier);
   accept(state, inliers);
   if (both) accept(state, outliers);
   return true;
 }
 
 void visit(SegmentState& state, std::int32_t index) {
-  state.log({.type = EventType::visit, .node = index});
-  ++state.counts.nodes_visited;
+  visit_node(state, index);
   const Purity purity = purity_of(state.octree.nodes[index], state.options.use_labels);
 
   if (!is_pure(purity, state.options)) {  // Case I
     settle(state, index, Case::I, 0);
-    if (state.options.r4_fit_impure_nodes && conquer_by_label(state, index, purity)) return;
+    if (state.options.r4_fit_impure_nodes.on && conquer_by_label(state, index, purity)) return;
     divide_or_leave(state, index);
     return;
   }
   if (!has_enough_inliers(purity.n_in, state.options)) {  // Case II
     settle(state, index, Case::II, 0);
-    leave_over(state, state.octree.nodes[index]);
+    leave_over(state, index);
     return;
   }
   Candidate candidate = fit_label(state, index, purity.inlier);
@@ -105,7 +101,7 @@ void visit(SegmentState& state, std::int32_t index) {
     divide_or_leave(state, index);
     return;
   }
-  leave_over(state, state.octree.nodes[index], purity.inlier);  // Case IV
+  leave_over(state, index, purity.inlier);  // Case IV
   accept(state, candidate);
 }
 

@@ -11,8 +11,8 @@
 #include <set>
 #include <utility>
 
-#include "core/segment/criteria.hpp"
-#include "core/segment/noise.hpp"
+#include "support/reference_criteria.hpp"
+#include "support/reference_sight.hpp"
 
 namespace planescope::reference {
 namespace {
@@ -26,13 +26,9 @@ struct Node {
   std::array<std::unique_ptr<Node>, 8> children;
 };
 
-struct Candidate {
+struct Candidate : Surface {
   Label label = Label::h;
-  Points points;  // that the fit is made from
-  PlaneFit fit;
-  Moments moments = {};  // of the points, made anew with each fit
-  Bounds bounds = {};
-  double sigma_ang = 0;
+  Points points;  // that it is made from
 };
 
 struct GrowingPlane : Candidate {
@@ -45,8 +41,14 @@ class Method {
          std::span<const Label> labels,
          Cube cube,
          const Vec3d& sensor,
-         const SegmentOptions& options)
-      : points_(points), labels_(labels), cube_(cube), sensor_(sensor), options_(options) {}
+         const SegmentOptions& options,
+         const Measurements& more)
+      : points_(points),
+        labels_(labels),
+        cube_(cube),
+        sensor_(sensor),
+        options_(options),
+        more_(more) {}
 
   Result run() {
     if (options_.cube_anchor == CubeAnchor::min_corner && !points_.empty()) {
@@ -59,13 +61,13 @@ class Method {
     measure_noise();
     plane_of_.assign(points_.size(), -1);
     traverse();
-    if (options_.r3_weak_candidates) join_weak();
-    if (options_.r7_second_merge) merge_again();
-    if (options_.r2_explain_away) prune();
+    if (options_.r3_weak_candidates.on) join_weak();
+    if (options_.r7_second_merge.on) merge_again();
+    if (options_.r2_explain_away.on) prune();
     assign();
-    if (options_.r6_refit) refit();
-    if (options_.r5_reassign_shared_cells) reassign();
-    if (options_.r5_reassign_shared_cells && options_.r2_explain_away) drop_emptied();
+    if (options_.r6_refit.on) refit();
+    if (options_.r5_reassign_shared_cells.on) reassign();
+    if (options_.r5_reassign_shared_cells.on && options_.r2_explain_away.on) drop_emptied();
     split();
     return conclude();
   }
@@ -116,24 +118,21 @@ class Method {
     return mean / static_cast<double>(set.size());
   }
 
+  /// R8: covariance of the measurements that point i is the mean of.
+  Mat3d spread_of(int i) const {
+    if (more_.spreads.empty()) return Mat3d::Zero();
+    const Spread& s = more_.spreads[i];
+    Mat3d spread;
+    spread << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
+    return spread;
+  }
+
   /// (X - mu 1)(X - mu 1)^T, from the points.
   Mat3d scatter_of(const Points& set) const {
     const Vec3d mean = mean_of(set);
     Mat3d scatter = Mat3d::Zero();
-    for (const int i : set) scatter += (at(i) - mean) * (at(i) - mean).transpose();
+    for (const int i : set) scatter += (at(i) - mean) * (at(i) - mean).transpose() + spread_of(i);
     return scatter;
-  }
-
-  Moments moments_of(const Points& set) const {
-    Moments moments;
-    for (const int i : set) moments.add(at(i));
-    return moments;
-  }
-
-  Bounds bounds_of(const Points& set) const {
-    Bounds bounds;
-    for (const int i : set) bounds.add(at(i));
-    return bounds;
   }
 
   PlaneFit fit(const Points& set) const {
@@ -145,49 +144,60 @@ class Method {
     const Eigen::SelfAdjointEigenSolver<Mat3d> solver(scatter_of(set));
     f.eigenvalues = solver.eigenvalues().cwiseMax(0.0);
     f.normal = solver.eigenvectors().col(0);
+    Vec3d::Index largest = 0;
+    f.normal.cwiseAbs().maxCoeff(&largest);
+    if (f.normal[largest] < 0) f.normal = -f.normal;
     return f;
   }
 
-  DistanceTerms terms(const GrowingPlane& plane, const Candidate& candidate) const {
-    return distance_terms(
-        {plane.fit, plane.moments, plane.sigma_ang, tau(plane.fit.centroid), plane.bounds},
-        {candidate.fit, candidate.moments, candidate.sigma_ang, tau(candidate.fit.centroid),
-         candidate.bounds});
+  Surface surface_of(const Points& set) const {
+    Surface s;
+    s.fit = fit(set);
+    s.sigma_ang = normal_sigma(s.fit, noise_.sigma(range(s.fit.centroid)));
+    s.tau = tau(s.fit.centroid);
+    if (set.empty()) return s;
+    s.scatter = scatter_of(set);
+    for (int axis = 0; axis < 3; ++axis) {
+      s.extent[axis] = {1e300, -1e300};
+      for (const int i : set) {
+        s.extent[axis].first = std::min(s.extent[axis].first, at(i)[axis]);
+        s.extent[axis].second = std::max(s.extent[axis].second, at(i)[axis]);
+      }
+    }
+    return s;
   }
 
   void measure_noise() {
-    noise_.fixed_rms_m = options_.fixed_rms_m;
-    noise_.fixed_tau_m = options_.fixed_tau_m;
-    if (!options_.estimate_sigma) return;
+    noise_.fixed_rms = options_.noise.fixed_rms_m;
+    noise_.fixed_tau = options_.noise.fixed_tau_m;
+    if (!options_.noise.estimate_sigma) return;
+    noise_.by_range = options_.noise.sigma_by_range;
+    noise_.of_spreads = !more_.spreads.empty();
     std::map<std::pair<Cell, Label>, Points> cells;
     for (int i = 0; i < static_cast<int>(points_.size()); ++i)
       cells[{coarse_of(i), options_.use_labels ? labels_[i] : Label::unknown}].push_back(i);
-    std::vector<NoiseSample> samples;
+    std::vector<std::pair<double, double>> samples;
     for (const auto& [key, set] : cells) {
       if (set.size() < 8) continue;
       const PlaneFit f = fit(set);
       samples.push_back({range(f.centroid), std::sqrt(f.eigenvalues[0] / (f.count - 3))});
     }
-    fit_noise(noise_, samples, options_.sigma_by_range);
+    noise_.measure(samples);
   }
 
-  bool planar(Candidate& c) const {
-    const double r = range(c.fit.centroid);
-    c.sigma_ang = normal_uncertainty(c.fit, noise_.sigma(r));
-    if (!options_.rms_criterion3)
-      return normal_error(c.fit, options_.mse_normalization) <= options_.theta_e_n_m2;
-    return std::sqrt(c.fit.eigenvalues[0] / c.fit.count) <= noise_.theta_rms(r);
+  bool planar(const PlaneFit& f) const {
+    const double variance = f.eigenvalues[0] / f.count;
+    if (options_.noise.rms_criterion3)
+      return std::sqrt(variance) <= noise_.theta_rms(range(f.centroid));
+    const bool mean = options_.mse_normalization == MseNormalization::mean;
+    return (mean ? variance : f.eigenvalues[0]) <= options_.theta_e_n_m2;
   }
 
   Candidate fit_label(const Points& set, Label label) const {
-    Candidate c;
-    c.label = label;
+    Points of_label;
     for (const int i : set)
-      if (has(i, label)) c.points.push_back(i);
-    c.fit = fit(c.points);
-    c.moments = moments_of(c.points);
-    c.bounds = bounds_of(c.points);
-    return c;
+      if (has(i, label)) of_label.push_back(i);
+    return {surface_of(of_label), label, of_label};
   }
 
   void leave(const Points& set, const Label* except) {
@@ -221,12 +231,13 @@ class Method {
     const int n_in = std::max(n_h, n_v), n_out = std::min(n_h, n_v);
     const bool pure =
         n_out <= options_.theta_n_out && n_out <= options_.theta_r_out * (n_in + n_out);
-    Candidate in = fit_label(node.points, inlier);
+    const Candidate in = fit_label(node.points, inlier);
     if (!pure) {
-      if (!options_.r4_fit_impure_nodes || n_in < options_.theta_n_in || !planar(in)) return false;
-      Candidate out = fit_label(node.points, outlier);
+      if (!options_.r4_fit_impure_nodes.on || n_in < options_.theta_n_in || !planar(in.fit))
+        return false;
+      const Candidate out = fit_label(node.points, outlier);
       const bool both = n_out >= options_.theta_n_in;
-      if (both && !planar(out)) return false;
+      if (both && !planar(out.fit)) return false;
       accept(in);
       if (both)
         accept(out);
@@ -238,14 +249,14 @@ class Method {
       leave(node.points, nullptr);
       return true;
     }
-    if (!planar(in)) return false;
+    if (!planar(in.fit)) return false;
     leave(node.points, &inlier);
     accept(in);
     return true;
   }
 
   void accept(const Candidate& c) {
-    if (options_.r3_weak_candidates && c.sigma_ang > 4 * M_PI / 180)
+    if (options_.r3_weak_candidates.on && c.sigma_ang > 4 * M_PI / 180)
       weak_.push_back(c);
     else
       conquer(c);
@@ -259,10 +270,7 @@ class Method {
   void merge(const Points& set, int plane) {
     GrowingPlane& p = planes_[plane];
     p.points.insert(p.points.end(), set.begin(), set.end());
-    p.fit = fit(p.points);
-    p.moments = moments_of(p.points);
-    p.bounds = bounds_of(p.points);
-    p.sigma_ang = normal_uncertainty(p.fit, noise_.sigma(range(p.fit.centroid)));
+    static_cast<Surface&>(p) = surface_of(p.points);
     for (const int i : set) plane_of_[i] = plane;
   }
 
@@ -270,20 +278,14 @@ class Method {
     int best = -1;
     double least = 0;
     for (int k = 0; k < static_cast<int>(planes_.size()); ++k) {
-      double cost = 0;
-      if (options_.r1_merge_by_distance) {
-        if (planes_[k].label != c.label) continue;
-        const DistanceTerms t = terms(planes_[k], c);
-        if (!t.passes()) continue;
-        cost = t.cost();
-      } else {
-        const Coplanarity t = coplanarity(planes_[k].fit, c.fit);
-        if (!is_coplanar(t, options_)) continue;
-        cost = t.offset_m;
-      }
-      if (best < 0 || cost < least) {
+      const bool r1 = options_.r1_merge_by_distance.on;
+      if (r1 && planes_[k].label != c.label) continue;
+      const auto cost =
+          r1 ? cost_of_merging(planes_[k], c) : offset_of_coplanar(planes_[k].fit, c.fit, options_);
+      if (!cost) continue;
+      if (best < 0 || *cost < least) {
         best = k;
-        least = cost;
+        least = *cost;
       }
       if (options_.merge_partner == MergePartner::first) break;
     }
@@ -295,13 +297,13 @@ class Method {
 
   /// Planes that have points in the 27 cells around each cell, as they are now.
   std::map<Cell, std::set<int>> planes_near() const {
-    std::map<Cell, std::set<int>> near;
-    for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-      if (plane_of_[i] < 0) continue;
-      const Cell c = coarse_of(i);
+    std::map<Cell, std::set<int>> in, near;
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i)
+      if (plane_of_[i] >= 0) in[coarse_of(i)].insert(plane_of_[i]);
+    for (const auto& [c, planes] : in)
       for (int d = 0; d < 27; ++d)
-        near[{c[0] + d % 3 - 1, c[1] + d / 3 % 3 - 1, c[2] + d / 9 - 1}].insert(plane_of_[i]);
-    }
+        near[{c[0] + d % 3 - 1, c[1] + d / 3 % 3 - 1, c[2] + d / 9 - 1}].insert(planes.begin(),
+                                                                                planes.end());
     return near;
   }
 
@@ -313,11 +315,10 @@ class Method {
       double least = 0;
       const auto consider = [&](int k, bool any_angle) {
         if (planes_[k].label != c.label) return;
-        DistanceTerms t = terms(planes_[k], c);
-        if (any_angle) t.max_angle_deg = 180;
-        if (!t.passes() || (best >= 0 && t.cost() >= least)) return;
+        const auto cost = cost_of_merging(planes_[k], c, any_angle);
+        if (!cost || (best >= 0 && *cost >= least)) return;
         best = k;
-        least = t.cost();
+        least = *cost;
       };
       std::set<int> around;
       for (const int i : c.points)
@@ -343,21 +344,19 @@ class Method {
       for (std::size_t i = 0; i < order.size() && !changed; ++i) {
         GrowingPlane& small = planes_[order[i]];
         if (!small.alive) continue;
-        const Candidate c{small.label,   small.points, small.fit,
-                          small.moments, small.bounds, small.sigma_ang};
         int best = -1;
         double least = 0;
         for (std::size_t j = i + 1; j < order.size(); ++j) {
           const GrowingPlane& large = planes_[order[j]];
           if (!large.alive || large.label != small.label) continue;
-          const DistanceTerms t = terms(large, c);
-          if (!t.passes() || (best >= 0 && t.cost() >= least)) continue;
+          const auto cost = cost_of_merging(large, small);
+          if (!cost || (best >= 0 && *cost >= least)) continue;
           best = order[j];
-          least = t.cost();
+          least = *cost;
         }
         if (best < 0) continue;
         small.alive = false;
-        merge(c.points, best);
+        merge(small.points, best);
         changed = true;
       }
     }
@@ -380,7 +379,7 @@ class Method {
     double points = 0, below = 0;
     for (const GrowingPlane& plane : planes_)
       if (plane.alive) {
-        areas.insert({area_per_point(plane.fit), plane.fit.count});
+        areas.insert({area_of_a_point(plane.fit), plane.fit.count});
         points += plane.fit.count;
       }
     for (const auto& [area, count] : areas)
@@ -409,7 +408,7 @@ class Method {
       const PlaneFit& f = planes_[k].fit;
       const bool wide =
           std::sqrt(f.eigenvalues[1] / f.count) >= 2 * noise_.sigma(range(f.centroid));
-      const bool dense = 0.12 * area_per_point(f) <= typical;
+      const bool dense = 0.12 * area_of_a_point(f) <= typical;
       const double z = std::abs(f.normal.z());
       const bool h = planes_[k].label == Label::h;
       const bool contradicted = options_.use_labels && (h ? z < 0.5 : z > std::sqrt(0.75));
@@ -477,7 +476,7 @@ class Method {
     }
   }
   double uncertainty(const PlaneFit& f) const {
-    return normal_uncertainty(f, noise_.sigma(range(f.centroid)));
+    return normal_sigma(f, noise_.sigma(range(f.centroid)));
   }
 
   void reassign() {
@@ -502,41 +501,148 @@ class Method {
     assign();
   }
 
-  std::vector<Points> parts_of(Points rest) const {
+  /// The points in the order in which a walk through the tree meets them.
+  void walk(const Node& node, Points& met) const {
+    if (node.depth == cube_.max_depth)
+      met.insert(met.end(), node.points.begin(), node.points.end());
+    for (const auto& child : node.children)
+      if (child) walk(*child, met);
+  }
+
+  /// What hangs together by steps of at most `gap`. The points of a part are in the order of the
+  /// walk; the largest part is the first, of equal ones that which the walk meets first.
+  std::vector<Points> parts_of(Points rest, double gap) const {
     std::vector<Points> parts;
     while (!rest.empty()) {
       Points part{rest.back()};
       rest.pop_back();
       for (std::size_t reached = 0; reached < part.size(); ++reached) {
         const auto touches = [&, at = points_[part[reached]]](int i) {
-          return (points_[i] - at).norm() <= options_.split_gap_m;
+          return (points_[i] - at).norm() <= gap;
         };
         std::copy_if(rest.begin(), rest.end(), std::back_inserter(part), touches);
         std::erase_if(rest, touches);
       }
-      std::sort(part.begin(), part.end());
+      std::sort(part.begin(), part.end(), [&](int a, int b) { return met_[a] < met_[b]; });
       parts.push_back(part);
     }
+    std::sort(parts.begin(), parts.end(), [&](const Points& a, const Points& b) {
+      return a.size() != b.size() ? a.size() > b.size() : met_[a[0]] < met_[b[0]];
+    });
     return parts;
   }
 
-  void split() {
-    if (options_.split_disconnected != SplitRule::on) return;
-    const std::size_t founded = planes_.size();
-    for (std::size_t k = 0; k < founded; ++k) {
-      const std::vector<Points> parts = parts_of(points_on(static_cast<int>(k)));
-      if (!planes_[k].alive || parts.size() < 2) continue;
-      planes_[k].alive = false;
-      for (const Points& part : parts) {
-        const bool large = static_cast<int>(part.size()) >= std::max(3, options_.theta_n_in);
-        for (const int i : part) plane_of_[i] = -1;
-        if (large) found({.label = planes_[k].label, .points = part, .fit = fit(part)});
+  bool is_plane_of_its_own(const Points& part) const {
+    return part.size() >= 10 && surface_of(part).sigma_ang <= 8 * M_PI / 180;
+  }
+
+  /// Where point i was looked at through the plane: from the sensor or, where that knows no rays,
+  /// from high above, but never through a wall.
+  std::optional<Vec3d> passed(const PlaneFit& f, const Vec3d& p) const {
+    if (std::abs(f.distance_m(p)) < std::max(0.03, 2 * tau(p))) return {};
+    if (more_.rays) return crossing(f, sensor_, p);
+    if (std::abs(f.normal.z()) < std::sqrt(0.5)) return {};
+    return crossing(f, p + Vec3d(0, 0, 100), p);
+  }
+
+  PassedCells passed_cells(int plane, double spacing) const {
+    const PlaneFit& f = planes_[plane].fit;
+    std::vector<Vec3d> own, others;
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i)
+      (plane_of_[i] == plane ? own : others).push_back(at(i));
+    for (const Vec3f& p : more_.beyond) others.push_back(p.cast<double>());
+    PassedCells cells(f, own, spacing);
+    for (const Vec3d& p : others)
+      if (const auto where = passed(f, p)) cells.add(*where);
+    return cells;
+  }
+
+  int nearest_to(int point, const Points& part) const {
+    int best = part[0];
+    const auto distance2 = [&](int i) { return (points_[i] - points_[point]).squaredNorm(); };
+    for (const int i : part)
+      if (distance2(i) < distance2(best)) best = i;
+    return best;
+  }
+
+  /// Was half of the way between two points that face each other looked through?
+  bool is_open(const PassedCells& cells, const Points& a, const Points& b) const {
+    int from = a[0], to = -1;
+    while (to != nearest_to(from, b)) {
+      to = nearest_to(from, b);
+      from = nearest_to(to, a);
+    }
+    const Vec3d way = at(to) - at(from);
+    const int steps = static_cast<int>(way.norm() / cells.edge());
+    int open = 0;
+    for (int k = 1; k < steps; ++k) open += cells.any_at(at(from) + way * k / steps);
+    return steps > 1 && 2 * open >= steps - 1;
+  }
+
+  /// Puts together the parts of a plane that were not seen to be apart. Those that are no planes of
+  /// their own go to the largest.
+  std::vector<Points> parts_seen_apart(int plane,
+                                       const std::vector<Points>& parts,
+                                       double spacing) {
+    const PassedCells cells = passed_cells(plane, spacing);
+    std::vector<Points> planes, scraps;
+    for (const Points& part : parts)
+      (planes.empty() || is_plane_of_its_own(part) ? planes : scraps).push_back(part);
+    std::vector<std::size_t> group(planes.size());
+    std::iota(group.begin(), group.end(), 0);
+    for (std::size_t a = 0; a < planes.size(); ++a)
+      for (std::size_t b = a + 1; b < planes.size(); ++b) {
+        const bool open = is_open(cells, planes[a], planes[b]);
+        ++(open ? gaps_.open : gaps_.hidden);
+        const auto [low, high] = std::minmax({group[a], group[b]});
+        if (!open) std::replace(group.begin(), group.end(), high, low);
       }
+    gaps_.scraps += static_cast<int>(scraps.size());
+    std::map<std::size_t, Points> joined;
+    for (std::size_t k = 0; k < planes.size(); ++k)
+      joined[group[k]].insert(joined[group[k]].end(), planes[k].begin(), planes[k].end());
+    for (const Points& scrap : scraps)
+      joined[0].insert(joined[0].end(), scrap.begin(), scrap.end());
+    std::vector<Points> result;
+    for (const auto& [number, points] : joined) result.push_back(points);
+    return result;
+  }
+
+  void split() {
+    if (options_.split_disconnected.rule == SplitRule::off) return;
+    const bool seen = options_.split_disconnected.rule == SplitRule::seen;
+    const double spacing = std::sqrt(typical_area());
+    const double gap = seen ? std::max(options_.split_disconnected.gap_m, 2 * spacing)
+                            : options_.split_disconnected.gap_m;
+    Points order;
+    walk(*root_, order);
+    met_.resize(points_.size());
+    for (std::size_t k = 0; k < order.size(); ++k) met_[order[k]] = k;
+    const int founded = static_cast<int>(planes_.size());
+    for (int plane = 0; plane < founded; ++plane) {
+      if (!planes_[plane].alive) continue;
+      std::vector<Points> parts = parts_of(points_on(plane), gap);
+      if (seen && parts.size() > 1) parts = parts_seen_apart(plane, parts, spacing);
+      if (parts.size() > 1) part(plane, parts);
+    }
+  }
+
+  /// The first part keeps the plane; one that is too small for Criterion 2 is given up.
+  void part(int plane, const std::vector<Points>& parts) {
+    for (const Points& points : parts) {
+      const Candidate c{surface_of(points), planes_[plane].label, points};
+      if (&points == &parts[0])
+        static_cast<Candidate&>(planes_[plane]) = c;
+      else
+        found(c);
+      if (static_cast<int>(points.size()) >= std::max(3, options_.theta_n_in)) continue;
+      for (const int i : points) plane_of_[i] = -1;
     }
   }
 
   Result conclude() const {
     Result result;
+    result.gaps = gaps_;
     std::vector<int> number(planes_.size(), -1);
     for (std::size_t k = 0; k < planes_.size(); ++k) {
       const bool used = std::count(plane_of_.begin(), plane_of_.end(), static_cast<int>(k)) > 0;
@@ -553,12 +659,15 @@ class Method {
   Cube cube_;
   Vec3d sensor_;
   const SegmentOptions& options_;
-  NoiseModel noise_;
+  const Measurements& more_;
+  Noise noise_;
   std::unique_ptr<Node> root_;
   std::vector<GrowingPlane> planes_;
   std::vector<Candidate> weak_;
   std::vector<int> plane_of_;
   Points leftovers_;
+  std::vector<std::size_t> met_;  // per point: when the walk does
+  Gaps gaps_;
 };
 
 }  // namespace
@@ -567,8 +676,9 @@ Result segment(std::span<const Vec3f> points,
                std::span<const Label> labels,
                const Cube& cube,
                const Vec3d& sensor,
-               const SegmentOptions& options) {
-  return Method(points, labels, cube, sensor, options).run();
+               const SegmentOptions& options,
+               const Measurements& more) {
+  return Method(points, labels, cube, sensor, options, more).run();
 }
 
 }  // namespace planescope::reference

@@ -3,8 +3,8 @@
 // The method once more, as plainly as it can be written: a pointer octree built by inserting one
 // point after the other, every node with the set of its points (Sun et al. 2023, Sec. IV-A), every
 // covariance computed from the points themselves in two passes, std::map instead of sorted arrays.
-// Gaps are those of SplitRule::on, what was looked through is not asked.
-// What core/segment must agree with, point by point, and what it is timed against.
+// Of core/segment it takes the options alone. What core/segment must agree with, point by point,
+// and what it is timed against.
 
 #include <span>
 #include <vector>
@@ -18,15 +18,23 @@ struct Plane {
   PlaneFit fit;
 };
 
+/// What SplitRule::seen came upon: pairs of a plane's parts that it was seen through between, and
+/// that it was not; parts that could be no planes of their own.
+struct Gaps {
+  int open = 0, hidden = 0, scraps = 0;
+};
+
 struct Result {
   std::vector<int> plane_of;  // per input point: index into planes, -1 none
   std::vector<Plane> planes;  // in order of founding, those that are left
+  Gaps gaps;
 };
 
 Result segment(std::span<const Vec3f> points,
                std::span<const Label> labels,
                const Cube& cube,
                const Vec3d& sensor,
-               const SegmentOptions& options);
+               const SegmentOptions& options,
+               const Measurements& more = {});
 
 }  // namespace planescope::reference

@@ -178,6 +178,41 @@ std::vector<const char*> sections_of(Method method) {
   return {"method", "rivals", "cloud", "gravity"};
 }
 
+void draw_row(const Ui& ui, const Row& row) {
+  ImGui::PushID(row.info.name.c_str());
+  if (ui.state.view.focus == row.widget) ImGui::SetScrollHereY(0.2f);
+  if (row.info.is_number())
+    draw_number(ui, row);
+  else
+    draw_other(ui, row);
+  ImGui::PopID();
+}
+
+/// A group shows its switches; its numbers unfold, by themselves where one is sought or changed.
+void draw_group(const Ui& ui, const std::string& name, const std::vector<Row>& rows) {
+  std::vector<Row> numbers;
+  bool sought = false, changed = false;
+  for (const Row& row : rows) {
+    if (!row.info.is_number()) {
+      draw_row(ui, row);
+      continue;
+    }
+    numbers.push_back(row);
+    sought = sought || ui.state.view.focus == row.widget;
+    changed = changed || row.value != row.reset;
+  }
+  if (numbers.empty()) return;
+  if (sought)
+    ImGui::SetNextItemOpen(true);
+  else if (changed)
+    ImGui::SetNextItemOpen(true, ImGuiCond_Once);
+  const bool shown = ImGui::TreeNode(name.c_str(), "%s, in numbers", name.c_str());
+  ui.name("criteria.group." + rows.front().info.name);
+  if (!shown) return;
+  for (const Row& row : numbers) draw_row(ui, row);
+  ImGui::TreePop();
+}
+
 }  // namespace
 
 void draw_criteria(const Ui& ui) {
@@ -195,16 +230,18 @@ void draw_criteria(const Ui& ui) {
                                : 0);
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
+    std::vector<std::pair<std::string, std::vector<Row>>> groups;
     for (const OptionInfo& info : option_table()) {
       if (info.section != section || !info.matters(options)) continue;
-      const Row row{info, info.get(options), info.get(defaults), "criteria." + info.name};
-      ImGui::PushID(info.name.c_str());
-      if (focused == row.widget) ImGui::SetScrollHereY(0.2f);
-      if (info.is_number())
-        draw_number(ui, row);
+      if (groups.empty() || groups.back().first != info.group) groups.push_back({info.group, {}});
+      groups.back().second.push_back(
+          {info, info.get(options), info.get(defaults), "criteria." + info.name});
+    }
+    for (const auto& [group, rows] : groups) {
+      if (!group.empty())
+        draw_group(ui, group, rows);
       else
-        draw_other(ui, row);
-      ImGui::PopID();
+        for (const Row& row : rows) draw_row(ui, row);
     }
   }
 }

@@ -29,7 +29,7 @@ std::string sign_of(const TraceEvent& event) {
     case EventType::drop:
       return "✗";
     case EventType::refine:
-      return event.refinement == kSplit ? "÷" : fmt::format("R{}", event.refinement);
+      return event.stage == Stage::split_disconnected ? "÷" : to_string(event.stage);
     case EventType::wait:
       return "…";
     case EventType::leave:

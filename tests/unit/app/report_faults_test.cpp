@@ -89,16 +89,16 @@ const Classifier& stale_classifier() {
 const Fault kFaults[] = {
     {"thresholds off by 2x",
      [](Run& run) {
-       run.options.segment.estimate_sigma = false;
-       run.options.segment.fixed_rms_m *= 2;
-       run.options.segment.fixed_tau_m *= 2;
+       run.options.segment.noise.estimate_sigma = false;
+       run.options.segment.noise.fixed_rms_m *= 2;
+       run.options.segment.noise.fixed_tau_m *= 2;
      }},
     {"gravity tilted 5 degrees", tilt_gravity},
     {"depth scale 1.01", [](Run& run) { run.frame.depth_unit_m *= 1.01; }},
     {"labels flipped at edges", flip_labels},
     {"merge by first instead of best",
      [](Run& run) {
-       run.options.segment.r1_merge_by_distance = false;
+       run.options.segment.r1_merge_by_distance.on = false;
        run.options.segment.merge_partner = MergePartner::first;
      }},
     {"stale weights", [](Run& run) { run.classifier = &stale_classifier(); }},

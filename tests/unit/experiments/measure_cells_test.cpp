@@ -69,9 +69,10 @@ TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
     const SegmentOptions o =
         cell_options(with_ours(stairs_of(1, 8192, 0.3), "refined", "gcn", without(refinement)))
             .segment;
-    const int on = o.estimate_sigma + o.r1_merge_by_distance + o.r2_explain_away +
-                   o.r3_weak_candidates + o.r4_fit_impure_nodes + o.r5_reassign_shared_cells +
-                   o.r6_refit + o.r7_second_merge + (o.split_disconnected != SplitRule::off);
+    const int on = o.noise.estimate_sigma + o.r1_merge_by_distance.on + o.r2_explain_away.on +
+                   o.r3_weak_candidates.on + o.r4_fit_impure_nodes.on +
+                   o.r5_reassign_shared_cells.on + o.r6_refit.on + o.r7_second_merge.on +
+                   (o.split_disconnected.rule != SplitRule::off);
     EXPECT_EQ(on, 8) << refinement;
   }
 }

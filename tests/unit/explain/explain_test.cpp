@@ -88,7 +88,8 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
     }
     std::int32_t expected = -1;
     if (event.type == EventType::merge) expected = event.plane;
-    if (event.type == EventType::refine && event.refinement == 7) expected = event.other;
+    if (event.type == EventType::refine && event.stage == Stage::r7_second_merge)
+      expected = event.other;
     ASSERT_EQ(chosen, expected);
     ASSERT_TRUE(chosen < 0 || report.partners.front().chosen);
     ASSERT_EQ(report.outcome.empty(), report.label == Label::unknown);
@@ -139,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
                                                                })},
                     NamedOptions{"refined_split", with(Profile::refined,
                                                        [](SegmentOptions& o) {
-                                                         o.split_disconnected = SplitRule::on;
+                                                         o.split_disconnected.rule = SplitRule::on;
                                                        })}),
     [](const auto& param) { return param.param.name; });
 

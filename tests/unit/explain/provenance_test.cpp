@@ -12,8 +12,8 @@ namespace {
 
 SegmentOptions split_options() {
   SegmentOptions options = profile_options(Profile::refined);
-  options.split_disconnected = SplitRule::on;
-  options.split_gap_m = 0.025;
+  options.split_disconnected.rule = SplitRule::on;
+  options.split_disconnected.gap_m = 0.025;
   return options;
 }
 

@@ -1,11 +1,10 @@
 #pragma once
 
-// A depth frame of two steps, run with a trace; and the same run stopped on its way.
+// A depth frame of two steps, run with a trace; and what was known of it on its way.
 
 #include <memory>
 
 #include "core/replay/run.hpp"
-#include "core/segment/snapshot.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::test {
@@ -25,18 +24,26 @@ inline std::shared_ptr<const Run> stairs_run(Profile profile = Profile::refined)
 
 /// What was known after `step` events, and no more.
 inline Run stopped_at(const Run& run, std::int32_t step) {
-  const PreparedFrame& prepared = run.subject->prepared;
   Run stopped = run;
-  stopped.trace.events.resize(static_cast<std::size_t>(step));
-  stopped.segmentation.octree.nodes =
-      segment_until(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                    prepared.sensor(), run.segment_options, static_cast<std::size_t>(step),
-                    more_measurements(prepared, run.segment_options))
-          .nodes;
+  Trace& trace = stopped.trace;
+  trace.events.resize(static_cast<std::size_t>(step));
+  const auto later = [&](const auto& record) { return record.change.step > step; };
+  std::erase_if(trace.points, later);
+  std::erase_if(trace.planes, later);
+  for (auto* at : {&trace.queued_at, &trace.visited_at, &trace.decided_at})
+    std::erase_if(*at, [&](std::int32_t k) { return k > step; });
+  std::vector<OctreeNode>& nodes = stopped.segmentation.octree.nodes;
+  nodes.resize(trace.queued_at.size());
+  for (std::size_t n = trace.decided_at.size(); n < nodes.size(); ++n) {
+    nodes[n].decided = Case::none;
+    nodes[n].at_max_depth = nodes[n].impure_fit = false;
+    nodes[n].first_child = -1;
+    nodes[n].child_count = 0;
+  }
   stopped.segmentation.plane_of.clear();
   stopped.segmentation.planes.clear();
   stopped.facts.clear();
-  stopped.timeline = Timeline(stopped.trace, stopped.segmentation, stopped.segment_options);
+  stopped.timeline = Timeline(stopped.trace, stopped.segmentation);
   return stopped;
 }
 

@@ -131,10 +131,10 @@ TEST(FilterText, RandomWordsAreAcceptedOrRefusedWithAPlaceInsideTheText) {
   EXPECT_GT(accepted, 100);
 }
 
-TEST(FilterManual, HasEveryName) {
-  std::ifstream file(PLANESCOPE_SOURCE_DIR "/docs/filter.md");
+TEST(FilterManual, HasEveryNameAndTheMethodsOptionsStandWithThem) {
   std::stringstream manual;
-  manual << file.rdbuf();
+  for (const char* page : {"filter.md", "method.md"})
+    manual << std::ifstream(std::string(PLANESCOPE_SOURCE_DIR "/docs/") + page).rdbuf();
   for (const FilterName& name : filter_names())
     EXPECT_NE(manual.str().find("`" + name.name + "`"), std::string::npos) << name.name;
 }

@@ -33,8 +33,8 @@ TEST(Run, FactsCountTheTruePlanesOfEachNode) {
 
 TEST(Run, EveryEventHasASentenceOfItsOwn) {
   PipelineOptions options = test::options_of(Profile::refined);
-  options.segment.split_disconnected = SplitRule::on;
-  options.segment.split_gap_m = 0.025;
+  options.segment.split_disconnected.rule = SplitRule::on;
+  options.segment.split_disconnected.gap_m = 0.025;
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   for (std::int32_t step = 0; step <= run->steps(); ++step) {
     const std::string text = describe_event(*run, step);

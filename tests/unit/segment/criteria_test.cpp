@@ -98,6 +98,10 @@ Moments patch(const Vec3d& centre, double edge) {
   return m;
 }
 
+DistanceTerms terms_of(const MeasuredPlane& a, const MeasuredPlane& b) {
+  return distance_terms(a, b, r1_merge_by_distance::kRefined);
+}
+
 TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
   const Moments floor = patch({0, 0, 0}, 0.5), kerb = patch({3, 0, 0.12}, 0.5),
                 flat = patch({3, 0, 0}, 0.5);
@@ -107,11 +111,11 @@ TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
   };
   PlaneFit a, b, c;
   const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
-  EXPECT_FALSE(distance_terms(f, k).passes());
-  EXPECT_TRUE(distance_terms(f, g).passes());
-  EXPECT_NEAR(distance_terms(f, k).offset2_m2, 0.12 * 0.12, 1e-12);
+  EXPECT_FALSE(terms_of(f, k).passes());
+  EXPECT_TRUE(terms_of(f, g).passes());
+  EXPECT_NEAR(terms_of(f, k).offset2_m2, 0.12 * 0.12, 1e-12);
   // Which of the two comes first does not matter.
-  EXPECT_DOUBLE_EQ(distance_terms(f, k).offset2_m2, distance_terms(k, f).offset2_m2);
+  EXPECT_DOUBLE_EQ(terms_of(f, k).offset2_m2, terms_of(k, f).offset2_m2);
 }
 
 TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
@@ -120,7 +124,7 @@ TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
   const Moments own = patch({0, 0, 0}, 0.05);
   const auto bound = [&](const Moments& other) {
     const PlaneFit a = fit_plane(own), b = fit_plane(other);
-    return distance_terms({a, own, 0.02, 0.01, {}}, {b, other, 0.05, 0.01, {}}).bound2_m2;
+    return terms_of({a, own, 0.02, 0.01, {}}, {b, other, 0.05, 0.01, {}}).bound2_m2;
   };
   EXPECT_NEAR(bound(near), 1e-4 + 9 * 4e-4 * 0.04, 1e-9);
   EXPECT_LT(bound(near), bound(far));
@@ -135,7 +139,7 @@ TEST(DistanceMerge, ReachesOverAGapOnlyAsFarAsTheNormalIsKnown) {
     Bounds here, there;
     here.add({0, 0, 0});
     there.add({gap, 0, 0});
-    return distance_terms({fit_a, a, 0.001, 0.01, here}, {fit_b, b, sigma_ang, 0.01, there});
+    return terms_of({fit_a, a, 0.001, 0.01, here}, {fit_b, b, sigma_ang, 0.01, there});
   };
   EXPECT_TRUE(terms(0.05, 0.05).passes()) << "neighbours may be unsure";
   EXPECT_FALSE(terms(0.05, 0.25).passes()) << "3 * 0.05 * 0.25 m = 37 mm, more than tau";
@@ -147,10 +151,11 @@ TEST(Noise, IsToldFromSurfacesByWidthAndDensity) {
   strip.count = 100;
   strip.eigenvalues = {0, 100 * 0.0004 / 12, 100 * 1.0 / 12};
   EXPECT_NEAR(area_per_point(strip), 0.02 / 100, 1e-12);
-  EXPECT_TRUE(is_wider_than_noise(strip, 0.002));
-  EXPECT_FALSE(is_wider_than_noise(strip, 0.004));
-  EXPECT_TRUE(is_dense(strip, 0.02 / 100));
-  EXPECT_FALSE(is_dense(strip, 0.1 * 0.02 / 100));
+  const r2_explain_away::Options options;
+  EXPECT_TRUE(is_wider_than_noise(strip, 0.002, options));
+  EXPECT_FALSE(is_wider_than_noise(strip, 0.004, options));
+  EXPECT_TRUE(is_dense(strip, 0.02 / 100, options));
+  EXPECT_FALSE(is_dense(strip, 0.1 * 0.02 / 100, options));
 }
 
 TEST(Profiles, AreNamedAndUnknownNamesRefused) {
@@ -169,9 +174,9 @@ TEST(Profiles, PaperHasThePapersParameters) {
   EXPECT_EQ(o.theta_e_n_m2, 0.005);
   EXPECT_EQ(o.theta_coplane, 0.85);
   EXPECT_EQ(o.leftover_distance_m, 0.005);
-  EXPECT_FALSE(o.r1_merge_by_distance || o.r2_explain_away || o.r3_weak_candidates ||
-               o.r4_fit_impure_nodes || o.r5_reassign_shared_cells || o.r6_refit ||
-               o.r7_second_merge || o.rms_criterion3);
+  EXPECT_FALSE(o.r1_merge_by_distance.on || o.r2_explain_away.on || o.r3_weak_candidates.on ||
+               o.r4_fit_impure_nodes.on || o.r5_reassign_shared_cells.on || o.r6_refit.on ||
+               o.r7_second_merge.on || o.noise.rms_criterion3);
 }
 
 }  // namespace

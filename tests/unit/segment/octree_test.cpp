@@ -92,7 +92,7 @@ TEST(Cells, NeighbourhoodsHoldThePlanesOfTouchingCells) {
       {0.05f, 0.05f, 0.05f}, {0.15f, 0.05f, 0.05f}, {0.35f, 0.05f, 0.05f}};
   const std::vector<Label> labels(3, Label::h);
   const Octree octree = build_octree(points, labels, cube);
-  const CellGrid grid = make_cell_grid(octree);
+  const CellGrid grid = make_cell_grid(octree, 3);
   ASSERT_EQ(grid.size(), 3u);
   const std::vector<std::int32_t> plane_of{0, 1, 2};
   const CellPlanes near = planes_near_cells(grid, plane_of, 3);

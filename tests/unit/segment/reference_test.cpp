@@ -21,6 +21,9 @@ void expect_same(const Segmentation& ours,
   }
   for (std::size_t k = 0; k < plain.planes.size(); ++k) {
     const PlaneRegion& a = ours.planes[number[k] - 1];
+    if (k > 0) {
+      EXPECT_GT(a.founded, ours.planes[number[k - 1] - 1].founded) << what;
+    }
     const reference::Plane& b = plain.planes[k];
     EXPECT_EQ(a.label, b.label) << what;
     EXPECT_LT((a.fit.centroid - b.fit.centroid).norm(), 1e-9) << what;
@@ -28,6 +31,18 @@ void expect_same(const Segmentation& ours,
     EXPECT_LT((a.fit.normal - sign * b.fit.normal).norm(), 1e-9) << what;
     EXPECT_NEAR(a.fit.eigenvalues[0], b.fit.eigenvalues[0], 1e-9) << what;
   }
+}
+
+reference::Result compare(const test::CloudWithGaps& scene,
+                          const SegmentOptions& options,
+                          const std::string& what) {
+  const auto& [points, labels, cube] = scene.cloud;
+  const Segmentation ours =
+      segment(points, labels, cube, scene.sensor, options, nullptr, scene.more);
+  const reference::Result plain =
+      reference::segment(points, labels, cube, scene.sensor, options, scene.more);
+  expect_same(ours, plain, what);
+  return plain;
 }
 
 class AgainstReference : public testing::TestWithParam<Profile> {};
@@ -40,13 +55,19 @@ TEST_P(AgainstReference, RandomCloudsGiveIdenticalPlanes) {
     options.use_labels = seed % 5 != 0;
     options.mse_normalization = seed % 7 == 0 ? MseNormalization::mean : MseNormalization::scatter;
     if (options.mse_normalization == MseNormalization::mean) options.theta_e_n_m2 = 4e-5;
-    options.split_disconnected = seed % 3 == 0 ? SplitRule::on : SplitRule::off;
-    options.sigma_by_range = seed % 2 == 0 && options.estimate_sigma;
-    const Vec3d sensor(-1.5, 0, 0.8);
-    const Segmentation ours = segment(cloud.points, cloud.labels, cloud.cube, sensor, options);
+    options.split_disconnected.rule = seed % 3 == 0   ? SplitRule::on
+                                      : seed % 3 == 1 ? SplitRule::seen
+                                                      : SplitRule::off;
+    options.noise.sigma_by_range = seed % 2 == 0 && options.noise.estimate_sigma;
+    Measurements more;
+    more.rays = seed % 4 < 2;
+    Random random(seed);
+    for (int k = seed % 8 < 3 ? 200 : 0; k > 0; --k)
+      more.beyond.push_back(
+          Vec3d(random.uniform(0, 3), random.uniform(-2, 2), random.uniform(-2, 1)).cast<float>());
+    if (seed % 11 < 3) more.spreads = test::random_spreads(cloud.points.size(), random);
     const reference::Result plain =
-        reference::segment(cloud.points, cloud.labels, cloud.cube, sensor, options);
-    expect_same(ours, plain, "seed " + std::to_string(seed));
+        compare({cloud, Vec3d(-1.5, 0, 0.8), more}, options, "seed " + std::to_string(seed));
     if (HasFatalFailure()) return;
     planes += plain.planes.size();
   }
@@ -61,6 +82,59 @@ INSTANTIATE_TEST_SUITE_P(Profiles,
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+TEST(DefaultAgainstReference, CloudsWithGapsGiveIdenticalPlanes) {
+  reference::Gaps gaps[2];  // seen from above, seen along rays
+  for (std::uint64_t seed = 1; seed <= 240; ++seed) {
+    const test::CloudWithGaps scene = test::cloud_with_gaps(seed);
+    const reference::Result plain =
+        compare(scene, profile_options(Profile::refined), "seed " + std::to_string(seed));
+    if (HasFatalFailure()) return;
+    reference::Gaps& sum = gaps[scene.more.rays ? 1 : 0];
+    sum.open += plain.gaps.open;
+    sum.hidden += plain.gaps.hidden;
+    sum.scraps += plain.gaps.scraps;
+  }
+  for (const reference::Gaps& of : gaps) {
+    // Enough of each kind, so that a rule for one of them that is off shows.
+    EXPECT_GT(of.open, 200);
+    EXPECT_GT(of.hidden, 500);
+    EXPECT_GT(of.scraps, 50);
+  }
+}
+
+/// Two box tops of one height, a third of a metre apart, over a floor that is left out below the
+/// share `hidden` of the gap.
+test::CloudWithGaps box_tops(double hidden, bool rays) {
+  test::CloudWithGaps scene;
+  Random random(1);
+  const auto add = [&](double x, double y, double z) {
+    const Vec3d wobble(random.normal(), random.normal(), random.normal());
+    scene.cloud.points.push_back((Vec3d(x, y, z) + 0.002 * wobble).cast<float>());
+    scene.cloud.labels.push_back(Label::h);
+  };
+  for (double x = -0.6; x < 0.6; x += 0.02)
+    for (double y = -0.2; y < 0.2; y += 0.02) {
+      if (std::abs(x) > 0.15) add(x, y, 0);
+      if (std::abs(x) >= 0.15 * hidden) add(1.5 * x, 1.5 * y, -0.5);
+    }
+  scene.cloud.cube = test::cube_around(scene.cloud.points);
+  scene.sensor = {0, 0, 1};
+  scene.more.rays = rays;
+  return scene;
+}
+
+TEST(DefaultAgainstReference, BoxTopsAreTwoPlanesWhereTheFloorShowsBetweenThem) {
+  for (const bool rays : {false, true})
+    for (const double hidden : {0.0, 0.3, 0.9}) {
+      const std::string what = (rays ? "rays, " : "") + std::to_string(hidden) + " hidden";
+      const reference::Result plain =
+          compare(box_tops(hidden, rays), profile_options(Profile::refined), what);
+      if (HasFatalFailure()) return;
+      EXPECT_EQ(plain.planes.size(), hidden < 0.5 ? 3u : 2u) << what;
+      EXPECT_EQ(plain.gaps.open, hidden < 0.5 ? 1 : 0) << what;
+    }
+}
 
 }  // namespace
 }  // namespace planescope

@@ -160,9 +160,9 @@ test::LabelledCloud two_tables() {
 TEST(Segment, PartsThatDoNotTouchAreSplitOnDemand) {
   const test::LabelledCloud cloud = two_tables();
   SegmentOptions options = profile_options(Profile::refined);
-  options.split_disconnected = SplitRule::off;
+  options.split_disconnected.rule = SplitRule::off;
   EXPECT_EQ(run(cloud, options).planes.size(), 1u);
-  options.split_disconnected = SplitRule::on;
+  options.split_disconnected.rule = SplitRule::on;
   const Segmentation s = run(cloud, options);
   ASSERT_EQ(s.planes.size(), 2u);
   EXPECT_NEAR(s.planes[0].fit.centroid.x(), 1.4, 1e-6);

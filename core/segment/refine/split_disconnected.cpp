@@ -1,5 +1,4 @@
-// The option split_disconnected: coplanar regions that do not touch become planes of their own,
-// which is what a foothold planner needs. Not in the paper.
+#include "core/segment/refine/split_disconnected.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +8,10 @@
 #include "core/segment/sight.hpp"
 #include "core/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::split_disconnected {
 namespace {
+
+constexpr Stage kStage = Stage::split_disconnected;
 
 using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
 
@@ -139,14 +140,12 @@ Moments moments_of(const SegmentState& state, const Part& part) {
 
 /// Could the part found a plane? What holds for candidates with uncertain normals holds for it.
 bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
-  if (static_cast<double>(part.size()) < kMinWeakPoints) return false;
   const PlaneFit fit = fit_plane(moments_of(state, part));
-  const double sigma = state.noise.sigma(state.range(fit.centroid));
-  return normal_uncertainty(fit, sigma) <= kMaxWeakSigmaAng;
+  return r3_weak_candidates::can_found(fit, state.sigma_ang(fit), state.options.r3_weak_candidates);
 }
 
-/// Joins the parts between which the sensor did not look through the plane: something may hide that
-/// they hang together. Parts that are no planes of their own stay with the first.
+/// Joins the parts between which the sensor did not look through the plane: what hides the gap may
+/// hide a connection. Parts too small for planes of their own stay with the first.
 std::vector<Part> parts_seen_apart(const SegmentState& state,
                                    std::int32_t plane,
                                    double spacing_m,
@@ -179,41 +178,38 @@ void found_part(SegmentState& state, std::int32_t parent, const Part& points) {
   part.label = state.planes[parent].label;
   part.moments = moments_of(state, points);
   part.fit = fit_plane(part.moments);
-  const auto number = static_cast<std::int32_t>(state.planes.size());
-  state.log({.type = EventType::found,
-             .refinement = kSplit,
-             .label = part.label,
-             .plane = number,
-             .other = parent});
-  if (state.trace) state.trace->parts.push_back(points);
-  state.planes.push_back(part);
-  for (const std::uint32_t i : points) state.plane_of[i] = number;
+  part.sigma_ang = state.sigma_ang(part.fit);
+  for (const std::uint32_t i : points) part.bounds.add(state.point(i));
+  log(state, {.type = EventType::found,
+              .stage = kStage,
+              .label = part.label,
+              .plane = static_cast<std::int32_t>(state.planes.size()),
+              .other = parent});
+  const std::int32_t number = found_plane(state, part);
+  for (const std::uint32_t i : points) give_point(state, i, number);
 }
 
 /// The plane that keeps the largest part is fitted anew.
 void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
-  const Moments moments = moments_of(state, kept);
-  state.log_refit(plane, moments, kSplit);
-  state.planes[plane].moments = moments;
-  state.planes[plane].fit = fit_plane(moments);
+  log(state, {.type = EventType::refine, .stage = kStage, .plane = plane});
+  fit_again(state, plane, moments_of(state, kept));
 }
 
 /// A part too small to be a candidate is none.
 void drop(SegmentState& state, std::int32_t plane, const Part& points) {
-  state.log({.type = EventType::leave, .refinement = kSplit, .plane = plane});
-  give_up_plane(state, plane, points);
+  log(state, {.type = EventType::leave, .stage = kStage, .plane = plane});
+  drop_plane(state, plane, points);
 }
 
 }  // namespace
 
-void split_disconnected_planes(SegmentState& state) {
-  constexpr double kSpacings = 2;  // of a sparse cloud, this much apart is no gap
-  const SegmentOptions& options = state.options;
-  const auto least = static_cast<std::size_t>(std::max(3, options.theta_n_in));
-  const bool seen = options.split_disconnected == SplitRule::seen;
+void run(SegmentState& state, const Options& options) {
+  if (options.rule == SplitRule::off) return;
+  const auto least = static_cast<std::size_t>(std::max(3, state.options.theta_n_in));
+  const bool seen = options.rule == SplitRule::seen;
   const double spacing_m = std::sqrt(typical_area_per_point(state));
-  PartFinder finder(state.octree, seen ? std::max(options.split_gap_m, kSpacings * spacing_m)
-                                       : options.split_gap_m);
+  PartFinder finder(state.octree, seen ? std::max(options.gap_m, options.gap_spacings * spacing_m)
+                                       : options.gap_m);
   const PlanePoints members = points_by_plane(state);
   const auto founded = static_cast<std::int32_t>(state.planes.size());
   for (std::int32_t plane = 0; plane < founded; ++plane) {
@@ -235,4 +231,4 @@ void split_disconnected_planes(SegmentState& state) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::split_disconnected

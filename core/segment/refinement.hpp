@@ -1,0 +1,48 @@
+#pragma once
+
+// What a file of core/segment/refine/ tells of itself. A refinement is planescope's own, not the
+// paper's; it is added by writing one such file, and nothing else needs to know of it: CMake lists
+// the folder in core/segment/refinements.hpp. The file's name is that of its namespace, of its
+// member in SegmentOptions, of its Stage and of the option that switches it on.
+//
+//   namespace planescope::r9_example {
+//   struct Options {
+//     bool on = false;  // in the profile `paper`
+//     double reach_m = 0.1;
+//     template <typename Rows> static void describe(Rows& rows);  // a row for each option
+//   };
+//   inline constexpr Options kRefined{.on = true};  // in the profile `refined`
+//   inline constexpr RefinementInfo kInfo{.name = "R9", .title = "example", ...};
+//   void run(SegmentState& state, const Options& options);  // if it acts on all planes at once
+//   }
+//
+// run() asks by itself whether it is on. Where its body stands in the header, it is a template of
+// the state, which is not complete there.
+
+#include <cstdint>
+#include <limits>
+
+namespace planescope {
+
+struct SegmentState;
+
+/// The values that a number may take.
+struct OptionRange {
+  double min = 0;
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+};
+
+/// The stage of the paper that a refinement follows.
+enum class After : std::uint8_t { merging, assignment };
+
+struct RefinementInfo {
+  const char* name;   // as filters, pictures and lists call it: "R2"
+  const char* title;  // "explain away"
+  /// What its `refine` event means, with {plane}, {other}, {point} and {mm} filled in (fmt).
+  const char* says = "{plane} changes";
+  After after = After::merging;
+  int turn = 0;  // among those that follow the same stage, ascending
+};
+
+}  // namespace planescope
