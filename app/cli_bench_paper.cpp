@@ -8,10 +8,7 @@
 
 namespace planescope {
 
-void define_bench_paper(CLI::App& bench,
-                        Typed& t,
-                        const std::string& command,
-                        std::function<void(Job)> choose) {
+void define_bench_paper(CLI::App& bench, Typed& t, std::function<void(Job)> choose) {
   CLI::App* paper = bench.add_subcommand(
       "paper",
       "Every experiment of the paper beside its printed numbers, and measures on which methods\n"
@@ -47,10 +44,9 @@ void define_bench_paper(CLI::App& bench,
   add(paper, "--doc", t.doc, "FILE.md", "With --from: write docs/reproduction.md alone");
   add(paper, "--threads", t.threads, "N",
       "Default: all cores. The results are the same for any number");
-  paper->final_callback([&t, &command, choose] {
-    BenchPaperArgs args = bench_paper_args(t);
-    args.command = command;
-    choose([args](std::stop_token stop) { return run_bench_paper(args, stop); });
+  paper->final_callback([&t, choose] {
+    choose(
+        [args = bench_paper_args(t)](std::stop_token stop) { return run_bench_paper(args, stop); });
   });
 }
 

@@ -191,7 +191,7 @@ class PaperRun {
 
   PaperTimings measure_times(const std::vector<RealInput>& real) {
     PaperTimings timings;
-    timings.command = args_.command;
+    timings.command = args_.same_command;
     timings.machine = this_machine();
     timings.threads = args_.threads;
     const auto counted = args_.count > 0 ? args_.count : 20;

@@ -35,8 +35,7 @@ struct BenchPaperArgs {
   std::filesystem::path from;  // results that are there: nothing is measured
   std::filesystem::path doc;   // with `from`: the file of docs/reproduction.md
   bool json = false;
-  std::string command;       // as it was typed
-  std::string same_command;  // that measures the same: without folders and threads
+  std::string same_command;  // measures the same again; without folders, which are this machine's
 };
 
 /// The paper's experiments: paper.json, .md and index.html, and what depends on time in

@@ -77,7 +77,7 @@ struct MethodTiming {
   double fps = 0;
 };
 struct PaperTimings {
-  std::string command;  // as it was typed
+  std::string command;  // that measures the same again, without folders; threads are below
   Machine machine;
   int threads = 1;
   std::vector<ClassifierTiming> classifiers;  // table II

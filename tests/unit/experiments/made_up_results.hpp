@@ -38,7 +38,7 @@ inline PaperResults made_up_results() {
 
 inline PaperTimings made_up_timings() {
   PaperTimings timings;
-  timings.command = "planescope bench paper -o out";
+  timings.command = "planescope bench paper --seed 1";
   timings.machine = {"a processor", 2, Simd::avx2};
   timings.threads = 2;
   for (const int points : {2048, 4096, 8192})
