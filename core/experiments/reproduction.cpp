@@ -11,6 +11,7 @@ namespace planescope {
 namespace {
 
 constexpr double kNoiseCm[] = {0.0, 0.1, 0.2, 0.3};
+constexpr const char* kOfStairs = "--only tables --sets stairs";
 
 /// "0.04 / 100, 2.80 / 118, ...": alpha and r_p of ours on the stairs, noise by noise.
 std::string along_noise(const PaperResults& results,
@@ -39,6 +40,11 @@ std::string ransac_alpha(const PaperResults& results) {
   return cell ? fixed(cell->metrics.alpha_deg, 2) : "-";
 }
 
+/// The command that measures some of the run again.
+std::string again(const PaperResults& results, const char* part) {
+  return fmt::format("    {} {} -o DIR\n\n", results.command, part);
+}
+
 std::string run_text(const PaperResults& results, const PaperTimings& timings) {
   return fmt::format(
       R"(# Reproducing the paper's experiments
@@ -49,11 +55,13 @@ from the run in [reproduction/](reproduction/); change nothing here by hand.
 
 ## The run
 
-    {}
+    {} -o DIR
 
 `PLANESCOPE_DATA=FOLDER scripts/paper -o DIR` builds and runs it, and tells where the page with all
 plots and pictures is. The figures below come out again to the last digit for the same seeds and
-weights, on any machine and with any number of threads; only times do not.
+weights, on any machine and with any number of threads; only times do not. Each chapter names
+the part of the run that its figures come from: it writes them to `DIR/paper.md` and
+`DIR/paper.timings.md`.
 
 - planescope {}, commit {}{}
 - weights {} ({}), SHA-256 {}
@@ -71,7 +79,7 @@ std::string readings_text(const PaperResults& results) {
   return fmt::format(
       R"(## Where the printed numbers do not follow from the text
 
-The noise table is where the text and the numbers part. Mean angle alpha [deg] / planes found per
+{}The noise table is where the text and the numbers part. Mean angle alpha [deg] / planes found per
 true plane r_p [%] at 0.0, 0.1, 0.2 and 0.3 cm of noise, 8192 points:
 
 | | with pointwise classification |
@@ -107,7 +115,7 @@ noise, printed 0.11.
 `refined` is planescope's default; [method.md](method.md) tells what it does otherwise and why.
 
 )",
-      printed_along_noise(true), along_noise(results, "paper", "truth"),
+      again(results, kOfStairs), printed_along_noise(true), along_noise(results, "paper", "truth"),
       along_noise(results, "paper", "gcn"), along_noise(results, "paper-closest", "truth"),
       along_noise(results, "paper-closest", "gcn"), along_noise(results, "refined", "gcn"),
       printed_along_noise(false), along_noise(results, "paper", "none"),
@@ -118,7 +126,10 @@ std::string claims_text(const PaperResults& results) {
   const std::vector<Claim> all = claims(results);
   if (all.empty()) return "";
   const auto met = std::ranges::count_if(all, &Claim::met);
-  std::string text = fmt::format("## What is claimed\n\n{} of {} hold.", met, all.size());
+  std::string text = fmt::format(
+      "## What is claimed\n\n{}{} of {} hold.",
+      again(results, "--only tables --sets stairs,depth_stairs,depth_boxes,depth_slopes"), met,
+      all.size());
   if (met < static_cast<std::ptrdiff_t>(all.size())) {
     text +=
         " These do not; the page's figure of failures shows the planes that are lost, "
@@ -136,12 +147,22 @@ std::string claims_text(const PaperResults& results) {
 
 std::string reproduction_page(const PaperResults& results, const PaperTimings& timings) {
   std::string text = run_text(results, timings) + readings_text(results) + claims_text(results);
-  const auto add = [&text](const char* heading, const std::vector<Table>& tables) {
-    if (!tables.empty()) text += fmt::format("## {}\n\n{}\n", heading, joined(tables, to_markdown));
+  const auto add = [&text](const char* heading, const std::string& command,
+                           const std::vector<Table>& tables) {
+    if (!tables.empty())
+      text += fmt::format("## {}\n\n{}{}\n", heading, command, joined(tables, to_markdown));
   };
-  add("The paper's tables", paper_tables(results));
-  add("Times", timing_tables(timings));
-  add("Stricter tables", stricter_tables(results));
+  add("The paper's tables",
+      again(results, kOfStairs) +
+          "Table IV's recordings are read from where `PLANESCOPE_DATA` points.\n\n",
+      paper_tables(results));
+  add("Times", again(results, "--only timings"), timing_tables(timings));
+  add("Stricter tables",
+      again(results, "--only tables --sets NAME") +
+          "NAME is the set that a table's title begins with, "
+          "`depth_stairs,depth_boxes,depth_slopes` for\nall depth sets; without `--sets` it is all "
+          "of them. icl_nuim needs `PLANESCOPE_DATA`.\n\n",
+      stricter_tables(results));
   text.pop_back();
   return text;
 }
