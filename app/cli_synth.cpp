@@ -38,7 +38,8 @@ void define_stairs(CLI::App* synth, Typed& t, const Choose& choose) {
   add_out(stairs, t);
   add(stairs, "--count", t.count, "N", "How many stairs, default 100");
   add(stairs, "--points", t.points, "N", "Points of each, default 8192; 0 = dense sampling");
-  add(stairs, "--noise", t.noise, "M", "Standard deviation of the noise, default 0");
+  add(stairs, "--noise", t.noise, "M",
+      "Standard deviation of the noise, added after the sampling; default 0");
   add(stairs, "--seed", t.seed, "N", "Another seed makes another set, default 1");
   stairs->add_flag("--axis-aligned", t.axis_aligned, "Do not turn the stairs about z");
   add(stairs, "--threads", t.threads, "N", "Default: all cores");

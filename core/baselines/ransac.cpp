@@ -1,4 +1,4 @@
-// Sun et al. 2023, Sec. V-D 1: "we set the maximum number of iterations to 1000 and excluded plane
+// Sun et al. 2023, Sec. V-C 1: "we set the maximum number of iterations to 1000 and excluded plane
 // candidates with fewer than 50 points".
 
 #include "core/baselines/ransac.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-// The paper's first rival (Sec. V-D 1): the plane with most points is taken away, again and again.
+// The paper's first rival (Sec. V-C 1): the plane with most points is taken away, again and again.
 
 #include <span>
 

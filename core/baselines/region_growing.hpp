@@ -1,6 +1,6 @@
 #pragma once
 
-// The paper's second rival (Sec. V-D 2): cells are fitted, those that are planar grow together.
+// The paper's second rival (Sec. V-C 2): cells are fitted, those that are planar grow together.
 // Proenca & Gao, "Fast Cylinder and Plane Extraction from Depth Cameras for Visual Odometry"
 // (IROS 2018), CAPE below.
 

@@ -1,4 +1,4 @@
-// Proenca & Gao 2018, Sec. III; Sun et al. 2023, Sec. V-D 2: "we use depth image patches of size
+// Proenca & Gao 2018, Sec. III; Sun et al. 2023, Sec. V-C 2: "we use depth image patches of size
 // 20 x 20 pixels".
 
 #include <algorithm>

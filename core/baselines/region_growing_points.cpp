@@ -1,4 +1,4 @@
-// Sun et al. 2023, Sec. V-D 2: "we employed 3D region-growing with a voxel size of 0.05 m for
+// Sun et al. 2023, Sec. V-C 2: "we employed 3D region-growing with a voxel size of 0.05 m for
 // synthetic data consisting solely of point clouds".
 
 #include <array>

@@ -59,10 +59,10 @@ struct VoxelCloud {
   double size_m = 0;                    // edge of a voxel; 0 = every point is its own
 };
 
-/// Back-projects, crops and aligns a frame. Sec. III-A: depth beyond 1.5 m is discarded.
+/// Back-projects, crops and aligns a frame. Sec. V: depth beyond 1.5 m is discarded.
 Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions& options);
 
-/// Voxel grid anchored at the cube's corner. Sec. III-A, N_d points.
+/// Voxel grid anchored at the cube's corner. Sec. II-B: N_d points.
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m);
 
 /// How the points of each voxel spread about their mean.

@@ -40,7 +40,7 @@ struct Moments {
     yz += spread.yz;
     zz += spread.zz;
   }
-  /// Eq. (6)-(8): X1 X1^T <- X1 X1^T + X2 X2^T, mu and N likewise.
+  /// Eq. (8)-(10): X1 X1^T <- X1 X1^T + X2 X2^T, mu and N likewise.
   Moments& operator+=(const Moments& other) {
     count += other.count;
     sum += other.sum;
@@ -53,7 +53,7 @@ struct Moments {
     return *this;
   }
   Vec3d mean() const { return sum / count; }
-  /// Eq. (9): (X - mu 1)(X - mu 1)^T = X X^T - N mu mu^T. Not divided by N, as in the paper.
+  /// Eq. (11): (X - mu 1)(X - mu 1)^T = X X^T - N mu mu^T. Not divided by N, as in the paper.
   Mat3d scatter() const {
     const Vec3d mu = mean();
     Mat3d s;

@@ -38,7 +38,7 @@ const EvaluationSet& find_evaluation_set(const std::string& name);
 struct EvaluationOptions {
   std::uint64_t seed = 1;
   int points = 8192;                        // clouds: farthest point sampling; 0 = dense
-  double noise_m = 0;                       // clouds: Gaussian, on every coordinate
+  double noise_m = 0;                       // clouds: Gaussian, added after the sampling
   DepthErrors errors = DepthErrors::clean;  // depth images
 };
 

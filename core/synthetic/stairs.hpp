@@ -1,6 +1,8 @@
 #pragma once
 
-// The paper's evaluation set (Sec. V): stairs of random size, a tread and a riser per step.
+// The paper's evaluation set (Sec. V): stairs of random size, a tread and a riser per step. The
+// noise is added to the points that were sampled: farthest point sampling of noisy points would
+// favour those that stick out. The paper does not say which of the two comes first.
 
 #include <cstdint>
 #include <vector>
@@ -14,7 +16,7 @@ namespace planescope {
 struct StairsOptions {
   std::uint64_t seed = 1;
   int points = 8192;       // farthest point sampling from a dense sampling; 0 = dense
-  double noise_m = 0;      // standard deviation of Gaussian noise on every coordinate
+  double noise_m = 0;      // standard deviation, on every coordinate, after the sampling
   bool random_yaw = true;  // false: axis-aligned
   int min_steps = 2, max_steps = 6;
   double min_length_m = 0.2, max_length_m = 0.4;
