@@ -36,7 +36,7 @@ StagedOutput::StagedOutput(fs::path dir) : dir_(without_trailing_slash(dir)) {
 StagedOutput::~StagedOutput() {
   std::error_code ignored;
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
-  // Only those that are empty go: after a commit, or with other files beside, they stay.
+  // Removes empty folders only: after a commit, or with other files in them, they stay.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 

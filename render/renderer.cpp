@@ -19,7 +19,7 @@ PLANESCOPE_ASSET_DECLARE(shade_frag);
 namespace planescope {
 namespace {
 
-// What the caller had bound is put back, so that a window can draw on around us.
+// Restores what the caller had bound, so that a window can go on drawing around us.
 class RestoredBindings {
  public:
   RestoredBindings() {

@@ -34,8 +34,8 @@ MarkColors mark_colors(Theme theme);
 /// Per voxel, as `look` asks, with what is selected and marked standing out.
 std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state);
 
-/// What the colours tell of: cases and margins are ours alone, of other methods planes and labels
-/// stand in.
+/// What the colours show: only our method has cases and margins, for others planes and labels take
+/// their place.
 ColorBy told_by(const Run& run, ColorBy asked);
 
 /// A settled node that was not divided: its points are done with.

@@ -52,7 +52,7 @@ std::vector<Contender> load_all(const std::vector<std::string>& weights) {
   return contenders;
 }
 
-/// What progress() of a measurement shows on a bar that ends with it; and stops it.
+/// A measurement's progress(): shows a bar that ends with it, and throws to stop it.
 class Bar {
  public:
   Bar(const char* what, std::stop_token stop) : what_(what), stop_(std::move(stop)) {}
@@ -115,7 +115,7 @@ ClassifierBench measure(const BenchClassifierArgs& args, const std::stop_token& 
     classifiers.push_back({fmt::format("PCA, {} neighbours", neighbours),
                            make_pca_classifier({.neighbours = neighbours})});
 
-  // The recordings first: one that cannot be read is known before anything takes long.
+  // The recordings first: one that cannot be read is reported before anything slow starts.
   if (wanted("frames")) bench.frame_rows = time_frames(args, contenders, stop);
   if (wanted("speed"))
     bench.speed = measure_speed(networks, bench.speed_options, Bar("speed", stop));

@@ -48,7 +48,7 @@ void write_pages(const fs::path& dir, const Measured& m, const std::vector<Paper
                   paper_page(m.results, m.timings ? &*m.timings : nullptr, figures));
 }
 
-/// Throws Error where the folder holds what is not of an earlier run: a recording, say.
+/// Throws Error where the folder holds anything that is not from an earlier run: a recording, say.
 void check_own(const fs::path& dir) {
   if (!fs::exists(dir) || fs::is_empty(dir)) return;
   for (const char* own : {"cells.jsonl", "paper.json", "paper.timings.json", "paper.md"})
@@ -94,7 +94,7 @@ class PaperRun {
   }
 
   Measured measure() {
-    // Damaged input is found before anything takes long.
+    // Damaged input is found before anything slow starts.
     load_classifiers();
     const std::vector<RealInput> real = open_real(args_.recordings, args_.quick ? 3 : 30);
     make_dir(args_.out);

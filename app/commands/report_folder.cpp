@@ -83,7 +83,7 @@ ReportFolder::~ReportFolder() {
   std::error_code ignored;
   if (over_ || !has_records(work_)) fs::remove_all(work_, ignored);
   lock_ = LabelLock();
-  // Only those that are empty go.
+  // Removes empty folders only.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 

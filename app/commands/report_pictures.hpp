@@ -14,7 +14,7 @@ namespace planescope {
 /// "#rrggbb".
 std::string css_color(Rgba color);
 
-/// The renderer gave up, rather than the disk.
+/// Drawing failed, as opposed to writing the picture.
 struct DrawingFailed : Error {
   using Error::Error;
 };

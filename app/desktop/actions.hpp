@@ -38,7 +38,7 @@ const std::vector<Action>& action_table();
 bool has_run(const State& state);
 /// Throws Error naming the nearest existing action.
 const Action& find_action(const std::string& name);
-/// From a key or a menu it is asked for.
+/// Whether a key or menu must ask for its argument first.
 bool needs_argument(const Action& action);
 /// Null where no action has this key ("Ctrl+P") in that mode.
 const Action* action_of_key(const std::string& key, Mode mode);
@@ -94,7 +94,8 @@ void commit_labels(State& state, const std::string& title, const FrameLabels& af
 void open_labels(State& state);
 /// Writes the label files where something is not written yet. Throws Error where that fails.
 void save_labels(State& state);
-/// Likewise where the way on must not be barred: a failure is told, the journal has everything.
+/// The same where leaving must not be blocked: a failure is reported, and the journal has
+/// everything.
 void save_labels_if_possible(State& state);
 void say(State& state, std::string message, bool is_error = false);
 

@@ -65,7 +65,7 @@ void step_plane(State& state, int by) {
   choose_plane(state, planes[static_cast<std::size_t>((index + count) % count)].id);
 }
 
-/// Twice: a plane again.
+/// Asked for twice, it paints planes again.
 void paint(State& state, Paints what) {
   LabelView& view = state.view.label;
   view.paints = view.paints == what ? Paints::plane : what;

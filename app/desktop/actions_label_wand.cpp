@@ -111,7 +111,7 @@ void accept(State& state) {
   say(state, "there is nothing to accept");
 }
 
-/// What was begun last, one thing after another.
+/// Cancels what was begun last, one thing at a time.
 void cancel(State& state) {
   LabelView& view = state.view.label;
   if (view.stroke || view.polygon || !view.wand.seeds.empty()) return let_go(view);

@@ -32,7 +32,7 @@ struct LookKey {
   }
 };
 
-/// The same of labels. Labels themselves never change: other ones are elsewhere.
+/// The same for labels. Labels never change in place: different ones have another address.
 struct LabelLookKey {
   std::weak_ptr<const LabelFrame> frame;
   LabelLook look;
@@ -152,7 +152,7 @@ class GlCanvas : public Canvas {
  private:
   enum class Shows : std::uint8_t { nothing, step, labels };
 
-  /// The list as it is, anew where it has changed or is seen otherwise.
+  /// The scene as a texture, drawn again where the list, the camera or the size has changed.
   TextureId draw(bool same_list, const Camera& camera, int width, int height, Theme theme) {
     const bool same =
         same_list && same_camera(camera, camera_) && width == width_ && height == height_;

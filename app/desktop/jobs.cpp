@@ -16,7 +16,8 @@
 namespace planescope::desktop {
 namespace {
 
-// Options rest for so long before all frames are run with them: a slider is not to compete with it.
+// Options must stay the same for this long before all frames are run with them: that must not
+// compete with a slider being dragged.
 constexpr std::chrono::milliseconds kStripDelay{300};
 
 /// What the analysis worker does: one of these at a time, the later in place of the earlier.

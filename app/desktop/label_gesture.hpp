@@ -11,7 +11,7 @@
 
 namespace planescope::desktop {
 
-/// The frame as labels are drawn on it is there, and so are its labels.
+/// Whether the frame is ready to be labelled and its labels are loaded.
 bool labels_at_hand(const State& state);
 
 struct LabelGesture {

@@ -42,7 +42,7 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   }
 }
 
-/// A finding that is still there stays chosen; where it is mended, the next one comes next.
+/// A finding that is still there stays chosen; once it is mended, the next one is.
 void take_audit(State& state, std::shared_ptr<const Audit> audit, std::vector<WorkTime> work) {
   LabelResults& label = state.results.label;
   int& chosen = state.view.label.finding;

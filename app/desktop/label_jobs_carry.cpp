@@ -49,7 +49,7 @@ void LabelJobs::pursue_carry(State& state) {
         deliver_carried(s, number, existing, carried);
       });
     } catch (const Cancelled&) {
-      // Whoever let go of it has said so.
+      // Whoever cancelled it has said so.
     } catch (const std::exception& error) {
       deliver_([this, number, message = std::string(error.what())](State& s) {
         if (number != carry_number_) return;

@@ -10,7 +10,8 @@
 
 namespace planescope::desktop {
 
-/// From the label files. Long recordings have many: fewer marks than frames where it was stopped.
+/// From the label files. Long recordings have many: where it was stopped, there are fewer marks
+/// than frames.
 std::vector<FrameMark> marks_in(const std::filesystem::path& dir,
                                 int frames,
                                 const std::stop_token& stop);

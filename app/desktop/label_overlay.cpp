@@ -22,7 +22,8 @@ void draw_names(const Ui& ui, const DrawingSurface& surface) {
   std::vector<LabelPlace> places = names.places;
   const int active = ui.state.view.label.plane;
   std::ranges::stable_partition(places, [&](const LabelPlace& one) { return one.plane == active; });
-  // Of no use on top of each other: where there is no room for all, zooming in makes it.
+  // Names on top of each other are of no use: where there is no room for all, zooming in makes
+  // room.
   std::vector<ImVec4> drawn;  // from x, y to z, w
   for (const LabelPlace& place : places) {
     const std::optional<ImVec2> at = surface.screen_of_pixel(place.pixel);

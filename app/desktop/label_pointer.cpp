@@ -143,7 +143,7 @@ bool wheel_sizes(const Ui& ui) {
 }
 
 void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
-  // Let go of while another tool or mode was in hand: not to be finished when this one is back.
+  // Released while another tool or mode was in hand: must not be finished when this one is back.
   if (!ImGui::IsMouseDown(0) && !ImGui::IsMouseReleased(0)) ui.memory.label_drag.on = false;
   draws(ui.state.view.label.tool) ? drag_tool(ui, surface) : click_tool(ui, surface);
   point(ui, surface);

@@ -30,7 +30,7 @@ bool is_about(const ReviewNote& note, const Disagreement& item) {
   return note.kind == item.kind && note.pixel == item.pixel;
 }
 
-/// The labels of its pixels are those that the queue was made of.
+/// Whether its pixels still have the labels that the queue was made from.
 bool still_holds(const Disagreement& item, const FrameLabels& before, const FrameLabels& now) {
   return std::ranges::all_of(item.pixels, [&](std::uint32_t pixel) {
     return before.plane.data[pixel] == now.plane.data[pixel] &&

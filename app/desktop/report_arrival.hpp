@@ -1,6 +1,6 @@
 #pragma once
 
-// Where in a run the window stands that was opened from a report.
+// Where in a run a window that was opened from a report begins.
 
 #include <cstdint>
 #include <memory>
@@ -35,7 +35,7 @@ struct ReportArrival {
   std::string message;
 };
 
-/// The decision that made the plane what it is, or is not any more. `a` null: there is no such run.
+/// The decision that made the plane what it is, or that lost it. `a` null: there is no such run.
 ReportArrival arrival_at(const ReportPlace& place, const Run* a, const Run& b);
 
 }  // namespace planescope::desktop

@@ -82,8 +82,8 @@ void add_note(std::string& note, const std::string& more) {
   note += (note.empty() ? "" : "; ") + more;
 }
 
-/// What the report's run was made with. Throws Error where that cannot be had any more; of what
-/// may be another, `note` tells.
+/// The options of the report's run. Throws Error where they can no longer be had; `note` says what
+/// may differ.
 PipelineOptions options_from(const RecordedReport& report,
                              const fs::path& file,
                              std::string& note) {
@@ -118,7 +118,7 @@ PipelineOptions options_from(const RecordedReport& report,
   return options;
 }
 
-/// Why it is another recording than the report's; empty: it is that.
+/// Why it is not the report's recording; empty: it is.
 std::string why_other(const OpenRecording& open,
                       const RecordedFrame& frame,
                       const fs::path& report) {
@@ -167,7 +167,7 @@ OpenRecording open_recorded(const State& state,
                             const fs::path& report) {
   std::string refusal;
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
-    // The report says of a damaged frame what it is; the others can be seen.
+    // The report says what is wrong with a damaged frame; the others can still be seen.
     candidate.options.damaged_frames_later = true;
     const OpenRecording open{candidate.path, open_recording(candidate.path, candidate.options),
                              candidate.label_dir};

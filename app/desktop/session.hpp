@@ -18,8 +18,8 @@ void save_session(const State& state, const std::filesystem::path& path);
 /// unchanged: damaged JSON, a recording that is missing or is another one, an unknown option.
 void open_session(State& state, const std::string& where);
 
-/// Shows the frame of a recording that was opened anew, in place of whatever of it was open. What
-/// had been found out is let go of.
+/// Shows the frame of a recording that was reopened, in place of what was open of it. Earlier
+/// results are dropped.
 void take_recording(State& state, OpenRecording taken, int frame);
 
 }  // namespace planescope::desktop

@@ -21,8 +21,8 @@ struct Settings {
 
 std::filesystem::path settings_path();
 
-/// Settings that are missing, damaged or of another version are as if they were not there: a window
-/// opens in any case.
+/// Settings that are missing, damaged or of another version are ignored: a window opens in any
+/// case.
 Settings load_settings();
 /// Does nothing where the folder cannot be written to.
 void save_settings(const Settings& settings);

@@ -208,7 +208,7 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
-/// Where it fails the journal has everything, and there is no window left that could tell.
+/// If this fails, the journal has everything, and there is no window left to say so in.
 void save_quietly(const OpenRecording& open) {
   try {
     if (open.labels && open.labels->read_only().empty()) open.labels->save_all();

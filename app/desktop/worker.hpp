@@ -24,14 +24,14 @@ class Worker {
     wake_.notify_all();
   }
 
-  /// In place of whatever waits; what is being done goes on.
+  /// Replaces whatever is waiting; the work in progress goes on.
   void replace(Work work) {
     const std::lock_guard lock(mutex_);
     waiting_.clear();
     waiting_.push_back(std::move(work));
     wake_.notify_all();
   }
-  /// Asks what is being done to stop, and forgets what waits.
+  /// Asks the work in progress to stop, and drops what is waiting.
   void cancel() {
     const std::lock_guard lock(mutex_);
     waiting_.clear();

@@ -113,8 +113,8 @@ std::vector<Region> sum_up(const CellGraph& graph, std::span<const std::int32_t>
   return regions;
 }
 
-/// Neighbouring regions become one where their normals are near enough and their cells still lie
-/// in one plane together.
+/// Merges neighbouring regions whose normals are close enough and whose cells together still lie in
+/// one plane.
 void merge(const CellGraph& graph,
            const RegionGrowingOptions& options,
            std::vector<std::int32_t>& region) {
@@ -143,7 +143,7 @@ void merge(const CellGraph& graph,
   for (std::int32_t& r : region) r = root(r);
 }
 
-/// Of each cell the regions in and around it; none of cells amid their region.
+/// For each cell the regions in and around it; none for cells in the interior of their region.
 std::vector<std::vector<std::int32_t>> choices_along_borders(const CellGraph& graph,
                                                              std::span<const std::int32_t> region) {
   std::vector<std::vector<std::int32_t>> choices(graph.cells.size());

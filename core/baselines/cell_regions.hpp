@@ -36,8 +36,8 @@ double max_e_n_m2(double count, const RegionGrowingOptions& options);
 std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
                                          const RegionGrowingOptions& options);
 
-/// The planes of the regions: of cells amid their region with all their points; points of other
-/// cells go, where `options` say so, to the nearest of the planes around them.
+/// The planes of the regions. Cells in the interior of a region give it all their points; points of
+/// other cells go, where `options` say so, to the nearest of the planes around them.
 FoundPlanes planes_of_regions(std::span<const Vec3f> points,
                               const CellGraph& graph,
                               std::span<const std::int32_t> region,

@@ -1,7 +1,7 @@
 #pragma once
 
-// 3D-GCN once more, straight from its equations: what the quick one is held against, in results and
-// in speed.
+// 3D-GCN again, written straight from its equations: the reference for the fast one's results and
+// speed.
 
 #include <array>
 #include <cstdint>
@@ -19,8 +19,8 @@ struct PlainNetwork {
   std::vector<std::vector<Real>> tensors;  // by tensor_specs(config)
 };
 
-/// Of each level its points, as indices of points of level 0, and of each the nearest others, as
-/// indices of this level.
+/// For each level its points, as indices of points of level 0, and for each point the nearest
+/// others, as indices of this level.
 struct PlainGraph {
   struct Level {
     std::vector<std::uint32_t> points;

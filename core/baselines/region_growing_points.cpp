@@ -11,8 +11,8 @@
 namespace planescope {
 namespace {
 
-// A cell has a plane of its own with so many points, spread (RMS) over so much of its edge both
-// ways: a row of points along its border has none.
+// A cell has a plane of its own if it holds this many points, spread (RMS) over this share of its
+// edge in both directions: a row of points along its border has none.
 constexpr int kLeastPoints = 3;
 constexpr double kLeastSpread = 0.1;
 

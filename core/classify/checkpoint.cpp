@@ -88,7 +88,7 @@ bool is_possible(const TrainState& state, int steps) {
       return false;
     last = epoch.step;
   }
-  // What has taken all its steps has ended its last epoch too.
+  // A training that has taken all its steps has also ended its last epoch.
   return last <= state.step && state.step <= steps && (state.step < steps || last == steps);
 }
 

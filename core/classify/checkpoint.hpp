@@ -8,7 +8,8 @@
 
 namespace planescope {
 
-/// What a training was asked to do beyond its options, by name: it goes on only with the same.
+/// What a training was asked to do beyond its options, by name: it can be resumed only with the
+/// same.
 using TrainingPurpose = std::map<std::string, std::string>;
 
 /// All of a training's state, so that it can go on where it was stopped and end in the same bytes.

@@ -13,8 +13,8 @@ struct Gcn::Layers {
   gcn::Layers layers;
   Simd simd;
 
-  // The memory of earlier calls, one for each that ran at the same time: a cloud's features are
-  // megabytes, which would be mapped and cleared anew every time.
+  // Buffers of earlier calls, one for each that ran at the same time: a cloud's features take
+  // megabytes, which would otherwise be mapped and cleared anew every time.
   struct Workspace {
     gcn::Graph graph;
     gcn::Activations activations;

@@ -29,7 +29,7 @@ void add_columns(const float* y, std::size_t n, int columns, float* sums) {
     for (int c = 0; c < columns; ++c) sums[c] += y[i * columns + c];
 }
 
-/// Of y = x w: the gradient of w, and x's added to what is there.
+/// For y = x w: the gradient of w, and that of x added to what is there.
 void product_backward(const Kernels& kernels,
                       std::size_t n,
                       ConstView x,

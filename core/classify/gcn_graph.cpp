@@ -18,8 +18,8 @@ float squared_distance(const Vec3f& a, const Vec3f& b) {
   return x * x + y * y + z * z;
 }
 
-/// The row of a point without the point itself; where more equal points than fit left it out of its
-/// own row, any of them goes instead.
+/// The row of a point without the point itself. Where more points are equal to it than fit, so that
+/// it is missing from its own row, any one of them is dropped instead.
 void drop_self(std::span<const std::uint32_t> found,
                std::uint32_t self,
                std::span<std::uint32_t> row) {

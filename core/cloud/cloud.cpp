@@ -75,7 +75,7 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
   Cloud cloud;
   cloud.T_world_sensor = world_from_gravity(gravity.direction, true);
   const Mat3d R = cloud.T_world_sensor.linear();
-  // Nothing lies beyond 65534 counts, however far the user looks.
+  // A depth image holds nothing beyond 65534 counts, however large the range asked for.
   const double farthest_m = std::min(options.max_range_m, 65534 * frame.depth_unit_m);
   cloud.cube = make_cube(Vec3d::Zero(), 2 * farthest_m, options);
   cloud.counts.pixels = depth.pixels();
@@ -125,7 +125,7 @@ Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOp
       if (within_range.back()) bounds.extend(R * q);
     }
   }
-  // Whole metres: a cloud that is small and near zero keeps the very numbers of its file.
+  // Whole metres, so that a small cloud near zero keeps the exact numbers of its file.
   if (!bounds.isEmpty()) cloud.origin = bounds.center().array().round();
   cloud.points.reserve(cloud.source.size());
   for (const std::uint32_t i : cloud.source) {

@@ -1,6 +1,7 @@
-// Which way is down, told from the scene: floors and treads lie across gravity, walls and risers
-// along it. Every direction that one plane (as a floor) or two planes (as walls) propose is scored
-// by all planes of the image, under a prior on how people and robots hold cameras.
+// Estimates which way is down from the scene: floors and treads are perpendicular to gravity, walls
+// and risers parallel to it. Every direction that one plane (as a floor) or two planes (as walls)
+// propose is scored against all planes of the image, under a prior on how people and robots hold
+// cameras.
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +58,7 @@ std::vector<Voter> make_voters(const std::vector<ImagePlane>& planes, std::size_
     Voter voter;
     voter.normal = plane.normal;
     voter.sigma_deg = std::hypot(kAngleSigma_deg, plane.angle_sigma_deg);
-    // The root: ten small planes say more than one large, but not ten times more.
+    // The square root: ten small planes say more than one large one, but not ten times more.
     voter.weight = std::sqrt(std::min(plane.area_m2, kMostArea_m2)) *
                    std::pow(kAngleSigma_deg / voter.sigma_deg, 2);
     if (may_be_ground(plane)) voter.nearness = std::pow(nearest_m / plane.nearest_m, 2);
@@ -192,7 +193,7 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
   });
   if (found == candidates.end()) return std::nullopt;
   const Candidate& best = *found;
-  double runner_up = 0;  // beyond the limit too: what speaks for it speaks against the answer
+  double runner_up = 0;  // also beyond the limit: its support counts against the answer
   for (const Candidate& other : candidates)
     if (other.gravity.dot(best.gravity) < std::cos(radians(kSameAnswer_deg)))
       runner_up = std::max(runner_up, other.score);

@@ -1,7 +1,7 @@
 // Planes of a depth image. On a plane n . X = d the inverse depth is linear in the ray (x, y, 1):
 //   1/z = (n_x x + n_y y + n_z) / d.
-// Stereo measures disparity, which is proportional to it: least squares here weigh every range as
-// it deserves (in metres the noise would grow with z^2).
+// Stereo measures disparity, which is proportional to 1/z, so that least squares here weight every
+// range correctly (in metres the noise would grow with z^2).
 
 #include "core/cloud/image_planes.hpp"
 
@@ -107,7 +107,7 @@ Patches make_patches(const Frame& frame) {
     roughness.push_back(patch.plane.rms);
   }
   if (!roughness.empty()) {
-    // Edges make the upper half of the patches rough; the smoother ones tell the sensor's noise.
+    // Edges roughen about half of the patches; the smoothest third shows the sensor's noise.
     auto third = roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 3);
     std::nth_element(roughness.begin(), third, roughness.end());
     patches.noise = std::clamp(1.5 * *third, kLeastNoise, kMostNoise);
@@ -117,7 +117,7 @@ Patches make_patches(const Frame& frame) {
   return patches;
 }
 
-/// Area of the surface that a patch shows, were it on the plane: rays dx dy cut z^3 / distance out.
+/// Area that a patch would cover if it lay on the plane: rays dx dy cut out z^3 / distance.
 double area_m2(const Patch& patch, const Fit& plane, double pixel_area, double max_depth_m) {
   const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.sums.mean_ray()));
   return patch.sums.count * pixel_area * z * z * z * plane.w_of_ray.norm();
@@ -172,7 +172,7 @@ class PlaneSearch {
            patch.plane.normal().dot(plane.normal()) >= kMinCosine;
   }
 
-  /// A guess at a plane: the patches around (x, y) that go on where the one at (x, y) points.
+  /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
   std::optional<Fit> fit_block(int x, int y, int reach) const {
     const int center = y * patches_.across + x;
     if (!free_[center]) return std::nullopt;
@@ -196,8 +196,8 @@ class PlaneSearch {
     return result;
   }
 
-  /// Free patches on the plane that have company there: a plane that merely cuts through clutter
-  /// finds lone ones.
+  /// Free patches on the plane that have neighbours on it: a plane that merely cuts through clutter
+  /// picks up isolated ones.
   std::vector<int> members_of(const Fit& plane) const {
     std::vector<std::uint8_t> on(free_.size(), 0);
     for (std::size_t i = 0; i < on.size(); ++i) on[i] = free_[i] && lies_on(patches_.all[i], plane);

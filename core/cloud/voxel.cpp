@@ -1,7 +1,7 @@
 // Sun et al. 2023, Sec. II-B: voxel downsampling, as a flat open-addressing hash. Neighbouring
-// pixels mostly fall into the same voxel, so runs of points are looked up, not points. Where a run
-// ends is noise, which no branch predictor foresees: everything per point and per run is free of
-// branches.
+// pixels mostly fall into the same voxel, so runs of points are looked up rather than single ones.
+// Where a run ends no branch predictor can foresee: everything per point and per run is
+// branch-free.
 
 #include <algorithm>
 #include <bit>
@@ -136,8 +136,8 @@ struct Block {
   std::size_t runs = 0;
 };
 
-/// Asks for memory that will be read soon. The processor's own guesses stop at page ends, and a
-/// frame is megabytes: without this, half of the time is waiting.
+/// Prefetches memory that will be read soon. The hardware prefetcher stops at page boundaries, and
+/// a frame is megabytes: without this, half of the time is spent waiting.
 void fetch(const Vec3f* begin, const Vec3f* end) {
   constexpr std::size_t kLine = 64 / sizeof(float);
   if (begin >= end) return;
@@ -166,7 +166,7 @@ void find_runs(const Grid& grid, const Vec3f* points, std::size_t count, Block& 
 }
 
 /// Adds the block's runs to their voxels, and notes the voxel of each point. One small loop per
-/// thing to do: the processor then works on many runs at a time.
+/// task, so that the processor works on many runs at a time.
 void add_runs(const Grid& grid, Block& block, VoxelTable& table) {
   for (std::size_t run = 0; run < block.runs; ++run) {
     const float* first_point = block.points + 3 * block.before[run][3];

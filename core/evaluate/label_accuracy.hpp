@@ -11,8 +11,8 @@ namespace planescope {
 
 inline constexpr double kEdgeDistanceM = 0.02;  // "near an edge"
 
-/// How many labels are right, apart for points within 2 cm of another true label and for all
-/// others. Points of unknown truth do not count.
+/// How many labels are right, counted separately for points within 2 cm of another true label and
+/// for all others. Points of unknown truth do not count.
 struct LabelAccuracy {
   std::uint64_t edge_right = 0, edge = 0;
   std::uint64_t inner_right = 0, inner = 0;
@@ -33,7 +33,8 @@ LabelAccuracy label_accuracy(std::span<const Label> truth,
                              std::span<const Label> found,
                              std::span<const std::uint8_t> near_edge);
 
-/// Near an edge is what the cloud says is, or else what lies near its own points of another label.
+/// A point is near an edge where the cloud says so, or else where it lies near a point of another
+/// label.
 LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found);
 
 }  // namespace planescope

@@ -8,7 +8,7 @@
 namespace planescope {
 namespace {
 
-/// How far from good a value is. Nothing where the column's name tells no goal.
+/// How bad a value is: less is better. nullopt where the column's name implies no goal.
 std::optional<double> badness(const std::string& column, double value) {
   const std::string measure = column.substr(0, column.find(' '));
   if (measure == "r_p") return std::abs(value - 100);
@@ -37,7 +37,7 @@ struct Entry {
   double badness = 0;
 };
 
-/// Marks those that are as good as the best, where there is something to be better than.
+/// Marks the values that equal the best, where there is more than one to compare.
 void mark_best(const std::vector<Entry>& entries, std::vector<std::vector<bool>>& best) {
   if (entries.size() < 2) return;
   const auto least = [](const Entry& a, const Entry& b) { return a.badness < b.badness; };

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// All that must be the same for cells to be of one run.
+/// Everything that must agree for cells to belong to one run.
 Json identity_of(const PaperResults& run) {
   return {{"schema", "planescope.paper.cells/1"},
           {"seed", run.seed},
@@ -40,7 +40,7 @@ void check_same_run(const std::string& line, const Json& expected, const std::st
   }
 }
 
-/// The lines that were written to their end.
+/// The lines that were written completely.
 std::vector<std::string> whole_lines(const std::filesystem::path& file) {
   const auto bytes = read_file_bytes(file);
   std::vector<std::string> lines;
@@ -75,7 +75,7 @@ CellLog::CellLog(const std::filesystem::path& dir, const PaperResults& run, bool
       throw Error(fmt::format("{}, line {}: {}", file_.string(), i + 1, error.what()));
     }
   }
-  // Written anew, without what was cut off in its middle.
+  // Rewritten without a line that was cut off.
   std::string text = identity.dump() + "\n";
   for (const Cell& cell : cells_) text += cell_line(cell) + "\n";
   replace_file(file_, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Cells as they are measured, so that a run that was cut short goes on where it was.
+// Cells as they are measured, so that a run that was cut short can resume where it stopped.
 
 #include <filesystem>
 #include <span>
@@ -19,7 +19,7 @@ class CellLog {
 
   const std::vector<Cell>& cells() const { return cells_; }  // of the run so far
   void append(std::span<const Cell> cells);
-  /// The run is over and written elsewhere: the file goes.
+  /// The run is finished and its results are written elsewhere: removes the file.
   void finish();
 
  private:

@@ -1,5 +1,5 @@
-// What profile refined must reach with labels by gcn, on the frames of the printed seed; what the
-// frames say that it was tuned on stands beside it.
+// What profile refined must reach with labels by gcn on the frames of the printed seed. Its values
+// on the frames that it was tuned on stand beside them.
 
 #include <cmath>
 

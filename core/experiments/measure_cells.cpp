@@ -19,7 +19,7 @@ SourceTruth truth_of(const EvaluationFrame& frame) {
   return truth;
 }
 
-/// One frame and all who find planes in it. Labels are found once for all profiles.
+/// One frame and all methods that find planes in it. Points are labelled once for all profiles.
 class Contest {
  public:
   Contest(const EvaluationFrame& frame, const CellTools& tools)
@@ -50,8 +50,8 @@ class Contest {
     return result;
   }
 
-  /// Without those of planes that are hidden, or too small to be scored: near one of them would be
-  /// a plane that is none.
+  /// Leaves out planes that are hidden or too small to be scored: points assigned to one of them
+  /// would make a plane that no true plane stands for.
   std::vector<TruePolygon> polygons_in_view(const PreparedFrame& prepared, int min_voxels) const {
     std::map<int, int> voxels;
     for (const std::int32_t plane : vote_instances(
@@ -67,7 +67,7 @@ class Contest {
   const PreparedFrame& prepared(const std::string& labels, const CellKey& key) {
     const auto [at, is_new] = prepared_.try_emplace(labels);
     if (!is_new) return at->second;
-    const Classifier* classifier =  // without labels: whichever, they are not looked at
+    const Classifier* classifier =  // without labels: any will do, they are not used
         labels == "gcn"   ? tools_.gcn.get()
         : labels == "pca" ? tools_.pca.get()
                           : nullptr;

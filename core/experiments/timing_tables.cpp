@@ -8,7 +8,7 @@
 namespace planescope {
 namespace {
 
-/// Nothing to do is no speed.
+/// A dash where there was nothing to time.
 std::string speed(double fps) { return fps > 0 ? fixed(fps, 1) : "-"; }
 
 std::string measured_on(const PaperTimings& timings) {

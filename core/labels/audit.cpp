@@ -48,7 +48,7 @@ Surface measure(const LabelPlane& plane,
   for (const std::uint32_t pixel : surface.pixels) {
     const Vec3d point = grid.points[pixel].cast<double>();
     const double range_m = point.norm();
-    // Depth is wrong along the ray: a plane seen edge-on is hardly moved by it.
+    // Depth errors act along the ray: a plane seen edge-on is hardly moved by them.
     const double across = std::abs(plane.normal.dot(point)) / range_m * grid.sigma_m[pixel];
     surface.distance_m.push_back(std::abs(plane.normal.dot(point) - plane.offset_m));
     surface.noise_m.push_back(std::hypot(options.max_rms_m / 2, across));

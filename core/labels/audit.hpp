@@ -18,8 +18,8 @@ enum class FindingKind : std::uint8_t {
   unlabelled,    // a measured region without a label
 };
 const char* to_string(FindingKind kind);
-/// Labels can be right with these: a plane in parts behind a pole, a small plane, a rest that is no
-/// plane. The others say that something is wrong.
+/// Hints: labels can be right in spite of these (a plane in parts behind a pole, a small plane, a
+/// remainder that is no plane). The other kinds mean that something is wrong.
 bool is_hint(FindingKind kind);
 
 struct Finding {

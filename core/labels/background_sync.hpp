@@ -15,9 +15,9 @@ class BackgroundSync {
   /// Takes a descriptor of its own.
   explicit BackgroundSync(const FileDescriptor& file);
 
-  /// As soon as can be; requests that come meanwhile are one.
+  /// As soon as possible; requests that arrive in the meantime are combined.
   void request();
-  /// The errno of the first request that failed, once; 0: none did. The system tells it once, too.
+  /// The errno of the first request that failed, reported once, as the system does; 0: none failed.
   int take_error() { return error_.exchange(0); }
 
  private:

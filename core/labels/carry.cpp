@@ -60,7 +60,8 @@ Expected warped(const LabelGrid& from,
   return expected;
 }
 
-/// The plane where it is expected, fitted to what was measured there; nullopt where that is none.
+/// The plane where it is expected, fitted to what was measured there; nullopt where there is no
+/// plane.
 std::optional<Sheet> fitted(const WandField& field, const Sheet& start, const PixelSet& pixels) {
   const float least_cosine = static_cast<float>(std::cos(kMostTurn_deg * std::numbers::pi / 180));
   Sheet sheet = start;
@@ -71,7 +72,7 @@ std::optional<Sheet> fitted(const WandField& field, const Sheet& start, const Pi
     if (moments.count < kLeastPixels) return std::nullopt;
     const auto refitted = sheet_through(moments);
     if (!refitted) return std::nullopt;
-    // A strip lower than its noise has no direction of its own.
+    // A strip narrower than its noise determines no direction.
     if (refitted->normal.dot(start.normal) < least_cosine) return start;
     sheet = *refitted;
   }
@@ -124,13 +125,13 @@ class Carrying {
     result_.planes.push_back(report);
   }
 
-  /// What no plane holds: a class alone, or "do not score".
+  /// Pixels in no plane: a class alone, or "do not score".
   void carry_mark(std::uint32_t pixel, std::uint16_t plane, std::uint8_t hv) {
     result_.labels.plane.data[pixel] = plane;
     result_.labels.hv.data[pixel] = hv;
   }
 
-  /// Over what the other frame did not see, a few pixels on.
+  /// Extends planes by a few pixels into what the other frame did not see.
   void extend() {
     std::vector<int> slot(kPlaneIgnore + 1, -1);
     for (std::size_t k = 0; k < carried_.size(); ++k) slot[carried_[k].id] = static_cast<int>(k);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What our COCO files call classes, and what they may be as large as. Internal to core/labels.
+// What our COCO files call the classes, and how large their images may be. Internal to core/labels.
 
 #include "core/labels/label_files.hpp"
 

@@ -138,7 +138,7 @@ std::vector<std::uint8_t> distance_to_edge(const InverseDepth& depth, double noi
   return distance;
 }
 
-/// Beside an edge no window fits: such pixels face as their neighbours farther from the edge do.
+/// No window fits beside an edge: such pixels take the normals of their neighbours farther from it.
 void spread_towards_edges(const InverseDepth& depth,
                           double noise,
                           const std::vector<std::uint8_t>& distance,
@@ -172,7 +172,7 @@ double noise_of(const InverseDepth& depth, const SummedArea& sums) {
       if (const Fit f = fit(block); f.solved) roughness.push_back(f.rms);
     }
   if (roughness.empty()) return kUsualNoise;
-  // Most blocks show edges and clutter; the smoother ones tell the noise.
+  // Most blocks show edges and clutter; the smoothest ones show the noise.
   const auto smooth =
       roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / kSmoothPart);
   std::nth_element(roughness.begin(), smooth, roughness.end());

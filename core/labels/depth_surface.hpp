@@ -23,7 +23,7 @@ struct DepthSurface {
   std::vector<Vec3f> normals;  // unit, towards the sensor; zero where too little is measured around
 };
 
-/// Windows of the normals end at depth edges, and are the larger the noisier it is.
+/// The normals' windows end at depth edges and grow with the noise.
 DepthSurface measure_surface(const InverseDepth& depth, double focal_px);
 
 }  // namespace planescope

@@ -34,7 +34,7 @@ FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
 }
 
 LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
-  // label and instance as they stand there: PointSet's are clamped to what fits.
+  // label and instance exactly as in the file: PointSet's are clamped to what fits.
   CloudExtras extras{{"label", "instance", "u", "v"}, {}};
   PointSet set = read_cloud_file(path, &extras);
   const std::string where = path.string();

@@ -7,14 +7,14 @@
 #include "core/labels/coco_mask.hpp"
 #include "core/labels/exchange_files.hpp"
 
-// COCO (https://cocodataset.org/#format-data), one image. What a reader of COCO ignores tells the
-// rest: each annotation's "plane".
+// COCO (https://cocodataset.org/#format-data), one image. The rest is in each annotation's "plane",
+// which other readers of COCO ignore.
 namespace planescope {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A whole number, whatever way it is written; nlohmann's get<int>() would take what does not fit.
+/// A whole number, however it is written; nlohmann's get<int>() accepts what does not fit.
 int whole_of(const Json& json, int low, int high, const std::string& where) {
   const double value = json.get<double>();
   return whole_numbers<std::int32_t>(std::span(&value, 1), low, high, where)[0];

@@ -56,7 +56,7 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
   return indices;
 }
 
-/// Labels of another frame would fit the image just as well: their points do not.
+/// Labels of another frame would fit the image just as well; their points would not.
 void check_points(const LabelledPoints& points,
                   const LabelGrid& grid,
                   std::span<const std::uint32_t> indices,
@@ -121,7 +121,7 @@ FrameLabels labels_of_points(const LabelledPoints& points,
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
     throw Error(where + ": labels of a depth image of " + size_text(points.width, points.height) +
                 ", the frame's is " + size_text(grid.width, grid.height));
-  // A format of pixels that were given a label says nothing by having none.
+  // A format that lists labelled pixels alone may list none: that is not raster order.
   const bool by_name =
       points.pixel.size() == points.size() && (points.size() > 0 || points.width > 0);
   const std::vector<std::uint32_t> indices =

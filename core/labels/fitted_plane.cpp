@@ -17,7 +17,7 @@ constexpr double kLine = 1e-6;
 
 FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixels) {
   FittedPlane plane;
-  // About a point of their own, so that nothing cancels.
+  // About one of the points, so that nothing cancels.
   Vec3d origin = Vec3d::Zero();
   Moments moments;
   for (const std::uint32_t pixel : pixels) {

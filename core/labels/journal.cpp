@@ -54,7 +54,7 @@ std::span<const unsigned char> content_of(std::span<const unsigned char> record)
   return content;
 }
 
-/// Not the end of the file, which is known: a disk that cannot be read is no damaged journal.
+/// The end of the file is known, so this is a disk that cannot be read, not a damaged journal.
 void read_or_throw(const fs::path& path,
                    const FileDescriptor& file,
                    std::span<unsigned char> bytes,
@@ -133,7 +133,7 @@ void Journal::scan(const Visitor& visit) {
     try {
       if (!visit({end_, bytes}, content)) return;
     } catch (const Error& error) {
-      // Its checksum is right: this is how it was written.
+      // Its checksum is right, so this is what was written.
       throw Error(path_.string() + ": made by a later version of planescope? At byte " +
                   std::to_string(end_) + ": " + error.what());
     }

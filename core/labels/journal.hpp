@@ -1,7 +1,7 @@
 #pragma once
 
-// An append-only file of records that each carry a checksum: what a label folder's history is kept
-// in. What the records hold is told in journal_records.hpp.
+// An append-only file of records, each with a checksum: it keeps a label folder's history.
+// journal_records.hpp says what the records hold.
 
 #include <cstdint>
 #include <filesystem>

@@ -10,8 +10,8 @@
 
 namespace planescope {
 
-/// The labels of a frame are told by the latest of its edits that is done, as the offset of its
-/// record: what was done before that cannot differ. 0 is the base.
+/// A state of a frame's labels is named by the record offset of its latest edit that is done: what
+/// was done before that cannot differ. 0 is the base.
 using LabelMark = std::uint64_t;
 
 class LabelHistory {
@@ -32,7 +32,7 @@ class LabelHistory {
     LabelMark written_mark = 0;  // of the last that ended, or the base
   };
 
-  /// Takes the record in. False, nothing changed, where it cannot follow what was before it.
+  /// Adds the record. False, with nothing changed, where it cannot follow the records before it.
   bool add(const JournalPlace& place, const RecordHead& head, const LabelDigests& digests = {});
 
   const std::vector<Step>& done() const { return done_; }

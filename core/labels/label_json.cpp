@@ -77,7 +77,7 @@ Gravity gravity_from(const Json& json, const std::string& where) {
   return gravity;
 }
 
-/// What most planes have in common is left out.
+/// Values that most planes share are left out.
 Json to_json(const LabelPlane& plane) {
   Json json = {{"id", plane.id},
                {"label", kLabelNames[static_cast<std::size_t>(plane.label)]},
@@ -178,7 +178,7 @@ std::string label_json(int frame_index, const FrameLabels& labels) {
                {"annotator", labels.annotator},
                {"review_state", labels.review_state}};
   for (const ReviewNote& note : labels.review) json["review"].push_back(to_json(note));
-  // Text of people may hold any bytes: what is not UTF-8 is replaced, not thrown at them.
+  // Text that people typed may hold any bytes: what is not UTF-8 is replaced, not refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -62,7 +62,7 @@ LabelLock& LabelLock::operator=(LabelLock&& other) noexcept {
 }
 
 void LabelLock::release() {
-  // While it is still held: whoever opened it meanwhile sees that it has no name any more.
+  // Removed while it is still held: whoever opened it meanwhile sees that its name is gone.
   if (file_.is_open()) ::unlink(path_.c_str());
   file_ = {};
 }

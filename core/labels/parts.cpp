@@ -23,7 +23,7 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
   for (const std::uint32_t pixel : reached) steps[pixel] = 0;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const std::uint32_t pixel = reached[k];
-    if (2 * steps[pixel] >= gap_px) break;  // from here on the other side comes half way
+    if (2 * steps[pixel] >= gap_px) break;  // from here on the other side meets it half way
     for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
       if (grid.measured[other] || steps[other] != kFar) return;
       steps[other] = static_cast<std::uint16_t>(steps[pixel] + 1);

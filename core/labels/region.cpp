@@ -88,7 +88,7 @@ std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
       }
       closed = closed && hole.size() <= static_cast<std::size_t>(most);
     }
-    // What was too large is left half seen; whatever meets it is no hole either.
+    // What was too large is left half visited; whatever touches it is no hole either.
     for (const std::uint32_t i : hole) seen[i] = closed ? kRegion : kNoHole;
     if (closed) holes.insert(holes.end(), hole.begin(), hole.end());
   }

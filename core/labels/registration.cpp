@@ -179,7 +179,7 @@ class Registering {
   }
 
  private:
-  /// Brightness is to stay where a point moves in the image.
+  /// Brightness should stay the same as a point moves in the image.
   void add_color(Step& step, std::size_t i, const Vec3d& point, std::size_t pixel) const {
     const int width = to_.width, reach = level_.blur_px;
     const int u = static_cast<int>(pixel) % width, v = static_cast<int>(pixel) / width;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Labels of a recording, on disk and in hand. Every gesture is in the journal before it is shown;
+// Labels of a recording, on disk and in memory. Every gesture is in the journal before it is shown;
 // label files are written from that, whole or not at all.
 //
 //   DIR/000123.*   the labels that other tools read (label_files.hpp), as of the last save
@@ -61,7 +61,7 @@ class LabelStore {
   std::shared_ptr<const FrameLabels> open(int frame, const FrameLabels& blank);
   /// Null where it was not opened.
   std::shared_ptr<const FrameLabels> labels(int frame) const;
-  /// Grows with every change of the frame's labels, by whatever.
+  /// Grows with every change of the frame's labels, whatever made it.
   std::uint64_t version(int frame) const;
 
   /// Into the journal, then into the labels. An empty edit does nothing. Throws Error, nothing
@@ -84,7 +84,8 @@ class LabelStore {
   /// Writes the frame's three files: each beside its target, fsync, rename, fsync of the folder.
   /// Throws Error where that fails; what was there stays, the journal has the rest.
   void save(int frame);
-  /// What cannot be saved keeps nothing else from being saved; then throws the first Error.
+  /// A frame that cannot be saved does not keep the others from being saved; the first Error is
+  /// thrown at the end.
   void save_all();
   /// Makes what was committed survive a loss of power as well.
   void sync();

@@ -112,8 +112,8 @@ void LabelStore::State::compare_with_files(int frame) {
   }
 }
 
-/// Makes what others wrote an edit, so that both states are kept. False where their files cannot
-/// be read.
+/// Records what others wrote as an edit, so that both states are kept. False where their files
+/// cannot be read.
 bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
   OpenFrame& open = frames.at(frame);
   std::optional<FrameLabels> files;
@@ -188,7 +188,8 @@ void LabelStore::State::save(int frame) {
   LabelDigests digests;
   std::transform(bytes.begin(), bytes.end(), digests.begin(),
                  [](const auto& file) { return digest_of(file); });
-  // In the journal first: should the process end between two of the files, they are known as ours.
+  // In the journal first: should the process end between two of the files, they are recognised as
+  // ours.
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));
   append(entries);

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNotKept = ": the gesture is not kept";
 
-/// Why nothing can be made in a folder that may not exist yet; empty where that is possible.
+/// Why nothing can be created in a folder that may not exist yet; empty where it can.
 std::string why_not_writable(const fs::path& folder) {
   std::error_code error;
   fs::path nearest = fs::absolute(folder, error);

@@ -67,7 +67,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
     settle_border_by_color(field, growth.sheet(), growth.box(), growth.region());
   fill_specks(field, growth.sheet(), growth.region());
 
-  // What was cut off from the clicks falls away.
+  // Drops what is no longer connected to a click.
   WandResult result;
   result.fragment_pixels.resize(seeds.size(), 0);
   std::vector<std::uint8_t> reached(grid.pixels(), 0);

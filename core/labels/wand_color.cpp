@@ -1,5 +1,5 @@
 // Depth images are ragged at the borders of objects, colour images are not. Pixels at the border
-// whose depth fits badly, or nearly, go to the side whose colour around there they have.
+// whose depth fits badly, or almost fits, go to the side whose colour nearby they share.
 
 #include <algorithm>
 #include <cmath>

@@ -119,7 +119,7 @@ class CreaseCut {
     known_.push_back(other);
   }
 
-  /// Not a bump in the region's own: it goes farther off than noise would, or far along.
+  /// Not a bump in the region's own surface: it departs farther than noise would, or extends far.
   bool is_surface(const Sheet& other, const PixelBox& box) const {
     int all = 0, on = 0, far = 0;
     for (int v = box.v0; v < box.v1; v += 2)
@@ -157,7 +157,7 @@ class CreaseCut {
     if (v + 1 < grid_.height) visit(i + grid_.width);
   }
 
-  /// Of the other plane than of the sheet, by the mean of the pixels around.
+  /// Nearer to the other plane than to the sheet, by the mean of the pixels around.
   bool is_nearer(const Sheet& other, std::uint32_t pixel, int blur) const {
     const float middle = sheet_.distance_m(grid_.points[pixel]);
     const float most = field_.tolerance_m(sheet_, pixel);

@@ -26,7 +26,7 @@ std::optional<Sheet> sheet_through(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return Sheet{normal / length, normal.dot(a) / length};
 }
 
-/// Weights of what lies on the sheet, less the farther from it.
+/// Weights of what lies on the sheet, falling with the distance from it.
 float score(const WandField& field, const std::vector<Weighted>& all, const Sheet& sheet) {
   float sum = 0;
   for (const auto& [pixel, weight] : all) {

@@ -28,7 +28,7 @@ constexpr int kMostRounds = 4;
 constexpr double kSettled = 0.02;  // of the pixels
 constexpr int kLeastPixels = 25;   // of a plane
 
-/// Which pixels of a box lie on the sheet (1), and of these, where the surface faces with it (2).
+/// Which pixels of a box lie on the sheet (1), and which of these also face as it does (2).
 void mark_inliers(const WandField& field,
                   const Sheet& sheet,
                   const PixelBox& box,

@@ -20,10 +20,11 @@ class WandGrowth {
   /// False where that ends in nothing.
   bool grow(std::uint32_t click, const Sheet& start);
 
-  /// On from there, with further clicks, until nothing changes.
+  /// Continues from there with further clicks until nothing changes.
   void grow_on(const std::vector<std::uint32_t>& clicks);
 
-  /// Also what lies on the plane but faces elsewhere, as normals beside an edge do: some way on.
+  /// Adds, up to some distance, what lies on the plane but faces elsewhere, as normals beside an
+  /// edge do.
   void take_turned();
 
   const Sheet& sheet() const { return sheet_; }
@@ -40,7 +41,7 @@ class WandGrowth {
   const WandField& field_;
   const LabelGrid& grid_;
   Sheet sheet_;
-  // Strips narrower than the windows of the normals face nowhere: there distance alone must do.
+  // Strips narrower than the normals' windows have no normals: there distance alone decides.
   bool facing_ = true;
   PixelBox box_;
   std::vector<std::uint8_t> on_;  // 1 on the sheet, 2 and facing as it does

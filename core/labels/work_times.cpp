@@ -7,7 +7,7 @@
 namespace planescope {
 namespace {
 
-constexpr double kLongestGapS = 60;  // who was away longer did something else
+constexpr double kLongestGapS = 60;  // a longer pause was spent on something else
 
 bool is_gesture(RecordKind kind) {
   return kind == RecordKind::edit || kind == RecordKind::undo || kind == RecordKind::redo;

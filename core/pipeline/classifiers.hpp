@@ -11,7 +11,7 @@
 
 namespace planescope {
 
-/// Where a classifier's knowledge comes from.
+/// Which weights a classifier has, and how they came about.
 struct WeightsRecord {
   std::string file;      // its name without folders
   std::string sha256;    // of the file
@@ -29,7 +29,7 @@ struct ChosenClassifier {
 bool names_weights_file(const std::string& name);
 
 /// gcn | pca | truth | FILE. `shipped_weights`: those of gcn. Throws Error where weights cannot be
-/// read; nothing takes their place.
+/// read; there is no fallback.
 ChosenClassifier make_classifier(const PipelineOptions& options,
                                  const std::filesystem::path& shipped_weights);
 

@@ -6,8 +6,8 @@
 
 namespace planescope {
 
-/// What the classifier is given of a frame, its voxels, and what it should answer, `unknown` where
-/// there is no truth. Throws Error where gravity cannot be found.
+/// What the classifier sees of a frame (its voxels) and what it should answer (`unknown` where
+/// there is no truth). Throws Error where gravity cannot be found.
 LabelledCloud labelled_frame(const Frame& frame,
                              const PipelineOptions& options,
                              const SourceTruth& truth);

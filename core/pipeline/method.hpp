@@ -26,7 +26,7 @@ const char* to_string(Method method);
 Method parse_method(const std::string& text);  // throws Error naming those that this build has
 const std::vector<Method>& built_methods();    // ours first
 
-/// Of all methods but ours, whose are SegmentOptions.
+/// Options of all methods but ours, which has SegmentOptions.
 struct RivalOptions {
   RansacOptions ransac;
   RegionGrowingOptions region_growing;

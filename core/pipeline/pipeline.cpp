@@ -31,13 +31,13 @@ Classification classify(const VoxelCloud& voxels,
     throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
   Classification known;
   for (const std::uint8_t label : vote_labels(voxels, truth->label))
-    // A voxel without truth still needs a class: h, like the ground that most of a frame is.
+    // A voxel without truth still needs a class: h, as most of a frame is ground.
     known.labels.push_back(label == 2 ? Label::v : Label::h);
   known.margins.assign(known.labels.size(), 1.0f);
   return known;
 }
 
-/// Cropped points, thinned: rays of neighbouring pixels tell the same.
+/// Cropped points, thinned out: the rays of neighbouring pixels carry the same information.
 std::vector<Vec3f> points_beyond(const Cloud& cloud) {
   constexpr std::size_t kStride = 8;
   std::vector<Vec3f> beyond;

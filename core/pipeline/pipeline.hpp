@@ -68,8 +68,8 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const Classifier* classifier,
                             const FrameTruth* truth = nullptr);
 
-/// The segment options as they hold for this frame: noise is read against range only where the
-/// sensor's place is known.
+/// The segment options as they hold for this frame: noise is modelled by range only where the
+/// sensor's position is known.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
 /// What these options need beside points and labels.

@@ -15,7 +15,7 @@
 namespace planescope {
 
 /// Truth per source element: depth pixel v * width + u, or point in the file's order. That order
-/// knows nothing of range, cube or gravity, so it can be read before the cloud is made.
+/// does not depend on range, cube or gravity, so the truth can be read before the cloud is made.
 struct SourceTruth {
   FrameTruth values;           // label 0 unknown, 1 h, 2 v; instance 0 none, -1 not scored
   std::vector<Vec3d> normals;  // by instance - 1, sensor frame; zero vector or absent: unknown

@@ -165,7 +165,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   settle_camera(options, sidecar_, facts, info_);
 }
 
-/// Colour in an encoding that we cannot show must not cost the depth frames.
+/// Colour in an encoding that we cannot show must not make the depth frames unreadable.
 void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {

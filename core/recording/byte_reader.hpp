@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "files are read as the
 /// it and says what that means for its file.
 struct OutOfBytes {};
 
-/// Reads little-endian values from bytes of unknown honesty: every length is checked.
+/// Reads little-endian values from untrusted bytes: every length is checked.
 class ByteReader {
  public:
   explicit ByteReader(Bytes bytes) : rest_(bytes), size_(bytes.size()) {}

@@ -29,7 +29,7 @@ MappedFile::~MappedFile() {
   if (!bytes_.empty()) ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
 }
 
-// Both are hints: where the system does not follow them, reading is slower and no less right.
+// Both are hints: where the system does not follow them, reading is slower but still correct.
 void MappedFile::expect_hops() const {
   if (!bytes_.empty()) {
     ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_RANDOM);

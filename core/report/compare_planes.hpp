@@ -10,11 +10,11 @@
 
 namespace planescope {
 
-/// `same` to `split` are of a plane of the baseline, `gained` is of one that is there now.
+/// `same` to `split` describe a plane of the baseline, `gained` one that is new.
 enum class PlaneFate : std::uint8_t { same, resized, moved, lost, merged, split, gained };
 const char* to_string(PlaneFate fate);
 
-/// From where on a plane counts as moved or resized.
+/// The least change by which a plane counts as moved or resized.
 struct FateLimits {
   double offset_m = 0.005;
   double angle_deg = 1;
@@ -32,7 +32,7 @@ struct PlaneComparison {
   double area_ratio = 0;  // now / baseline
 };
 
-/// One run's planes of a frame, in a world of its own: z up, metres.
+/// One run's planes of a frame, in that run's world frame: z up, metres.
 struct ComparedPlanes {
   const std::vector<PlaneSummary>& planes;  // by id - 1
   const RegionSample& sample;

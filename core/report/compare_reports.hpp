@@ -38,7 +38,7 @@ struct ReportComparison {
   std::vector<FrameComparison> frames;  // as they are now, then those that are missing
 };
 
-/// Recordings go by their names, of the same name by their order; frames by their numbers. Points
+/// Recordings are matched by name (those of one name by order), frames by number. The result points
 /// into both reports.
 ReportComparison compare_reports(const RecordedReport& baseline,
                                  const RecordedReport& now,

@@ -277,7 +277,7 @@ PlaneSummary read_plane(const JsonPlace& place, int id) {
 RegionSample read_regions(const JsonPlace& place, int planes) {
   RegionSample sample;
   sample.step = place.at("step").whole(1, 1 << 16);
-  // What it samples has its places in an int.
+  // The positions that it samples must fit into an int.
   sample.columns = place.at("columns").whole(
       0, std::min(kMostSamples, std::numeric_limits<int>::max() / 2 / sample.step));
   sample.rows = place.at("rows").whole(0, kMostSamples / std::max(1, sample.columns));

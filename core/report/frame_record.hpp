@@ -1,7 +1,7 @@
 #pragma once
 
-// A finished frame of a report, on disk: what a report is put together from, now, when a stopped
-// one goes on, or where the shards of a large one are joined.
+// A finished frame of a report, on disk: reports are assembled from these, at once, when a stopped
+// one is resumed, or when the shards of a large one are joined.
 
 #include <filesystem>
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace planescope {
 
-/// Writes frame.json and timings.json into `dir`, frame.json last: where it is, all of the frame
-/// is. `key` tells from what it was made: input, options, build. Throws Error.
+/// Writes frame.json and timings.json into `dir`, frame.json last: where it exists, the whole frame
+/// does. `key` tells from what it was made: input, options, build. Throws Error.
 void write_frame_record(const std::filesystem::path& dir,
                         const ReportFrame& frame,
                         bool ours,

@@ -58,7 +58,7 @@ double JsonPlace::number() const {
 }
 
 int JsonPlace::whole(int low, int high) const {
-  // As a double: a number of any size can be held against the limits.
+  // As a double: a number of any size can be compared with the limits.
   if (!json_->is_number_integer() || number() < low || number() > high)
     fail_kind(fmt::format("a whole number from {} to {}", low, high));
   return json_->get<int>();

@@ -24,7 +24,7 @@ class JsonPlace {
 
   JsonPlace at(const char* key) const;
   bool has(const char* key) const;  // and is not null
-  /// A name that is not known is a mistake, not a remark.
+  /// Throws Error on any other key: a misspelt one must not pass unnoticed.
   void has_only(std::initializer_list<std::string_view> keys) const;
   void each(const std::function<void(const JsonPlace&)>& visit) const;
 
@@ -62,8 +62,8 @@ auto read_place(const std::filesystem::path& file,
   }
 }
 
-/// A report.json that is held in memory but for its frames: each is given to `on_frame` with its
-/// recording's and its own position as it is read, and let go.
+/// A report.json without its frames, which need not fit into memory: each is passed to `on_frame`
+/// with its recording's and its own position as it is read, and then dropped.
 nlohmann::ordered_json read_report_json(
     const std::filesystem::path& file,
     const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame);

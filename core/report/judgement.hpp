@@ -47,7 +47,7 @@ class ReportGuard {
               const std::filesystem::path& rules,
               bool may_be_first = false);
   bool is_on() const { return baseline_ || !rules_.empty(); }
-  /// Null where it is not on. Once: the baseline goes into the judgement.
+  /// Null where nothing was asked for. To be called once: the baseline moves into the judgement.
   std::shared_ptr<const Judgement> judge(const Report& report);
   /// The report takes the place of the baseline, whole or not at all.
   void approve(const std::filesystem::path& report_json) const;

@@ -12,7 +12,7 @@
 namespace planescope {
 namespace {
 
-/// XML 1.0 has no place for most control characters, not even escaped.
+/// XML 1.0 does not allow most control characters, not even escaped.
 std::string escaped(const std::string& text) {
   std::string lines;
   for (const char c : text) lines += c == '\n' ? std::string(" | ") : std::string(1, c);
@@ -34,7 +34,8 @@ struct Suite {
     cases += outcome.empty() ? "/>\n" : ">\n" + outcome + "  </testcase>\n";
   }
   std::string xml(int id, const std::string& created_utc) const {
-    // ISO 8601 without a zone, as the schema has it. Which machine it was is not the report's.
+    // ISO 8601 without a zone, as the schema has it. The report does not say which machine it ran
+    // on.
     return fmt::format(
         " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
         "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.6f}\">\n"
@@ -79,7 +80,7 @@ void add_frame(Suite& suite, const ReportFrame& frame, Broken& broken) {
   if (found != broken.end()) broken.erase(found);
 }
 
-/// What no frame of this report stands for: rules over many frames, frames that are missing.
+/// What belongs to no frame of this report: rules over many frames, frames that are missing.
 void add_rest(Suite& suite, Broken& broken, bool of_any) {
   for (auto at = broken.begin(); at != broken.end();) {
     if (at->first.first != suite.name && !of_any) {

@@ -21,7 +21,7 @@ double x_of(const Axis& axis, double value) {
   return kLeft + axis.share(value) * (kWidth - kLeft - kRight);
 }
 
-/// Where x counts something, between whole numbers there is nothing.
+/// Where x is a count, there is nothing between whole numbers.
 std::string x_ticks(const Axis& axis, const LineChart& chart) {
   const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
   const bool counts = std::ranges::all_of(chart.x, is_whole);

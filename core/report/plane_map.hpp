@@ -1,7 +1,7 @@
 #pragma once
 
-// Which plane is where in an image, drawn from the samples that a report keeps: there also where
-// the pictures of an earlier run are not.
+// Which plane is where in an image, drawn from the samples that a report keeps: available even
+// where the pictures of an earlier run are gone.
 
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-// From what a report records to what made it.
+// Turns the options that a report records back into those that made it.
 
 #include <string>
 #include <vector>

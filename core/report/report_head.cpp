@@ -44,7 +44,7 @@ ReportRecording read_recording(const JsonPlace& place) {
   ReportRecording recording;
   recording.info.path = place.at("path").text();
   recording.name = place.at("name").text();
-  // It names a folder.
+  // The name becomes that of a folder.
   if (recording.name.empty() || recording.name == "." || recording.name == ".." ||
       recording.name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
     place.at("name").fail_kind("a file's name");

@@ -48,7 +48,7 @@ std::string hash_source(const std::string& script) {
   return "sha256-" + base64(digest);
 }
 
-/// One entry per column after "Change", each of frame's figures.
+/// One entry per column after "Change": the figures of a frame.
 Data columns_of(const PageSource& page) {
   std::vector<std::string> names = {"Planes", "On planes"};
   if (page.has_metrics()) names.insert(names.end(), {"IoU", "PQ", "Right", "Angle"});

@@ -38,7 +38,7 @@ std::string gravity_summary(const std::vector<ReportRecording>& recordings);
 
 /// Data of report_frame.mustache.
 Data frame_data(const PageSource& page, const PageFrame& frame);
-/// Of it what the baseline has to say.
+/// The part of it that compares the frame with the baseline.
 void set_comparison(const PageSource& page, const PageFrame& frame, Data& data);
 
 /// Planes of a compared frame then and now, as sources of images; empty for clouds.

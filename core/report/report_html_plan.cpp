@@ -24,8 +24,8 @@ Standing standing_of(const PageFrame& frame, bool is_judged) {
   return std::max(standing, frame.frame->unreadable ? Standing::failed : Standing::warned);
 }
 
-/// Of frames that no rule tells apart: the less of the labels, or of the points, is on the right
-/// planes the worse.
+/// Orders frames that no rule tells apart: the smaller the share of labels, or of points, on the
+/// right planes, the worse.
 double doubt(const PageFrame& frame) {
   if (!frame.frame || frame.is_refused()) return 2;
   if (frame.frame->metrics) return 1 - frame.frame->metrics->mean_iou / 100;

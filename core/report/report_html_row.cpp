@@ -45,7 +45,7 @@ Data figures_of(const PageSource& page, const ReportFrame& frame) {
   return cells;
 }
 
-/// Kinds of changes weigh as what they cost: sorting brings lost planes before moved ones.
+/// Kinds of changes are weighted by what they cost: sorting puts lost planes before moved ones.
 double weight_of(const FrameComparison& frame) {
   if (frame.fate != FrameFate::compared) return frame.fate == FrameFate::added ? 0.5 : 1e6;
   double weight = 0;

@@ -58,7 +58,7 @@ double share_on_planes(const RecordedFrame& frame) {
              : 0;
 }
 
-/// Labels that are gone take what held the frame to them along.
+/// Labels that are gone: without them no metric that needs labels could fail.
 std::optional<double> labels_missing(const FrameComparison& frame) {
   const RecordedFrame *before = done(frame.baseline), *now = done(frame.now);
   if (!before || !now) return std::nullopt;

@@ -133,7 +133,7 @@ std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool 
   }
   if (!has_recording) return "there is no recording of this name";
   if (!has_frame) return "there is no such frame";
-  // A change of scores waits for labels, unless it is asked for by name.
+  // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
   const bool by_name = !rule.recording.empty() || rule.frame >= 0;
   if (has_value || (metric.metric.needs_baseline && !by_name)) return "";
   return metric.metric.needs_truth ? "no such frame has labels" : "no such frame has a value of it";

@@ -31,7 +31,7 @@ Build build_of(const EvaluationSet& set) {
   return builds.at(set.name);
 }
 
-/// Of a frame, by the set's name: sets stay the same when others come or go.
+/// The seed of a frame, from its set's name: a set stays the same when others are added or removed.
 std::uint64_t seed_of(const EvaluationSet& set, int index, std::uint64_t seed) {
   std::uint64_t stream = 0;
   for (const char c : set.name) stream = mix_bits(stream ^ static_cast<unsigned char>(c));

@@ -20,8 +20,8 @@ LabelledCloud make_scan(const Scene& scene,
                         std::uint64_t seed,
                         bool mark_edges = false);
 
-/// A view of a composed scene with a camera more or less noisy than the real one. What shows next
-/// to nothing or one label only is not taken.
+/// A view of a composed scene with a camera more or less noisy than the real one. Views that show
+/// next to nothing, or one label only, are rejected.
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m);
 
 /// Held out from training, through the camera as it is: a view of a composed scene such as training

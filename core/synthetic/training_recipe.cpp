@@ -15,7 +15,7 @@ enum Stream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUniform };
 
 TrainingRecipe planescope_recipe() {
   TrainingRecipe recipe;
-  // 1 cm would hide the smallest objects altogether: what they are could not be learnt.
+  // 1 cm would bury the smallest objects in noise: nothing could be learnt from them.
   recipe.objects.uniform_noise_m = 0.004;
   recipe.objects.gaussian_noise_m = 0.004;
   recipe.objects.tilt_deg = 2;

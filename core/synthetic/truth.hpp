@@ -7,7 +7,7 @@
 
 namespace planescope {
 
-/// Ground truth of a frame of which is known what every pixel sees: `surfaces` per pixel, indices
+/// Ground truth of a frame where it is known what every pixel sees: `surfaces` per pixel, indices
 /// in scene.surfaces, -1 nothing.
 FrameLabels true_labels(const Scene& scene,
                         const Pose& T_world_camera,

@@ -44,7 +44,7 @@ void draw_progress(const Ui& ui) {
   action_button(ui, "strip.cancel", "stop");
 }
 
-/// Changes with the picture, at the cost of a glance.
+/// A cheap hash that changes with the picture: it samples a few of its bytes.
 std::uint64_t version_of(const Image8& image) {
   std::uint64_t hash = 1469598103934665603u ^ image.data.size();
   for (std::size_t i = 0; i < image.data.size(); i += 97)

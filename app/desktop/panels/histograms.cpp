@@ -30,7 +30,7 @@ void draw_bars(const Ui& ui, const Plot& plot) {
   const auto& bins = plot.histogram.bins;
   std::uint32_t most = 1;
   for (const HistogramBin& bin : bins) most = std::max(most, total(bin));
-  // Roots, so that bars of ten show beside one of a thousand.
+  // Square roots, so that bars of ten show beside one of a thousand.
   const auto height = [&](std::uint32_t count) {
     return static_cast<float>(std::sqrt(static_cast<double>(count) / most)) *
            (plot.max.y - plot.min.y - ui.px(3));

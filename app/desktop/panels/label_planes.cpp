@@ -199,7 +199,8 @@ void draw_label_planes(const Ui& ui) {
   const LabelFacts& facts = facts_of(ui, labels);
   draw_totals(ui, *labels, facts);
   draw_beginnings(ui);
-  // The list has what the numbers of the active plane leave, as high as they were drawn last.
+  // The list gets the height that the active plane's numbers leave, which were last drawn this
+  // high.
   double& below = ui.memory.numbers["planes.below"];
   const float room = ImGui::GetContentRegionAvail().y - static_cast<float>(below);
   draw_list(ui, *labels, facts, std::max(room, ui.px(90)));

@@ -51,7 +51,7 @@ void draw_palette(const Ui& ui) {
       "##typed", asked ? asked->title.c_str() : "find an action: step, filter, camera, theme …",
       &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
   ui.name("palette.text");
-  // While one types, Escape is the text's and comes to no action.
+  // While one types, Escape belongs to the text box and triggers no action.
   if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)))
     close(ui);
   if (asked) {

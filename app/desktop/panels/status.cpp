@@ -23,7 +23,7 @@ std::string left_text(const State& state) {
   return text;
 }
 
-/// Where the labels stand: what bars them from being kept comes first.
+/// The state of the labels: what keeps them from being saved comes first.
 std::string label_text(const State& state) {
   const LabelStore* store = state.document.current()->labels.get();
   if (!store) return "";
