@@ -146,18 +146,6 @@ TEST(DistanceMerge, ReachesOverAGapOnlyAsFarAsTheNormalIsKnown) {
   EXPECT_TRUE(terms(0.005, 0.25).passes()) << "3 * 0.005 * 0.25 m = 4 mm, within tau";
 }
 
-TEST(Noise, IsToldFromSurfacesByWidthAndDensity) {
-  PlaneFit strip;  // 100 points over 1 m x 2 cm: variances are the squared sides over 12
-  strip.count = 100;
-  strip.eigenvalues = {0, 100 * 0.0004 / 12, 100 * 1.0 / 12};
-  EXPECT_NEAR(area_per_point(strip), 0.02 / 100, 1e-12);
-  const r2_explain_away::Options options;
-  EXPECT_TRUE(is_wider_than_noise(strip, 0.002, options));
-  EXPECT_FALSE(is_wider_than_noise(strip, 0.004, options));
-  EXPECT_TRUE(is_dense(strip, 0.02 / 100, options));
-  EXPECT_FALSE(is_dense(strip, 0.1 * 0.02 / 100, options));
-}
-
 TEST(Profiles, AreNamedAndUnknownNamesRefused) {
   for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     EXPECT_EQ(parse_profile(to_string(p)), p);

@@ -1,0 +1,88 @@
+// Of all that can be set.
+
+#include <gtest/gtest.h>
+
+#include "core/pipeline/options_table.hpp"
+#include "support/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+const Vec3d kSensor(-1.5, 0, 0.8);
+
+/// Profiles, and what must be otherwise for an option to matter.
+std::vector<SegmentOptions> settings() {
+  std::vector<SegmentOptions> all{profile_options(Profile::refined),
+                                  profile_options(Profile::paper_closest)};
+  SegmentOptions options = profile_options(Profile::refined);
+  options.r8_voxel_spread.on = true;
+  all.push_back(options);
+  options = profile_options(Profile::refined);
+  options.noise.estimate_sigma = options.noise.sigma_by_range = false;
+  options.split_disconnected.rule = SplitRule::on;
+  all.push_back(options);
+  return all;
+}
+
+std::vector<std::int32_t> planes_of(const test::LabelledCloud& cloud,
+                                    const SegmentOptions& options) {
+  Measurements more;
+  if (options.r8_voxel_spread.on)
+    more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .yy = 1e-5f, .zz = 1e-5f});
+  return segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, nullptr, more).plane_of;
+}
+
+class Clouds {
+ public:
+  /// Does the number change anything on some cloud in some setting?
+  bool feel(const OptionInfo& info) {
+    for (const double factor : {2.0, 0.5, 10.0, 0.1, 1000.0, 0.0})
+      for (std::size_t s = 0; s < settings_.size(); ++s)
+        for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
+          PipelineOptions options;
+          options.segment = settings_[s];
+          const std::string before = info.get(options);
+          const double value = factor * number_of(info, options);
+          info.set(options, number_text(info, value == 0 && factor > 0 ? 0.02 * factor : value));
+          if (info.get(options) == before) continue;
+          if (planes_of(cloud(seed), options.segment) != as_it_is(s, seed)) return true;
+        }
+    return false;
+  }
+
+ private:
+  static constexpr std::uint64_t kClouds = 12;
+  const test::LabelledCloud& cloud(std::uint64_t seed) {
+    while (clouds_.size() < seed) clouds_.push_back(test::random_cloud(clouds_.size() + 1));
+    return clouds_[seed - 1];
+  }
+  const std::vector<std::int32_t>& as_it_is(std::size_t setting, std::uint64_t seed) {
+    std::vector<std::int32_t>& known = known_[{setting, seed}];
+    if (known.empty()) known = planes_of(cloud(seed), settings_[setting]);
+    return known;
+  }
+
+  const std::vector<SegmentOptions> settings_ = settings();
+  std::vector<test::LabelledCloud> clouds_;
+  std::map<std::pair<std::size_t, std::uint64_t>, std::vector<std::int32_t>> known_;
+};
+
+TEST(Options, EveryNumberOfTheMethodSteersIt) {
+  Clouds clouds;
+  int numbers = 0;
+  for (const OptionInfo& info : option_table()) {
+    if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
+      continue;
+    EXPECT_TRUE(clouds.feel(info)) << info.name;
+    ++numbers;
+  }
+  EXPECT_GE(numbers, 45);
+}
+
+TEST(Options, OfARefinementStandInAGroup) {
+  for (const OptionInfo& info : option_table())
+    EXPECT_EQ(info.section == "refinements", !info.group.empty()) << info.name;
+}
+
+}  // namespace
+}  // namespace planescope
