@@ -61,6 +61,16 @@ inline void log(const SegmentState& state, const TraceEvent& event) {
   if (state.trace) state.trace->events.push_back(event);
 }
 
+/// What a refinement does to a plane as a whole: `other`, the one it goes into.
+template <typename Options>
+void log_refine(const SegmentState& state,
+                const Options& options,
+                std::int32_t plane,
+                std::int32_t other = -1) {
+  log(state,
+      {.type = EventType::refine, .stage = stage_of(options), .plane = plane, .other = other});
+}
+
 // Whatever changes, changes through one of these. With a trace each appends its change.
 
 /// Takes a node from the queue; settles it; puts its children at the queue's end.

@@ -40,6 +40,11 @@ const char* to_string(Stage stage);
 const RefinementInfo* refinement_of(Stage stage);
 /// All of them, in their order.
 const std::vector<Stage>& stages();
+/// Of the refinement that has these options.
+#define PLANESCOPE_STAGE_OF(name) \
+  constexpr Stage stage_of(const name::Options&) { return Stage::name; }
+PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE_OF)
+#undef PLANESCOPE_STAGE_OF
 
 /// One decision, fixed size, logged before anything that follows from it. Features are recomputed
 /// by whoever shows them; -1 where not applicable.

@@ -23,7 +23,7 @@ bool contradicts_its_label(const GrowingPlane& plane, double beyond_deg) {
 }
 
 void drop(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points) {
-  log(state, {.type = EventType::refine, .stage = Stage::r2_explain_away, .plane = plane});
+  log_refine(state, state.options.r2_explain_away, plane);
   drop_plane(state, plane, points);
 }
 

@@ -34,7 +34,7 @@ void run(SegmentState& state, const Options& options) {
     if (!plane.alive || sure[k].count < enough) continue;
     const bool is_strip = uncertainty(sure[k]) > options.max_loss * uncertainty(all[k]);
     const auto number = static_cast<std::int32_t>(k);
-    log(state, {.type = EventType::refine, .stage = Stage::r6_refit, .plane = number});
+    log_refine(state, options, number);
     fit_again(state, number, is_strip ? all[k] : sure[k]);
   }
 }

@@ -12,8 +12,7 @@ namespace {
 using PointsOf = std::vector<std::vector<std::uint32_t>>;  // per plane, Morton positions
 
 void merge_into(SegmentState& state, std::int32_t plane, std::int32_t into, PointsOf& points_of) {
-  log(state,
-      {.type = EventType::refine, .stage = Stage::r7_second_merge, .plane = plane, .other = into});
+  log_refine(state, state.options.r7_second_merge, plane, into);
   grow_plane(state, into, state.planes[plane]);
   end_plane(state, plane, into);
   std::vector<std::uint32_t>& moved = points_of[plane];

@@ -191,7 +191,7 @@ void found_part(SegmentState& state, std::int32_t parent, const Part& points) {
 
 /// The plane that keeps the largest part is fitted anew.
 void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
-  log(state, {.type = EventType::refine, .stage = kStage, .plane = plane});
+  log_refine(state, state.options.split_disconnected, plane);
   fit_again(state, plane, moments_of(state, kept));
 }
 
