@@ -117,7 +117,19 @@ std::vector<Action> option_actions() {
        "NAME",
        [](State& s, const std::string& name) {
          s.view.tool_tab = "criteria";
-         s.view.focus = "criteria." + find_option(name).name;
+         const OptionInfo& info = find_option(name);
+         s.view.focus = "criteria." + info.name;
+         s.view.unfolded.insert(info.group);
+       },
+       {},
+       {}},
+      {"option.unfold",
+       "Show or hide the numbers of a group of options",
+       "",
+       "",
+       "GROUP",
+       [](State& s, const std::string& group) {
+         if (!s.view.unfolded.erase(group)) s.view.unfolded.insert(group);
        },
        {},
        {}},

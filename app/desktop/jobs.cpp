@@ -4,12 +4,14 @@
 
 #include <chrono>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/frame_work.hpp"
 #include "app/desktop/label_jobs.hpp"
 #include "app/desktop/report_arrival.hpp"
+#include "app/desktop/slider_scale.hpp"
 #include "app/desktop/worker.hpp"
 #include "core/pipeline/options_table.hpp"
 
@@ -54,6 +56,7 @@ struct Jobs::Impl {
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
   std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
+  std::set<std::string> sensitivity_unfolded;
   Against compared_against = Against::nothing;
   Analysis analysing = Analysis::none;
   int analysis_number = 0;  // as strip_number
@@ -324,18 +327,22 @@ void Jobs::Impl::pursue_fix(State& state) {
 void Jobs::Impl::pursue_sensitivity(State& state) {
   const auto& view = state.results.current;
   const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
-  if (view == sensitivity_of_run || state.view.tool_tab != "criteria" || runs.busy() || fixing)
-    return;
+  const bool done = view == sensitivity_of_run && state.view.unfolded == sensitivity_unfolded;
+  if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
+  sensitivity_unfolded = state.view.unfolded;
   if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
     stop_analysis();
     sensitivity_of_run = view;
     return;
   }
-  analyse(Analysis::sensitivity, [this, view](std::stop_token stop, int number) {
-    for (const OptionInfo& info : option_table()) {
-      if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
-        continue;
-      const Sensitivity sensitivity = sensitivity_of(*view->run, info.name, stop);
+  std::vector<std::string> shown;
+  for (const OptionInfo& info : option_table())
+    if (info.is_number() && (info.section == "criteria" || info.section == "refinements") &&
+        !is_folded(state, info) && !state.results.sensitivity.contains(info.name))
+      shown.push_back(info.name);
+  analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {
+    for (const std::string& name : shown) {
+      const Sensitivity sensitivity = sensitivity_of(*view->run, name, stop);
       if (stop.stop_requested()) return;
       deliver_analysis(number, [sensitivity, view](State& s) {
         if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;

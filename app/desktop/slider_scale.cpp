@@ -43,4 +43,11 @@ SliderScale slider_scale(const OptionInfo& info, Profile profile) {
   return scale;
 }
 
+bool is_folded(const State& state, const OptionInfo& info) {
+  if (info.group.empty() || !info.is_number() || state.view.unfolded.contains(info.group))
+    return false;
+  const PipelineOptions& options = state.document.options;
+  return info.get(options) == default_value(info, options.segment.profile);
+}
+
 }  // namespace planescope::desktop

@@ -1,7 +1,8 @@
 #pragma once
 
-// Where a value stands on an option's slider.
+// Where a value stands on an option's slider, and which sliders there are.
 
+#include "app/desktop/state.hpp"
 #include "core/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -17,5 +18,8 @@ struct SliderScale {
 };
 /// Wide enough to hold the default a few times over, inside what the option may take.
 SliderScale slider_scale(const OptionInfo& info, Profile profile);
+
+/// The numbers of a group of options are folded away, but for those that are not their default.
+bool is_folded(const State& state, const OptionInfo& info);
 
 }  // namespace planescope::desktop

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -177,6 +178,7 @@ struct ViewState {
   Layout layout;
   std::string inspector_tab = "inspector";  // inspector | point | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
+  std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
   bool only_matches = false;  // the event list shows what the filter finds
   bool show_keys = false, show_palette = false, show_timing = false;

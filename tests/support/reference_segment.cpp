@@ -517,11 +517,11 @@ class Method {
       Points part{rest.back()};
       rest.pop_back();
       for (std::size_t reached = 0; reached < part.size(); ++reached) {
-        const auto touches = [&, at = points_[part[reached]]](int i) {
-          return (points_[i] - at).norm() <= gap;
-        };
-        std::copy_if(rest.begin(), rest.end(), std::back_inserter(part), touches);
-        std::erase_if(rest, touches);
+        const auto touching = std::partition(
+            rest.begin(), rest.end(),
+            [&, at = points_[part[reached]]](int i) { return (points_[i] - at).norm() > gap; });
+        part.insert(part.end(), touching, rest.end());
+        rest.erase(touching, rest.end());
       }
       std::sort(part.begin(), part.end(), [&](int a, int b) { return met_[a] < met_[b]; });
       parts.push_back(part);
@@ -623,7 +623,9 @@ class Method {
       if (!planes_[plane].alive) continue;
       std::vector<Points> parts = parts_of(points_on(plane), gap);
       if (seen && parts.size() > 1) parts = parts_seen_apart(plane, parts, spacing);
-      if (parts.size() > 1) part(plane, parts);
+      if (parts.size() < 2) continue;
+      gaps_.splits += seen;
+      part(plane, parts);
     }
   }
 

@@ -18,10 +18,11 @@ struct Plane {
   PlaneFit fit;
 };
 
-/// What SplitRule::seen came upon: pairs of a plane's parts that it was seen through between, and
-/// that it was not; parts that could be no planes of their own.
+/// What SplitRule::seen came upon.
 struct Gaps {
-  int open = 0, hidden = 0, scraps = 0;
+  int open = 0, hidden = 0;  // pairs of parts: the plane was seen through between them, or not
+  int scraps = 0;            // parts that could be no planes of their own
+  int splits = 0;            // planes that became several
 };
 
 struct Result {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <vector>
 
 #include "core/base/random.hpp"
@@ -66,93 +65,36 @@ inline LabelledCloud random_cloud(std::uint64_t seed) {
   return cloud;
 }
 
-/// Random measurements about each point: what voxels of a noisy cloud hold.
-inline std::vector<Spread> random_spreads(std::size_t points, Random& random) {
-  std::vector<Spread> spreads(points);
-  const double scatter = random.uniform(0.0005, 0.004);
-  for (Spread& s : spreads) {
-    Mat3d covariance = Mat3d::Zero();
-    for (int k = 0; k < 4; ++k) {
-      const Vec3d off = scatter * Vec3d(random.normal(), random.normal(), random.normal());
-      covariance += off * off.transpose() / 4;
-    }
-    const Eigen::Matrix3f c = covariance.cast<float>();
-    s = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-  }
-  return spreads;
-}
-
-struct CloudWithGaps {
-  LabelledCloud cloud;
-  Vec3d sensor;
-  Measurements more;
-};
-
-/// Up to four rectangles and a few specks of one plane, level, tilted or upright, before a second
-/// plane that has strips missing, so that some of the gaps between the rectangles are looked
-/// through, some in part and some not at all. Every other cloud has rays; of these some have points
-/// beyond; every third has spreads.
-inline CloudWithGaps cloud_with_gaps(std::uint64_t seed) {
+/// Steps, low and high, some with slanted faces that carry either label, some faces no wider than
+/// the noise; labels near the edges are often wrong.
+inline LabelledCloud random_steps(std::uint64_t seed) {
   Random random(seed);
-  const int kind = random.integer(0, 2);  // level, tilted by up to 30 degrees, upright
-  const Mat3d turn = (Eigen::AngleAxisd(kind == 1   ? random.uniform(0, 0.5)
-                                        : kind == 2 ? -1.5707963
-                                                    : 0,
-                                        Vec3d::UnitY()) *
-                      Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()))
-                         .toRotationMatrix();
-  CloudWithGaps scene;
-  scene.sensor = turn * Vec3d(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 1.3);
-  scene.more.rays = seed % 2 == 0;
-  const double noise = random.uniform(0, 0.006);
-  const Label label = kind == 2 ? Label::v : Label::h;
-  const auto add = [&](double x, double y, double z, double beyond) {
-    const Vec3d p = turn * Vec3d(x, y, z + noise * random.normal());
-    if (p.cwiseAbs().maxCoeff() > 1.45) return;
-    if (random.uniform() < beyond) {
-      scene.more.beyond.push_back(p.cast<float>());
-    } else {
-      scene.cloud.points.push_back(p.cast<float>());
-      scene.cloud.labels.push_back(label);
-    }
-  };
-  const auto fill = [&](Vec2d low, Vec2d high, double spacing, double z, double beyond, auto keep) {
-    for (double x = low.x(); x < high.x(); x += spacing)
-      for (double y = low.y(); y < high.y(); y += spacing)
-        if (keep(x))
-          add(x + spacing * random.uniform(-0.3, 0.3), y + spacing * random.uniform(-0.3, 0.3), z,
-              beyond);
-  };
-  const auto all = [](double) { return true; };
-
-  const double spacing = random.uniform(0.02, 0.045);
-  const bool alike = random.integer(0, 2) == 0;  // parts of equal size
-  double x = -0.95;
-  for (int part = random.integer(2, 4); part > 0 && x < 0.8; --part) {
-    const double y = alike ? -0.2 : random.uniform(-0.5, 0.1);
-    const Vec2d size(alike ? 0.3 : random.uniform(0.06, 0.5),
-                     alike ? 0.4 : random.uniform(0.06, 0.5));
-    fill({x, y}, Vec2d(x, y) + size, spacing, 0, 0, all);
-    x += size.x() + random.uniform(0.03, 0.4);
+  LabelledCloud cloud;
+  const double noise = random.uniform(0, 0.006), wrong = random.uniform(0, 0.3);
+  const double spacing = random.uniform(0.012, 0.025), width = random.uniform(0.1, 0.5);
+  const Mat3d turn = Eigen::AngleAxisd(random.uniform(0, 6.28), Vec3d::UnitZ()).toRotationMatrix();
+  Vec3d edge(-0.7, 0, -0.6);
+  for (int face = random.integer(3, 9); face > 0; --face) {
+    const int kind = random.integer(0, 4);  // slanted, else level and upright
+    const double slope = kind == 0 ? random.uniform(0.4, 1.2) : kind % 2 == 0 ? 0 : 1.5707963;
+    const bool is_h = kind == 0 ? random.uniform() < 0.5 : slope == 0;
+    const double length =
+        random.uniform() < 0.5 ? random.uniform(0.01, 0.1) : random.uniform(0.1, 0.35);
+    const Vec3d along(std::cos(slope), 0, std::sin(slope)), normal(-along.z(), 0, along.x());
+    for (double u = 0; u < length; u += spacing)
+      for (double v = -width / 2; v < width / 2; v += spacing) {
+        const Vec3d jitter{random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), random.normal()};
+        const Vec3d p = edge + (u + spacing * jitter.x()) * along + noise * jitter.z() * normal +
+                        (v + spacing * jitter.y()) * Vec3d::UnitY();
+        const bool near_edge = std::min(u, length - u) < 0.02;
+        const bool flip = random.uniform() < (near_edge ? wrong : wrong / 20);
+        cloud.points.push_back((turn * p).cast<float>());
+        cloud.labels.push_back(is_h != flip ? Label::h : Label::v);
+      }
+    edge += length * along;
   }
-  for (int speck = random.integer(0, 4); speck > 0; --speck) {
-    const Vec2d low(random.uniform(-0.95, 0.95), random.uniform(-0.5, 0.5));
-    const Vec2d size(random.uniform(0.02, 0.12), random.uniform(0.02, 0.12));
-    fill(low, low + size, 0.02, 0, 0, all);
-  }
-  double strips[4];
-  for (double& strip : strips) strip = random.uniform(-1, 1);
-  const double missing = random.uniform(0, 0.15);
-  const double depth =
-      random.uniform() < 0.3 ? random.uniform(0.02, 0.08) : random.uniform(0.1, 0.5);
-  const double beyond = scene.more.rays && seed % 4 == 0 ? random.uniform() : 0;
-  fill({-1.2, -0.7}, {1.2, 0.7}, random.uniform(0.03, 0.06), -depth, beyond, [&](double at) {
-    return std::none_of(std::begin(strips), std::end(strips),
-                        [&](double strip) { return std::abs(at - strip) < missing; });
-  });
-  scene.cloud.cube = cube_around(scene.cloud.points);
-  if (seed % 3 == 0) scene.more.spreads = random_spreads(scene.cloud.points.size(), random);
-  return scene;
+  cloud.cube = cube_around(cloud.points);
+  return cloud;
 }
 
 }  // namespace planescope::test

@@ -188,29 +188,21 @@ void draw_row(const Ui& ui, const Row& row) {
   ImGui::PopID();
 }
 
-/// A group shows its switches; its numbers unfold, by themselves where one is sought or changed.
+/// A group shows its switches and what is not its default; its other numbers unfold.
 void draw_group(const Ui& ui, const std::string& name, const std::vector<Row>& rows) {
-  std::vector<Row> numbers;
-  bool sought = false, changed = false;
-  for (const Row& row : rows) {
-    if (!row.info.is_number()) {
-      draw_row(ui, row);
-      continue;
-    }
-    numbers.push_back(row);
-    sought = sought || ui.state.view.focus == row.widget;
-    changed = changed || row.value != row.reset;
-  }
-  if (numbers.empty()) return;
-  if (sought)
-    ImGui::SetNextItemOpen(true);
-  else if (changed)
-    ImGui::SetNextItemOpen(true, ImGuiCond_Once);
-  const bool shown = ImGui::TreeNode(name.c_str(), "%s, in numbers", name.c_str());
+  for (const Row& row : rows)
+    if (!row.info.is_number()) draw_row(ui, row);
+  const bool numbers =
+      std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.info.is_number(); });
+  if (!numbers) return;
+  const bool unfolded = ui.state.view.unfolded.contains(name);
+  ImGui::SetNextItemOpen(unfolded);
+  const bool open = ImGui::TreeNodeEx(name.c_str(), ImGuiTreeNodeFlags_NoTreePushOnOpen,
+                                      "%s, in numbers", name.c_str());
   ui.name("criteria.group." + rows.front().info.name);
-  if (!shown) return;
-  for (const Row& row : numbers) draw_row(ui, row);
-  ImGui::TreePop();
+  if (open != unfolded) ui.emit("option.unfold", name);
+  for (const Row& row : rows)
+    if (row.info.is_number() && !is_folded(ui.state, row.info)) draw_row(ui, row);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ std::string reason_of(const Run& run, std::int32_t node) {
     case Case::III:
     case Case::IV:
       return run.segment_options.noise.rms_criterion3 ? "RMS " + length_text_cm(facts.e_n)
-                                                : fmt::format("e_n {:.2g}", facts.e_n);
+                                                      : fmt::format("e_n {:.2g}", facts.e_n);
   }
   return {};
 }
