@@ -5,6 +5,7 @@
 #include <open3d/geometry/Octree.h>
 #include <open3d/geometry/PointCloud.h>
 
+#include "core/replay/timeline.hpp"
 #include "core/segment/segment.hpp"
 #include "core/synthetic/stairs.hpp"
 #include "support/reference_segment.hpp"
@@ -32,6 +33,17 @@ void ours(benchmark::State& state, Profile profile) {
   const test::LabelledCloud& c = staircase();
   for (auto _ : state)
     benchmark::DoNotOptimize(segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
+}
+
+/// As the debugger runs it.
+void traced(benchmark::State& state, Profile profile) {
+  const SegmentOptions options = profile_options(profile);
+  const test::LabelledCloud& c = staircase();
+  for (auto _ : state) {
+    Trace trace;
+    const Segmentation s = segment(c.points, c.labels, c.cube, Vec3d::Zero(), options, &trace);
+    benchmark::DoNotOptimize(Timeline(trace, s));
+  }
 }
 
 void plain(benchmark::State& state, Profile profile) {
@@ -69,10 +81,12 @@ void octree_open3d(benchmark::State& state) {
 }
 
 BENCHMARK_CAPTURE(ours, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(traced, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(plain, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(ours, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(plain, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(ours, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(traced, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(plain, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_ours)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_ours_divided)->Unit(benchmark::kMicrosecond);

@@ -102,7 +102,7 @@ TEST(DefaultAgainstReference, CloudsWithGapsGiveIdenticalPlanes) {
     if (seed % 5 == 0) {  // parts that are too small, gaps that are narrower than cells
       SegmentOptions other = options;
       other.theta_n_in = 14;
-      other.split_gap_m = 0.022;
+      other.split_disconnected.gap_m = 0.022;
       compare(scene, other, what + ", other options");
       if (HasFatalFailure()) return;
     }

@@ -51,9 +51,12 @@ class Clouds {
   }
 
  private:
-  static constexpr std::uint64_t kClouds = 12;
+  static constexpr std::uint64_t kClouds = 40;
   const test::LabelledCloud& cloud(std::uint64_t seed) {
-    while (clouds_.size() < seed) clouds_.push_back(test::random_cloud(clouds_.size() + 1));
+    while (clouds_.size() < seed) {
+      const std::uint64_t next = clouds_.size() + 1;
+      clouds_.push_back(next % 2 == 0 ? test::random_cloud(next) : test::random_steps(next));
+    }
     return clouds_[seed - 1];
   }
   const std::vector<std::int32_t>& as_it_is(std::size_t setting, std::uint64_t seed) {
