@@ -19,6 +19,8 @@ struct FilterProblem {
   std::string message;
 };
 
+struct ParsedFilter;
+
 class Filter {
  public:
   /// An empty text matches every event. On a problem the result is empty and `problem` set.
@@ -31,9 +33,8 @@ class Filter {
   std::vector<std::int32_t> matching(const Run& run) const;
 
  private:
-  struct Program;
   std::string text_;
-  std::shared_ptr<const Program> program_;
+  std::shared_ptr<const ParsedFilter> parsed_;
 };
 
 /// What can stand at `cursor`, best first: replaces bytes [begin, end) of the text.

@@ -1,28 +1,38 @@
 #include "core/replay/filter_fields.hpp"
 
-#include <algorithm>
+#include <utility>
 
-#include "core/replay/event_view.hpp"
+#include "core/replay/truth_check.hpp"
 
 namespace planescope {
 namespace {
 
-const FilterField* find_in(const std::vector<FilterField>& fields, std::string_view name) {
-  for (const FilterField& field : fields)
-    if (field.name == name ||
-        std::find(field.aliases.begin(), field.aliases.end(), name) != field.aliases.end())
-      return &field;
-  return nullptr;
-}
+constexpr double kDegreesPerRadian = 57.29577951308232;
 
 using View = const EventView&;
+using Node = const OctreeNode&;
+using Facts = const NodeFacts&;
+
+bool is_decide(View e) { return e.event.type == EventType::decide; }
+
+/// The facts where the fit came to be: asked for by Criterion 3, or the candidate's own.
+const NodeFacts* fitted(View e) {
+  const NodeFacts* known = e.facts();
+  if (!known) return nullptr;
+  const bool asked = is_decide(e) ? e.event.node_case >= static_cast<int>(Case::III)
+                                  : e.event.label == known->purity.inlier;
+  return asked ? known : nullptr;
+}
+
+/// The facts where ground truth is known.
+const NodeFacts* judged(View e) { return e.run.subject->voxel_truth.known() ? e.facts() : nullptr; }
 
 template <EventType type>
 double is_kind(View e) {
   return e.event.type == type;
 }
 
-/// A getter that takes the node, or what the criteria saw of it, instead of the event.
+/// A getter that takes the node, or what is known of it, instead of the event.
 template <auto get>
 double of_node(View e) {
   return e.node() ? static_cast<double>(get(*e.node())) : kAbsent;
@@ -31,149 +41,210 @@ template <auto get>
 double of_facts(View e) {
   return e.facts() ? static_cast<double>(get(*e.facts())) : kAbsent;
 }
-template <auto get>
-double of_fit(View e) {
-  return e.fitted() ? static_cast<double>(get(*e.fitted())) : kAbsent;
-}
-
-void append_events(std::vector<FilterField>& fields) {
-  const auto kind = [&](const char* name, const char* meaning, FieldValue value) {
-    fields.push_back({name, meaning, FilterType::boolean, value});
-  };
-  using enum EventType;
-  kind("visit", "a node is dequeued", is_kind<visit>);
-  kind("decide", "a node is settled: its case is known", is_kind<decide>);
-  kind("found", "a candidate founds a plane, or a part splits off one", is_kind<found>);
-  kind("merge", "a candidate joins a plane", is_kind<merge>);
-  kind("assign", "a leftover point is given to a plane", is_kind<assign>);
-  kind("drop", "a leftover point stays without a plane", is_kind<drop>);
-  kind("refine", "a refinement changes a plane or a point", is_kind<refine>);
-  kind("wait", "R3: a candidate waits for the sure ones", is_kind<wait>);
-  kind("leave", "points of a candidate or a small part are left over", is_kind<leave>);
-
-  const auto add = [&](const char* name, const char* meaning, FilterType type, FieldValue value) {
-    fields.push_back({name, meaning, type, value});
-  };
-  using enum FilterType;
-  add("step", "number of the event, from 1", number,
-      [](View e) { return static_cast<double>(e.step); });
-  add("stage", "what decided: criteria, merge, assign, or a refinement, R1 to R8, split",
-      FilterType::stage, [](View e) { return static_cast<double>(e.event.stage); });
-  add("refinement", "the refinement that decided: R1 to R8, split", FilterType::stage, [](View e) {
-    return refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
-  });
-  add("label", "h or v: of the candidate, node, point or plane", FilterType::label, label_of);
-  add("plane", "planes that the event concerns, as P7 or 7", FilterType::plane, nullptr);
-  add("point", "points that the event names, moves or has in its node", FilterType::point, nullptr);
-  add("result", "id in the result of what its plane became, 0 none", number, result_of);
-  add("offset", "merge: distance of the candidate from the plane [m]", number,
-      [](View e) { return e.event.type == merge ? e.event.value : kAbsent; });
-  add("distance", "assign, drop, R5: distance of the point from the plane [m]", number,
-      [](View e) { return e.event.point >= 0 && e.event.value >= 0 ? e.event.value : kAbsent; });
-}
-
-using Node = const OctreeNode&;
-using Facts = const NodeFacts&;
 
 std::uint32_t count_of(Facts f, Label label) {
   return f.purity.inlier == label ? f.purity.n_in : f.purity.n_out;
 }
 
-void append_nodes(std::vector<FilterField>& fields) {
-  const auto add = [&](const char* name, const char* meaning, FieldValue value,
-                       std::vector<std::string> aliases = {}) {
-    fields.push_back({name, meaning, FilterType::number, value, nullptr, std::move(aliases)});
-  };
-  fields.push_back({"case", "decide: case of the node, I II III IV", FilterType::node_case,
-                    [](View e) { return e.is_decide() ? e.event.node_case : kAbsent; }});
-  add("node", "number of the node", [](View e) { return e.node() ? e.event.node : kAbsent; });
-  add("parent", "number of its parent, -1 of the root", of_node<[](Node n) { return n.parent; }>);
-  add("depth", "depth of the node, 0 the root", of_node<[](Node n) { return n.depth; }>);
-  add("size", "points in the node", of_node<[](Node n) { return n.size(); }>);
-  add("n_in", "inliers: points of the node's majority label",
-      of_facts<[](Facts f) { return f.purity.n_in; }>, {"N_in"});
-  add("n_out", "outliers: points of the other label",
-      of_facts<[](Facts f) { return f.purity.n_out; }>, {"N_out"});
-  add("r_out", "share of outliers", of_facts<[](Facts f) { return f.purity.r_out(); }>);
-  add("n_h", "points labelled h", of_facts<[](Facts f) { return count_of(f, Label::h); }>);
-  add("n_v", "points labelled v", of_facts<[](Facts f) { return count_of(f, Label::v); }>);
-  add("mse", "decide: e_n as Criterion 3 judged it [m², or m by RMS]",
-      [](View e) { return e.is_decide() && e.fitted() ? e.fitted()->e_n : kAbsent; }, {"e_n"});
-  add("rms", "RMS of the node's fit [m]", of_fit<[](Facts f) { return f.fit.rms_m(); }>);
-  add("sigma_ang", "standard deviation of the normal's direction [deg]", sigma_ang_deg_of);
-  add("x", "world x of the node's centre or the point [m]",
-      [](View e) { return coordinate_of(e, 0); });
-  add("y", "world y of the node's centre or the point [m]",
-      [](View e) { return coordinate_of(e, 1); });
-  add("z", "world z of the node's centre or the point [m]",
-      [](View e) { return coordinate_of(e, 2); });
-  fields.push_back({"at_max_depth", "the node is I or III at the deepest level",
-                    FilterType::boolean,
-                    [](View e) { return e.facts() && e.node()->at_max_depth ? 1.0 : 0.0; }});
-  fields.push_back({"divided", "the node was divided", FilterType::boolean,
-                    [](View e) { return e.facts() && e.node()->first_child >= 0 ? 1.0 : 0.0; }});
+Vec3d position_of(View e) {
+  return e.run.subject->prepared.voxels.points[e.event.point].cast<double>();
 }
 
-void append_truth(std::vector<FilterField>& fields) {
-  const auto add = [&](const char* name, const char* meaning, FilterType type, FieldValue value) {
-    fields.push_back({name, meaning, type, value});
-  };
+/// A threshold where it happens: at the node's fit, or the point, about the cloud's origin.
+template <double (Run::*threshold)(const Vec3d&) const>
+double at_place(View e) {
+  if (const NodeFacts* facts = e.facts()) return (e.run.*threshold)(facts->fit.centroid);
+  return e.event.point >= 0 ? (e.run.*threshold)(position_of(e)) : kAbsent;
+}
+
+template <int axis>
+double coordinate(View e) {
+  const double origin = e.run.subject->prepared.cloud.origin[axis];
+  if (const OctreeNode* node = e.node()) {
+    const Octree& octree = e.run.octree();
+    return origin + octree.node_min(*node)[axis] + octree.node_edge_m(*node) / 2;
+  }
+  return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
+}
+
+double label_of(View e) {
+  if (e.event.label != Label::unknown) return static_cast<double>(e.event.label);
+  if (e.event.point >= 0)
+    return static_cast<double>(e.run.subject->prepared.classification.labels[e.event.point]);
+  if (const NodeFacts* facts = e.facts()) return static_cast<double>(facts->purity.inlier);
+  if (e.event.plane >= 0) return static_cast<double>(e.run.timeline.label_of_plane(e.event.plane));
+  return kAbsent;
+}
+
+double result_of(View e) {
+  if (e.event.plane < 0) return kAbsent;
+  const Timeline& timeline = e.run.timeline;
+  std::int32_t plane = e.event.plane;
+  for (const PlaneChange* last = timeline.plane_at(plane, timeline.steps()); last->into >= 0;
+       last = timeline.plane_at(plane, timeline.steps()))
+    plane = last->into;
+  return timeline.result_of_plane(plane);
+}
+
+double sigma_ang_deg(View e) {
+  const bool stated = e.event.type == EventType::wait || e.event.type == EventType::leave;
+  if (stated && e.event.node >= 0) return e.event.value * kDegreesPerRadian;
+  const NodeFacts* facts = fitted(e);
+  return facts ? facts->sigma_ang * kDegreesPerRadian : kAbsent;
+}
+
+double true_plane(View e) {
+  const VoxelTruth& truth = e.run.subject->voxel_truth;
+  if (truth.known() && e.event.point >= 0) return truth.plane[e.event.point];
+  return judged(e) ? judged(e)->truth_plane : kAbsent;
+}
+
+std::vector<FilterSymbol> fields_of_events() {
+  using enum EventType;
   using enum FilterType;
-  add("truth.mixed", "the node holds points of two true planes", boolean,
-      [](View e) { return is_mixed(e) ? 1.0 : 0.0; });
-  add("truth.wrong", "the decision disagrees with ground truth", boolean,
-      [](View e) { return is_wrong(e) ? 1.0 : 0.0; });
-  add("truth.plane", "true plane of the point, or of most of the node's points; 0 none", number,
-      true_plane_of);
-  add("truth.planes", "how many true planes the node holds points of", number, true_planes_of);
-  add("truth.purity", "share of the node's points that belong to truth.plane", number,
-      true_purity_of);
+  return {
+      {"visit", "a node is dequeued", boolean, is_kind<visit>},
+      {"decide", "a node is settled: its case is known", boolean, is_kind<decide>},
+      {"found", "a candidate founds a plane, or a part splits off one", boolean, is_kind<found>},
+      {"merge", "a candidate joins a plane", boolean, is_kind<merge>},
+      {"assign", "a leftover point is given to a plane", boolean, is_kind<assign>},
+      {"drop", "a leftover point stays without a plane", boolean, is_kind<drop>},
+      {"refine", "a refinement changes a plane or a point", boolean, is_kind<refine>},
+      {"wait", "R3: a candidate waits for the sure ones", boolean, is_kind<wait>},
+      {"leave", "points of a candidate or a small part are left over", boolean, is_kind<leave>},
+      {"step", "number of the event, from 1", number,
+       [](View e) { return static_cast<double>(e.step); }},
+      {"stage", "what decided: criteria, merge, assign, or a refinement, R1 to R8, split", stage,
+       [](View e) { return static_cast<double>(e.event.stage); }},
+      {"refinement", "the refinement that decided: R1 to R8, split", stage,
+       [](View e) {
+         return refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
+       }},
+      {"label", "h or v: of the candidate, node, point or plane", label, label_of},
+      {"plane", "planes that the event concerns, as P7 or 7", plane,
+       [](View e) -> double { return e.event.plane >= 0; }},
+      {"point", "points that the event names, moves or has in its node", point,
+       [](View e) -> double { return e.event.point >= 0 || e.event.node >= 0; }},
+      {"result", "id in the result of what its plane became, 0 none", number, result_of},
+      {"offset", "merge: distance of the candidate from the plane [m]", number,
+       [](View e) { return e.event.type == merge ? e.event.value : kAbsent; }},
+      {"distance", "assign, drop, R5: distance of the point from the plane [m]", number,
+       [](View e) { return e.event.point >= 0 && e.event.value >= 0 ? e.event.value : kAbsent; }},
+
+      {"case", "decide: case of the node, I II III IV", node_case,
+       [](View e) { return is_decide(e) ? e.event.node_case : kAbsent; }},
+      {"node", "number of the node", number,
+       [](View e) { return e.node() ? e.event.node : kAbsent; }},
+      {"parent", "number of its parent, -1 of the root", number,
+       of_node<[](Node n) { return n.parent; }>},
+      {"depth", "depth of the node, 0 the root", number, of_node<[](Node n) { return n.depth; }>},
+      {"size", "points in the node", number, of_node<[](Node n) { return n.size(); }>},
+      {"n_in", "inliers: points of the node's majority label", number,
+       of_facts<[](Facts f) { return f.purity.n_in; }>},
+      {"n_out", "outliers: points of the other label", number,
+       of_facts<[](Facts f) { return f.purity.n_out; }>},
+      {"r_out", "share of outliers", number, of_facts<[](Facts f) { return f.purity.r_out(); }>},
+      {"n_h", "points labelled h", number, of_facts<[](Facts f) { return count_of(f, Label::h); }>},
+      {"n_v", "points labelled v", number, of_facts<[](Facts f) { return count_of(f, Label::v); }>},
+      {"mse", "decide: e_n as Criterion 3 judged it [m², or m by RMS]", number,
+       [](View e) { return is_decide(e) && fitted(e) ? fitted(e)->e_n : kAbsent; }},
+      {"rms", "RMS of the node's fit [m]", number,
+       [](View e) { return fitted(e) ? fitted(e)->fit.rms_m() : kAbsent; }},
+      {"sigma_ang", "standard deviation of the normal's direction [deg]", number, sigma_ang_deg},
+      {"x", "world x of the node's centre or the point [m]", number, coordinate<0>},
+      {"y", "world y of the node's centre or the point [m]", number, coordinate<1>},
+      {"z", "world z of the node's centre or the point [m]", number, coordinate<2>},
+      {"at_max_depth", "the node is I or III at the deepest level", boolean,
+       [](View e) -> double { return e.facts() && e.node()->at_max_depth; }},
+      {"divided", "the node was divided", boolean,
+       [](View e) -> double { return e.facts() && e.node()->first_child >= 0; }},
+
+      {"truth.mixed", "the node holds points of two true planes", boolean,
+       [](View e) -> double {
+         return judged(e) && is_mixed_in_truth(*judged(e), e.run.segment_options);
+       }},
+      {"truth.wrong", "the decision disagrees with ground truth", boolean,
+       [](View e) -> double { return !e.run.wrong.empty() && e.run.wrong[e.step - 1] != 0; }},
+      {"truth.plane", "true plane of the point, or of most of the node's points; 0 none", number,
+       true_plane},
+      {"truth.planes", "how many true planes the node holds points of", number,
+       [](View e) { return judged(e) ? judged(e)->truth_planes : kAbsent; }},
+      {"truth.purity", "share of the node's points that belong to truth.plane", number,
+       [](View e) {
+         return judged(e) ? static_cast<double>(judged(e)->truth_points) / e.node()->size()
+                          : kAbsent;
+       }},
+
+      {"theta_mse", "Criterion 3's threshold at the node, in the unit of mse", number,
+       of_facts<[](Facts f) { return f.theta_e_n; }>},
+      {"theta_rms", "largest RMS of a plane at the place [m]", number, at_place<&Run::theta_rms>},
+      {"tau", "how far off its plane a point may lie at the place [m]", number,
+       at_place<&Run::tau>},
+  };
 }
 
-void append_thresholds(std::vector<FilterField>& fields) {
-  fields.push_back({"theta_mse",
-                    "Criterion 3's threshold at the node, in the unit of mse",
-                    FilterType::number,
-                    of_facts<[](Facts f) { return f.theta_e_n; }>,
-                    nullptr,
-                    {"theta_e_n", "θ_en"}});
-  fields.push_back({"theta_rms",
-                    "largest RMS of a plane at the place [m]",
-                    FilterType::number,
-                    theta_rms_of,
-                    nullptr,
-                    {"θ_rms"}});
-  fields.push_back({"tau",
-                    "how far off its plane a point may lie at the place [m]",
-                    FilterType::number,
-                    tau_of,
-                    nullptr,
-                    {"τ"}});
-  for (const OptionInfo& info : option_table()) {
-    if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
-      continue;
-    FilterField field{info.name, info.meaning, FilterType::number, nullptr, &info};
-    if (!info.symbol.empty() && !find_in(fields, info.symbol)) field.aliases = {info.symbol};
-    fields.push_back(std::move(field));
+void append_options(std::vector<FilterSymbol>& all) {
+  for (const OptionInfo& info : option_table())
+    if (info.is_number() && (info.section == "criteria" || info.section == "refinements"))
+      all.push_back({info.name, info.meaning, FilterType::number, nullptr, &info});
+}
+
+void append_values(std::vector<FilterSymbol>& all) {
+  const auto add = [&](const char* name, const char* meaning, FilterType type, auto value) {
+    all.push_back({name, meaning, type, nullptr, nullptr, static_cast<double>(value)});
+  };
+  add(to_string(Case::I), "impure", FilterType::node_case, Case::I);
+  add(to_string(Case::II), "too few inliers", FilterType::node_case, Case::II);
+  add(to_string(Case::III), "not planar", FilterType::node_case, Case::III);
+  add(to_string(Case::IV), "a plane", FilterType::node_case, Case::IV);
+  add("h", "level, like treads", FilterType::label, Label::h);
+  add("v", "upright, like risers", FilterType::label, Label::v);
+  for (const Stage stage : stages()) {
+    const RefinementInfo* refinement = refinement_of(stage);
+    add(to_string(stage), refinement ? refinement->title : "a stage of the paper",
+        FilterType::stage, stage);
   }
 }
 
+/// What the paper calls it, or we once did. Options have symbols of their own.
+constexpr std::pair<std::string_view, std::string_view> kAliases[] = {
+    {"N_in", "n_in"},      {"N_out", "n_out"},     {"e_n", "mse"}, {"theta_e_n", "theta_mse"},
+    {"θ_en", "theta_mse"}, {"θ_rms", "theta_rms"}, {"τ", "tau"}};
+
 }  // namespace
 
-const std::vector<FilterField>& filter_fields() {
-  static const std::vector<FilterField> fields = [] {
-    std::vector<FilterField> all;
-    append_events(all);
-    append_nodes(all);
-    append_truth(all);
-    append_thresholds(all);
+const std::vector<FilterSymbol>& filter_symbols() {
+  static const std::vector<FilterSymbol> symbols = [] {
+    std::vector<FilterSymbol> all = fields_of_events();
+    append_options(all);
+    append_values(all);
     return all;
   }();
-  return fields;
+  return symbols;
 }
 
-const FilterField* find_filter_field(std::string_view name) {
-  return find_in(filter_fields(), name);
+const FilterSymbol* find_filter_symbol(std::string_view name, std::optional<FilterType> wanted) {
+  for (const auto& [alias, meant] : kAliases)
+    if (name == alias) name = meant;
+  const FilterSymbol* found = nullptr;
+  for (const FilterSymbol& symbol : filter_symbols()) {
+    if (symbol.name != name && !(symbol.option && symbol.option->symbol == name)) continue;
+    if (symbol.type == wanted) return &symbol;
+    if (!found) found = &symbol;
+  }
+  return found;
+}
+
+const char* to_string(FilterType type) {
+  constexpr const char* kTexts[] = {"a number",
+                                    "true or false",
+                                    "a case (I, II, III or IV)",
+                                    "a label (h or v)",
+                                    "a stage (criteria, merge, assign, R1 to R8, or split)",
+                                    "a plane",
+                                    "a point",
+                                    "a plane"};
+  return kTexts[static_cast<std::size_t>(type)];
 }
 
 }  // namespace planescope
