@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/replay/filter.hpp"
 #include "core/replay/filter_parse.hpp"
 
 namespace planescope {
@@ -53,19 +52,10 @@ Choices signs_after(const Tokens& before) {
   return signs;
 }
 
-bool same_letters(char a, char b) {
+/// Where the letters, of either case, begin in the name; its size where they do not stand there.
+std::size_t find_letters(std::string_view name, std::string_view letters) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return lower(a) == lower(b);
-}
-
-bool contains(std::string_view name, std::string_view typed) {
-  return std::search(name.begin(), name.end(), typed.begin(), typed.end(), same_letters) !=
-         name.end();
-}
-
-bool starts_with(std::string_view name, std::string_view typed) {
-  return name.size() >= typed.size() &&
-         std::equal(typed.begin(), typed.end(), name.begin(), same_letters);
+  return std::ranges::search(name, letters, {}, lower, lower).begin() - name.begin();
 }
 
 }  // namespace
@@ -89,10 +79,11 @@ std::vector<Completion> complete_filter(const std::string& text, std::size_t cur
   const Choices choices = wants_value ? values_of(wanted_type(before)) : signs_after(before);
   std::vector<Completion> completions;
   for (const bool at_start : {true, false})
-    for (const FilterName& choice : choices)
-      if (at_start ? starts_with(choice.name, typed)
-                   : contains(choice.name, typed) && !starts_with(choice.name, typed))
+    for (const FilterName& choice : choices) {
+      const std::size_t found = find_letters(choice.name, typed);
+      if (found < choice.name.size() && (found == 0) == at_start)
         completions.push_back({word.begin, word.end, choice.name, choice.meaning});
+    }
   return completions;
 }
 

@@ -206,7 +206,7 @@ void append_values(std::vector<FilterSymbol>& all) {
   }
 }
 
-/// What the paper calls it, or we once did. Options have symbols of their own.
+/// Other names, the paper's among them; those of options stand in their table.
 constexpr std::pair<std::string_view, std::string_view> kAliases[] = {
     {"N_in", "n_in"},      {"N_out", "n_out"},     {"e_n", "mse"}, {"theta_e_n", "theta_mse"},
     {"θ_en", "theta_mse"}, {"θ_rms", "theta_rms"}, {"τ", "tau"}};
@@ -236,6 +236,7 @@ const FilterSymbol* find_filter_symbol(std::string_view name, std::optional<Filt
 }
 
 const char* to_string(FilterType type) {
+  // In the order of the types.
   constexpr const char* kTexts[] = {"a number",
                                     "true or false",
                                     "a case (I, II, III or IV)",

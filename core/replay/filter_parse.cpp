@@ -100,11 +100,10 @@ class Parser {
 
   /// Parts of the same type with operators between them, or one part of any type.
   Term joined(Operators operators, FilterType type, Term (Parser::*part)()) {
-    const int depth = depth_;
     Term first = (this->*part)();
     std::size_t end = first.end;
     std::vector<std::pair<const Operator*, FilterFormula>> rest;
-    for (const Operator* op; depth_ = depth, op = next_of(operators);) {
+    while (const Operator* op = next_of(operators)) {
       need(first, type);
       ++at_;
       Term right = (this->*part)();
@@ -123,9 +122,16 @@ class Parser {
             }};
   }
 
-  Term negation() {
-    if (!next_is("!")) return comparison();
-    enter();
+  /// The part, one level deeper.
+  Term deeper(Term (Parser::*part)()) {
+    if (++depth_ > kMaxNesting) fail_filter(tokens_[at_], "nested too deeply");
+    Term inner = (this->*part)();
+    --depth_;
+    return inner;
+  }
+
+  Term negation() { return next_is("!") ? deeper(&Parser::inverted) : comparison(); }
+  Term inverted() {
     const std::size_t begin = tokens_[at_++].begin;
     Term inner = negation();
     need(inner, FilterType::boolean);
@@ -145,20 +151,21 @@ class Parser {
     const bool is_stage = left.type == FilterType::stage && at_ < tokens_.size() &&
                           tokens_[at_].kind == FilterToken::name;
     Term right = is_stage ? named(tokens_[at_++], FilterType::stage) : sum();
-    const FilterPlace place = {left.begin, right.end};
     FilterFormula formula = is_identity(left)    ? identified(left, sign, right)
                             : is_identity(right) ? identified(right, sign, left)
-                                                 : compared(left, sign, right);
+                                                 : compared(left, sign, *op, right);
     if (next_of(kComparisons))
       fail_filter(tokens_[at_], "comparisons do not chain: join two of them with '&&'");
-    return {place, FilterType::boolean, std::move(formula)};
+    return {{left.begin, right.end}, FilterType::boolean, std::move(formula)};
   }
 
   Term factor() {
     if (at_ == tokens_.size())
       fail_filter(tokens_.back(),
                   fmt::format("a value is missing after '{}'", tokens_.back().text));
-    enter();
+    return deeper(&Parser::value);
+  }
+  Term value() {
     const FilterToken token = tokens_[at_++];
     if (token.kind == FilterToken::number) return constant(token, FilterType::number, token.value);
     if (token.kind == FilterToken::name) return named(token);
@@ -179,6 +186,7 @@ class Parser {
     return inner;
   }
 
+  /// Of a value and a field with the same name the field, unless the value's type is wanted.
   Term named(const FilterToken& token, std::optional<FilterType> wanted = {}) {
     if (const FilterSymbol* symbol = find_filter_symbol(token.text, wanted)) {
       if (symbol->value) return constant(token, symbol->type, *symbol->value);
@@ -195,7 +203,7 @@ class Parser {
                            : fmt::format("there is no '{}', did you mean '{}'?", token.text, near));
   }
 
-  FilterFormula compared(Term& left, const FilterToken& sign, Term& right) const {
+  FilterFormula compared(Term& left, const FilterToken& sign, const Operator& op, Term& right) {
     if (left.type != right.type)
       fail_filter(right, fmt::format("'{}' is {} and cannot be compared with {}", text_of(left),
                                      to_string(left.type), to_string(right.type)));
@@ -204,9 +212,8 @@ class Parser {
                                     "before it",
                                     text_of(left), sign.text));
     if (left.type != FilterType::number) need_equality(left, sign);
-    return
-        [apply = find_operator(kComparisons, sign.text)->apply, left = std::move(left.formula),
-         right = std::move(right.formula)](const EventView& e) { return apply(left(e), right(e)); };
+    return [apply = op.apply, left = std::move(left.formula), right = std::move(right.formula)](
+               const EventView& e) { return apply(left(e), right(e)); };
   }
 
   /// plane==7, point!=12: among all that the event concerns.
@@ -269,11 +276,6 @@ class Parser {
   }
   const Operator* next_of(Operators operators) const {
     return at_ < tokens_.size() ? find_operator(operators, tokens_[at_].text) : nullptr;
-  }
-
-  /// One level deeper; joined() comes back.
-  void enter() {
-    if (++depth_ > kMaxNesting) fail_filter(tokens_[at_], "nested too deeply");
   }
 
   std::string_view text_;

@@ -8,7 +8,7 @@
 namespace planescope {
 namespace {
 
-/// At the same sign's beginning, the longer one comes first.
+/// Of two that begin alike, the longer one first.
 constexpr std::string_view kSigns[] = {"||", "&&", "==", "!=", "<=", ">=", "!", "<",
                                        ">",  "+",  "-",  "*",  "/",  "(",  ")"};
 
