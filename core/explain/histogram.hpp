@@ -23,7 +23,7 @@ struct Histogram {
   std::string option;    // whose value is the threshold; empty: none to drag
   double threshold = 0;  // NaN where there is none or it varies from place to place
   bool logarithmic = false;
-  std::vector<HistogramBin> bins;
+  std::vector<HistogramBin> bins = {};
 };
 
 /// N_out, r_out, N_in, e_n over the nodes where the criterion was asked, and the terms of merges.
