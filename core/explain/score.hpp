@@ -38,4 +38,7 @@ std::vector<TruthVerdict> verdicts_of(const QuickScore& score,
                                       const VoxelTruth& truth);
 const char* to_string(TruthVerdict verdict);
 
+/// The plane that most of them name, of equals the one with the least id; 0 where none names one.
+std::int32_t most_common_plane(std::span<const std::int32_t> planes);
+
 }  // namespace planescope
