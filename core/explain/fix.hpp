@@ -15,6 +15,8 @@
 
 namespace planescope {
 
+struct OptionInfo;
+
 /// What is to come out: these voxels as one plane, IoU >= kDetectedIou.
 struct FixTarget {
   std::vector<std::uint32_t> voxels;
@@ -30,7 +32,7 @@ struct Fix {
   std::string before, after;  // as --set takes them
   double change = 0;          // |log ratio| of numbers, of the odds of shares; per switch 1
   double iou = 0;             // of the target with it, or its share in one plane
-  QuickScore score;           // of this frame with it; empty without truth
+  QuickScore score = {};      // of this frame with it; empty without truth
 };
 
 using FixProgress = std::function<void(int done, int total)>;
@@ -47,15 +49,26 @@ struct FixEffect {
   int frame = 0;
   int detected_before = 0, detected_after = 0, planes_truth = 0;
   double iou_before = 0, iou_after = 0;
-  std::vector<std::int32_t> recovered, broken;  // truth plane ids
+  std::vector<std::int32_t> recovered = {}, broken = {};  // truth plane ids
 };
 FixEffect effect_of(const Run& before, const PipelineOptions& after);
+
+/// Plane of each voxel of the run's frame with other options, 0 none. Of these, the segment options
+/// alone count.
+std::vector<std::int32_t> planes_with(const Run& run, const PipelineOptions& options);
+
+// How far a number is from another, so that changes of different options can be compared: positions
+// on a logarithmic axis, log value or, for shares between 0 and 1, log of their odds, since 0.98 is
+// as far from 0.99 as 0.02 from 0.01. 0 itself stands at the far end.
+double scale_position(const OptionInfo& info, double value);
+/// The value there as --set takes it, within the option's range.
+std::string scale_value(const OptionInfo& info, double position);
 
 /// Score against value, for the strip under a slider.
 struct Sensitivity {
   std::string option;
-  std::vector<double> values;  // ascending, the current one among them
-  std::vector<double> scores;  // mean IoU with truth, planes found without
+  std::vector<double> values = {};  // ascending, the current one among them
+  std::vector<double> scores = {};  // mean IoU with truth, planes found without
   bool against_truth = false;
 };
 Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop);
