@@ -35,6 +35,26 @@ Comparison compare_runs(const Run& a, const Run& b);
 /// Against ground truth: planes only. `a` of the pairs is the truth plane.
 Comparison compare_with_truth(const Run& run);
 
+/// What of one run is what of another.
+class Correspondence {
+ public:
+  Correspondence(const Run& from, const Run& to);
+
+  bool same_voxels() const { return same_voxels_; }
+  /// -1 where the cell is not a node of the other run, or the octrees' cubes differ.
+  std::int32_t node(std::int32_t node) const;
+  /// Of the voxel's first pixel; -1 where the other run cropped that.
+  std::int32_t voxel(std::int32_t voxel) const { return same_voxels_ ? voxel : voxels_[voxel]; }
+  /// The same decision, whatever the planes' numbers and the measured values.
+  bool same_event(const TraceEvent& from, const TraceEvent& to) const;
+
+ private:
+  const Run& from_;
+  const Run& to_;
+  bool same_voxels_ = false;
+  std::vector<std::int32_t> voxels_;  // empty where they are the same
+};
+
 /// The node of `other` with the same cell, -1 where it has none.
 std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
 /// The last step of `other` at which its state answers to `step` of `run`: the event on the same

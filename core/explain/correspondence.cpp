@@ -1,13 +1,9 @@
-#include "core/explain/correspondence.hpp"
+// What of one run is what of another: nodes by their cells, voxels by their pixels.
 
 #include "core/explain/compare.hpp"
 
 namespace planescope {
 namespace {
-
-bool same_cube(const Cube& a, const Cube& b) {
-  return a.min_corner == b.min_corner && a.edge_m == b.edge_m;
-}
 
 std::vector<std::int32_t> voxels_by_source(const Subject& from, const Subject& to) {
   std::vector<std::int32_t> voxels(from.voxel_count(), -1);
@@ -38,13 +34,6 @@ std::int32_t step_of_node(const Correspondence& same,
   return 0;
 }
 
-std::int32_t step_of_point(std::int32_t point, const Run& to) {
-  std::int32_t step = 0;
-  if (point < 0) return step;
-  for (const PointChange& change : to.timeline.changes_of_point(point)) step = change.step;
-  return step;
-}
-
 }  // namespace
 
 Correspondence::Correspondence(const Run& from, const Run& to) : from_(from), to_(to) {
@@ -56,7 +45,9 @@ Correspondence::Correspondence(const Run& from, const Run& to) : from_(from), to
 
 std::int32_t Correspondence::node(std::int32_t node) const {
   const Octree& octree = to_.octree();
-  if (octree.nodes.empty() || !same_cube(from_.octree().cube, octree.cube)) return -1;
+  const Cube &here = from_.octree().cube, &there = octree.cube;
+  if (octree.nodes.empty() || here.min_corner != there.min_corner || here.edge_m != there.edge_m)
+    return -1;
   const OctreeNode& wanted = from_.octree().nodes[node];
   std::int32_t at = 0;
   while (octree.nodes[at].depth < wanted.depth) {
@@ -69,10 +60,6 @@ std::int32_t Correspondence::node(std::int32_t node) const {
     if (at < 0) return -1;
   }
   return at;
-}
-
-std::int32_t Correspondence::voxel(std::int32_t voxel) const {
-  return same_voxels_ ? voxel : voxels_[voxel];
 }
 
 bool Correspondence::same_event(const TraceEvent& from, const TraceEvent& to) const {
@@ -97,8 +84,8 @@ std::int32_t same_step(const Run& run, std::int32_t step, const Run& other) {
   if (const std::int32_t found = step_of(same, event, other)) return found;
   if (event.node >= 0)
     if (const std::int32_t found = step_of_node(same, event.node, run, other)) return found;
-  if (event.point >= 0)
-    if (const std::int32_t found = step_of_point(same.voxel(event.point), other)) return found;
+  if (const std::int32_t point = event.point >= 0 ? same.voxel(event.point) : -1; point >= 0)
+    if (const std::int32_t found = other.timeline.point_at(point, other.steps()).step) return found;
   return static_cast<std::int32_t>(static_cast<std::int64_t>(step) * other.steps() / run.steps());
 }
 

@@ -4,19 +4,26 @@
 
 #include <fmt/format.h>
 
-#include <set>
+#include <algorithm>
+#include <cmath>
 
 #include "core/explain/check.hpp"
-#include "core/explain/point_facts.hpp"
+#include "core/explain/score.hpp"
 
 namespace planescope {
 namespace {
 
-LifeEvent station(std::string stage, std::string text) {
-  LifeEvent event;
-  event.stage = std::move(stage);
-  event.text = std::move(text);
-  return event;
+/// "pixel (320, 240): depth 0.842 m", "point 17 of the file: (1.20, 0.03, -0.40) m".
+std::string describe_source(const Frame& frame, std::size_t source) {
+  if (frame.is_cloud()) {
+    const Vec3f& p = frame.cloud->points[source];
+    return fmt::format("point {} of the file: ({:.3f}, {:.3f}, {:.3f}) m", source, p.x(), p.y(),
+                       p.z());
+  }
+  const auto width = static_cast<std::size_t>(frame.depth.width);
+  const double depth_m = frame.depth.data[source] * frame.depth_unit_m;
+  return fmt::format("pixel ({}, {}): {}", source % width, source / width,
+                     depth_m > 0 ? fmt::format("depth {:.3f} m", depth_m) : "no depth");
 }
 
 std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
@@ -47,9 +54,6 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
 
 std::string stage_of(const TraceEvent& event) {
   switch (event.type) {
-    case EventType::visit:
-    case EventType::decide:
-      return "node";
     case EventType::found:
     case EventType::merge:
     case EventType::wait:
@@ -60,8 +64,9 @@ std::string stage_of(const TraceEvent& event) {
       return "leftover";
     case EventType::refine:
       return "refinement";
+    default:
+      return "node";
   }
-  return "node";
 }
 
 /// Where an event left the point over, what it was there.
@@ -94,34 +99,28 @@ std::string describe_result(const Run& run, std::int32_t voxel) {
 }  // namespace
 
 std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
-  const std::optional<Absence> absence = absence_of(run, source);
   std::vector<LifeEvent> life;
   if (source < run.subject->point_of_source.size())
-    life.push_back(station("pixel", describe_source(*run.subject, source)));
-  if (absence) {
-    life.push_back(station("result", absence->text));
-    life.back().decisive = true;
+    life.push_back({"pixel", describe_source(run.subject->frame, source)});
+  if (const std::optional<Absence> absence = absence_of(run, source)) {
+    life.push_back({"result", absence->text, -1, -1, -1, true});
     return life;
   }
   const std::uint32_t voxel = run.subject->voxel_of_source(source);
   const auto point = static_cast<std::int32_t>(voxel);
-  life.push_back(station("voxel", describe_voxel(*run.subject, voxel)));
-  life.push_back(station("label", describe_label(run, voxel)));
+  life.push_back({"voxel", describe_voxel(*run.subject, voxel)});
+  life.push_back({"label", describe_label(run, voxel)});
   const std::int32_t decisive = why_not(run, source).step;
   std::set<std::int32_t> steps = steps_of_point(run, point);
   if (decisive > 0) steps.insert(decisive);  // also where it was another node's merge
   for (const std::int32_t step : steps) {
     const TraceEvent& event = *run.event_at(step);
-    LifeEvent entry = station(stage_of(event), describe_event(run, step) + after(run, step, point));
-    entry.step = step;
-    entry.node = event.node;
-    entry.plane = event.plane;
-    entry.decisive = step == decisive;
-    life.push_back(std::move(entry));
+    life.push_back({stage_of(event), describe_event(run, step) + after(run, step, point), step,
+                    event.node, event.plane, step == decisive});
   }
-  life.push_back(station("result", describe_result(run, point)));
   const std::int32_t id = run.segmentation.plane_of[voxel];
-  if (id > 0) life.back().plane = run.segmentation.planes[id - 1].founded;
+  life.push_back({"result", describe_result(run, point), -1, -1,
+                  id > 0 ? run.segmentation.planes[id - 1].founded : -1});
   return life;
 }
 
@@ -138,6 +137,54 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
     best = cloud.source[i];
   }
   return best;
+}
+
+std::string describe_plane(const Run& run, std::int32_t id) {
+  const PlaneRegion& plane = run.segmentation.planes[id - 1];
+  return fmt::format("plane {} ({}, {})", id, plane_name(plane.founded),
+                     plane.label == Label::v ? "v" : "h");
+}
+
+std::int32_t truth_of_plane(const Run& run, std::int32_t id) {
+  const VoxelTruth& truth = run.subject->voxel_truth;
+  std::vector<std::int32_t> planes;
+  for (std::size_t i = 0; i < truth.plane.size(); ++i)
+    if (run.segmentation.plane_of[i] == id) planes.push_back(truth.plane[i]);
+  return most_common_plane(planes);
+}
+
+std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel) {
+  std::set<std::int32_t> steps;
+  for (const std::int32_t node : run.timeline.path_of_point(voxel))
+    steps.insert(run.timeline.decided_at()[node]);
+  for (const PointChange& change : run.timeline.changes_of_point(voxel)) steps.insert(change.step);
+  const std::int32_t leaf = run.timeline.node_of_point(voxel, run.steps());
+  const Label label = run.subject->prepared.classification.labels[voxel];
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    const bool of_candidate = event.type == EventType::wait && event.node == leaf &&
+                              (!run.segment_options.use_labels || event.label == label);
+    if (of_candidate || event.point == voxel) steps.insert(step);
+  }
+  steps.erase(0);
+  steps.erase(kNever);
+  return steps;
+}
+
+std::int32_t step_of_plane(const Run& run, std::int32_t voxel) {
+  const PointChange last = run.timeline.point_at(voxel, run.steps());
+  return last.plane >= 0 ? last.step : 0;
+}
+
+Loss loss_of(const Run& run, std::int32_t voxel) {
+  Loss loss;
+  for (const PointChange& change : run.timeline.changes_of_point(voxel))
+    if (change.plane < 0) loss.left = change.step;
+  for (std::int32_t step = loss.left + 1; step <= run.steps() && loss.dropped == 0; ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    if (event.type == EventType::drop && event.point == voxel) loss.dropped = step;
+  }
+  return loss;
 }
 
 }  // namespace planescope

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,16 +31,42 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel);
 
 /// What would have kept a point: all empty where nothing obvious would.
 struct Remedy {
-  std::string text;           // "theta_n_in <= 4 would ask for a plane in node 77"
-  std::string option, value;  // the same as --set takes it
+  std::string text = {};                // "theta_n_in <= 4 would ask for a plane in node 77"
+  std::string option = {}, value = {};  // the same as --set takes it
 };
 struct WhyNot {
   std::string answer;      // one sentence: "Lost at step 812: dropped, the nearest plane P4 is ..."
   std::int32_t step = -1;  // of the decision, -1 where it never came to the segmentation
   std::int32_t node = -1;
   std::int32_t plane = -1;
-  Remedy remedy;
+  Remedy remedy = {};
 };
 WhyNot why_not(const Run& run, std::size_t source);
+
+/// Why a source is no voxel: not measured, beyond the range, outside the cube.
+struct Absence {
+  std::string text;
+  Remedy remedy = {};
+};
+std::optional<Absence> absence_of(const Run& run, std::size_t source);
+
+// A voxel's way through the segmentation.
+
+/// The steps that say something of it, and of the candidate that it was part of.
+std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel);
+/// The step at which it came to the plane it ends in, 0 where it ends in none.
+std::int32_t step_of_plane(const Run& run, std::int32_t voxel);
+/// The step at which it was left over for the last time, and at which it then came to no plane; 0
+/// where that never happened.
+struct Loss {
+  std::int32_t left = 0;
+  std::int32_t dropped = 0;
+};
+Loss loss_of(const Run& run, std::int32_t voxel);
+
+/// "plane 4 (P3, h)": a plane of the result.
+std::string describe_plane(const Run& run, std::int32_t id);
+/// The true plane of most voxels in a plane of the result, 0 where none is known.
+std::int32_t truth_of_plane(const Run& run, std::int32_t id);
 
 }  // namespace planescope

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 #include <vector>
 
-#include "core/explain/correspondence.hpp"
-#include "core/explain/point_facts.hpp"
+#include "core/explain/compare.hpp"
+#include "core/explain/provenance.hpp"
+#include "core/explain/score.hpp"
 
 namespace planescope {
 namespace {
@@ -27,19 +29,11 @@ class Ballot {
   }
   /// The earliest of those with the most points.
   RegionDecision winner() const {
-    RegionDecision best;
-    for (const auto& [name, kind] : kinds_) {
-      if (kind.points <= best.points) continue;
-      best = {0, -1, kind.points, kind.steps.size()};
-      std::size_t most = 0;
-      for (const auto& [step, votes] : kind.steps)
-        if (votes.points > most) {
-          most = votes.points;
-          best.step = step;
-          best.voxel = votes.voxel;
-        }
-    }
-    return best;
+    if (kinds_.empty()) return {};
+    const auto points = [](const auto& entry) { return entry.second.points; };
+    const Kind& kind = std::ranges::max_element(kinds_, {}, points)->second;
+    const auto& [step, votes] = *std::ranges::max_element(kind.steps, {}, points);
+    return {step, votes.voxel, kind.points, kind.steps.size()};
   }
 
  private:
@@ -55,57 +49,47 @@ class Ballot {
   std::map<std::tuple<int, int, int>, Kind> kinds_;  // by type, case and stage
 };
 
-std::int32_t founding_of(const Run& run, std::int32_t plane) {
-  return run.timeline.changes_of_plane(plane).front().step;
+const TraceEvent& founding_of(const Run& run, std::int32_t plane) {
+  return *run.event_at(run.timeline.changes_of_plane(plane).front().step);
 }
 
-/// Whether two runs decide alike: planes are the same where they were founded alike.
-class Likeness {
+/// Where two runs decide otherwise: planes are the same where they were founded alike.
+class Parting {
  public:
-  Likeness(const Run& a, const Run& b) : a_(a), b_(b), same_(a, b), back_(b, a) {}
+  Parting(const Run& a, const Run& b) : a_(a), b_(b), to_b_(a, b), to_a_(b, a) {}
 
-  std::int32_t voxel_in_a(std::uint32_t voxel_of_b) const {
-    return back_.voxel(static_cast<std::int32_t>(voxel_of_b));
-  }
-  bool alike(std::int32_t step_a, std::int32_t step_b) const {
-    const TraceEvent& a = *a_.event_at(step_a);
-    const TraceEvent& b = *b_.event_at(step_b);
-    if (a.node < 0 && a.point < 0) return alike_by_planes(a, b);
-    if (!same_.same_event(a, b) || (a.plane < 0) != (b.plane < 0)) return false;
-    return a.plane < 0 || same_plane(a.plane, b.plane);
+  /// The first step of b that the voxel's life in a does not have in its place; 0 where there is
+  /// none.
+  std::int32_t step_of(std::uint32_t voxel_of_b) const {
+    const auto in_b = static_cast<std::int32_t>(voxel_of_b), in_a = to_a_.voxel(in_b);
+    if (in_a < 0) return 0;
+    const std::set<std::int32_t> life_a = steps_of_point(a_, in_a),
+                                 life_b = steps_of_point(b_, in_b);
+    const auto alike = [this](std::int32_t step_a, std::int32_t step_b) {
+      return are_alike(*a_.event_at(step_a), *b_.event_at(step_b));
+    };
+    const auto at_b = std::ranges::mismatch(life_a, life_b, alike).in2;
+    return at_b == life_b.end() ? 0 : *at_b;
   }
 
  private:
-  bool alike_by_planes(const TraceEvent& a, const TraceEvent& b) const {
-    return a.type == b.type && a.stage == b.stage && b.node < 0 && b.point < 0 &&
-           (a.plane < 0) == (b.plane < 0) && (a.plane < 0 || same_plane(a.plane, b.plane));
+  bool are_alike(const TraceEvent& a, const TraceEvent& b) const {
+    const bool of_planes = a.node < 0 && a.point < 0;
+    const bool same = of_planes
+                          ? a.type == b.type && a.stage == b.stage && b.node < 0 && b.point < 0
+                          : to_b_.same_event(a, b);
+    return same && (a.plane < 0) == (b.plane < 0) && (a.plane < 0 || same_plane(a.plane, b.plane));
   }
   bool same_plane(std::int32_t plane_a, std::int32_t plane_b) const {
-    const TraceEvent& a = *a_.event_at(founding_of(a_, plane_a));
-    const TraceEvent& b = *b_.event_at(founding_of(b_, plane_b));
+    const TraceEvent& a = founding_of(a_, plane_a);
     // Of a part that split off, its number must do: nothing else tells the parts apart.
-    return same_.same_event(a, b) && (a.node >= 0 || plane_a == plane_b);
+    return to_b_.same_event(a, founding_of(b_, plane_b)) && (a.node >= 0 || plane_a == plane_b);
   }
 
   const Run& a_;
   const Run& b_;
-  Correspondence same_, back_;
+  Correspondence to_b_, to_a_;
 };
-
-/// The first step of b that the voxel's life in a does not have in its place; 0 where there is
-/// none.
-std::int32_t parting(const Run& a, const Run& b, const Likeness& likeness, std::uint32_t voxel) {
-  const std::int32_t in_a = likeness.voxel_in_a(voxel);
-  if (in_a < 0) return 0;
-  const auto life_a = steps_of_point(a, in_a);
-  const auto life_b = steps_of_point(b, static_cast<std::int32_t>(voxel));
-  auto at_a = life_a.begin();
-  for (const std::int32_t step : life_b) {
-    if (at_a == life_a.end() || !likeness.alike(*at_a, step)) return step;
-    ++at_a;
-  }
-  return 0;
-}
 
 }  // namespace
 
@@ -113,9 +97,9 @@ RegionDecision first_difference(const Run& run,
                                 const Run& a,
                                 std::span<const std::uint32_t> voxels) {
   if (!run.is_ours() || !a.is_ours()) return {};
-  const Likeness likeness(a, run);
+  const Parting parting(a, run);
   Ballot ballot(run);
-  for (const std::uint32_t voxel : voxels) ballot.vote(parting(a, run, likeness, voxel), voxel);
+  for (const std::uint32_t voxel : voxels) ballot.vote(parting.step_of(voxel), voxel);
   return ballot.winner();
 }
 
@@ -141,12 +125,10 @@ RegionDecision joining_of_region(const Run& run, std::span<const std::uint32_t> 
 }
 
 std::int32_t plane_of_region(const Run& run, std::span<const std::uint32_t> voxels) {
-  std::vector<std::size_t> counts(run.segmentation.planes.size() + 1, 0);
-  for (const std::uint32_t voxel : voxels) ++counts[run.segmentation.plane_of[voxel]];
-  const auto most = std::max_element(counts.begin() + 1, counts.end());
-  return most != counts.end() && 2 * *most > voxels.size()
-             ? static_cast<std::int32_t>(most - counts.begin())
-             : 0;
+  std::vector<std::int32_t> planes;
+  for (const std::uint32_t voxel : voxels) planes.push_back(run.segmentation.plane_of[voxel]);
+  const std::int32_t most = most_common_plane(planes);
+  return 2 * std::ranges::count(planes, most) > std::ssize(planes) ? most : 0;
 }
 
 }  // namespace planescope

@@ -5,11 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/explain/check.hpp"
 #include "core/explain/explain.hpp"
-#include "core/explain/point_facts.hpp"
 #include "core/explain/provenance.hpp"
-#include "core/replay/truth_check.hpp"
 
 namespace planescope {
 namespace {
@@ -17,7 +14,7 @@ namespace {
 /// Why a point was left over, and what would have kept it.
 struct Cause {
   std::string text;
-  Remedy remedy;
+  Remedy remedy = {};
   bool outlier = false;  // left over to be assigned later: that this failed is what lost it
 };
 
@@ -27,11 +24,14 @@ std::string rounded_up(double value) {
   return fmt::format("{:.6g}", std::ceil(value / unit) * unit);
 }
 
+Remedy switched_off(const char* option, const std::string& effect) {
+  return {fmt::format("{} = off would {}", option, effect), option, "off"};
+}
+
 Cause too_few(const Run& run, std::int32_t node) {
   const std::uint32_t n_in = run.facts[node].purity.n_in;
-  Cause cause;
-  cause.text = fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
-                           run.segment_options.theta_n_in);
+  Cause cause{fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
+                          run.segment_options.theta_n_in)};
   if (n_in >= 3)  // what the option allows
     cause.remedy = {fmt::format("theta_n_in <= {} would ask for a plane in node {}", n_in, node),
                     "theta_n_in", std::to_string(n_in)};
@@ -40,100 +40,72 @@ Cause too_few(const Run& run, std::int32_t node) {
 
 Cause at_greatest_depth(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
-  Cause cause;
-  if (run.octree().nodes[node].decided == Case::I) {
-    cause.text = fmt::format("node {} is mixed ({} and {} points) at the greatest depth (case I)",
-                             node, facts.purity.n_in, facts.purity.n_out);
-    return cause;
-  }
-  const bool rms = run.segment_options.noise.rms_criterion3;
-  cause.text = fmt::format("node {} is not planar at the greatest depth (case III: {} {} > {})",
-                           node, rms ? "RMS" : "e_n", number(facts.e_n, rms ? "m" : "m²"),
-                           number(facts.theta_e_n, ""));
-  if (!rms)
-    cause.remedy = {
-        fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
-        "theta_e_n_m2", rounded_up(facts.e_n)};
-  return cause;
+  if (run.octree().nodes[node].decided == Case::I)
+    return {fmt::format("node {} is mixed ({} and {} points) at the greatest depth (case I)", node,
+                        facts.purity.n_in, facts.purity.n_out)};
+  constexpr const char* kText =
+      "node {} is not planar at the greatest depth (case III: {} {:.4g} {} > {:.4g})";
+  if (run.segment_options.noise.rms_criterion3)
+    return {fmt::format(kText, node, "RMS", facts.e_n, "m", facts.theta_e_n)};
+  return {fmt::format(kText, node, "e_n", facts.e_n, "m²", facts.theta_e_n),
+          {fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
+           "theta_e_n_m2", rounded_up(facts.e_n)}};
 }
 
 Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
   const Purity& purity = run.facts[node].purity;
   const Classification& labels = run.subject->prepared.classification;
-  Cause cause;
-  cause.outlier = true;
-  cause.text = fmt::format("labelled {} (margin {:.2f}) among {} points of {} in node {}",
-                           labels.labels[voxel] == Label::v ? "v" : "h", labels.margins[voxel],
-                           purity.n_in, purity.inlier == Label::v ? "v" : "h", node);
-  return cause;
+  return {fmt::format("labelled {} (margin {:.2f}) among {} points of {} in node {}",
+                      labels.labels[voxel] == Label::v ? "v" : "h", labels.margins[voxel],
+                      purity.n_in, purity.inlier == Label::v ? "v" : "h", node),
+          {},
+          true};
 }
 
 Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
-  Cause cause;
   if (event.type == EventType::decide) {
     const OctreeNode& node = run.octree().nodes[event.node];
     if (node.decided == Case::II) return too_few(run, event.node);
     if (node.at_max_depth) return at_greatest_depth(run, event.node);
     return outlier(run, event.node, voxel);
   }
-  if (event.type == EventType::refine) {
-    cause.text =
-        plane_name(event.plane) + " was dropped (R2): larger planes explain it, or it is noise";
-    cause.remedy = {"r2_explain_away = off would keep it", "r2_explain_away", "off"};
-  } else if (event.stage == Stage::split_disconnected) {
-    cause.text = plane_name(event.plane) + ", split off for not touching, has too few points";
-    cause.remedy = {"split_disconnected = off would keep it", "split_disconnected", "off"};
-  } else {
-    cause.text = fmt::format(
-        "the candidate of node {} waited (R3), found no partner, and its normal is known to "
-        "{:.1f}° "
-        "only",
-        event.node, event.value * 180 / std::numbers::pi);
-    cause.remedy = {
-        fmt::format("r3_weak_candidates = off would let node {} found a plane", event.node),
-        "r3_weak_candidates", "off"};
-  }
-  return cause;
+  if (event.type == EventType::refine)
+    return {plane_name(event.plane) + " was dropped (R2): larger planes explain it, or it is noise",
+            switched_off("r2_explain_away", "keep it")};
+  if (event.stage == Stage::split_disconnected)
+    return {plane_name(event.plane) + ", split off for not touching, has too few points",
+            switched_off("split_disconnected", "keep it")};
+  return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
+                      "known to {:.1f}° only",
+                      event.node, event.value * 180 / std::numbers::pi),
+          switched_off("r3_weak_candidates", fmt::format("let node {} found a plane", event.node))};
 }
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
-  WhyNot why;
-  if (!run.is_ours()) {
-    why.answer = fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
-                             to_string(run.options.method));
-    return why;
-  }
+  if (!run.is_ours())
+    return {fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
+                        to_string(run.options.method))};
   const Loss loss = loss_of(run, voxel);
-  if (loss.left == 0) {
-    why.answer = "Lost: its plane has no point left";
-    return why;
-  }
+  if (loss.left == 0) return {"Lost: its plane has no point left"};
   const TraceEvent& left = *run.event_at(loss.left);
   const Cause cause = cause_of(run, left, voxel);
-  why.step = loss.left;
-  why.node = left.node;
-  why.plane = left.plane;
-  why.remedy = cause.remedy;
-  if (loss.dropped == 0) {
-    why.answer = fmt::format("Lost at step {}: {}", loss.left, cause.text);
-    return why;
-  }
+  WhyNot why{fmt::format("Lost at step {}: {}", loss.left, cause.text), loss.left, left.node,
+             left.plane, cause.remedy};
+  if (loss.dropped == 0) return why;
   const LeftoverReport leftover = explain_leftover(run, loss.dropped);
-  if (cause.outlier) {
-    why.step = loss.dropped;
-    if (!leftover.planes.empty()) {
-      const LeftoverPlane& nearest = leftover.planes.front();
-      why.plane = nearest.plane;
-      if (run.segment_options.leftover_rule == LeftoverRule::first)
-        why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
-                                  nearest.distance_m, plane_name(nearest.plane)),
-                      "leftover_distance_m", rounded_up(nearest.distance_m)};
-    }
-    why.answer = fmt::format("Lost at step {}: {}, {}", loss.dropped, cause.text, leftover.outcome);
+  if (!cause.outlier) {
+    why.answer += fmt::format("; left over, it ended {} (step {})", leftover.outcome, loss.dropped);
     return why;
   }
-  why.answer = fmt::format("Lost at step {}: {}; left over, it ended {} (step {})", loss.left,
-                           cause.text, leftover.outcome, loss.dropped);
+  why.step = loss.dropped;
+  why.answer = fmt::format("Lost at step {}: {}, {}", loss.dropped, cause.text, leftover.outcome);
+  if (leftover.planes.empty()) return why;
+  const LeftoverPlane& nearest = leftover.planes.front();
+  why.plane = nearest.plane;
+  if (run.segment_options.leftover_rule == LeftoverRule::first)
+    why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
+                              nearest.distance_m, plane_name(nearest.plane)),
+                  "leftover_distance_m", rounded_up(nearest.distance_m)};
   return why;
 }
 
@@ -141,11 +113,9 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
 /// planes; 0 if there is none.
 std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, std::int32_t most) {
   const auto ends_in = [&](std::int32_t plane) {
-    const PlaneChange* last = run.timeline.plane_at(plane, run.steps());
-    while (!last->alive && last->into >= 0) {
-      plane = last->into;
-      last = run.timeline.plane_at(plane, run.steps());
-    }
+    for (std::int32_t into = plane; into >= 0;
+         into = run.timeline.plane_at(plane, run.steps())->into)
+      plane = into;
     return run.timeline.result_of_plane(plane);
   };
   bool has_own = false, has_most = false;
@@ -194,13 +164,29 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
 
 }  // namespace
 
+std::optional<Absence> absence_of(const Run& run, std::size_t source) {
+  const Subject& subject = *run.subject;
+  if (source >= subject.point_of_source.size()) return Absence{"no such point"};
+  if (subject.point_of_source[source] == kNoVoxel) return Absence{"nothing was measured here"};
+  if (subject.voxel_of_source(source) != kNoVoxel) return {};
+  const CloudOptions& options = run.options.cloud;
+  const Frame& frame = subject.frame;
+  const double range = frame.is_cloud() ? frame.cloud->points[source].cast<double>().norm()
+                                        : frame.depth.data[source] * frame.depth_unit_m;
+  if (range > options.max_range_m && (!frame.is_cloud() || options.range_for_clouds))
+    return Absence{fmt::format("cropped: {} {:.3f} m > {:g} m (max_range_m)",
+                               frame.is_cloud() ? "range" : "depth", range, options.max_range_m),
+                   {fmt::format("max_range_m >= {:.3f} would keep it", range), "max_range_m",
+                    fmt::format("{:.2f}", std::ceil(range * 20) / 20)}};
+  const double edge_m = subject.prepared.cloud.cube.edge_m;
+  return Absence{fmt::format("cropped: outside the octree's cube of {:g} m", edge_m),
+                 {fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m), "cube_edge_m",
+                  fmt::format("{:g}", 2 * edge_m)}};
+}
+
 WhyNot why_not(const Run& run, std::size_t source) {
-  if (const std::optional<Absence> absence = absence_of(run, source)) {
-    WhyNot why;
-    why.answer = "It never came to the segmentation: " + absence->text;
-    why.remedy = absence->remedy;
-    return why;
-  }
+  if (const std::optional<Absence> absence = absence_of(run, source))
+    return {"It never came to the segmentation: " + absence->text, -1, -1, -1, absence->remedy};
   const auto voxel = static_cast<std::int32_t>(run.subject->voxel_of_source(source));
   return run.segmentation.plane_of[voxel] > 0 ? in_a_plane(run, voxel) : lost(run, voxel);
 }
