@@ -9,15 +9,7 @@
 namespace planescope {
 namespace {
 
-Check make_check(
-    const Question& question, double value, const char* op, double threshold, double spare) {
-  Check check;
-  check.criterion = question.criterion;
-  check.equation = question.equation;
-  check.quantity = question.quantity;
-  check.meaning = question.meaning;
-  check.unit = question.unit;
-  check.option = question.option;
+Check answered(Check check, double value, const char* op, double threshold, double spare) {
   check.value = value;
   check.op = op;
   check.threshold = threshold;
@@ -28,12 +20,12 @@ Check make_check(
 
 }  // namespace
 
-Check at_most(const Question& question, double value, double threshold) {
-  return make_check(question, value, "≤", threshold, threshold - value);
+Check at_most(Check check, double value, double threshold) {
+  return answered(std::move(check), value, "≤", threshold, threshold - value);
 }
 
-Check at_least(const Question& question, double value, double threshold) {
-  return make_check(question, value, "≥", threshold, value - threshold);
+Check at_least(Check check, double value, double threshold) {
+  return answered(std::move(check), value, "≥", threshold, value - threshold);
 }
 
 Check not_asked(Check check) {
@@ -44,8 +36,8 @@ Check not_asked(Check check) {
 }
 
 bool all_pass(const std::vector<Check>& checks) {
-  return std::all_of(checks.begin(), checks.end(),
-                     [](const Check& c) { return c.verdict == Verdict::pass; });
+  return std::ranges::all_of(
+      checks, [](Verdict v) { return v == Verdict::pass; }, &Check::verdict);
 }
 
 double least_margin(const std::vector<Check>& checks) {
@@ -64,61 +56,53 @@ Check planarity_check(const std::string& criterion,
         {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
          "m", options.noise.estimate_sigma ? "" : "fixed_rms_m"},
         value, threshold);
-  if (options.mse_normalization == MseNormalization::mean)
-    return at_most({criterion, "Eq. (5)", "e_n / N", "mean square error along the normal", "m²",
-                    "theta_e_n_m2"},
-                   value, threshold);
-  return at_most({criterion, "Eq. (5)", "e_n", "square error along the normal, over all inliers",
+  const bool mean = options.mse_normalization == MseNormalization::mean;
+  return at_most({criterion, "Eq. (5)", mean ? "e_n / N" : "e_n",
+                  mean ? "mean square error along the normal"
+                       : "square error along the normal, over all inliers",
                   "m²", "theta_e_n_m2"},
                  value, threshold);
 }
 
 std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options) {
-  const std::string criterion = "Criterion 4", equation = "Eq. (6)", option = "theta_coplane";
+  const std::string name = "Criterion 4", source = "Eq. (6)", option = "theta_coplane";
   const double most = 1 - options.theta_coplane;
   std::vector<Check> checks{
-      at_least({criterion, equation, "|n₁·n₂|", "cosine between the normals", "", option},
-               terms.normals, options.theta_coplane),
-      at_most({criterion, equation, "|n₁·Δμ|/‖Δμ‖",
+      at_least({name, source, "|n₁·n₂|", "cosine between the normals", "", option}, terms.normals,
+               options.theta_coplane),
+      at_most({name, source, "|n₁·Δμ|/‖Δμ‖",
                "sine of the direction between the centroids, out of the plane", "", option},
               terms.n1_dmu, most)};
   if (options.criterion4_n2)
     checks.push_back(
-        at_most({criterion, equation, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
+        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
                 terms.n2_dmu, most));
   if (options.merge_offset_m > 0)
     checks.push_back(
-        at_most({criterion, "paper-closest", "|n₁·Δμ|",
+        at_most({name, "paper-closest", "|n₁·Δμ|",
                  "distance of the candidate's centroid from the plane", "m", "merge_offset_m"},
                 terms.offset_m, options.merge_offset_m));
   return checks;
 }
 
 std::vector<Check> distance_checks(const DistanceTerms& terms) {
-  const std::string criterion = "R1", equation = "refined";
   std::vector<Check> checks;
+  const auto ask = [&](const char* quantity, const char* meaning, const char* unit, double value,
+                       double most) {
+    checks.push_back(at_most({"R1", "refined", quantity, meaning, unit}, value, most));
+  };
   if (!terms.any_angle)
-    checks.push_back(at_most({criterion, equation, "angle",
-                              "between the normals; more where they are not sure", "deg", ""},
-                             terms.angle_deg, terms.max_angle_deg));
-  checks.push_back(
-      at_most({criterion, equation, "gap",
-               "between the regions' boxes; as far as the normals can be trusted", "m", ""},
-              terms.gap_m, terms.max_gap_m));
+    ask("angle", "between the normals; more where they are not sure", "deg", terms.angle_deg,
+        terms.max_angle_deg);
+  ask("gap", "between the regions' boxes; as far as the normals can be trusted", "m", terms.gap_m,
+      terms.max_gap_m);
   // Both below are squares in the rule; their roots are what one can picture.
   const double bound = std::sqrt(terms.bound2_m2);
-  checks.push_back(
-      at_most({criterion, equation, "offset",
-               "distance of the less sure one's centroid from the surer plane", "m", ""},
-              std::sqrt(terms.offset2_m2), bound));
-  checks.push_back(at_most({criterion, equation, "spread",
-                            "RMS of the less sure one's points across the surer plane", "m", ""},
-                           std::sqrt(std::max(0.0, terms.spread2_m2)), bound));
+  ask("offset", "distance of the less sure one's centroid from the surer plane", "m",
+      std::sqrt(terms.offset2_m2), bound);
+  ask("spread", "RMS of the less sure one's points across the surer plane", "m",
+      std::sqrt(std::max(0.0, terms.spread2_m2)), bound);
   return checks;
-}
-
-std::string number(double value, const std::string& unit) {
-  return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
 }
 
 std::string distance_text(double metres) {

@@ -11,12 +11,9 @@
 
 namespace planescope {
 
-/// What is asked, without the numbers.
-struct Question {
-  std::string criterion = {}, equation = {}, quantity = {}, meaning = {}, unit = {}, option = {};
-};
-Check at_most(const Question& question, double value, double threshold);
-Check at_least(const Question& question, double value, double threshold);
+// The answer to a check that says what is asked.
+Check at_most(Check check, double value, double threshold);
+Check at_least(Check check, double value, double threshold);
 /// What was never computed: no value, no margin.
 Check not_asked(Check check);
 bool all_pass(const std::vector<Check>& checks);
@@ -33,8 +30,6 @@ std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOpt
 /// R1, which measures distances instead.
 std::vector<Check> distance_checks(const DistanceTerms& terms);
 
-// Numbers for sentences.
-std::string number(double value, const std::string& unit);  // four digits: "0.0071 m²"
-std::string distance_text(double metres);                   // "4.2 mm", "12.3 cm"
+std::string distance_text(double metres);  // for sentences: "4.2 mm", "12.3 cm"
 
 }  // namespace planescope

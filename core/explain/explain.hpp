@@ -13,18 +13,19 @@ namespace planescope {
 
 enum class Verdict : std::uint8_t { pass, fail, not_asked };
 
-/// One comparison. margin > 0: passes with that share of the threshold to spare.
+/// One comparison, what is asked before what was answered. margin > 0: passes with that share of
+/// the threshold to spare.
 struct Check {
-  std::string criterion;  // "Criterion 1", "R1"
-  std::string equation;   // "Eq. (2)", or the section of docs/method.md for a refinement
-  std::string quantity;   // "N_out", "e_n", "|n1·n2|" (UTF-8)
-  std::string meaning;    // one phrase
+  std::string criterion = {};  // "Criterion 1", "R1"
+  std::string equation = {};   // "Eq. (2)", or the section of docs/method.md for a refinement
+  std::string quantity = {};   // "N_out", "e_n", "|n1·n2|" (UTF-8)
+  std::string meaning = {};    // one phrase
+  std::string unit = {};       // "m²", "deg", ""
+  std::string option = {};     // name of the option that is the threshold; empty where it follows
+                               // from the measured noise
   double value = 0;
-  std::string op;  // "≤", "≥"
+  std::string op = {};  // "≤", "≥"
   double threshold = 0;
-  std::string unit;    // "m²", "deg", ""
-  std::string option;  // name of the option that is the threshold; empty where it follows from
-                       // the measured noise
   Verdict verdict = Verdict::not_asked;
   double margin = 0;
 };

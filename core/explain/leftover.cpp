@@ -93,8 +93,7 @@ LeftoverReport explain_leftover(const Run& run, std::int32_t step) {
   const std::vector<std::uint32_t>& order = run.octree().order;
   const auto at = std::ranges::find(order, static_cast<std::uint32_t>(event->point));
   report.planes = planes_for(run, step, static_cast<std::uint32_t>(at - order.begin()));
-  std::stable_sort(report.planes.begin(), report.planes.end(),
-                   [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+  std::ranges::stable_sort(report.planes, {}, &LeftoverPlane::distance_m);
   report.outcome = outcome_of(report);
   return report;
 }

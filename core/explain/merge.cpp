@@ -16,14 +16,12 @@ namespace planescope {
 namespace {
 
 PartnerReport report_of(const Pair& pair, const SegmentOptions& options) {
-  PartnerReport partner;
-  partner.plane = pair.plane;
   const auto* by_distance = std::get_if<DistanceTerms>(&pair.terms);
-  partner.checks = by_distance ? distance_checks(*by_distance)
-                               : coplanarity_checks(std::get<Coplanarity>(pair.terms), options);
-  partner.coplanar = pair.coplanar;
-  partner.cost = pair.cost;
-  return partner;
+  return {.plane = pair.plane,
+          .checks = by_distance ? distance_checks(*by_distance)
+                                : coplanarity_checks(std::get<Coplanarity>(pair.terms), options),
+          .coplanar = pair.coplanar,
+          .cost = pair.cost};
 }
 
 /// What a choice that is made again asks, and which partner it takes.
@@ -56,12 +54,10 @@ void append_never_asked(const SegmentState& state,
 
 /// The step at which the strong candidates had all been merged: R3's first event follows.
 std::int32_t end_of_strong(const Run& run) {
-  std::int32_t step = 0;
-  const auto is_of_weak = [](const TraceEvent& event) {
+  const auto first = std::ranges::find_if(run.trace.events, [](const TraceEvent& event) {
     return event.stage == Stage::r3_weak_candidates && event.type != EventType::wait;
-  };
-  while (!is_of_weak(*run.event_at(step + 1))) ++step;
-  return step;
+  });
+  return static_cast<std::int32_t>(first - run.trace.events.begin());
 }
 
 std::vector<PartnerReport> partners_of_weak(const Run& run,
@@ -100,8 +96,7 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
     return std::tuple(!p.chosen, p.never_asked, !p.coplanar,
                       p.coplanar ? p.cost : -least_margin(p.checks));
   };
-  std::stable_sort(partners.begin(), partners.end(),
-                   [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  std::ranges::stable_sort(partners, {}, key);
 }
 
 std::string outcome_of(const MergeReport& report, const TraceEvent& event, double sigma_ang) {

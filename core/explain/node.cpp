@@ -13,41 +13,20 @@ namespace {
 
 constexpr double kDeg = 180 / std::numbers::pi;
 
-std::vector<Check> criterion_1(const Purity& purity, const SegmentOptions& options) {
-  return {at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label", "points",
-                   "theta_n_out"},
-                  purity.n_out, options.theta_n_out),
-          at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points", "",
-                   "theta_r_out"},
-                  purity.r_out(), options.theta_r_out)};
-}
-
 Check enough_points(const std::string& criterion,
-                    const std::string& quantity,
-                    const std::string& meaning,
-                    std::uint32_t points,
+                    const Purity& purity,
                     const SegmentOptions& options) {
-  return at_least({criterion, "Eq. (3)", quantity, meaning, "points", "theta_n_in"}, points,
-                  options.theta_n_in);
+  return at_least(
+      {criterion, "Eq. (3)", "N_in", "points of the majority label", "points", "theta_n_in"},
+      purity.n_in, options.theta_n_in);
 }
 
 /// Not a comparison: what the inliers' PCA gives to Criterion 3.
 Check pca(const PlaneFit& fit) {
-  Check check;
-  check.criterion = "PCA";
-  check.equation = "Eq. (4)";
-  check.quantity = "λ₀";
-  check.meaning = "least eigenvalue of the inliers' scatter";
-  check.unit = "m²";
+  Check check{"PCA", "Eq. (4)", "λ₀", "least eigenvalue of the inliers' scatter", "m²"};
   check.value = fit.eigenvalues[0];
   check.verdict = Verdict::pass;
   return check;
-}
-
-Check sure_enough(double sigma_ang, const r3_weak_candidates::Options& options) {
-  return at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits", "deg",
-                  "r3_sure_sigma_ang_deg"},
-                 kDeg * sigma_ang, options.sure_sigma_ang_deg);
 }
 
 /// Appends a criterion's checks; asking stops with the first criterion that fails.
@@ -71,8 +50,7 @@ void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks)
   const NodeFacts& facts = run.facts[node];
   const Purity& purity = facts.purity;
   Questions questions(checks);
-  questions.ask(
-      {enough_points("R4", "N_in", "points of the majority label", purity.n_in, options)});
+  questions.ask({enough_points("R4", purity, options)});
   questions.ask({planarity_check("R4", options, facts.e_n, facts.theta_e_n)});
   if (!has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
   const Label other = purity.inlier == Label::h ? Label::v : Label::h;
@@ -101,19 +79,10 @@ std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
     const TraceEvent& event = *run.event_at(step);
     if (!text.empty()) text += ", ";
     if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
-    switch (event.type) {
-      case EventType::found:
-        text += "founded " + plane_name(event.plane);
-        break;
-      case EventType::merge:
-        text += "merged into " + plane_name(event.plane);
-        break;
-      case EventType::wait:
-        text += "waits for the sure ones (R3)";
-        break;
-      default:
-        text += "left over (R3)";
-    }
+    if (event.type == EventType::found) text += "founded " + plane_name(event.plane);
+    if (event.type == EventType::merge) text += "merged into " + plane_name(event.plane);
+    if (event.type == EventType::wait) text += "waits for the sure ones (R3)";
+    if (event.type == EventType::leave) text += "left over (R3)";
   }
   return text;
 }
@@ -140,13 +109,20 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
   NodeReport report;
   report.node = node;
   Questions questions(report.checks);
-  const bool pure = questions.ask(criterion_1(facts.purity, options));
-  questions.ask({enough_points("Criterion 2", "N_in", "points of the majority label",
-                               facts.purity.n_in, options)});
+  const bool pure =
+      questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
+                              "points", "theta_n_out"},
+                             facts.purity.n_out, options.theta_n_out),
+                     at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points",
+                              "", "theta_r_out"},
+                             facts.purity.r_out(), options.theta_r_out)});
+  questions.ask({enough_points("Criterion 2", facts.purity, options)});
   questions.ask({pca(facts.fit)});
   questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
   if (options.r3_weak_candidates.on)
-    questions.ask({sure_enough(facts.sigma_ang, options.r3_weak_candidates)});
+    questions.ask({at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits",
+                            "deg", "r3_sure_sigma_ang_deg"},
+                           kDeg * facts.sigma_ang, options.r3_weak_candidates.sure_sigma_ang_deg)});
   report.stopped = stopped_at(report);
   if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
 
