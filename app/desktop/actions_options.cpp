@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "app/desktop/actions.hpp"
 #include "core/base/error.hpp"
 #include "core/pipeline/options_table.hpp"
@@ -119,7 +121,7 @@ std::vector<Action> option_actions() {
          s.view.tool_tab = "criteria";
          const OptionInfo& info = find_option(name);
          s.view.focus = "criteria." + info.name;
-         s.view.unfolded.insert(info.group);
+         if (!info.group.empty()) s.view.unfolded.insert(info.group);
        },
        {},
        {}},
@@ -129,6 +131,8 @@ std::vector<Action> option_actions() {
        "",
        "GROUP",
        [](State& s, const std::string& group) {
+         if (std::ranges::find(option_table(), group, &OptionInfo::group) == option_table().end())
+           throw Error(fmt::format("action option.unfold: there is no group '{}'", group));
          if (!s.view.unfolded.erase(group)) s.view.unfolded.insert(group);
        },
        {},

@@ -18,8 +18,7 @@ constexpr int kThumbnailWidth = 200;  // [px]
 std::string options_key(const PipelineOptions& options, bool preparing) {
   std::string key;
   for (const OptionInfo& info : option_table()) {
-    const bool segments =
-        info.section == "criteria" || info.section == "refinements" || info.section == "rivals";
+    const bool segments = info.steers_segmentation() || info.section == "rivals";
     if (segments != preparing) key += info.get(options) + '|';
   }
   return key;

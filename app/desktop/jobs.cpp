@@ -337,8 +337,8 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
   }
   std::vector<std::string> shown;
   for (const OptionInfo& info : option_table())
-    if (info.is_number() && (info.section == "criteria" || info.section == "refinements") &&
-        !is_folded(state, info) && !state.results.sensitivity.contains(info.name))
+    if (info.is_number() && info.steers_segmentation() && !is_folded(state, info) &&
+        !state.results.sensitivity.contains(info.name))
       shown.push_back(info.name);
   analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {
     for (const std::string& name : shown) {

@@ -24,12 +24,12 @@ std::int32_t start_of_assignment(const Run& run, std::int32_t step) {
   return step - 1;
 }
 
-/// All planes that there are, as the choice that is made again sees them.
+/// All planes that there are, and what the choice, made again, says of them.
 template <typename Choose>
-std::vector<LeftoverPlane> planes_asked(const SegmentState& state,
-                                        std::uint32_t i,
-                                        const std::string& why_not_asked,
-                                        Choose choose) {
+std::vector<LeftoverPlane> planes_judged(const SegmentState& state,
+                                         std::uint32_t i,
+                                         const std::string& why_not_asked,
+                                         Choose choose) {
   const Reach reach = reach_of(state, i, state.options.leftover_rule);
   std::vector<LeftoverPlane> rows;
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
@@ -55,7 +55,7 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
   StateWalk walk(run);
   if (run.segment_options.leftover_rule == LeftoverRule::first) {
     const SegmentState& state = walk.advance_to(step - 1);
-    return planes_asked(state, i, "an earlier plane took it", [&](const PointVisitor* visitor) {
+    return planes_judged(state, i, "an earlier plane took it", [&](const PointVisitor* visitor) {
       return choose_first_plane(state, i, visitor);
     });
   }
@@ -64,10 +64,10 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
       100 * run.octree().cube.edge_m /
       std::exp2(run.octree().cube.max_depth - run.segment_options.noise.neighbour_levels);
   const SegmentState& state = walk.advance_to(step - 1);
-  return planes_asked(state, i, fmt::format("no points of it within {:.3g} cm", cell_cm),
-                      [&](const PointVisitor* visitor) {
-                        return choose_nearest_plane(state, around.near(i), i, visitor);
-                      });
+  return planes_judged(state, i, fmt::format("no points of it within {:.3g} cm", cell_cm),
+                       [&](const PointVisitor* visitor) {
+                         return choose_nearest_plane(state, around.near(i), i, visitor);
+                       });
 }
 
 std::string outcome_of(const LeftoverReport& report) {

@@ -52,12 +52,12 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
   return text;
 }
 
-std::string stage_of(const TraceEvent& event) {
+std::string station_of(const TraceEvent& event) {
   switch (event.type) {
     case EventType::found:
     case EventType::merge:
     case EventType::wait:
-      return event.stage == Stage::split_disconnected ? "refinement" : "merge";
+      return event.node < 0 ? "refinement" : "merge";
     case EventType::assign:
     case EventType::drop:
     case EventType::leave:
@@ -115,7 +115,7 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
   if (decisive > 0) steps.insert(decisive);  // also where it was another node's merge
   for (const std::int32_t step : steps) {
     const TraceEvent& event = *run.event_at(step);
-    life.push_back({stage_of(event), describe_event(run, step) + after(run, step, point), step,
+    life.push_back({station_of(event), describe_event(run, step) + after(run, step, point), step,
                     event.node, event.plane, step == decisive});
   }
   const std::int32_t id = run.segmentation.plane_of[voxel];

@@ -51,9 +51,9 @@ std::vector<std::int32_t> matches_of(const Run& run, const std::string& text) {
 /// "R3", "split" or "-": what each event was decided by. [step - 1]
 std::vector<const char*> refinements_of(const Run& run) {
   std::vector<const char*> names(static_cast<std::size_t>(run.steps()), "-");
-  for (const char* name : {"R1", "R2", "R3", "R4", "R5", "R6", "R7", "split"})
-    for (const std::int32_t step : matches_of(run, fmt::format("refinement=={}", name)))
-      names[static_cast<std::size_t>(step - 1)] = name;
+  for (std::int32_t step = 1; step <= run.steps(); ++step)
+    if (const Stage stage = run.event_at(step)->stage; refinement_of(stage))
+      names[static_cast<std::size_t>(step - 1)] = to_string(stage);
   return names;
 }
 

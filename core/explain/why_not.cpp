@@ -69,16 +69,20 @@ Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
     if (node.at_max_depth) return at_greatest_depth(run, event.node);
     return outlier(run, event.node, voxel);
   }
-  if (event.type == EventType::refine)
-    return {plane_name(event.plane) + " was dropped (R2): larger planes explain it, or it is noise",
-            switched_off("r2_explain_away", "keep it")};
-  if (event.stage == Stage::split_disconnected)
+  if (event.type == EventType::refine) {
+    const std::string why = refinement_of(event.stage)->why_dropped;
+    return {fmt::format("{} was dropped ({}){}{}", plane_name(event.plane), to_string(event.stage),
+                        why.empty() ? "" : ": ", why),
+            switched_off(switch_of(event.stage), "keep it")};
+  }
+  if (event.node < 0)
     return {plane_name(event.plane) + ", split off for not touching, has too few points",
-            switched_off("split_disconnected", "keep it")};
-  return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
-                      "known to {:.1f}° only",
-                      event.node, event.value * 180 / std::numbers::pi),
-          switched_off("r3_weak_candidates", fmt::format("let node {} found a plane", event.node))};
+            switched_off(switch_of(event.stage), "keep it")};
+  return {
+      fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
+                  "known to {:.1f}° only",
+                  event.node, event.value * 180 / std::numbers::pi),
+      switched_off(switch_of(event.stage), fmt::format("let node {} found a plane", event.node))};
 }
 
 WhyNot lost(const Run& run, std::int32_t voxel) {

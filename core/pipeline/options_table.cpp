@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -224,7 +225,7 @@ class Rows {
 
 /// "R2: explain away", "split disconnected planes".
 std::string group_of(const RefinementInfo& info) {
-  const bool numbered = info.name[0] == 'R';
+  const bool numbered = info.name[0] == 'R' && std::isdigit(info.name[1]);
   return numbered ? fmt::format("{}: {}", info.name, info.title) : info.title;
 }
 
@@ -261,8 +262,7 @@ const std::vector<OptionInfo>& option_table() {
     append_criteria(rows);
     append_refinements(rows);
     for (OptionInfo& row : rows)
-      if (row.section == "classifier" || row.section == "criteria" || row.section == "refinements")
-        row.method = Method::ours;
+      if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
     append_rivals(rows);
     name_symbols(rows);
     return rows;

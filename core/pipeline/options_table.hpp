@@ -29,6 +29,7 @@ struct OptionInfo {
   std::string group = {};                 // within its section: "R2: explain away"; may be empty
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
+  bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
   /// Whether it means anything with the method that these options name.
   bool matters(const PipelineOptions& o) const { return !method || *method == o.method; }

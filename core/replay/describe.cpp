@@ -78,8 +78,8 @@ std::string describe_event(const Run& run, std::int32_t step) {
                          run.octree().nodes[event->node].depth, decision(run, *event));
     case EventType::found:
       if (event->node < 0)
-        return fmt::format("split: {} parts from {}, which it does not touch", plane,
-                           plane_name(event->other));
+        return fmt::format("{}: {} parts from {}, which it does not touch", to_string(event->stage),
+                           plane, plane_name(event->other));
       return fmt::format("{} founds {}", candidate(run, *event), plane);
     case EventType::merge:
       return fmt::format("{} joins {}, {:.1f} mm off it", candidate(run, *event), plane,
@@ -99,7 +99,8 @@ std::string describe_event(const Run& run, std::int32_t step) {
                          event->value * kDegrees);
     case EventType::leave:
       if (event->node < 0)
-        return fmt::format("split: {} has too few points, they are left over", plane);
+        return fmt::format("{}: {} has too few points, they are left over", to_string(event->stage),
+                           plane);
       return fmt::format("{} is left over: its normal is known to {:.1f}° only",
                          candidate(run, *event), event->value * kDegrees);
   }

@@ -114,9 +114,9 @@ std::vector<FilterSymbol> fields_of_events() {
       {"leave", "points of a candidate or a small part are left over", boolean, is_kind<leave>},
       {"step", "number of the event, from 1", number,
        [](View e) { return static_cast<double>(e.step); }},
-      {"stage", "what decided: criteria, merge, assign, or a refinement, R1 to R8, split", stage,
+      {"stage", "what decided: criteria, merge, assign, or a refinement", stage,
        [](View e) { return static_cast<double>(e.event.stage); }},
-      {"refinement", "the refinement that decided: R1 to R8, split", stage,
+      {"refinement", "the refinement that decided", stage,
        [](View e) {
          return refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
        }},
@@ -185,7 +185,7 @@ std::vector<FilterSymbol> fields_of_events() {
 
 void append_options(std::vector<FilterSymbol>& all) {
   for (const OptionInfo& info : option_table())
-    if (info.is_number() && (info.section == "criteria" || info.section == "refinements"))
+    if (info.is_number() && info.steers_segmentation())
       all.push_back({info.name, info.meaning, FilterType::number, nullptr, &info});
 }
 
@@ -241,7 +241,7 @@ const char* to_string(FilterType type) {
                                     "true or false",
                                     "a case (I, II, III or IV)",
                                     "a label (h or v)",
-                                    "a stage (criteria, merge, assign, R1 to R8, or split)",
+                                    "a stage (criteria, merge, assign or a refinement, like R2)",
                                     "a plane",
                                     "a point",
                                     "a plane"};

@@ -39,6 +39,11 @@ class CellTable {
 
 }  // namespace
 
+double cell_edge_m(const Octree& octree, int levels) {
+  const int depth = octree.cube.max_depth - std::min(levels, octree.cube.max_depth);
+  return octree.cube.edge_m / static_cast<double>(1u << depth);
+}
+
 std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels) {
   const int shift = 3 * std::min(levels, octree.cube.max_depth);
   std::vector<std::uint32_t> starts;

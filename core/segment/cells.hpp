@@ -11,6 +11,9 @@
 
 namespace planescope {
 
+/// Edge of the cells `levels` above the leaves, at most the cube's [m].
+double cell_edge_m(const Octree& octree, int levels);
+
 /// First point of each non-empty cell `levels` above the leaves, and the number of points at the
 /// end.
 std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels);

@@ -1,7 +1,8 @@
 #pragma once
 
-// Every choice among planes that the method makes, told once. The stages pass no visitor; whoever
-// explains a choice passes one, which hears all that was held against each other, in that order.
+// Every choice among planes that the method makes, told once. The stages pass no visitor; to
+// explain a choice, it is made again with one, which is told of each pair that was compared, in
+// order.
 
 #include <cstdint>
 #include <functional>

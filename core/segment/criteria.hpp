@@ -1,7 +1,7 @@
 #pragma once
 
-// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions, and the merge test that
-// `refined` puts in Criterion 4's place. The traversal and whoever explains it call the same ones.
+// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions. The traversal and whoever
+// explains it call the same ones.
 
 #include <cstdint>
 

@@ -33,13 +33,13 @@ double NoiseModel::limited(double value, double least, double greatest, double r
 
 void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range) {
   if (samples.empty()) return;
-  constexpr double kLeastRange2 = 0.01;  // [m^2]: no sample this near says how noise grows
+  const double min_range = model.options.sigma_min_range_m;
   const double correlated = model.of_spreads ? 1 : model.options.sigma_correlated;
   model.estimated = true;
   model.by_range = by_range;
   if (by_range)
     for (NoiseSample& s : samples)
-      s.sigma_m *= correlated / std::max(s.range_m * s.range_m, kLeastRange2);
+      s.sigma_m *= correlated / std::max(s.range_m * s.range_m, min_range * min_range);
   const auto nth =
       samples.begin() + static_cast<std::ptrdiff_t>(model.options.sigma_percentile *
                                                     static_cast<double>(samples.size() - 1));

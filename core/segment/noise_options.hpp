@@ -21,6 +21,7 @@ struct NoiseOptions {
   // show in its residual. With 1.1 to 1.3 the walls of a real office corner stay whole, with 1 and
   // 1.4 they split. R8's samples hold all of the noise, so that it adds nothing there.
   double sigma_correlated = 1.25;
+  double sigma_min_range_m = 0.1;  // by range: nearer cells count as if they were here
   double theta_rms_sigmas = 2;
   double theta_rms_min_m = 0.003;
   double theta_rms_max_m = 0.012;
@@ -47,13 +48,17 @@ struct NoiseOptions {
     rows.number("neighbour_levels", "levels",
                 "what is near: cells this many levels above the leaves, and those they touch",
                 &NoiseOptions::neighbour_levels, {0, 16});
-    rows.number("sigma_min_points", "points", "cells with fewer points of a label tell no sigma",
+    rows.number("sigma_min_points", "points",
+                "cells with fewer points of a label are not used to estimate sigma",
                 &NoiseOptions::sigma_min_points, {4, 1e9});
     rows.number("sigma_percentile", "share", "sigma is this percentile of the cells' residuals",
                 &NoiseOptions::sigma_percentile, {0, 1});
     rows.number("sigma_correlated", "1",
                 "by range: sigma times this, for noise that is alike over a whole cell",
                 &NoiseOptions::sigma_correlated);
+    rows.number("sigma_min_range_m", "m",
+                "by range: cells nearer than this count as if they were this far",
+                &NoiseOptions::sigma_min_range_m, {0, 1000, true});
     rows.number("theta_rms_sigmas", "sigma", "theta_rms where the noise is measured",
                 &NoiseOptions::theta_rms_sigmas);
     rows.number("theta_rms_min_m", "m", "least theta_rms where the noise is measured",

@@ -17,7 +17,8 @@
 //   }
 //
 // run() asks by itself whether it is on. Where its body stands in the header, it is a template of
-// the state, which is not complete there.
+// the state, which is not complete there. Every header of the folder is a refinement: what only
+// helps one stands outside.
 
 #include <cstdint>
 #include <limits>
@@ -33,15 +34,18 @@ struct OptionRange {
   bool min_excluded = false;
 };
 
-/// The stage of the paper that a refinement follows.
-enum class After : std::uint8_t { merging, assignment };
+/// When a refinement acts on all planes at once: after a stage of the paper, or never, where it
+/// changes what happens within one.
+enum class After : std::uint8_t { within, merging, assignment };
 
 struct RefinementInfo {
   const char* name;   // as filters, pictures and lists call it: "R2"
   const char* title;  // "explain away"
   /// What its `refine` event means, with {plane}, {other}, {point} and {mm} filled in (fmt).
   const char* says = "{plane} changes";
-  After after = After::merging;
+  /// Why a plane that it drops is none, where that needs saying.
+  const char* why_dropped = "";
+  After after = After::within;
   int turn = 0;  // among those that follow the same stage, ascending
 };
 

@@ -26,10 +26,12 @@ void refine(SegmentState& state, After stage) {
   };
   static const std::vector<Step> steps = [] {
     std::vector<Step> all;
-    // run() is found by the options' namespace; a refinement within the paper's stages has none.
-#define PLANESCOPE_STEP(name)                                                                  \
-  all.push_back({name::kInfo, [](auto& s) {                                                    \
-                   if constexpr (requires { run(s, s.options.name); }) run(s, s.options.name); \
+    // run() is found by the options' namespace.
+#define PLANESCOPE_STEP(name)                                                             \
+  all.push_back({name::kInfo, [](auto& s) {                                               \
+                   constexpr bool acts = requires { run(s, s.options.name); };            \
+                   static_assert(acts == (name::kInfo.after != After::within), "run()?"); \
+                   if constexpr (acts) run(s, s.options.name);                            \
                  }});
     PLANESCOPE_REFINEMENTS(PLANESCOPE_STEP)
 #undef PLANESCOPE_STEP

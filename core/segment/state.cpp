@@ -52,8 +52,9 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
 void visit_node(SegmentState& state, std::int32_t node) {
   log(state, {.type = EventType::visit, .node = node});
   ++state.counts.nodes_visited;
-  // Nodes are visited, and then settled, in their order.
-  if (state.trace) state.trace->visited_at.push_back(state.trace->steps());
+  assert(!state.trace || state.trace->visited_at.size() == static_cast<std::size_t>(node));
+  if (state.trace)  // nodes are visited, and then settled, in their order
+    state.trace->visited_at.push_back(state.trace->steps());
 }
 
 void settle_node(SegmentState& state, std::int32_t index, Case decided) {

@@ -1,7 +1,8 @@
 #pragma once
 
 // The segmentation on its way: what its stages read, and the handful of functions through which
-// alone they change it. Internal to core/segment and to what replays and explains it.
+// alone points, planes and nodes change. Internal to core/segment and to what replays and explains
+// it.
 
 #include <cstdint>
 #include <span>
@@ -71,7 +72,8 @@ void log_refine(const SegmentState& state,
       {.type = EventType::refine, .stage = stage_of(options), .plane = plane, .other = other});
 }
 
-// Whatever changes, changes through one of these. With a trace each appends its change.
+// The only functions that change where points are, what planes are and how far nodes have come.
+// With a trace, each appends its change.
 
 /// Takes a node from the queue; settles it; puts its children at the queue's end.
 void visit_node(SegmentState& state, std::int32_t node);
@@ -83,7 +85,7 @@ inline void give_point(SegmentState& state, std::uint32_t i, std::int32_t plane)
   state.plane_of[i] = plane;
   if (state.trace) state.trace->points.push_back({i, {state.trace->steps(), plane, false}});
 }
-/// ... or to the leftovers.
+/// The point goes to the leftovers.
 inline void leave_point(SegmentState& state, std::uint32_t i) {
   state.plane_of[i] = -1;
   state.leftovers.push_back(i);
@@ -101,7 +103,7 @@ void grow_plane(SegmentState& state, std::int32_t plane, const PlaneOrCandidate&
   Moments moments = state.planes[plane].moments;
   fit_again(state, plane, moments += part.moments);
 }
-/// The plane is no more: merged `into` another, or dropped. Its points go on by themselves.
+/// The plane ends: merged `into` another, or dropped. Its points must be given away as well.
 void end_plane(SegmentState& state, std::int32_t plane, std::int32_t into = -1);
 /// Drops a plane and leaves its points over.
 void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);

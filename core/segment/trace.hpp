@@ -38,6 +38,8 @@ enum class Stage : std::uint8_t {
 const char* to_string(Stage stage);
 /// Null for a stage of the paper.
 const RefinementInfo* refinement_of(Stage stage);
+/// The option that switches the refinement on, which is the name of its file.
+const char* switch_of(Stage stage);
 /// All of them, in their order.
 const std::vector<Stage>& stages();
 /// Of the refinement that has these options.

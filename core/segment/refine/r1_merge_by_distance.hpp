@@ -68,7 +68,7 @@ struct DistanceTerms {
     return (any_angle || angle_deg <= max_angle_deg) && gap_m <= max_gap_m &&
            offset2_m2 <= bound2_m2 && spread2_m2 <= bound2_m2;
   }
-  double cost() const { return (offset2_m2 + spread2_m2) / bound2_m2; }
+  double cost() const { return bound2_m2 > 0 ? (offset2_m2 + spread2_m2) / bound2_m2 : 0; }
 };
 struct MeasuredPlane {
   const PlaneFit& fit;

@@ -42,7 +42,7 @@ struct Options {
                 "R2: a plane stays if it has this share of the median plane's points per area",
                 &Options::density_share);
     rows.number("r2_contradiction_deg", "deg",
-                "R2: a plane goes if its normal is this far beyond 45 degrees from its label's",
+                "R2: drop a plane whose normal is this much more than 45 degrees from its label's",
                 &Options::contradiction_deg, {0, 45});
     rows.number("r2_kept_share", "share",
                 "R2: after R5, a plane stays with this share of the points it was fitted to",
@@ -54,6 +54,7 @@ inline constexpr RefinementInfo kInfo{
     .name = "R2",
     .title = "explain away",
     .says = "larger planes explain {plane}, its points are left over",
+    .why_dropped = "larger planes explain it, or it is noise",
     .after = After::merging,
     .turn = 3};
 

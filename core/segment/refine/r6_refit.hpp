@@ -20,13 +20,14 @@ struct Options {
     rows.flag("r6_refit", "R6: refit planes without the points that lie near two of them",
               &Options::on);
     rows.number("r6_sure_points", "points",
-                "R6: planes are fitted anew that have so many points of their own alone",
+                "R6: refit only planes with at least so many points near no other plane",
                 &Options::sure_points, {3, 1e9});
-    rows.number("r6_sure_share", "share",
-                "R6: planes are fitted anew that have this share of their points to themselves",
-                &Options::sure_share, {0, 1});
+    rows.number(
+        "r6_sure_share", "share",
+        "R6: refit only planes with at least this share of their points near no other plane",
+        &Options::sure_share, {0, 1});
     rows.number("r6_max_loss", "1",
-                "R6: fitted to all points where the normal would get less certain by this factor",
+                "R6: refit to all points where the normal would be less certain by this factor",
                 &Options::max_loss);
   }
 };

@@ -32,11 +32,11 @@ struct Options {
     rows.number("split_gap_m", "m", "points no farther apart than this touch", &Options::gap_m,
                 {0.005, 10});
     rows.number("split_gap_spacings", "1",
-                "split seen: nor points no farther apart than this many of their spacings",
-                &Options::gap_spacings);
+                "split seen: points closer than this many point spacings touch, too",
+                &Options::gap_spacings, {0, 1000});
     rows.number("split_sight_cell_m", "m",
                 "split seen: edge of the cells that were looked through or not",
-                &Options::sight_cell_m, {0.001, 10});
+                &Options::sight_cell_m, {0.001, 100});
     rows.number("split_behind_m", "m",
                 "split seen: rays that end this far behind a plane passed it", &Options::behind_m);
     rows.number("split_behind_taus", "tau",

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/pipeline/options_table.hpp"
 
 namespace planescope {
 namespace {
@@ -162,9 +163,10 @@ TEST(Profiles, PaperHasThePapersParameters) {
   EXPECT_EQ(o.theta_e_n_m2, 0.005);
   EXPECT_EQ(o.theta_coplane, 0.85);
   EXPECT_EQ(o.leftover_distance_m, 0.005);
-  EXPECT_FALSE(o.r1_merge_by_distance.on || o.r2_explain_away.on || o.r3_weak_candidates.on ||
-               o.r4_fit_impure_nodes.on || o.r5_reassign_shared_cells.on || o.r6_refit.on ||
-               o.r7_second_merge.on || o.noise.rms_criterion3);
+  for (const OptionInfo& info : option_table())
+    if (info.section == "refinements" && info.kind == OptionKind::on_off) {
+      EXPECT_EQ(default_value(info, Profile::paper), "off") << info.name;
+    }
 }
 
 }  // namespace

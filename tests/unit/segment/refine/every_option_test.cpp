@@ -21,6 +21,10 @@ std::vector<SegmentOptions> settings() {
   options.noise.estimate_sigma = options.noise.sigma_by_range = false;
   options.split_disconnected.rule = SplitRule::on;
   all.push_back(options);
+  PipelineOptions every;  // refinement there is
+  for (const OptionInfo& info : option_table())
+    if (info.section == "refinements" && info.kind == OptionKind::on_off) info.set(every, "on");
+  all.push_back(every.segment);
   return all;
 }
 
@@ -74,8 +78,7 @@ TEST(Options, EveryNumberOfTheMethodSteersIt) {
   Clouds clouds;
   int numbers = 0;
   for (const OptionInfo& info : option_table()) {
-    if (!info.is_number() || (info.section != "criteria" && info.section != "refinements"))
-      continue;
+    if (!info.is_number() || !info.steers_segmentation()) continue;
     EXPECT_TRUE(clouds.feel(info)) << info.name;
     ++numbers;
   }
