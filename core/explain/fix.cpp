@@ -183,7 +183,7 @@ std::vector<Fix> find_fixes(const Run& run,
   if (target.voxels.empty() || is_recovered(run, target)) return fixes;
   std::vector<const OptionInfo*> options;  // those that steer the segmentation
   for (const OptionInfo& info : option_table())
-    if (info.steers_segmentation()) options.push_back(&info);
+    if (info.steers_segmentation() && !is_idle(info, run.options)) options.push_back(&info);
   for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
     Search(run, target, *options[i], stop).append_to(fixes);
     if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));

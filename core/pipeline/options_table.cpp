@@ -189,6 +189,8 @@ class Rows {
   Rows(std::vector<OptionInfo>& table, Options SegmentOptions::*stage, std::string group)
       : table_(table), stage_(stage), group_(std::move(group)) {}
 
+  /// The numbers that follow mean nothing while this switch is off.
+  void only_with(const char* option) { needs_ = option; }
   template <typename T>
   void number(const char* name,
               const char* unit,
@@ -215,12 +217,13 @@ class Rows {
   }
   void add(OptionInfo row) {
     row.group = group_;
+    if (row.is_number()) row.needs = needs_;
     table_.push_back(std::move(row));
   }
 
   std::vector<OptionInfo>& table_;
   Options SegmentOptions::*stage_;
-  std::string group_;
+  std::string group_, needs_;
 };
 
 /// "R2: explain away", "split disconnected planes".
@@ -235,6 +238,7 @@ void append_refinements(std::vector<OptionInfo>& table) {
 #define PLANESCOPE_ROWS(name)                                       \
   {                                                                 \
     Rows rows(table, &SegmentOptions::name, group_of(name::kInfo)); \
+    rows.only_with(#name);                                          \
     name::Options::describe(rows);                                  \
   }
   PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
@@ -250,6 +254,10 @@ void check_option_range(double value, const OptionRange& range, const std::strin
   throw Error(fmt::format(
       "option {}: {} is out of range, expected {}", name, value,
       std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+}
+
+bool is_idle(const OptionInfo& info, const PipelineOptions& options) {
+  return !info.needs.empty() && find_option(info.needs).get(options) == "off";
 }
 
 const std::vector<OptionInfo>& option_table() {

@@ -27,6 +27,7 @@ struct OptionInfo {
   std::vector<std::string> choices = {};  // of choice
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
   std::string group = {};                 // within its section: "R2: explain away"; may be empty
+  std::string needs = {};                 // the switch without which it means nothing; may be empty
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
   bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
@@ -34,6 +35,9 @@ struct OptionInfo {
   /// Whether it means anything with the method that these options name.
   bool matters(const PipelineOptions& o) const { return !method || *method == o.method; }
 };
+
+/// Is the switch off that the option needs?
+bool is_idle(const OptionInfo& info, const PipelineOptions& options);
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options
 /// to that profile's defaults.

@@ -48,6 +48,7 @@ struct NoiseOptions {
     rows.number("neighbour_levels", "levels",
                 "what is near: cells this many levels above the leaves, and those they touch",
                 &NoiseOptions::neighbour_levels, {0, 16});
+    rows.only_with("estimate_sigma");
     rows.number("sigma_min_points", "points",
                 "cells with fewer points of a label are not used to estimate sigma",
                 &NoiseOptions::sigma_min_points, {4, 1e9});

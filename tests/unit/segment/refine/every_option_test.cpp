@@ -85,6 +85,24 @@ TEST(Options, EveryNumberOfTheMethodSteersIt) {
   EXPECT_GE(numbers, 45);
 }
 
+TEST(Options, MeanNothingWhileTheirSwitchIsOff) {
+  PipelineOptions options;
+  options.segment = profile_options(Profile::refined);
+  const OptionInfo& share = find_option("r2_unexplained_share");
+  const OptionInfo& sigmas = find_option("tau_sigmas");
+  EXPECT_FALSE(is_idle(share, options) || is_idle(sigmas, options));
+  options.segment = profile_options(Profile::paper);
+  EXPECT_TRUE(is_idle(share, options) && is_idle(sigmas, options));
+  EXPECT_FALSE(is_idle(find_option("theta_n_in"), options));
+  for (const OptionInfo& info : option_table())
+    if (is_idle(info, options)) {
+      PipelineOptions other = options;
+      info.set(other, number_text(info, 2 * number_of(info, options)));
+      const test::LabelledCloud cloud = test::random_steps(3);
+      EXPECT_EQ(planes_of(cloud, other.segment), planes_of(cloud, options.segment)) << info.name;
+    }
+}
+
 TEST(Options, OfARefinementStandInAGroup) {
   for (const OptionInfo& info : option_table())
     EXPECT_EQ(info.section == "refinements", !info.group.empty()) << info.name;
