@@ -126,17 +126,11 @@ std::optional<Pair> pair_of(const SegmentState& state,
                             const Candidate& candidate) {
   const MeasuredPlane measured = state.measured(candidate);
   if (event.type == EventType::merge) return compare(state, event.plane, candidate, measured);
-  std::optional<Pair> nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
-    const std::optional<Pair> pair = compare(state, k, candidate, measured);
-    if (!pair) continue;
-    if (const double worst = strain_of(*pair, state.options).worst; worst < least) {
-      least = worst;
-      nearest = pair;
-    }
-  }
-  return nearest;
+  std::vector<Pair> pairs;
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
+    if (const auto pair = compare(state, k, candidate, measured)) pairs.push_back(*pair);
+  const Pair* nearest = nearest_pair(pairs, state.options);
+  return nearest ? std::optional(*nearest) : std::nullopt;
 }
 
 /// The terms of merges, and how far from planes the leftovers were.
@@ -152,8 +146,7 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
     if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
       continue;
     const SegmentState& state = walk.advance_to(step - 1);
-    Candidate candidate = fit_label(run.octree(), event.node, event.label, options.use_labels);
-    candidate.sigma_ang = state.sigma_ang(candidate.fit);
+    const Candidate candidate = candidate_of(state, event.node, event.label);
     const std::optional<Pair> pair = pair_of(state, event, candidate);
     if (!pair) continue;
     if (const auto* by_distance = std::get_if<DistanceTerms>(&pair->terms)) {

@@ -117,9 +117,7 @@ std::string outcome_of(const MergeReport& report, const TraceEvent& event, doubl
 MergeReport explain_candidate(const Run& run, std::int32_t step) {
   const TraceEvent& event = *run.event_at(step);
   StateWalk walk(run);
-  Candidate candidate =
-      fit_label(run.octree(), event.node, event.label, run.segment_options.use_labels);
-  candidate.sigma_ang = walk.state().sigma_ang(candidate.fit);
+  const Candidate candidate = candidate_of(walk.state(), event.node, event.label);
 
   MergeReport report;
   report.node = event.node;

@@ -26,6 +26,8 @@ struct Pair {
 };
 using PairVisitor = std::function<void(const Pair&)>;
 PairStrain strain_of(const Pair& pair, const SegmentOptions& options);
+/// The one that comes nearest to passing, of equals the first; null without any.
+const Pair* nearest_pair(std::span<const Pair> pairs, const SegmentOptions& options);
 /// R1's terms, of a plane of the list and what is held against it. `any_angle`: see DistanceTerms.
 Pair pair_by_distance(const SegmentState& state,
                       std::int32_t k,

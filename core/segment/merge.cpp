@@ -16,14 +16,13 @@ void claim_points(SegmentState& state, const Candidate& candidate, std::int32_t 
 
 /// Of the pair that was chosen or, where none was, of the one that came nearest.
 void trace_strain(const SegmentState& state, const std::vector<Pair>& pairs, std::int32_t chosen) {
-  PairStrain nearest{0, 0, INFINITY};
-  for (const Pair& pair : pairs) {
-    const PairStrain strain = strain_of(pair, state.options);
-    if (chosen >= 0 ? pair.plane == chosen : strain.worst < nearest.worst) nearest = strain;
-  }
-  if (std::isinf(nearest.worst)) return;
-  state.trace->strains.angle.push_back(static_cast<float>(nearest.angle));
-  state.trace->strains.distance.push_back(static_cast<float>(nearest.distance));
+  const auto joined = std::ranges::find(pairs, chosen, &Pair::plane);
+  const Pair* shown = joined != pairs.end() ? &*joined : nearest_pair(pairs, state.options);
+  if (!shown) return;
+  const PairStrain strain = strain_of(*shown, state.options);
+  if (std::isinf(strain.worst)) return;
+  state.trace->strains.angle.push_back(static_cast<float>(strain.angle));
+  state.trace->strains.distance.push_back(static_cast<float>(strain.distance));
 }
 
 }  // namespace
@@ -31,6 +30,17 @@ void trace_strain(const SegmentState& state, const std::vector<Pair>& pairs, std
 PairStrain strain_of(const Pair& pair, const SegmentOptions& options) {
   if (const auto* terms = std::get_if<DistanceTerms>(&pair.terms)) return strain_of(*terms);
   return strain_of(std::get<Coplanarity>(pair.terms), options);
+}
+
+const Pair* nearest_pair(std::span<const Pair> pairs, const SegmentOptions& options) {
+  const Pair* nearest = nullptr;
+  double least = INFINITY;
+  for (const Pair& pair : pairs)
+    if (const double worst = strain_of(pair, options).worst; worst < least) {
+      nearest = &pair;
+      least = worst;
+    }
+  return nearest;
 }
 
 Pair pair_by_distance(const SegmentState& state,

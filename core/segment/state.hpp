@@ -57,6 +57,13 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 Trace* trace,
                                 const Measurements& more);
 
+/// fit_label() of a node, and how well its normal is known.
+inline Candidate candidate_of(const SegmentState& state, std::int32_t node, Label label) {
+  Candidate candidate = fit_label(state.octree, node, label, state.options.use_labels);
+  candidate.sigma_ang = state.sigma_ang(candidate.fit);
+  return candidate;
+}
+
 /// A decision. Log it before what follows from it.
 inline void log(const SegmentState& state, const TraceEvent& event) {
   if (state.trace) state.trace->events.push_back(event);

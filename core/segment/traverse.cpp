@@ -7,14 +7,9 @@
 namespace planescope {
 namespace {
 
-Candidate fit_label(const SegmentState& state, std::int32_t index, Label label) {
-  return fit_label(state.octree, index, label, state.options.use_labels);
-}
-
-/// Criterion 3; fills in how sure the normal is.
-bool planar(const SegmentState& state, Candidate& candidate) {
+/// Criterion 3.
+bool planar(const SegmentState& state, const Candidate& candidate) {
   const double range = state.range(candidate.fit.centroid);
-  candidate.sigma_ang = state.sigma_ang(candidate.fit);
   const Planarity asked = planarity(candidate.fit, state.noise, range, state.options);
   if (state.trace)
     state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
@@ -63,13 +58,13 @@ void accept(SegmentState& state, const Candidate& candidate) {
 /// label instead of being divided down to where the labels part.
 bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
   if (!has_enough_inliers(purity.n_in, state.options)) return false;
-  Candidate inliers = fit_label(state, index, purity.inlier);
+  Candidate inliers = candidate_of(state, index, purity.inlier);
   if (!planar(state, inliers)) return false;
   const Label outlier = purity.inlier == Label::h ? Label::v : Label::h;
   const bool both = has_enough_inliers(purity.n_out, state.options);
   Candidate outliers;
   if (both) {
-    outliers = fit_label(state, index, outlier);
+    outliers = candidate_of(state, index, outlier);
     if (!planar(state, outliers)) return false;
   }
   state.octree.nodes[index].impure_fit = true;
@@ -94,7 +89,7 @@ void visit(SegmentState& state, std::int32_t index) {
     leave_over(state, index);
     return;
   }
-  Candidate candidate = fit_label(state, index, purity.inlier);
+  Candidate candidate = candidate_of(state, index, purity.inlier);
   const bool is_plane = planar(state, candidate);
   settle(state, index, is_plane ? Case::IV : Case::III, candidate.fit.eigenvalues[0]);
   if (!is_plane) {  // Case III
