@@ -74,6 +74,9 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
                 "--intrinsics and --depth-unit");
   Cloud cloud;
   cloud.T_world_sensor = world_from_gravity(gravity.direction, true);
+  cloud.width = depth.width;
+  cloud.height = depth.height;
+  cloud.focal_px = std::sqrt(std::abs(k.fx * k.fy));
   const Mat3d R = cloud.T_world_sensor.linear();
   // A depth image holds nothing beyond 65534 counts, however large the range asked for.
   const double farthest_m = std::min(options.max_range_m, 65534 * frame.depth_unit_m);

@@ -45,6 +45,8 @@ struct Cloud {
   Vec3d origin = Vec3d::Zero();
   std::vector<Vec3f> points;          // valid measurements, cropped ones included
   std::vector<std::uint32_t> source;  // pixel index v * width + u, or index in the file
+  int width = 0, height = 0;          // of the depth image; 0: a cloud
+  double focal_px = 0;                // of the depth image
   std::vector<std::uint8_t> kept;     // 1: inside range and cube
   Cube cube;
   CloudCounts counts;

@@ -1,11 +1,7 @@
-// Planes of a depth image. On a plane n . X = d the inverse depth is linear in the ray (x, y, 1):
-//   1/z = (n_x x + n_y y + n_z) / d.
-// Stereo measures disparity, which is proportional to 1/z, so that least squares here weight every
-// range correctly (in metres the noise would grow with z^2).
+// Planes of a depth image, fitted in inverse depth.
 
 #include "core/cloud/image_planes.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,6 +9,7 @@
 #include <optional>
 
 #include "core/cloud/camera.hpp"
+#include "core/geometry/inverse_plane.hpp"
 
 namespace planescope {
 namespace {
@@ -31,49 +28,15 @@ constexpr int kMaxPlanes = 16;
 constexpr double kMaxDepth_m = 10;
 constexpr double kFullWeightDepth_m = 2;  // beyond, a patch's area counts no more than here
 
-/// Sums for the least-squares fit w = a x + b y + c; additive.
-struct Sums {
-  Mat3d rr = Mat3d::Zero();  // ray ray^T
-  Vec3d rw = Vec3d::Zero();
-  double ww = 0;
-  int count = 0;
-
-  void add(const Vec2d& ray, double w) {
-    const Vec3d r(ray.x(), ray.y(), 1);
-    rr += r * r.transpose();
-    rw += r * w;
-    ww += w * w;
-    ++count;
-  }
-  Sums& operator+=(const Sums& other) {
-    rr += other.rr;
-    rw += other.rw;
-    ww += other.ww;
-    count += other.count;
-    return *this;
-  }
+/// Of inverse depth: rays have z = 1.
+struct Sums : InverseSums {
   Vec3d mean_ray() const { return rr.col(2) / count; }
   double mean_w() const { return rw[2] / count; }
 };
 
-struct Fit {
-  Vec3d w_of_ray = Vec3d::Zero();  // (a, b, c)
-  double rms = 0;                  // of inverse depth [1/m]
-  /// Towards the sensor: rays have z = 1 > 0 and w > 0, so n . ray < 0.
-  Vec3d normal() const { return -w_of_ray.normalized(); }
-};
-
-Fit fit(const Sums& s) {
-  Fit result;
-  result.w_of_ray = s.rr.ldlt().solve(s.rw);
-  const double squares = s.ww - result.w_of_ray.dot(s.rw);
-  result.rms = std::sqrt(std::max(0.0, squares) / std::max(1, s.count - 3));
-  return result;
-}
-
 struct Patch {
   Sums sums;
-  Fit plane;
+  InversePlane plane;
   bool planar = false;
 };
 
@@ -96,13 +59,13 @@ Patches make_patches(const Frame& frame) {
       const double z = depth.at(u, v) * frame.depth_unit_m;
       const Vec2d& ray = rays[static_cast<std::size_t>(v) * depth.width + u];
       if (z <= 0 || z > kMaxDepth_m || !ray.allFinite()) continue;
-      patches.all[static_cast<std::size_t>(v / size) * patches.across + u / size].sums.add(ray,
-                                                                                           1 / z);
+      patches.all[static_cast<std::size_t>(v / size) * patches.across + u / size].sums.add(
+          {ray.x(), ray.y(), 1}, 1 / z);
     }
   std::vector<double> roughness;
   for (Patch& patch : patches.all) {
     if (patch.sums.count < kMinFill * size * size) continue;
-    patch.plane = fit(patch.sums);
+    patch.plane = patch.sums.fit();
     patch.planar = patch.plane.rms <= kMostNoise;
     roughness.push_back(patch.plane.rms);
   }
@@ -118,7 +81,10 @@ Patches make_patches(const Frame& frame) {
 }
 
 /// Area that a patch would cover if it lay on the plane: rays dx dy cut out z^3 / distance.
-double area_m2(const Patch& patch, const Fit& plane, double pixel_area, double max_depth_m) {
+double area_m2(const Patch& patch,
+               const InversePlane& plane,
+               double pixel_area,
+               double max_depth_m) {
   const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.sums.mean_ray()));
   return patch.sums.count * pixel_area * z * z * z * plane.w_of_ray.norm();
 }
@@ -136,11 +102,11 @@ class PlaneSearch {
   /// The plane of the largest area among the patches that are still free; takes them.
   std::optional<ImagePlane> next() {
     double best_area = 0;
-    Fit best;
+    InversePlane best;
     for (const int reach : {1, 2, 4}) {
       for (int y = reach % 2; y < patches_.down; y += 2)
         for (int x = reach % 2; x < patches_.across; x += 2) {
-          const std::optional<Fit> guess = fit_block(x, y, reach);
+          const std::optional<InversePlane> guess = fit_block(x, y, reach);
           if (!guess) continue;
           double area = 0;
           for (std::size_t i = 0; i < free_.size(); ++i)
@@ -157,7 +123,7 @@ class PlaneSearch {
     for (int round = 0; round < 3; ++round) {
       members = members_of(best);
       if (members.size() < kMinPatches) break;
-      best = fit(sum(members));
+      best = sum(members).fit();
     }
     if (members.size() < kMinPatches) return std::nullopt;
     for (const int i : members) free_[i] = 0;
@@ -165,7 +131,7 @@ class PlaneSearch {
   }
 
  private:
-  bool lies_on(const Patch& patch, const Fit& plane) const {
+  bool lies_on(const Patch& patch, const InversePlane& plane) const {
     const double w = patch.sums.mean_w();
     const double error = plane.w_of_ray.dot(patch.sums.mean_ray()) - w;
     return std::abs(error) <= tolerance_ + kBias * w &&
@@ -173,10 +139,10 @@ class PlaneSearch {
   }
 
   /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
-  std::optional<Fit> fit_block(int x, int y, int reach) const {
+  std::optional<InversePlane> fit_block(int x, int y, int reach) const {
     const int center = y * patches_.across + x;
     if (!free_[center]) return std::nullopt;
-    const Fit& hint = patches_.all[center].plane;
+    const InversePlane& hint = patches_.all[center].plane;
     Sums sums;
     for (int v = std::max(0, y - reach); v <= std::min(patches_.down - 1, y + reach); ++v)
       for (int u = std::max(0, x - reach); u <= std::min(patches_.across - 1, x + reach); ++u) {
@@ -191,14 +157,14 @@ class PlaneSearch {
                      kBias * patch.sums.mean_w()))  // the hint is rough, the more so far away
           sums += patch.sums;
       }
-    const Fit result = fit(sums);
+    const InversePlane result = sums.fit();
     if (result.rms > 2 * patches_.noise) return std::nullopt;
     return result;
   }
 
   /// Free patches on the plane that have neighbours on it: a plane that merely cuts through clutter
   /// picks up isolated ones.
-  std::vector<int> members_of(const Fit& plane) const {
+  std::vector<int> members_of(const InversePlane& plane) const {
     std::vector<std::uint8_t> on(free_.size(), 0);
     for (std::size_t i = 0; i < on.size(); ++i) on[i] = free_[i] && lies_on(patches_.all[i], plane);
     std::vector<int> members;
@@ -220,7 +186,7 @@ class PlaneSearch {
     return sums;
   }
 
-  ImagePlane describe(const std::vector<int>& members, const Fit& plane_fit) const {
+  ImagePlane describe(const std::vector<int>& members, const InversePlane& plane_fit) const {
     const Sums sums = sum(members);
     ImagePlane plane;
     plane.normal = plane_fit.normal();

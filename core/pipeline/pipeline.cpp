@@ -46,6 +46,19 @@ std::vector<Vec3f> points_beyond(const Cloud& cloud) {
   return beyond;
 }
 
+PixelGrid pixel_grid(const Cloud& cloud, const VoxelCloud& voxels) {
+  PixelGrid grid{cloud.width, cloud.height, cloud.focal_px, {}, {}};
+  const std::size_t pixels = static_cast<std::size_t>(cloud.width) * cloud.height;
+  grid.measured.resize(pixels);
+  grid.point.assign(pixels, PixelGrid::kNoPoint);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (voxels.voxel_of[i] != kNoVoxel) {
+      grid.measured[cloud.source[i]] = cloud.points[i];
+      grid.point[cloud.source[i]] = voxels.voxel_of[i];
+    }
+  return grid;
+}
+
 Classification unclassified(const VoxelCloud& voxels) {
   const std::size_t n = voxels.points.size();
   return {std::vector<Label>(n, Label::unknown), std::vector<float>(n, 0.0f)};
@@ -87,6 +100,9 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
     more.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
   if (options.split_disconnected.rule == SplitRule::seen && more.rays)
     more.beyond = points_beyond(prepared.cloud);
+  const bool on_pixels =
+      options.r9_join_sheets.on || options.r10_minor.on || options.r11_pixel_borders.on;
+  if (on_pixels && !prepared.from_cloud) more.pixels = pixel_grid(prepared.cloud, prepared.voxels);
   return more;
 }
 
@@ -102,6 +118,9 @@ FoundRegions find_regions(const Frame& frame,
     found.segmentation =
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
                 prepared.sensor(), segment_options(prepared, options), trace, more);
+    for (const std::uint32_t pixel : prepared.cloud.source)
+      if (!found.segmentation.plane_of_pixel.empty())
+        found.plane_of.push_back(found.segmentation.plane_of_pixel[pixel]);
     found.segmentation.timings.traverse_ms += more_ms;
   } else {
     found = find_rival_regions(frame, prepared, options);

@@ -54,17 +54,23 @@ void conclude(SegmentState& state, Segmentation& result) {
                    [&](auto a, auto b) { return points[a] > points[b]; });
 
   std::vector<std::int32_t> id(state.planes.size(), 0);
-  for (const std::int32_t k : order) {
+  const auto region_of = [&](std::int32_t k) {
     const GrowingPlane& plane = state.planes[k];
     PlaneRegion region;
-    region.id = static_cast<int>(result.planes.size()) + 1;
     region.label = plane.label;
     region.fit = plane.fit;
     region.points = points[k];
     region.founded = k;
     region.fit.normal = outward_normal(plane.fit, plane.label, state.sensor);
-    result.planes.push_back(region);
-    id[k] = region.id;
+    return region;
+  };
+  for (const std::int32_t k : order) {
+    result.planes.push_back(region_of(k));
+    id[k] = result.planes.back().id = static_cast<int>(result.planes.size());
+  }
+  for (const std::int32_t k : state.minor) {
+    result.minor.push_back(region_of(k));
+    result.minor.back().points = static_cast<std::uint32_t>(state.planes[k].moments.count);
   }
   result.plane_of.assign(state.plane_of.size(), 0);
   for (std::size_t i = 0; i < state.plane_of.size(); ++i) {
@@ -72,6 +78,8 @@ void conclude(SegmentState& state, Segmentation& result) {
     if (plane >= 0) result.plane_of[state.octree.order[i]] = id[plane];
     if (plane < 0 || id[plane] == 0) ++state.counts.unassigned;
   }
+  for (const std::int32_t plane : state.plane_of_pixel)
+    result.plane_of_pixel.push_back(plane >= 0 ? id[plane] : 0);
   result.octree = std::move(state.octree);
   result.noise = std::move(state.noise);
   result.counts = state.counts;

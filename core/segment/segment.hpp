@@ -10,6 +10,7 @@
 #include "core/segment/noise.hpp"
 #include "core/segment/octree.hpp"
 #include "core/segment/options.hpp"
+#include "core/segment/pixel_grid.hpp"
 #include "core/segment/trace.hpp"
 
 namespace planescope {
@@ -44,12 +45,15 @@ struct Measurements {
   std::vector<Spread> spreads;  // R8: per point, of its measurements about it
   bool rays = false;            // the split: `sensor` saw all points along rays that end there ...
   std::vector<Vec3f> beyond;    // ... and these, which were cropped
+  PixelGrid pixels;             // R9 to R11: of a depth image
 };
 
 struct Segmentation {
-  std::vector<std::int32_t> plane_of;  // per input point: plane id, 0 none
-  std::vector<PlaneRegion> planes;     // planes[id - 1]
-  Octree octree;                       // with each visited node's case
+  std::vector<std::int32_t> plane_of;        // per input point: plane id, 0 none
+  std::vector<std::int32_t> plane_of_pixel;  // R11: per pixel, likewise; without it empty
+  std::vector<PlaneRegion> planes;           // planes[id - 1]
+  std::vector<PlaneRegion> minor;  // R10: too small or too ragged to be listed; ids 0, in no pixel
+  Octree octree;                   // with each visited node's case
   SegmentCounts counts;
   SegmentTimings timings;
   NoiseModel noise;  // measured, and the thresholds that follow

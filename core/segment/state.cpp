@@ -91,6 +91,15 @@ void end_plane(SegmentState& state, std::int32_t plane, std::int32_t into) {
   trace_plane(state, plane);
 }
 
+void join_planes(SegmentState& state,
+                 std::int32_t plane,
+                 std::int32_t into,
+                 std::span<const std::uint32_t> points) {
+  grow_plane(state, into, state.planes[plane]);
+  end_plane(state, plane, into);
+  for (const std::uint32_t i : points) give_point(state, i, into);
+}
+
 void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points) {
   end_plane(state, plane);
   for (const std::uint32_t i : points) leave_point(state, i);
@@ -107,6 +116,17 @@ PlanePoints points_by_plane(const SegmentState& state) {
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
     if (state.plane_of[i] >= 0) result.points[next[state.plane_of[i]]++] = i;
   return result;
+}
+
+std::vector<std::int32_t> planes_of_pixels(const SegmentState& state) {
+  const PixelGrid& pixels = state.more.pixels;
+  std::vector<std::int32_t> of_input(state.plane_of.size());
+  for (std::size_t i = 0; i < of_input.size(); ++i)
+    of_input[state.octree.order[i]] = state.plane_of[i];
+  std::vector<std::int32_t> planes(pixels.point.size(), -1);
+  for (std::size_t i = 0; i < planes.size(); ++i)
+    if (pixels.has(i)) planes[i] = of_input[pixels.point[i]];
+  return planes;
 }
 
 double typical_area_per_point(const SegmentState& state) {

@@ -24,6 +24,8 @@ struct SegmentState {
   std::vector<GrowingPlane> planes = {};    // in order of founding
   std::vector<std::uint32_t> leftovers = {};  // Morton positions, in the order they were left over
   std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
+  std::vector<std::int32_t> plane_of_pixel = {};  // R11: per pixel, -1 none; without it empty
+  std::vector<std::int32_t> minor = {};           // R10: planes that it dropped
   SegmentCounts counts = {};
 
   Vec3d point(std::uint32_t i) const { return octree.points[i].cast<double>(); }
@@ -112,6 +114,11 @@ void grow_plane(SegmentState& state, std::int32_t plane, const PlaneOrCandidate&
 }
 /// The plane ends: merged `into` another, or dropped. Its points must be given away as well.
 void end_plane(SegmentState& state, std::int32_t plane, std::int32_t into = -1);
+/// The plane goes into another, with its points.
+void join_planes(SegmentState& state,
+                 std::int32_t plane,
+                 std::int32_t into,
+                 std::span<const std::uint32_t> points);
 /// Drops a plane and leaves its points over.
 void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);
 
@@ -124,6 +131,9 @@ struct PlanePoints {
   }
 };
 PlanePoints points_by_plane(const SegmentState& state);
+
+/// Per pixel of the depth image, the plane of its point, -1 none. Empty where there is no image.
+std::vector<std::int32_t> planes_of_pixels(const SegmentState& state);
 
 /// area_per_point() of the plane that the median point of all planes belongs to.
 double typical_area_per_point(const SegmentState& state);

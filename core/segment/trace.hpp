@@ -70,7 +70,7 @@ struct GrowingPlane {
   double sigma_ang = 0;  // [rad]
   Bounds bounds;
   bool alive = true;       // false: merged into another or pruned
-  std::int32_t into = -1;  // where not alive: the plane that R7 merged it into, -1 if dropped
+  std::int32_t into = -1;  // where not alive: the plane that it was merged into, -1 if dropped
 };
 
 // Step k is the state after the first k events. A change belongs to the event logged last: it holds

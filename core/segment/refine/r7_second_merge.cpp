@@ -13,10 +13,8 @@ using PointsOf = std::vector<std::vector<std::uint32_t>>;  // per plane, Morton 
 
 void merge_into(SegmentState& state, std::int32_t plane, std::int32_t into, PointsOf& points_of) {
   log_refine(state, state.options.r7_second_merge, plane, into);
-  grow_plane(state, into, state.planes[plane]);
-  end_plane(state, plane, into);
   std::vector<std::uint32_t>& moved = points_of[plane];
-  for (const std::uint32_t i : moved) give_point(state, i, into);
+  join_planes(state, plane, into, moved);
   points_of[into].insert(points_of[into].end(), moved.begin(), moved.end());
   moved.clear();
 }

@@ -10,27 +10,37 @@ namespace {
 
 const Vec3d kSensor(-1.5, 0, 0.8);
 
+struct Setting {
+  SegmentOptions options;
+  bool picture = false;  // the points come from a depth image
+};
+
 /// Profiles, and what must be otherwise for an option to matter.
-std::vector<SegmentOptions> settings() {
-  std::vector<SegmentOptions> all{profile_options(Profile::refined),
-                                  profile_options(Profile::paper_closest)};
+std::vector<Setting> settings() {
+  std::vector<Setting> all{{profile_options(Profile::refined)},
+                           {profile_options(Profile::paper_closest)}};
   SegmentOptions options = profile_options(Profile::refined);
   options.r8_voxel_spread.on = true;
-  all.push_back(options);
+  all.push_back({options});
+  options = profile_options(Profile::refined);
+  options.r10_minor.pixels = 5;  // of few
+  all.push_back({options, true});
   options = profile_options(Profile::refined);
   options.noise.estimate_sigma = options.noise.sigma_by_range = false;
   options.split_disconnected.rule = SplitRule::on;
-  all.push_back(options);
+  all.push_back({options});
   PipelineOptions every;  // refinement there is
   for (const OptionInfo& info : option_table())
     if (info.section == "refinements" && info.kind == OptionKind::on_off) info.set(every, "on");
-  all.push_back(every.segment);
+  all.push_back({every.segment});
   return all;
 }
 
 std::vector<std::int32_t> planes_of(const test::LabelledCloud& cloud,
-                                    const SegmentOptions& options) {
+                                    const SegmentOptions& options,
+                                    bool picture = false) {
   Measurements more;
+  if (picture) more.pixels = test::picture_of(cloud.points, kSensor);
   if (options.r8_voxel_spread.on)
     more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .yy = 1e-5f, .zz = 1e-5f});
   return segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, nullptr, more).plane_of;
@@ -44,12 +54,13 @@ class Clouds {
       for (std::size_t s = 0; s < settings_.size(); ++s)
         for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
           PipelineOptions options;
-          options.segment = settings_[s];
+          options.segment = settings_[s].options;
           const std::string before = info.get(options);
           const double value = factor * number_of(info, options);
           info.set(options, number_text(info, value == 0 && factor > 0 ? 0.02 * factor : value));
           if (info.get(options) == before) continue;
-          if (planes_of(cloud(seed), options.segment) != as_it_is(s, seed)) return true;
+          if (planes_of(cloud(seed), options.segment, settings_[s].picture) != as_it_is(s, seed))
+            return true;
         }
     return false;
   }
@@ -65,11 +76,12 @@ class Clouds {
   }
   const std::vector<std::int32_t>& as_it_is(std::size_t setting, std::uint64_t seed) {
     std::vector<std::int32_t>& known = known_[{setting, seed}];
-    if (known.empty()) known = planes_of(cloud(seed), settings_[setting]);
+    if (known.empty())
+      known = planes_of(cloud(seed), settings_[setting].options, settings_[setting].picture);
     return known;
   }
 
-  const std::vector<SegmentOptions> settings_ = settings();
+  const std::vector<Setting> settings_ = settings();
   std::vector<test::LabelledCloud> clouds_;
   std::map<std::pair<std::size_t, std::uint64_t>, std::vector<std::int32_t>> known_;
 };

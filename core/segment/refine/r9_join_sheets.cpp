@@ -1,0 +1,186 @@
+#include "core/segment/refine/r9_join_sheets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "core/geometry/inverse_plane.hpp"
+#include "core/segment/state.hpp"
+
+namespace planescope::r9_join_sheets {
+namespace {
+
+constexpr int kTile = 16;         // the border is cut into stretches of about this length [px]
+constexpr int kBand = 12;         // how far the depth beside a stretch is looked at [px]
+constexpr int kLeastPixels = 20;  // on either side of it
+constexpr int kLeastContacts = 3;
+
+using PlanePair = std::pair<std::int32_t, std::int32_t>;  // first < second
+
+/// Where two planes touch.
+struct Border {
+  int pixels = 0;   // pairs of neighbouring pixels
+  double step = 0;  // sum of the steps of its stretches, weighted: w of the second's side more
+  double weight = 0;
+
+  void append(const Border& other, bool reversed) {
+    pixels += other.pixels;
+    step += reversed ? -other.step : other.step;
+    weight += other.weight;
+  }
+};
+
+/// A pixel on one side of a border, the other side's being next to it.
+struct Contact {
+  PlanePair planes;
+  int tile = 0;  // of the image
+  int x = 0, y = 0;
+  auto operator<=>(const Contact&) const = default;
+};
+
+class Sheets {
+ public:
+  Sheets(SegmentState& state, const Options& options)
+      : state_(state),
+        options_(options),
+        pixels_(state.more.pixels),
+        plane_(planes_of_pixels(state)),
+        sums_(state.planes.size()),
+        points_(state.planes.size()) {
+    rays_.resize(plane_.size());
+    w_.resize(plane_.size());
+    for (std::size_t i = 0; i < plane_.size(); ++i) {
+      if (!pixels_.has(i)) continue;
+      const Vec3d to = pixels_.measured[i].cast<double>() - state.sensor;
+      w_[i] = 1 / std::max(to.norm(), 1e-3);
+      rays_[i] = to * w_[i];
+      if (plane_[i] >= 0) sums_[plane_[i]].add(rays_[i], w_[i]);
+    }
+    for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
+      if (state.plane_of[i] >= 0) points_[state.plane_of[i]].push_back(i);
+  }
+
+  void join_all() {
+    find_borders();
+    std::map<PlanePair, std::optional<double>> costs;
+    for (const auto& [planes, border] : borders_) costs[planes] = cost(planes, border);
+    for (;;) {
+      const auto best = std::ranges::min_element(costs, {}, [](const auto& entry) {
+        return entry.second.value_or(std::numeric_limits<double>::infinity());
+      });
+      if (best == costs.end() || !best->second) return;
+      auto [small, large] = best->first;
+      if (sums_[small].count > sums_[large].count) std::swap(small, large);
+      join(small, large);
+      std::erase_if(costs, [&](const auto& entry) { return touches(entry.first, small, large); });
+      for (const auto& [planes, border] : borders_)
+        if (touches(planes, large, large)) costs[planes] = cost(planes, border);
+    }
+  }
+
+ private:
+  static bool touches(const PlanePair& planes, std::int32_t a, std::int32_t b) {
+    return planes.first == a || planes.first == b || planes.second == a || planes.second == b;
+  }
+
+  void find_borders() {
+    std::vector<Contact> contacts;
+    const int across = pixels_.width / kTile + 1;
+    // Two pixels apart as well, over what was not measured between.
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})
+      for (int y = 0; y + dy < pixels_.height; ++y)
+        for (int x = 0; x + dx < pixels_.width; ++x) {
+          const std::int32_t a = plane_[pixels_.at(x, y)], b = plane_[pixels_.at(x + dx, y + dy)];
+          if (a < 0 || b < 0 || a == b) continue;
+          const int u = a < b ? x : x + dx, v = a < b ? y : y + dy;
+          contacts.push_back({std::minmax(a, b), (v / kTile) * across + u / kTile, u, v});
+        }
+    std::ranges::sort(contacts);
+    for (std::size_t i = 0; i < contacts.size();) {
+      std::size_t end = i;
+      while (end < contacts.size() && contacts[end].planes == contacts[i].planes &&
+             contacts[end].tile == contacts[i].tile)
+        ++end;
+      add_stretch(std::span(contacts).subspan(i, end - i));
+      i = end;
+    }
+  }
+
+  /// Fits the depth around the stretch by planes of one direction on both sides.
+  void add_stretch(std::span<const Contact> contacts) {
+    const auto [a, b] = contacts[0].planes;
+    Border& border = borders_[contacts[0].planes];
+    const int length = static_cast<int>(contacts.size());
+    border.pixels += length;
+    if (length < kLeastContacts) return;
+    int x = 0, y = 0;
+    for (const Contact& contact : contacts) x += contact.x, y += contact.y;
+    x /= length, y /= length;
+    Eigen::Matrix4d normal_equations = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    int on_a = 0, on_b = 0;
+    for (int v = std::max(0, y - kBand); v <= std::min(pixels_.height - 1, y + kBand); ++v)
+      for (int u = std::max(0, x - kBand); u <= std::min(pixels_.width - 1, x + kBand); ++u) {
+        const std::size_t i = pixels_.at(u, v);
+        if (plane_[i] != a && plane_[i] != b) continue;
+        ++(plane_[i] == a ? on_a : on_b);
+        Eigen::Vector4d row;
+        row << rays_[i], plane_[i] == b;
+        normal_equations += row * row.transpose();
+        right += row * w_[i];
+      }
+    if (on_a < kLeastPixels || on_b < kLeastPixels) return;
+    border.step += length * normal_equations.ldlt().solve(right)[3];
+    border.weight += length;
+  }
+
+  /// How badly the two are one plane [1/m]; nothing where they are not.
+  std::optional<double> cost(const PlanePair& planes, const Border& border) const {
+    if (border.pixels < options_.border_px || border.weight == 0 ||
+        std::abs(border.step) > options_.step_m * border.weight)
+      return std::nullopt;
+    const InverseSums &a = sums_[planes.first], &b = sums_[planes.second];
+    const double cosine = a.fit().normal().dot(b.fit().normal());
+    if (cosine < std::cos(options_.max_angle_deg * std::numbers::pi / 180)) return std::nullopt;
+    InverseSums both = a;
+    both += b;
+    const double misfit = (a.count < b.count ? a : b).rms_about(both.fit().w_of_ray);
+    if (!(misfit <= options_.misfit_m)) return std::nullopt;
+    return misfit;
+  }
+
+  void join(std::int32_t small, std::int32_t large) {
+    log_refine(state_, options_, small, large);
+    join_planes(state_, small, large, points_[small]);
+    points_[large].insert(points_[large].end(), points_[small].begin(), points_[small].end());
+    sums_[large] += sums_[small];
+    std::map<PlanePair, Border> borders;
+    for (const auto& [planes, border] : borders_) {
+      const auto [a, b] = planes;
+      const std::int32_t c = a == small ? large : a, d = b == small ? large : b;
+      if (c != d) borders[std::minmax(c, d)].append(border, c > d);
+    }
+    borders_ = std::move(borders);
+  }
+
+  SegmentState& state_;
+  const Options& options_;
+  const PixelGrid& pixels_;
+  const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
+  std::vector<Vec3d> rays_;                // per pixel, unit
+  std::vector<double> w_;                  // 1 / distance
+  std::vector<InverseSums> sums_;          // per plane
+  std::vector<std::vector<std::uint32_t>> points_;
+  std::map<PlanePair, Border> borders_;
+};
+
+}  // namespace
+
+void run(SegmentState& state, const Options& options) {
+  if (!options.on || state.more.pixels.empty()) return;
+  Sheets(state, options).join_all();
+}
+
+}  // namespace planescope::r9_join_sheets

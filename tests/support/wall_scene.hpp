@@ -1,0 +1,49 @@
+#pragma once
+
+// Depth images of what stands before a camera that looks level, for what is decided on pixels.
+
+#include <cmath>
+#include <functional>
+
+#include "core/base/random.hpp"
+#include "core/pipeline/pipeline.hpp"
+#include "core/recording/frame.hpp"
+
+namespace planescope::test {
+
+/// `depth_m(x, y)`: of the ray (x, y, 1), x right and y down; 0: none. Noise: of 1/z [1/m].
+inline Frame depth_frame(const std::function<double(double, double)>& depth_m,
+                         double noise = 0.002) {
+  Frame frame;
+  frame.depth = Image16(640, 480);
+  frame.depth_unit_m = 0.0002;
+  frame.intrinsics = {640, 480, 400, 400, 319.5, 239.5};
+  frame.gravity = Gravity{Vec3d::UnitY(), GravitySource::option, 1, "down"};
+  Random random(1);
+  for (int v = 0; v < 480; ++v)
+    for (int u = 0; u < 640; ++u) {
+      const double z = depth_m((u - 319.5) / 400, (v - 239.5) / 400);
+      const double w = 1 / z + noise * random.normal();
+      if (z > 0) frame.depth.at(u, v) = static_cast<std::uint16_t>(std::lround(1 / w / 0.0002));
+    }
+  return frame;
+}
+
+inline FrameResult result_of(const Frame& frame,
+                             const std::function<void(SegmentOptions&)>& change = {}) {
+  PipelineOptions options;
+  options.cloud.max_range_m = 4;
+  options.classifier = "pca";
+  if (change) change(options.segment);
+  return run_frame(frame, options, make_pca_classifier().get());
+}
+
+/// The plane of a pixel, 0 none.
+inline int plane_at(const FrameResult& result, int u, int v) {
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    if (result.cloud.source[i] == static_cast<std::uint32_t>(v * 640 + u))
+      return result.plane_of[i];
+  return 0;
+}
+
+}  // namespace planescope::test
