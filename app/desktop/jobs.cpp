@@ -329,7 +329,7 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
   const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
   const bool done = view == sensitivity_of_run && state.view.unfolded == sensitivity_unfolded;
   if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
-  if (state.mode == Mode::labels) return;  // shows no sliders
+  if (state.view.mode == Mode::labels) return;  // shows no sliders
   sensitivity_unfolded = state.view.unfolded;
   if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
     stop_analysis();
