@@ -37,16 +37,17 @@ std::vector<Table> half_tables(const LabelledScores& scores) {
       table.columns = {"method", "IoU",    "PQ",    "det",    "precision",
                        "recall", "over",   "under", "missed", "noise",
                        "ghosts", "pieces", "alpha", "r_p",    "r_m"};
-      table.note = fmt::format(
-          "By pixel; true planes of fewer than {} pixels are not scored. IoU: mean over true "
-          "planes, PQ: panoptic quality, both mean +- standard deviation over frames [%]; det: "
-          "true planes found with an IoU of at least 0.8; precision, recall: found and true "
-          "planes that are correct, sharing 80 % of either [%]; over, under, missed, noise: "
-          "planes a frame that fell apart, are several, were not found, are none; ghosts, pieces: "
-          "found planes a frame that match no true one with an IoU above 0.5, pieces those with "
-          "at least half of themselves on one; alpha: mean angle to the true normals [deg]; r_p: "
-          "100 x planes found / true; r_m: % of true planes' pixels in no plane.",
-          kLeastTruePixels);
+      if (tables.size() == 1)
+        table.note = fmt::format(
+            "By pixel; true planes of fewer than {} pixels are not scored. IoU: mean over true "
+            "planes, PQ: panoptic quality, both mean +- standard deviation over frames [%]; det: "
+            "true planes found with an IoU of at least 0.8; precision, recall: found and true "
+            "planes that are correct, sharing 80 % of either [%]; over, under, missed, noise: "
+            "planes a frame that fell apart, are several, were not found, are none; ghosts, "
+            "pieces: found planes a frame that match no true one with an IoU above 0.5, pieces "
+            "those with at least half of themselves on one; alpha: mean angle to the true normals "
+            "[deg]; r_p: 100 x planes found / true; r_m: % of true planes' pixels in no plane.",
+            kLeastTruePixels);
     }
     const Metrics& m = s.metrics;
     tables.back().rows.push_back(
@@ -112,11 +113,16 @@ std::vector<Table> set_tables(const std::vector<SetScores>& sets) {
       table.title = title;
       table.columns = {"method"};
       for (const SeedFigure& figure : seed_figures()) table.columns.emplace_back(figure.column);
-      table.note = fmt::format(
-          "By pixel; true planes of fewer than {} voxels are not scored. Mean +- standard "
-          "deviation over seeds (the worst seed). det: % of true planes found with an IoU of at "
-          "least 0.8; noise, ghosts, pieces: planes a frame; all as for real frames.",
-          kMinTruthVoxels);
+      if (tables.size() == 1)
+        table.note = fmt::format(
+            "The tables that follow have the same columns. By pixel; true planes of fewer than {} "
+            "voxels are not scored. Mean +- standard deviation over seeds (the worst seed). IoU: "
+            "mean over true planes, PQ: panoptic quality [%]; det: % of true planes found with an "
+            "IoU of at least 0.8; noise: planes a frame that are none by 80 % overlap; ghosts, "
+            "pieces: found planes a frame that match no true one with an IoU above 0.5, pieces "
+            "those with at least half of themselves on one; alpha: mean angle to the true normals "
+            "[deg].",
+            kMinTruthVoxels);
     }
     std::vector<std::string>& row = tables.back().rows.emplace_back(1, contestant_name(s.method));
     for (std::size_t f = 0; f < s.figures.size(); ++f) {
