@@ -102,8 +102,10 @@ std::string same_paper_command(const BenchPaperArgs& args, const Typed& typed) {
 }
 
 std::string same_real_command(const Typed& typed) {
+  const std::string list = std::filesystem::path(typed.frames_list).filename().string();
   std::string text = "planescope bench real";
-  for (const auto& [name, value] : {std::pair{"--only", typed.only},
+  for (const auto& [name, value] : {std::pair{"--frames-list", list},
+                                    {"--only", typed.only},
                                     {"--half", typed.half},
                                     {"--seeds", typed.seeds},
                                     {"--count", typed.count}})

@@ -54,7 +54,7 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
     EXPECT_EQ(frame["scores"][method]["planes_truth"], 2) << method;
   EXPECT_EQ(frame["scores"]["ours refined gcn"]["correct"], 2);
   EXPECT_EQ(json["halves"][0]["precision"], 100.0);
-  EXPECT_EQ(json["command"], "planescope bench real --only frames");
+  EXPECT_EQ(json["command"], "planescope bench real --frames-list list.txt --only frames");
 }
 
 TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
