@@ -218,6 +218,7 @@ void define_bench(Line& line) {
   CLI::App* bench =
       line.app.add_subcommand("bench", "Measure what planescope can do, and how fast");
   define_bench_paper(*bench, t, [&line](Job job) { line.job = std::move(job); });
+  define_bench_real(*bench, t, [&line](Job job) { line.job = std::move(job); });
 
   CLI::App* classifier = bench->add_subcommand(
       "classifier",

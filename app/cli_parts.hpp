@@ -38,8 +38,10 @@ std::vector<std::string> subcommand_names(const CLI::App* app);
 /// One line for what CLI11 did not understand, with the name that was probably meant.
 std::string message_of(const CLI::App& app, const CLI::ParseError& error);
 
-/// planescope bench paper, synth ... and labels ...; `choose` is given the job that was typed.
+/// planescope bench paper and real, synth ... and labels ...; `choose` is given the job that was
+/// typed.
 void define_bench_paper(CLI::App& bench, Typed& t, std::function<void(Job)> choose);
+void define_bench_real(CLI::App& bench, Typed& t, std::function<void(Job)> choose);
 void define_synth(CLI::App& app, Typed& typed, const std::function<void(Job)>& choose);
 void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose);
 

@@ -29,6 +29,12 @@ void check_output_dir(const fs::path& dir) {
     throw Error("output " + dir.string() + ": " + existing.string() + " cannot be written to");
 }
 
+void make_output_dir(const fs::path& dir) {
+  std::error_code failed;
+  fs::create_directories(dir, failed);
+  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
+}
+
 StagedOutput::StagedOutput(fs::path dir) : dir_(without_trailing_slash(dir)) {
   check_output_dir(dir);
 }

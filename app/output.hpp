@@ -9,6 +9,9 @@ namespace planescope {
 /// nothing: called before the work starts, so that an unwritable output costs no time.
 void check_output_dir(const std::filesystem::path& dir);
 
+/// Makes it where it is missing. Throws Error.
+void make_output_dir(const std::filesystem::path& dir);
+
 /// Folders that appear in `dir` only when they are complete: they are written below a hidden
 /// folder, and commit() moves them to their place, over what stood there. Without commit() nothing
 /// of them remains, nor of the folders that were made for them.

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <memory>
+#include <stop_token>
 #include <string>
+
+#include "core/base/error.hpp"
 
 namespace planescope {
 
@@ -20,6 +24,22 @@ class Progress {
   std::string what_;
   int total_;
   bool visible_;
+};
+
+/// A measurement's progress(): shows a bar that ends with it, and throws Cancelled on stop.
+class Bar {
+ public:
+  Bar(const char* what, std::stop_token stop) : what_(what), stop_(std::move(stop)) {}
+  void operator()(int done, int all) {
+    if (stop_.stop_requested()) throw Cancelled();
+    if (!bar_) bar_ = std::make_shared<Progress>(what_, all);
+    bar_->show(done, "");
+  }
+
+ private:
+  const char* what_;
+  std::stop_token stop_;
+  std::shared_ptr<Progress> bar_;
 };
 
 }  // namespace planescope

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "app/assets.hpp"
+#include "app/labelled_list.hpp"
 #include "app/paper_recordings.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
@@ -74,6 +75,15 @@ void set_size(const std::string& text, int& width, int& height) {
   height = whole_at_least(sides[1], "--size", 1);
 }
 
+/// $PLANESCOPE_DATA, empty where it is not set.
+std::filesystem::path data_folder() {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data || !*data) return {};
+  if (!std::filesystem::is_directory(data))
+    throw Error(fmt::format("PLANESCOPE_DATA: {} is not a folder", data));
+  return data;
+}
+
 /// Without folders and threads: both leave the results alone.
 std::string same_paper_command(const BenchPaperArgs& args, const Typed& typed) {
   std::string text = "planescope bench paper";
@@ -87,6 +97,18 @@ std::string same_paper_command(const BenchPaperArgs& args, const Typed& typed) {
                                     {"--gravity", typed.gravity},
                                     {"--intrinsics", typed.intrinsics},
                                     {"--depth-unit", typed.depth_unit}})
+    if (!value.empty()) text += fmt::format(" {} {}", name, value);
+  return text;
+}
+
+std::string same_real_command(const Typed& typed) {
+  const std::string list = std::filesystem::path(typed.frames_list).filename().string();
+  std::string text = "planescope bench real";
+  for (const auto& [name, value] : {std::pair{"--frames-list", list},
+                                    {"--only", typed.only},
+                                    {"--half", typed.half},
+                                    {"--seeds", typed.seeds},
+                                    {"--count", typed.count}})
     if (!value.empty()) text += fmt::format(" {} {}", name, value);
   return text;
 }
@@ -317,11 +339,7 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
   args.json = typed.json;
   args.parts = chosen_parts(typed, bench_paper_parts());
   args.threads = thread_count(typed);
-  if (const char* data = std::getenv("PLANESCOPE_DATA"); data && *data) {
-    args.data = data;
-    if (!std::filesystem::is_directory(args.data))
-      throw Error("PLANESCOPE_DATA: " + args.data.string() + " is not a folder");
-  }
+  args.data = data_folder();
   for (const std::string& input : typed.inputs) {
     Typed one = typed;
     one.inputs = {input};
@@ -334,6 +352,44 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
     args.recordings = listed_recordings(
         find_asset("paper_recordings.txt", "the list of bench paper's recordings is"), args.data);
   args.same_command = same_paper_command(args, typed);
+  return args;
+}
+
+BenchRealArgs bench_real_args(const Typed& typed) {
+  BenchRealArgs args;
+  args.out = required_out(typed, "bench real");
+  args.parts = chosen_parts(typed, bench_real_parts());
+  const bool frames = args.parts.contains("frames");
+  if (frames && typed.frames_list.empty())
+    throw Error("bench real needs a list of labelled frames, --frames-list FILE");
+  if (frames && typed.labels.empty())
+    throw Error("bench real needs the folder of the frames' labels, --labels DIR");
+  if (frames || args.parts.contains("repeat")) {
+    args.data = typed.data.empty() ? data_folder() : std::filesystem::path(typed.data);
+    if (args.data.empty())
+      throw Error("bench real needs the folder of recordings, --data DIR or PLANESCOPE_DATA");
+    if (!std::filesystem::is_directory(args.data))
+      throw Error("--data: " + args.data.string() + " is not a folder");
+  }
+  if (frames) {
+    std::optional<Half> half;
+    if (!typed.half.empty()) half = parse_half(typed.half);
+    args.frames = labelled_list(typed.frames_list, half);
+    args.labels = typed.labels;
+    if (!std::filesystem::is_directory(args.labels))
+      throw Error("--labels: " + args.labels.string() + " is not a folder");
+  }
+  for (const std::string& seed :
+       split(typed.seeds.empty() ? "1,2,3,4,5,6,1001,2001" : typed.seeds, ',')) {
+    const auto value = static_cast<std::uint64_t>(whole_at_least(seed, "--seeds", 1));
+    if (std::ranges::find(args.seeds, value) != args.seeds.end())
+      throw Error("--seeds: " + seed + " is there twice");
+    args.seeds.push_back(value);
+  }
+  if (!typed.count.empty()) args.count = whole_at_least(typed.count, "--count", 1);
+  args.threads = thread_count(typed);
+  args.json = typed.json;
+  args.same_command = same_real_command(typed);
   return args;
 }
 

@@ -6,6 +6,7 @@
 #include "app/commands/bench_classifier.hpp"
 #include "app/commands/bench_desktop.hpp"
 #include "app/commands/bench_paper.hpp"
+#include "app/commands/bench_real.hpp"
 #include "app/commands/inputs.hpp"
 #include "app/commands/report.hpp"
 #include "app/commands/synth.hpp"
@@ -32,6 +33,7 @@ struct Typed {
   bool approve = false, init = false, no_pictures = false;
   std::vector<std::string> shards;
   std::string only, rounds, sets, tuning_seed, doc;
+  std::string frames_list, data, half, seeds;
   bool quick = false;
   bool axis_aligned = false, exact = false, depth_only = false, with_gravity = false,
        augmented = false, resume = false, balance_classes = false;
@@ -52,6 +54,7 @@ SynthTrainingArgs training_args(const Typed& typed);
 TrainArgs train_args(const Typed& typed);
 BenchClassifierArgs bench_classifier_args(const Typed& typed);
 BenchPaperArgs bench_paper_args(const Typed& typed);
+BenchRealArgs bench_real_args(const Typed& typed);
 ViewArgs view_args(const Typed& typed);
 BenchDesktopArgs bench_desktop_args(const Typed& typed);
 ReportGuardArgs guard_args(const Typed& typed);

@@ -52,22 +52,6 @@ std::vector<Contender> load_all(const std::vector<std::string>& weights) {
   return contenders;
 }
 
-/// A measurement's progress(): shows a bar that ends with it, and throws to stop it.
-class Bar {
- public:
-  Bar(const char* what, std::stop_token stop) : what_(what), stop_(std::move(stop)) {}
-  void operator()(int done, int all) {
-    if (stop_.stop_requested()) throw Cancelled();
-    if (!bar_) bar_ = std::make_shared<Progress>(what_, all);
-    bar_->show(done, "");
-  }
-
- private:
-  const char* what_;
-  std::stop_token stop_;
-  std::shared_ptr<Progress> bar_;
-};
-
 std::vector<FrameRow> time_frames(const BenchClassifierArgs& args,
                                   const std::vector<Contender>& contenders,
                                   const std::stop_token& stop) {
@@ -137,9 +121,7 @@ std::string joined(const std::vector<Table>& tables, std::string (*text)(const T
 }
 
 void write_files(const ClassifierBench& bench, const fs::path& dir) {
-  std::error_code failed;
-  fs::create_directories(dir, failed);
-  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
+  make_output_dir(dir);
   if (const auto tables = result_tables(bench); !tables.empty()) {
     write_file_text(dir / "classifier.md", joined(tables, to_markdown));
     write_file_text(dir / "classifier.json", results_json(bench));

@@ -30,12 +30,6 @@ struct Measured {
   std::optional<PaperTimings> timings;
 };
 
-void make_dir(const fs::path& dir) {
-  std::error_code failed;
-  fs::create_directories(dir, failed);
-  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
-}
-
 /// Pages of what is there. Without figures the page has none.
 void write_pages(const fs::path& dir, const Measured& m, const std::vector<PaperFigure>& figures) {
   write_file_text(dir / "paper.md", paper_markdown(m.results));
@@ -66,7 +60,7 @@ class PaperRun {
     check_output_dir(args_.out);
     check_own(args_.out);
     Measured measured = args_.from.empty() ? measure() : recorded(args_.from);
-    make_dir(args_.out);
+    make_output_dir(args_.out);
     write_pages(args_.out, measured, {});
     const bool drawn = !wanted("figures") || !is_of_this_build(measured.results) || draw(measured);
     if (log_) log_->finish();
@@ -97,7 +91,7 @@ class PaperRun {
     // Damaged input is found before anything slow starts.
     load_classifiers();
     const std::vector<RealInput> real = open_real(args_.recordings, args_.quick ? 3 : 30);
-    make_dir(args_.out);
+    make_output_dir(args_.out);
     Measured measured;
     // What is not asked for stays as it was measured before.
     measured.results = start_results();

@@ -7,6 +7,7 @@
 #include "app/commands/predictions.hpp"
 #include "app/progress.hpp"
 #include "core/base/error.hpp"
+#include "core/evaluate/metrics_values.hpp"
 #include "core/pipeline/score.hpp"
 
 namespace planescope {
@@ -22,22 +23,9 @@ struct Row {
 };
 
 Json to_json(const Metrics& m) {
-  return {{"planes_truth", m.planes_truth},
-          {"planes_found", m.planes_found},
-          {"alpha_deg", m.alpha_deg},
-          {"r_p", m.r_p},
-          {"r_m", m.r_m},
-          {"point_accuracy", m.point_accuracy},
-          {"mean_iou", m.mean_iou},
-          {"pq", m.pq},
-          {"detected_iou80", m.detected_iou80},
-          {"over_segmented", m.over_segmented},
-          {"under_segmented", m.under_segmented},
-          {"missed", m.missed},
-          {"noise", m.noise},
-          {"label_accuracy_edge", m.label_accuracy_edge},
-          {"label_accuracy_inner", m.label_accuracy_inner},
-          {"points", m.points}};
+  Json json;
+  visit_values(m, [&](const char* name, const auto& value) { json[name] = value; });
+  return json;
 }
 
 void print_row(const std::string& name, int width, const Metrics& m) {

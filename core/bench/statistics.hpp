@@ -12,4 +12,10 @@ double median(std::vector<double> values);
 /// that what slowed one down slowed the other.
 double median_ratio(std::span<const double> numerators, std::span<const double> denominators);
 
+struct MeanAndDeviation {
+  double mean = 0;
+  double deviation = 0;  // standard deviation of a sample; 0 for less than two values
+};
+MeanAndDeviation mean_and_deviation(std::span<const double> values);
+
 }  // namespace planescope

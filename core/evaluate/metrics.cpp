@@ -51,10 +51,21 @@ double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
   return count > 0 ? sum / count : 0;
 }
 
+/// Of the found planes that match no true one: pieces of true planes, and ghosts.
+void sort_unmatched(const TruthOverlap& o, const std::vector<bool>& is_matched, Metrics& m) {
+  for (int f = 1; f <= o.found; ++f) {
+    if (o.found_size[f] == 0 || is_matched[f]) continue;
+    bool is_piece = false;
+    for (int t = 1; t <= o.truth; ++t) is_piece = is_piece || 2 * o.at(t, f) >= o.found_size[f];
+    ++(is_piece ? m.pieces : m.ghosts);
+  }
+}
+
 void score_matches(const TruthOverlap& o, Metrics& m) {
   const std::vector<int> match = found_of_truth(o);
   std::uint64_t correct = 0, in_planes = 0;
   double sum = 0, recognised_sum = 0;
+  std::vector<bool> is_matched(o.found + 1, false);
   for (int t = 1; t <= o.truth; ++t) {
     in_planes += o.truth_size[t];
     if (match[t - 1] == 0) continue;
@@ -62,8 +73,12 @@ void score_matches(const TruthOverlap& o, Metrics& m) {
     const double value = o.iou(t, match[t - 1]);
     sum += value;
     if (value >= kOverlap) ++m.detected_iou80;
-    if (value > 0.5) recognised_sum += value;
+    if (value > 0.5) {
+      recognised_sum += value;
+      is_matched[match[t - 1]] = true;
+    }
   }
+  sort_unmatched(o, is_matched, m);
   // Kirillov et al. 2019: TP + FP / 2 + FN / 2 = (true + found) / 2.
   const int planes = m.planes_truth + m.planes_found;
   if (planes > 0) m.pq = 100 * recognised_sum / (0.5 * planes);
@@ -80,8 +95,10 @@ void classify_regions(const TruthOverlap& o, Metrics& m) {
   std::vector<bool> truth_done(o.truth + 1, false), found_done(o.found + 1, false);
   for (int t = 1; t <= o.truth; ++t)
     for (int f = 1; f <= o.found; ++f)
-      if (mostly(o.at(t, f), o.truth_size[t]) && mostly(o.at(t, f), o.found_size[f]))
+      if (mostly(o.at(t, f), o.truth_size[t]) && mostly(o.at(t, f), o.found_size[f])) {
         truth_done[t] = found_done[f] = true;
+        ++m.correct;  // more than half of both: no plane has two such partners
+      }
   for (int t = 1; t <= o.truth; ++t) {
     if (truth_done[t]) continue;
     std::vector<int> parts;
@@ -179,6 +196,14 @@ Metrics evaluate(const MetricsInput& given) {
   return m;
 }
 
+double plane_precision(const Metrics& m) {
+  return m.planes_found > 0 ? 100.0 * m.correct / m.planes_found : 0;
+}
+
+double plane_recall(const Metrics& m) {
+  return m.planes_truth > 0 ? 100.0 * m.correct / m.planes_truth : 0;
+}
+
 Metrics mean_of(std::span<const Metrics> metrics) {
   Metrics mean;
   if (metrics.empty()) return mean;
@@ -191,10 +216,13 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     mean.mean_iou += m.mean_iou;
     mean.pq += m.pq;
     mean.detected_iou80 += m.detected_iou80;
+    mean.correct += m.correct;
     mean.over_segmented += m.over_segmented;
     mean.under_segmented += m.under_segmented;
     mean.missed += m.missed;
     mean.noise += m.noise;
+    mean.pieces += m.pieces;
+    mean.ghosts += m.ghosts;
     mean.label_accuracy_edge += m.label_accuracy_edge;
     mean.label_accuracy_inner += m.label_accuracy_inner;
     mean.points += m.points;

@@ -21,7 +21,11 @@ struct Metrics {
   double mean_iou = 0;        // % over true planes, unmatched count 0
   double pq = 0;  // panoptic quality, %: sum of IoU > 0.5 / (those + half of all other planes)
   int detected_iou80 = 0;  // matched with IoU >= 0.8
+  int correct = 0;         // SegComp: share 80 % of a true and of a found plane's points
   int over_segmented = 0, under_segmented = 0, missed = 0, noise = 0;
+  // Found planes that match no true one with IoU > 0.5 ...
+  int pieces = 0;  // at least half of each lies on one true plane
+  int ghosts = 0;  // all others
   double label_accuracy_edge = 0, label_accuracy_inner = 0;  // %, < 2 cm from another label or not
   std::uint64_t points = 0;                                  // points scored
 };
@@ -40,6 +44,11 @@ struct MetricsInput {
   int min_truth_points = 1;              // points of smaller true planes are not scored
 };
 Metrics evaluate(const MetricsInput& input);
+
+/// EVOPS (Kornilova et al. 2022), %: of the planes that were found, and of the true ones, those
+/// that are correct. 0 where there are none.
+double plane_precision(const Metrics& metrics);
+double plane_recall(const Metrics& metrics);
 
 /// Unweighted mean over frames (r_p: ratio of the sums; counts: sums).
 Metrics mean_of(std::span<const Metrics> metrics);

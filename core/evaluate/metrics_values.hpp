@@ -2,9 +2,16 @@
 
 // The values of Metrics by the names that every file and table gives them.
 
+#include <string_view>
+
 #include "core/evaluate/metrics.hpp"
 
 namespace planescope {
+
+/// Whether it came later than the rest: files of before lack it, and are read with 0 for it.
+inline bool is_late_value(std::string_view name) {
+  return name == "correct" || name == "pieces" || name == "ghosts";
+}
 
 /// visit(name, value) for each value; `metrics` may be const.
 template <typename AnyMetrics, typename Visit>
@@ -18,10 +25,13 @@ void visit_values(AnyMetrics& metrics, Visit&& visit) {
   visit("mean_iou", metrics.mean_iou);
   visit("pq", metrics.pq);
   visit("detected_iou80", metrics.detected_iou80);
+  visit("correct", metrics.correct);
   visit("over_segmented", metrics.over_segmented);
   visit("under_segmented", metrics.under_segmented);
   visit("missed", metrics.missed);
   visit("noise", metrics.noise);
+  visit("pieces", metrics.pieces);
+  visit("ghosts", metrics.ghosts);
   visit("label_accuracy_edge", metrics.label_accuracy_edge);
   visit("label_accuracy_inner", metrics.label_accuracy_inner);
   visit("points", metrics.points);

@@ -19,9 +19,9 @@ std::optional<Cell> joined_cell(const PaperResults& results, std::span<const Cel
     joined.frames += cell->frames;
   }
   joined.metrics = mean_of(of_frames);
-  for (const auto count :
-       {&Metrics::planes_truth, &Metrics::planes_found, &Metrics::detected_iou80,
-        &Metrics::over_segmented, &Metrics::under_segmented, &Metrics::missed, &Metrics::noise})
+  for (const auto count : {&Metrics::planes_truth, &Metrics::planes_found, &Metrics::detected_iou80,
+                           &Metrics::correct, &Metrics::over_segmented, &Metrics::under_segmented,
+                           &Metrics::missed, &Metrics::noise, &Metrics::pieces, &Metrics::ghosts})
     joined.metrics.*count = sums.*count;
   joined.metrics.points = sums.points;
   joined.metrics.r_p = percent(sums.planes_found, sums.planes_truth);

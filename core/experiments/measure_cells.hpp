@@ -4,12 +4,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "core/classify/classifier.hpp"
+#include "core/experiments/contest.hpp"
 #include "core/experiments/results.hpp"
 #include "core/synthetic/evaluation_sets.hpp"
 
@@ -18,8 +17,7 @@ namespace planescope {
 /// True planes of depth images with fewer voxels are not scored.
 inline constexpr int kMinTruthVoxels = 20;
 
-struct CellTools {
-  std::shared_ptr<const Classifier> gcn, pca;
+struct CellTools : Labellers {
   std::optional<EvaluationFrame> real_labelled;  // where a plan asks for it
   int threads = 1;                               // over frames
 };

@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/base/file_bytes.hpp"
 #include "core/evaluate/metrics_values.hpp"
+#include "core/experiments/json_lines.hpp"
 #include "core/experiments/results.hpp"
 #include "core/recording/json_file.hpp"
 
@@ -55,6 +56,7 @@ Cell cell_of(const AnyJson& json) {
   if (cell.frames < 1 || cell.frames > kMaxFrames)
     throw Error(fmt::format("a cell of {} frames, expected 1 to {}", cell.frames, kMaxFrames));
   visit_values(cell.metrics, [&](const char* name, auto& value) {
+    if (is_late_value(name) && !json.contains(name)) return;
     value = json.at(name).template get<std::remove_reference_t<decltype(value)>>();
   });
   return cell;
@@ -86,36 +88,18 @@ Cell parse_cell(const std::string& line) {
 }
 
 void write_results(const std::filesystem::path& dir, const PaperResults& results) {
-  Json head = {{"schema", kSchema},
-               {"command", results.command},
-               {"version", results.build.version},
-               {"commit", results.build.commit},
-               {"modified", results.build.modified},
-               {"weights",
-                {{"file", results.weights.file},
-                 {"sha256", results.weights.sha256},
-                 {"network", results.weights.network}}},
-               {"seed", results.seed},
-               {"tuning_seed", results.tuning_seed},
-               {"quick", results.quick},
-               {"count", results.count}};
-  std::string text = head.dump(1, ' ', false, Json::error_handler_t::replace);
-  text.resize(text.size() - 2);  // its end, "\n}"
-  const auto add_list = [&text](const char* name, const auto& values, const auto& line) {
-    text += fmt::format(",\n \"{}\": [", name);
-    const char* before = "\n  ";
-    for (const auto& value : values) {
-      text += before + line(value);
-      before = ",\n  ";
-    }
-    text += "\n ]";
-  };
-  add_list("real", results.real, [](const RealRow& row) {
-    return json_of(row).dump(-1, ' ', false, Json::error_handler_t::replace);
-  });
-  add_list("cells", results.cells, cell_line);
-  text += "\n}\n";
-  write_file_text(dir / "paper.json", text);
+  Json facts = run_json(kSchema, results.command, results.build, results.weights);
+  facts["seed"] = results.seed;
+  facts["tuning_seed"] = results.tuning_seed;
+  facts["quick"] = results.quick;
+  facts["count"] = results.count;
+  std::vector<std::string> real, cells;
+  for (const RealRow& row : results.real) real.push_back(json_line(json_of(row)));
+  for (const Cell& cell : results.cells) cells.push_back(cell_line(cell));
+  JsonLines json(facts);
+  json.add("real", real);
+  json.add("cells", cells);
+  write_file_text(dir / "paper.json", std::move(json).text());
 }
 
 PaperResults read_results(const std::filesystem::path& dir) {

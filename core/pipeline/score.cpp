@@ -32,6 +32,15 @@ DenseTruth dense_truth(const Cloud& cloud, const SourceTruth& truth) {
   return dense;
 }
 
+/// Planes of fewer voxels become points that are not scored.
+void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
+  std::vector<int> voxels(dense.normals.size() + 1, 0);
+  for (const std::int32_t plane : vote_instances(cloud, dense.on_points.instance))
+    if (plane > 0) ++voxels[plane];
+  for (std::int32_t& plane : dense.on_points.instance)
+    if (plane > 0 && voxels[plane] < least_voxels) plane = -1;
+}
+
 /// What both sides say about the points that are scored, and the planes' normals in the world.
 struct Scored {
   std::vector<Vec3f> points;
@@ -81,10 +90,14 @@ Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> 
 
 }  // namespace
 
-Metrics score_frame(const FrameResult& result, const SourceTruth& truth) {
+Metrics score_frame(const FrameResult& result,
+                    const SourceTruth& truth,
+                    const LeastTruePlane& least) {
   const Cloud& cloud = result.cloud;
-  const DenseTruth dense = dense_truth(cloud, truth);
+  DenseTruth dense = dense_truth(cloud, truth);
+  if (least.voxels > 0) leave_out_small(dense, result.voxels, least.voxels);
   Scored scored;
+  scored.min_truth_points = least.points;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const std::uint32_t voxel = result.voxels.voxel_of[i];
     if (voxel == kNoVoxel) continue;

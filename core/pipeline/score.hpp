@@ -6,9 +6,17 @@
 
 namespace planescope {
 
+/// Smaller true planes are not scored: neither they nor what is found on them count.
+struct LeastTruePlane {
+  int points = 1;  // that are scored: pixels of a depth image
+  int voxels = 0;  // that are the plane's by most of their points
+};
+
 /// The metrics of a frame's result on its own points. Points that were cropped (range, cube) are
 /// not scored, nor are those whose truth says so.
-Metrics score_frame(const FrameResult& result, const SourceTruth& truth);
+Metrics score_frame(const FrameResult& result,
+                    const SourceTruth& truth,
+                    const LeastTruePlane& least = {});
 
 /// The metrics of a frame's result on its voxels: a voxel belongs to the true plane that most of
 /// its points do, and planes of fewer than `min_truth_voxels` are not scored.

@@ -300,6 +300,7 @@ Metrics read_metrics(const JsonPlace& place) {
   Metrics metrics;
   visit_values(metrics, [&](const char* name, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
+    if (is_late_value(name) && !place.has(name)) return;
     if constexpr (std::is_same_v<Value, int>)
       value = place.at(name).whole(0);
     else if constexpr (std::is_same_v<Value, double>)

@@ -87,7 +87,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"synth", "set", "ramps", "-o", "out", "--errors", "d435"}, "--errors: ramps has clouds"},
       {{"synth", "set", "depth_boxes", "-o", "out", "--noise", "1"}, "depth_boxes has depth"},
       {{"synth", "set", "depth_boxes", "-o", "out", "--errors", "much"}, "clean, noise, d435"},
-      {{"bench"}, "bench needs one of: paper, classifier"},
+      {{"bench"}, "bench needs one of: paper, real, classifier"},
       {{"bench", "classifier", "--only", "spede"}, "accuracy, gravity, chain, speed, frames"},
       {{"bench", "classifier", "--count", "0"}, "--count"},
       {{"bench", "classifier", "--weights", "pca"}, "not a network"},

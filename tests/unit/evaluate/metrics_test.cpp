@@ -7,6 +7,7 @@
 
 #include "core/base/random.hpp"
 #include "core/evaluate/assignment.hpp"
+#include "core/evaluate/metrics_values.hpp"
 
 namespace planescope {
 namespace {
@@ -96,6 +97,40 @@ TEST(Metrics, APlaneNotFoundIsMissedAndOneThatIsNotThereIsNoise) {
   EXPECT_EQ(score(s).missed, 0);
 }
 
+TEST(Metrics, APlaneIsCorrectThatSharesFourFifthsOfBoth) {
+  Scene s = scene();
+  EXPECT_EQ(score(s).correct, 2);
+  for (int i = 0; i < 20; ++i) s.found[i] = 0;
+  EXPECT_EQ(score(s).correct, 2);
+  s.found[20] = 0;
+  s.found[0] = s.found[1] = 3;
+  EXPECT_EQ(score(s).correct, 1);
+  EXPECT_NEAR(plane_precision(score(s)), 100.0 / 3, 1e-9);
+  EXPECT_EQ(plane_recall(score(s)), 50);
+  EXPECT_EQ(plane_precision({}) + plane_recall({}), 0);
+}
+
+TEST(Metrics, WhatMatchesNoPlaneIsAPieceOfOneOrAGhost) {
+  Scene s = scene();
+  EXPECT_EQ(score(s).pieces + score(s).ghosts, 0);
+  for (int i = 0; i < 30; ++i) s.found[i] = 3;  // of plane 1, whose IoU is still 0.7
+  EXPECT_EQ(score(s).pieces, 1);
+  EXPECT_EQ(score(s).ghosts, 0);
+  for (int i = 0; i < 14; ++i) s.truth[i] = 0;  // 16 of 30 on plane 1
+  EXPECT_EQ(score(s).pieces, 1);
+  for (int i = 14; i < 16; ++i) s.truth[i] = 0;  // 14 of 30
+  EXPECT_EQ(score(s).pieces, 0);
+  EXPECT_EQ(score(s).ghosts, 1);
+}
+
+TEST(Metrics, ALargePieceOfAPlaneThatFellApartStandsForIt) {
+  Scene s = scene();
+  for (int i = 0; i < 50; ++i) s.found[i] = 3;  // halves: an IoU of 0.5 is no match
+  EXPECT_EQ(score(s).pieces, 2);
+  s.found[0] = 1;
+  EXPECT_EQ(score(s).pieces, 1);
+}
+
 TEST(Metrics, PanopticQualityPaysForEveryPlaneThatHasNoPartner) {
   Scene s = scene();
   EXPECT_EQ(score(s).pq, 100);
@@ -168,6 +203,19 @@ TEST(Metrics, TheMeanTakesRatiosOfSumsForPlanes) {
   const std::vector<Metrics> both{a, b};
   EXPECT_DOUBLE_EQ(mean_of(both).r_p, 120);
   EXPECT_DOUBLE_EQ(mean_of(both).alpha_deg, 2);
+}
+
+TEST(Metrics, TheMeanAddsUpEveryCount) {
+  Metrics one;
+  visit_values(one, [](const char*, auto& value) {
+    if constexpr (std::is_integral_v<std::remove_reference_t<decltype(value)>>) value = 1;
+  });
+  const Metrics sum = mean_of(std::vector<Metrics>{one, one});
+  visit_values(sum, [](const char* name, const auto& value) {
+    if constexpr (std::is_integral_v<std::remove_cvref_t<decltype(value)>>) {
+      EXPECT_EQ(value, 2u) << name;
+    }
+  });
 }
 
 TEST(Assignment, FindsTheBestOfAllPermutations) {

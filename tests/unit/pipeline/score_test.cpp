@@ -52,6 +52,19 @@ TEST(Score, AVoxelBelongsToThePlaneOfMostOfItsPoints) {
   EXPECT_EQ(score_voxels(s.result, s.truth, 3).planes_truth, 0);
 }
 
+TEST(Score, SmallTruePlanesAreLeftOutByTheirPointsOrTheirVoxels) {
+  Scored s;  // the second plane: all its points in one voxel
+  for (int i = 6; i < 12; ++i) s.result.voxels.voxel_of[i] = 6;
+  s.result.voxels.points.resize(7);
+  s.result.voxels.count = {1, 1, 1, 1, 1, 1, 6};
+  EXPECT_EQ(score_frame(s.result, s.truth, {.points = 6}).planes_truth, 2);
+  EXPECT_EQ(score_frame(s.result, s.truth, {.points = 7}).planes_truth, 0);
+  const Metrics by_voxels = score_frame(s.result, s.truth, {.voxels = 2});
+  EXPECT_EQ(by_voxels.planes_truth, 1);
+  EXPECT_EQ(by_voxels.planes_found, 1) << "what is found on the other is neither right nor wrong";
+  EXPECT_EQ(by_voxels.points, 6u) << "points are counted, not voxels";
+}
+
 TEST(Score, EveryPointIsJudgedByThePlaneThatStandsForItsOwn) {
   Scored s;
   s.result.plane_of[0] = 0;

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/experiments/measure_real.hpp"
+
+namespace planescope {
+
+/// The frames of a list like tests/real/labels/list.txt, of one half or of both: lines of
+/// NAME HALF RECORDING FRAME OPTIONS. Throws Error naming the list and the line that is not
+/// understood, and where no frame is left.
+std::vector<ListedFrame> labelled_list(const std::filesystem::path& list,
+                                       std::optional<Half> half = {});
+
+}  // namespace planescope

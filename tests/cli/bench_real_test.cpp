@@ -1,0 +1,145 @@
+// planescope bench real, with few frames.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// DIR/data/rec with labels of its one frame in DIR/labels/room, and DIR/list.txt.
+void write_labelled(const fs::path& dir) {
+  const fs::path recording = dir / "data/rec";
+  write_depth_folder(recording, floor_and_wall());
+  write_frame_labels(dir / "labels/room", 0, floor_and_wall_labels(*open_recording(recording)));
+  write_text(dir / "list.txt", "# a comment\n\nroom tuning rec 0 --gravity 0,1,0 --max-range 4\n");
+}
+
+std::vector<std::string> frames_args(const fs::path& dir, const std::string& list = "list.txt") {
+  return {"bench",         "real",
+          "--only",        "frames",
+          "--data",        (dir / "data").string(),
+          "--frames-list", (dir / list).string(),
+          "--labels",      (dir / "labels").string()};
+}
+
+Ran run_with(std::vector<std::string> args, const std::vector<std::string>& more) {
+  args.insert(args.end(), more.begin(), more.end());
+  return run(args);
+}
+
+}  // namespace
+
+TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
+  const fs::path dir = scratch();
+  write_labelled(dir);
+  const Ran ran = run_with(frames_args(dir), {"-o", (dir / "out").string(), "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(dir / "out"), (std::vector<std::string>{"real.json", "real.md"}));
+  EXPECT_EQ(ran.out, read_text(dir / "out/real.json"));
+  EXPECT_EQ(ran.out.find(dir.string()), std::string::npos) << "no folders of this machine";
+  const Json json = Json::parse(ran.out);
+  const Json& frame = json["frames"][0];
+  EXPECT_EQ(frame["name"], "room");
+  EXPECT_EQ(frame["recording"], "rec");
+  for (const char* method : {"ours refined gcn", "ours refined pca", "ours paper gcn",
+                             "ours paper-closest gcn", "ransac", "region-growing"})
+    EXPECT_EQ(frame["scores"][method]["planes_truth"], 2) << method;
+  EXPECT_EQ(frame["scores"]["ours refined gcn"]["correct"], 2);
+  EXPECT_EQ(json["halves"][0]["precision"], 100.0);
+  EXPECT_EQ(json["command"], "planescope bench real --frames-list list.txt --only frames");
+}
+
+TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
+  const fs::path dir = scratch();
+  write_labelled(dir);
+  write_depth_folder(dir / "data/aims_slam_realsense_640x480", floor_and_wall(), 3);
+  std::vector<std::string> args = frames_args(dir);
+  args[3] = "frames,sets,repeat";
+  for (const char* threads : {"1", "2"}) {
+    const Ran ran = run_with(args, {"--seeds", "7", "--count", "2", "--threads", threads, "-o",
+                                    (dir / threads).string()});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  for (const char* file : {"real.json", "real.md"})
+    EXPECT_EQ(read_text(dir / "1" / file), read_text(dir / "2" / file)) << file;
+  const Json json = Json::parse(read_text(dir / "1/real.json"));
+  EXPECT_EQ(json["sets"].size(), 6u) << "three sets, clean and d435";
+  EXPECT_EQ(json["sets"][0]["scores"]["ransac"].size(), 2u);
+  const Json& all = json["over_seeds"].back();
+  EXPECT_EQ(all["set"], "all");
+  EXPECT_EQ(all["seeds"], 1);
+  EXPECT_EQ(all["frames"], 6);
+  EXPECT_EQ(json["repeated"]["frames"], 2);
+  EXPECT_EQ(json["repeat"][0]["planes"], json["repeat"][0]["partners"]) << "nothing moved";
+}
+
+TEST(BenchReal, MeasuresOneHalfOfTheList) {
+  const fs::path dir = scratch();
+  write_labelled(dir);
+  write_text(dir / "list.txt",
+             "room tuning rec 0 --gravity 0,1,0\nmissing printed nowhere 0 --gravity 0,1,0\n");
+  const Ran ran =
+      run_with(frames_args(dir), {"--half", "tuning", "-o", (dir / "out").string(), "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(Json::parse(ran.out)["frames"].size(), 1u);
+}
+
+TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
+  const fs::path dir = scratch();
+  write_labelled(dir);
+  const std::string good = "room tuning rec 0 --gravity 0,1,0\n";
+  const std::vector<std::pair<std::string, std::string>> lists = {
+      {good + "a prnted rec 0\n", "line 2: 'prnted' is not a half"},
+      {"#\n" + good + "a tuning rec\n", "line 3: expected NAME HALF RECORDING FRAME"},
+      {good + "a tuning rec first\n", "line 2: FRAME"},
+      {good + "a tuning rec -1\n", "line 2: FRAME: -1"},
+      {good + "a tuning rec 0 --frames 1\n", "line 2: '--frames' is not known"},
+      {good + "a tuning rec 0 --gravity\n", "line 2: --gravity has no value"},
+      {good + "a tuning rec 0 --intrinsics 1,2\n", "line 2: --intrinsics"},
+      {good + "a tuning rec 0 --max-range -1\n", "line 2: "},
+      {good + good, "line 2: room is there twice"},
+      {"# nothing\n", "no frame"},
+      {"other tuning rec 0 --gravity 0,1,0\n", "no labels of frame 0"},
+      {"room tuning rec 1 --gravity 0,1,0\n", "found 1 frames"},
+      {"room tuning rek 0 --gravity 0,1,0\n", "rek"}};
+  for (const auto& [text, part] : lists) {
+    write_text(dir / "bad.txt", text);
+    const Ran ran = run_with(frames_args(dir, "bad.txt"), {"-o", (dir / "out").string()});
+    EXPECT_EQ(ran.code, 2) << text;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    EXPECT_FALSE(fs::exists(dir / "out")) << text;
+  }
+  const std::string out = (dir / "out").string(), data = (dir / "data").string();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
+      {{}, "-o DIR"},
+      {{"-o", out}, "--frames-list"},
+      {{"-o", out, "--frames-list", (dir / "list.txt").string()}, "--labels"},
+      {{"-o", out, "--data", data, "--frames-list", (dir / "list.txt").string(), "--labels",
+        (dir / "none").string()},
+       "none is not a folder"},
+      {{"-o", out, "--data", data, "--frames-list", (dir / "list.txt").string(), "--labels",
+        (dir / "labels").string(), "--half", "second"},
+       "'second' is not a half"},
+      {{"-o", out, "--only", "repeat", "--data", data}, "aims_slam_realsense_640x480"},
+      {{"-o", out, "--only", "repeat", "--data", (dir / "none").string()}, "--data"},
+      {{"-o", out, "--only", "set"}, "set"},
+      {{"-o", out, "--only", "sets", "--seeds", "1,x"}, "--seeds"},
+      {{"-o", out, "--only", "sets", "--seeds", "1,1"}, "twice"},
+      {{"-o", out, "--only", "sets", "--count", "0"}, "--count"}};
+  for (const auto& [args, part] : bad) {
+    const Ran ran = run_with({"bench", "real"}, args);
+    EXPECT_EQ(ran.code, 2) << part;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+    EXPECT_FALSE(fs::exists(out)) << part;
+  }
+}
