@@ -19,6 +19,8 @@ std::string line_of(const std::string& folder, const FrameResult& result) {
   for (const std::int32_t id : result.plane_of) in_plane += id > 0;
   std::string line = fmt::format("{}: {} planes, {} of {} points in them", folder,
                                  result.segmentation.planes.size(), in_plane, counts.kept);
+  if (!result.segmentation.minor.empty())
+    line += fmt::format(", {} minor planes", result.segmentation.minor.size());
   if (counts.beyond_range > 0)
     line += fmt::format(", {} beyond the range (--max-range)", counts.beyond_range);
   if (counts.invalid > 0) line += fmt::format(", {} invalid", counts.invalid);

@@ -11,6 +11,13 @@
 namespace planescope {
 namespace {
 
+/// What decides on pixels, one at a time left out: the other refinements are of clouds, too.
+std::vector<CellKey> and_ablation(std::vector<CellKey> methods) {
+  for (const char* refinement : {"r9_join_sheets", "r10_minor", "r11_pixel_borders"})
+    methods.push_back(with_ours({}, "refined", "gcn", without(refinement)));
+  return methods;
+}
+
 std::vector<CellKey> and_rivals(std::vector<CellKey> methods) {
   for (const Method method : built_methods())
     if (method != Method::ours) methods.push_back(with_rival({}, to_string(method)));
@@ -67,12 +74,14 @@ EvaluationFrame read_listed(const ListedFrame& listed,
 }
 
 std::vector<CellKey> real_methods() {
-  return and_rivals({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca"),
-                     with_ours({}, "paper", "gcn"), with_ours({}, "paper-closest", "gcn")});
+  return and_rivals(
+      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca"),
+                    with_ours({}, "paper", "gcn"), with_ours({}, "paper-closest", "gcn")}));
 }
 
 std::vector<CellKey> set_methods() {
-  return and_rivals({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca")});
+  return and_rivals(
+      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca")}));
 }
 
 LabelledScores measure_labelled(std::span<const ListedFrame> listed,

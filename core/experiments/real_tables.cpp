@@ -81,13 +81,14 @@ Table frames_table(const LabelledScores& scores) {
   Table table{"Labelled real frames one by one", "", {"frame", "half"}, {}, 2};
   table.columns.emplace_back("true");
   for (const MethodScores& method : scores.methods)
-    table.columns.push_back(contestant_name(method.method));
+    if (method.method.setting.empty()) table.columns.push_back(contestant_name(method.method));
   table.columns.emplace_back("against the best other");
   for (std::size_t i = 0; i < scores.frames.size(); ++i) {
     std::vector<std::string>& row = table.rows.emplace_back();
     row = {scores.frames[i].name, to_string(scores.frames[i].half),
            std::to_string(scores.methods[0].of_frames[i].planes_truth)};
     for (const MethodScores& method : scores.methods) {
+      if (!method.method.setting.empty()) continue;
       const Metrics& m = method.of_frames[i];
       row.push_back(fmt::format("{:.1f} / {:.1f} / {}", m.mean_iou, m.pq, m.detected_iou80));
     }

@@ -102,7 +102,8 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
     more.beyond = points_beyond(prepared.cloud);
   const bool on_pixels =
       options.r9_join_sheets.on || options.r10_minor.on || options.r11_pixel_borders.on;
-  if (on_pixels && !prepared.from_cloud) more.pixels = pixel_grid(prepared.cloud, prepared.voxels);
+  if (on_pixels && prepared.cloud.width > 0)
+    more.pixels = pixel_grid(prepared.cloud, prepared.voxels);
   return more;
 }
 

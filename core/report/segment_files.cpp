@@ -170,6 +170,16 @@ std::string planes_json(const Frame& frame,
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(to_json(corner));
     json["planes"].push_back(plane);
   }
+  if (!result.from_cloud && ours) {
+    json["minor_planes"] = Json::array();
+    for (const PlaneRegion& minor : result.segmentation.minor)
+      json["minor_planes"].push_back(
+          {{"label", text_of(minor.label)},
+           {"normal", to_json(minor.fit.normal)},
+           {"centroid", to_json(Vec3d(result.cloud.origin + minor.fit.centroid))},
+           {"voxels", minor.points},
+           {"rms_m", rounded(minor.fit.rms_m())}});
+  }
   return printed(json);
 }
 

@@ -11,10 +11,7 @@ constexpr double kMaxCells = 1000;  // along an axis: a bound on memory
 }  // namespace
 
 Sight::Sight(const SegmentState& state, std::int32_t plane, double spacing_m)
-    : state_(state),
-      options_(state.options.split_disconnected),
-      fit_(state.planes[plane].fit),
-      from_above_(label_of_normal(fit_.normal) == Label::h) {
+    : state_(state), options_(state.options.split_disconnected), fit_(state.planes[plane].fit) {
   u_ = fit_.normal.unitOrthogonal();
   v_ = fit_.normal.cross(u_);
   low_ = Vec2d::Constant(INFINITY);
@@ -39,11 +36,6 @@ std::optional<Vec3d> Sight::passed_at(const Vec3d& measured) const {
   const double point_m = fit_.distance_m(measured);
   if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * state_.tau(measured)))
     return std::nullopt;
-  if (!state_.more.rays) {
-    const double up_m = -point_m / fit_.normal.z();
-    if (!from_above_ || up_m < 0) return std::nullopt;
-    return measured + up_m * Vec3d::UnitZ();
-  }
   const double sensor_m = fit_.distance_m(state_.sensor);
   if (sensor_m * point_m >= 0) return std::nullopt;  // before the plane
   return state_.sensor + sensor_m / (sensor_m - point_m) * (measured - state_.sensor);

@@ -11,9 +11,7 @@
 
 namespace planescope {
 
-/// Where rays passed through a plane, within the bounds of its points: the sensor's, or where that
-/// is not known, of a view from straight above, as of what can be walked on. From there nothing is
-/// seen through a wall.
+/// Where the sensor's rays passed through a plane, within the bounds of its points.
 class Sight {
  public:
   /// `spacing_m`: of the points.
@@ -31,7 +29,6 @@ class Sight {
   const SegmentState& state_;
   const split_disconnected::Options& options_;
   const PlaneFit& fit_;
-  bool from_above_ = false;
   Vec3d u_, v_;  // axes on the plane
   Vec2d low_;    // corner of the grid on it
   double cell_m_ = 0;

@@ -536,13 +536,10 @@ class Method {
     return part.size() >= 10 && surface_of(part).sigma_ang <= 8 * M_PI / 180;
   }
 
-  /// Where point i was looked at through the plane: from the sensor or, where that knows no rays,
-  /// from high above, but never through a wall.
+  /// Where the sensor looked at p through the plane.
   std::optional<Vec3d> passed(const PlaneFit& f, const Vec3d& p) const {
     if (std::abs(f.distance_m(p)) < std::max(0.03, 2 * tau(p))) return {};
-    if (more_.rays) return crossing(f, sensor_, p);
-    if (std::abs(f.normal.z()) < std::sqrt(0.5)) return {};
-    return crossing(f, p + Vec3d(0, 0, 100), p);
+    return crossing(f, sensor_, p);
   }
 
   PassedCells passed_cells(int plane, double spacing) const {
@@ -592,7 +589,7 @@ class Method {
     std::iota(group.begin(), group.end(), 0);
     for (std::size_t a = 0; a < planes.size(); ++a)
       for (std::size_t b = a + 1; b < planes.size(); ++b) {
-        const bool open = is_open(cells, planes[a], planes[b]);
+        const bool open = !more_.rays || is_open(cells, planes[a], planes[b]);
         ++(open ? gaps_.open : gaps_.hidden);
         const auto [low, high] = std::minmax({group[a], group[b]});
         if (!open) std::replace(group.begin(), group.end(), high, low);

@@ -10,9 +10,9 @@ namespace planescope::r10_minor {
 
 struct Options {
   bool on = false;
-  double pixels = 300;
+  double pixels = 200;
   double ragged = 2;  // exponents
-  double curved = 2;
+  double curved = 4;
   double rough = 1.5;
   double calm_m = 0.005;  // at 1 m; grows with range squared, as the error of stereo does
 
@@ -20,7 +20,8 @@ struct Options {
   static void describe(Rows& rows) {
     rows.flag("r10_minor", "R10: depth images: list small, ragged and curved planes apart",
               &Options::on);
-    rows.number("r10_pixels", "px", "R10: planes are minor whose pixels count for less",
+    rows.number("r10_pixels", "px",
+                "R10: planes are minor whose pixels, in an image 640 pixels wide, count for less",
                 &Options::pixels);
     rows.number("r10_ragged", "1",
                 "R10: ragged pictures count less: exponent of the share of their convex hull",
@@ -42,7 +43,7 @@ inline constexpr RefinementInfo kInfo{
     .says = "{plane} is too small, ragged or curved to be listed, its points are left over",
     .why_dropped = "it is too small, ragged or curved to be listed: a minor plane",
     .after = After::assignment,
-    .turn = 5};
+    .turn = 6};
 
 void run(SegmentState& state, const Options& options);
 

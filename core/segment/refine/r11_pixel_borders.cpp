@@ -15,12 +15,12 @@ constexpr int kMostReach_px = 20;
 template <typename T>
 class BoxSums {
  public:
-  /// `value(x, y)` of each pixel of the rectangle.
+  /// Of `value(x, y)` of each pixel of the rectangle.
   template <typename Value>
-  BoxSums(const Rect& rect, const Value& value)
-      : rect_(rect),
-        stride_(rect.width() + 1),
-        sums_(static_cast<std::size_t>(stride_) * (rect.height() + 1), T{}) {
+  void fill(const Rect& rect, const Value& value) {
+    rect_ = rect;
+    stride_ = rect.width() + 1;
+    sums_.assign(static_cast<std::size_t>(stride_) * (rect.height() + 1), T{});
     for (int y = rect.y0; y < rect.y1; ++y)
       for (int x = rect.x0; x < rect.x1; ++x)
         sums_[at(x + 1, y + 1)] =
@@ -36,7 +36,7 @@ class BoxSums {
     return static_cast<std::size_t>(y - rect_.y0) * stride_ + (x - rect_.x0);
   }
   Rect rect_;
-  int stride_;
+  int stride_ = 0;
   std::vector<T> sums_;
 };
 
@@ -48,7 +48,7 @@ class Borders {
         pixels_(state.more.pixels),
         plane_(planes_of_pixels(state)) {}
 
-  std::vector<std::int32_t> give_pixels() const {
+  std::vector<std::int32_t> give_pixels() {
     std::vector<std::int32_t> result = plane_;
     for (int y = 0; y < pixels_.height; y += kTile)
       for (int x = 0; x < pixels_.width; x += kTile)
@@ -59,12 +59,14 @@ class Borders {
  private:
   /// What one pixel is to any plane.
   struct Measured {
-    Vec3d point;
-    double tau = 0;
+    Vec3d point = Vec3d::Zero();
+    double tau = 0;  // [m]; 0: nothing was measured
     int reach_px = 0;
+    double distance_m = 0;  // of the plane in question
   };
   Measured measured(std::size_t i) const {
-    Measured m{pixels_.measured[i].cast<double>()};
+    Measured m;
+    m.point = pixels_.measured[i].cast<double>();
     const double range = state_.range(m.point);
     m.tau = state_.noise.tau(range);
     const double reach = options_.reach_m * pixels_.focal_px / std::max(range, 0.01);
@@ -90,56 +92,61 @@ class Borders {
     return {};
   }
 
-  void give_tile(const Rect& tile, std::vector<std::int32_t>& result) const {
-    const Rect reached = pixels_.around(tile, kMostReach_px);
-    const std::vector<std::int32_t> planes = candidates(tile, reached);
-    if (planes.empty()) return;
+  void give_tile(const Rect& tile, std::vector<std::int32_t>& result) {
     const int half = options_.window_px / 2;
-    const Rect near = pixels_.around(tile, half);
-    std::vector<Measured> measured_near(static_cast<std::size_t>(near.width()) * near.height());
-    const auto known = [&](int x, int y) -> Measured& {
-      return measured_near[static_cast<std::size_t>(y - near.y0) * near.width() + (x - near.x0)];
-    };
-    const BoxSums<int> all(near, [&](int x, int y) {
+    near_ = pixels_.around(tile, half);
+    known_.assign(static_cast<std::size_t>(near_.width()) * near_.height(), {});
+    int farthest_px = half;
+    all_.fill(near_, [&](int x, int y) {
       const std::size_t i = pixels_.at(x, y);
-      if (pixels_.has(i)) known(x, y) = measured(i);
-      return pixels_.has(i) ? 1 : 0;
+      if (!pixels_.has(i)) return 0;
+      known(x, y) = measured(i);
+      farthest_px = std::max(farthest_px, known(x, y).reach_px);
+      return 1;
     });
-    std::vector<double> least(static_cast<std::size_t>(kTile) * kTile,
-                              std::numeric_limits<double>::infinity());
-    for (const std::int32_t k : planes) {
-      const PlaneFit& fit = state_.planes[k].fit;
-      const BoxSums<int> own(reached,
-                             [&](int x, int y) { return plane_[pixels_.at(x, y)] == k ? 1 : 0; });
-      // Signed distances of what may lie on the plane: noise averages away, a slope does not.
-      const auto may_lie_on = [&](int x, int y) {
-        return pixels_.has(pixels_.at(x, y)) &&
-               std::abs(fit.distance_m(known(x, y).point)) <= 2 * known(x, y).tau;
-      };
-      const BoxSums<int> counted(near, [&](int x, int y) { return may_lie_on(x, y) ? 1 : 0; });
-      const BoxSums<double> distances(near, [&](int x, int y) {
-        const Measured& m = known(x, y);
-        return may_lie_on(x, y) ? std::clamp(fit.distance_m(m.point), -m.tau, m.tau) : 0.0;
-      });
-      for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x) {
-          const std::size_t i = pixels_.at(x, y);
-          const Measured& m = known(x, y);
-          const Rect pixel{x, y, x + 1, y + 1};
-          if (!pixels_.has(i)) continue;
-          if (plane_[i] != k && (std::abs(fit.distance_m(m.point)) > options_.taus * m.tau ||
-                                 own.of(pixels_.around(pixel, m.reach_px)) == 0))
-            continue;
-          const Rect window = pixels_.around(pixel, half);
-          const double off_m = std::abs(distances.of(window)) / std::max(1, counted.of(window));
-          const double company = static_cast<double>(own.of(window)) / all.of(window);
-          const double cost = kTauSigmas * off_m / m.tau - options_.company_sigmas * company;
-          double& best = least[static_cast<std::size_t>(y - tile.y0) * kTile + (x - tile.x0)];
-          if (cost >= best) continue;
-          best = cost;
-          result[i] = k;
-        }
+    const Rect reached = pixels_.around(tile, farthest_px);
+    least_.assign(static_cast<std::size_t>(kTile) * kTile, std::numeric_limits<double>::infinity());
+    for (const std::int32_t k : candidates(tile, reached)) {
+      own_.fill(reached, [&](int x, int y) { return plane_[pixels_.at(x, y)] == k ? 1 : 0; });
+      give_pixels_to(k, tile, result);
     }
+  }
+
+  /// Those that lie on the plane better than on the planes before it.
+  void give_pixels_to(std::int32_t k, const Rect& tile, std::vector<std::int32_t>& result) {
+    const PlaneFit& fit = state_.planes[k].fit;
+    // Signed distances of what may lie on the plane: noise averages away, a slope does not.
+    counted_.fill(near_, [&](int x, int y) {
+      Measured& m = known(x, y);
+      m.distance_m = m.tau > 0 ? fit.distance_m(m.point) : 0;
+      return m.tau > 0 && std::abs(m.distance_m) <= 2 * m.tau ? 1 : 0;
+    });
+    distances_.fill(near_, [&](int x, int y) {
+      const Measured& m = known(x, y);
+      return std::abs(m.distance_m) <= 2 * m.tau ? std::clamp(m.distance_m, -m.tau, m.tau) : 0;
+    });
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const std::size_t i = pixels_.at(x, y);
+        const Measured& m = known(x, y);
+        const Rect pixel{x, y, x + 1, y + 1};
+        if (!pixels_.has(i)) continue;
+        if (plane_[i] != k && (std::abs(m.distance_m) > options_.taus * m.tau ||
+                               own_.of(pixels_.around(pixel, m.reach_px)) == 0))
+          continue;
+        const Rect window = pixels_.around(pixel, options_.window_px / 2);
+        const double off_m = std::abs(distances_.of(window)) / std::max(1, counted_.of(window));
+        const double company = static_cast<double>(own_.of(window)) / all_.of(window);
+        const double cost = kTauSigmas * off_m / m.tau - options_.company_sigmas * company;
+        double& best = least_[static_cast<std::size_t>(y - tile.y0) * kTile + (x - tile.x0)];
+        if (cost >= best) continue;
+        best = cost;
+        result[i] = k;
+      }
+  }
+
+  Measured& known(int x, int y) {
+    return known_[static_cast<std::size_t>(y - near_.y0) * near_.width() + (x - near_.x0)];
   }
 
   static constexpr double kTauSigmas = 3;  // tau is about so many sigma
@@ -148,6 +155,13 @@ class Borders {
   const Options& options_;
   const PixelGrid& pixels_;
   const std::vector<std::int32_t> plane_;  // per pixel, that of its point
+
+  // Of one tile.
+  Rect near_;  // it and the windows of its pixels
+  std::vector<Measured> known_;
+  std::vector<double> least_;  // cost of the best plane so far
+  BoxSums<int> all_, own_, counted_;
+  BoxSums<double> distances_;
 };
 
 /// A point goes where most of its pixels went; where as many stayed, it stays.

@@ -36,7 +36,7 @@ inline constexpr RefinementInfo kInfo{
     .title = "pixel borders",
     .says = "most pixels of point {point} lie better on {other} than on {plane}",
     .after = After::assignment,
-    .turn = 6};
+    .turn = 5};
 
 void run(SegmentState& state, const Options& options);
 

@@ -12,9 +12,10 @@
 namespace planescope::r9_join_sheets {
 namespace {
 
-constexpr int kTile = 16;         // the border is cut into stretches of about this length [px]
-constexpr int kBand = 12;         // how far the depth beside a stretch is looked at [px]
-constexpr int kLeastPixels = 20;  // on either side of it
+constexpr int kTile = 16;        // the border is cut into stretches of about this length [px]
+constexpr int kBand = 12;        // how far the depth beside a stretch is looked at [px]
+constexpr int kStride = 2;       // of the pixels looked at, along rows and columns
+constexpr int kLeastPixels = 5;  // on either side of it
 constexpr int kLeastContacts = 3;
 
 using PlanePair = std::pair<std::int32_t, std::int32_t>;  // first < second
@@ -32,10 +33,9 @@ struct Border {
   }
 };
 
-/// A pixel on one side of a border, the other side's being next to it.
+/// A pixel on the first plane's side of a border, the other side's being next to it.
 struct Contact {
   PlanePair planes;
-  int tile = 0;  // of the image
   int x = 0, y = 0;
   auto operator<=>(const Contact&) const = default;
 };
@@ -86,25 +86,28 @@ class Sheets {
   }
 
   void find_borders() {
-    std::vector<Contact> contacts;
-    const int across = pixels_.width / kTile + 1;
+    for (int y = 0; y < pixels_.height; y += kTile)
+      for (int x = 0; x < pixels_.width; x += kTile)
+        find_stretches(pixels_.around({x, y, x + kTile, y + kTile}, 0));
+  }
+
+  void find_stretches(const Rect& tile) {
+    contacts_.clear();
     // Two pixels apart as well, over what was not measured between.
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})
-      for (int y = 0; y + dy < pixels_.height; ++y)
-        for (int x = 0; x + dx < pixels_.width; ++x) {
+      for (int y = tile.y0; y < std::min(tile.y1, pixels_.height - dy); ++y)
+        for (int x = tile.x0; x < std::min(tile.x1, pixels_.width - dx); ++x) {
           const std::int32_t a = plane_[pixels_.at(x, y)], b = plane_[pixels_.at(x + dx, y + dy)];
-          if (a < 0 || b < 0 || a == b) continue;
-          const int u = a < b ? x : x + dx, v = a < b ? y : y + dy;
-          contacts.push_back({std::minmax(a, b), (v / kTile) * across + u / kTile, u, v});
+          if (a == b || a < 0 || b < 0) continue;
+          contacts_.push_back({std::minmax(a, b), a < b ? x : x + dx, a < b ? y : y + dy});
         }
-    std::ranges::sort(contacts);
-    for (std::size_t i = 0; i < contacts.size();) {
-      std::size_t end = i;
-      while (end < contacts.size() && contacts[end].planes == contacts[i].planes &&
-             contacts[end].tile == contacts[i].tile)
-        ++end;
-      add_stretch(std::span(contacts).subspan(i, end - i));
-      i = end;
+    std::ranges::sort(contacts_);
+    for (auto begin = contacts_.begin(); begin != contacts_.end();) {
+      const auto end = std::find_if(begin, contacts_.end(), [&](const Contact& contact) {
+        return contact.planes != begin->planes;
+      });
+      add_stretch({begin, end});
+      begin = end;
     }
   }
 
@@ -121,8 +124,9 @@ class Sheets {
     Eigen::Matrix4d normal_equations = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     int on_a = 0, on_b = 0;
-    for (int v = std::max(0, y - kBand); v <= std::min(pixels_.height - 1, y + kBand); ++v)
-      for (int u = std::max(0, x - kBand); u <= std::min(pixels_.width - 1, x + kBand); ++u) {
+    const Rect around = pixels_.around({x, y, x + 1, y + 1}, kBand);
+    for (int v = around.y0; v < around.y1; v += kStride)
+      for (int u = around.x0; u < around.x1; u += kStride) {
         const std::size_t i = pixels_.at(u, v);
         if (plane_[i] != a && plane_[i] != b) continue;
         ++(plane_[i] == a ? on_a : on_b);
@@ -141,13 +145,15 @@ class Sheets {
     if (border.pixels < options_.border_px || border.weight == 0 ||
         std::abs(border.step) > options_.step_m * border.weight)
       return std::nullopt;
-    const InverseSums &a = sums_[planes.first], &b = sums_[planes.second];
-    const double cosine = a.fit().normal().dot(b.fit().normal());
-    if (cosine < std::cos(options_.max_angle_deg * std::numbers::pi / 180)) return std::nullopt;
-    InverseSums both = a;
-    both += b;
-    const double misfit = (a.count < b.count ? a : b).rms_about(both.fit().w_of_ray);
-    if (!(misfit <= options_.misfit_m)) return std::nullopt;
+    const InverseSums &first = sums_[planes.first], &second = sums_[planes.second];
+    const InverseSums& small = first.count < second.count ? first : second;
+    const InverseSums& large = first.count < second.count ? second : first;
+    const InversePlane plane = large.fit();
+    const double cosine = small.fit().normal().dot(plane.normal());
+    const double misfit = small.rms_about(plane.w_of_ray);
+    if (!(cosine >= std::cos(options_.max_angle_deg * std::numbers::pi / 180)) ||
+        !(misfit <= options_.misfit_m))
+      return std::nullopt;
     return misfit;
   }
 
@@ -174,6 +180,7 @@ class Sheets {
   std::vector<InverseSums> sums_;          // per plane
   std::vector<std::vector<std::uint32_t>> points_;
   std::map<PlanePair, Border> borders_;
+  std::vector<Contact> contacts_;  // of one tile
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
 #pragma once
 
 // R9: real depth bows, by a centimetre and more and alike over far more than a cell, so that pieces
-// of one surface fail R1 on what it extrapolates to the other's centroid. Planes whose pixels touch
-// are judged where they meet: if the depth goes on there without a step, and one plane
-// leaves no more of them than the bow, they are one.
+// of one surface fail R1. Planes whose pixels touch are judged where they meet: if the depth goes
+// on there without a step, and the smaller one misses the larger by no more than the bow, they are
+// one.
 
 #include "core/segment/refinement.hpp"
 
@@ -12,8 +12,8 @@ namespace planescope::r9_join_sheets {
 struct Options {
   bool on = false;
   // Both at 1 m; they grow with the square of range, as the error of stereo does.
-  double misfit_m = 0.02;  // RMS of the smaller plane's pixels about the common plane
-  double step_m = 0.0035;  // mean step of the depth along the border
+  double misfit_m = 0.028;  // RMS of the smaller plane's pixels about the larger plane
+  double step_m = 0.0035;   // mean step of the depth along the border
   double max_angle_deg = 30;
   int border_px = 8;  // of common border, at least
 
@@ -22,8 +22,7 @@ struct Options {
     rows.flag("r9_join_sheets",
               "R9: depth images: join planes that go on into each other where they touch",
               &Options::on);
-    rows.number("r9_misfit_m", "m",
-                "R9: largest RMS of the smaller plane about the common one, at 1 m",
+    rows.number("r9_misfit_m", "m", "R9: largest RMS of the smaller plane about the larger, at 1 m",
                 &Options::misfit_m);
     rows.number("r9_step_m", "m", "R9: largest mean step of the depth along their border, at 1 m",
                 &Options::step_m);

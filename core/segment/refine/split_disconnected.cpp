@@ -145,7 +145,8 @@ bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
 }
 
 /// Joins the parts between which the sensor did not look through the plane: what hides the gap may
-/// hide a connection. Parts too small for planes of their own stay with the first.
+/// hide a connection. Without rays nothing is known to hide anything. Parts too small for planes of
+/// their own stay with the first.
 std::vector<Part> parts_seen_apart(const SegmentState& state,
                                    std::int32_t plane,
                                    double spacing_m,
@@ -156,7 +157,7 @@ std::vector<Part> parts_seen_apart(const SegmentState& state,
   const auto count = static_cast<std::uint32_t>(scraps - parts.begin());
   DisjointSets sets(parts.size());
   for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
-  if (count > 1) {
+  if (count > 1 && state.more.rays) {
     const Sight sight(state, plane, spacing_m);
     for (std::uint32_t a = 0; a < count; ++a)
       for (std::uint32_t b = a + 1; b < count; ++b)

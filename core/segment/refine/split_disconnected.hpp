@@ -1,7 +1,7 @@
 #pragma once
 
 // Coplanar regions that do not touch become planes of their own, which is what a foothold planner
-// needs: in every gap, or in those that the sensor looked through.
+// needs: in every gap, or in those that the sensor looked through (of clouds, in every one).
 
 #include <cstdint>
 

@@ -91,7 +91,7 @@ std::vector<std::uint64_t> seeds(std::uint64_t first, std::vector<std::uint64_t>
 }
 
 TEST(DefaultAgainstReference, CloudsWithGapsGiveIdenticalPlanes) {
-  reference::Gaps gaps[2];  // seen from above, seen along rays
+  reference::Gaps gaps[2];  // without rays, seen along them
   // Half of a gap's 11 cells; gaps with none; R1's 5 degrees over a gap; twice tau behind a plane.
   for (const std::uint64_t seed : seeds(200, {2908, 310, 640, 732, 3528, 342, 970})) {
     const test::CloudWithGaps scene = test::cloud_with_gaps(seed);
@@ -115,10 +115,10 @@ TEST(DefaultAgainstReference, CloudsWithGapsGiveIdenticalPlanes) {
   for (const reference::Gaps& of : gaps) {
     // Enough of each kind, so that a rule for one of them that is off shows.
     EXPECT_GT(of.open, 100);
-    EXPECT_GT(of.hidden, 300);
     EXPECT_GT(of.scraps, 50);
     EXPECT_GT(of.splits, 25);
   }
+  EXPECT_GT(gaps[1].hidden, 300);
 }
 
 TEST(DefaultAgainstReference, StepsGiveIdenticalPlanes) {
@@ -141,7 +141,7 @@ TEST(DefaultAgainstReference, StepsGiveIdenticalPlanes) {
 
 /// Two box tops of one height, 30 cm apart, over a floor that is left out below the
 /// share `hidden` of the gap.
-test::CloudWithGaps box_tops(double hidden, bool rays) {
+test::CloudWithGaps box_tops(double hidden) {
   test::CloudWithGaps scene;
   Random random(1);
   const auto add = [&](double x, double y, double z) {
@@ -156,22 +156,21 @@ test::CloudWithGaps box_tops(double hidden, bool rays) {
     }
   scene.cloud.cube = test::cube_around(scene.cloud.points);
   scene.sensor = {0, 0, 1};
-  scene.more.rays = rays;
+  scene.more.rays = true;
   return scene;
 }
 
 TEST(DefaultAgainstReference, BoxTopsAreTwoPlanesWhereTheFloorShowsBetweenThem) {
-  for (const bool rays : {false, true})
-    for (int twentieths = 0; twentieths <= 20; ++twentieths) {
-      const double hidden = twentieths / 20.0;
-      const std::string what = (rays ? "rays, " : "") + std::to_string(hidden) + " hidden";
-      const reference::Result plain =
-          compare(box_tops(hidden, rays), profile_options(Profile::refined), what);
-      if (HasFatalFailure()) return;
-      if (hidden > 0.4 && hidden < 1) continue;  // a cell more or less decides
-      EXPECT_EQ(plain.planes.size(), hidden < 0.5 ? 3u : 2u) << what;
-      EXPECT_EQ(plain.gaps.open, hidden < 0.5 ? 1 : 0) << what;
-    }
+  for (int twentieths = 0; twentieths <= 20; ++twentieths) {
+    const double hidden = twentieths / 20.0;
+    const std::string what = std::to_string(hidden) + " hidden";
+    const reference::Result plain =
+        compare(box_tops(hidden), profile_options(Profile::refined), what);
+    if (HasFatalFailure()) return;
+    if (hidden > 0.4 && hidden < 1) continue;  // a cell more or less decides
+    EXPECT_EQ(plain.planes.size(), hidden < 0.5 ? 3u : 2u) << what;
+    EXPECT_EQ(plain.gaps.open, hidden < 0.5 ? 1 : 0) << what;
+  }
 }
 
 }  // namespace

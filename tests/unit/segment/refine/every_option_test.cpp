@@ -13,6 +13,7 @@ const Vec3d kSensor(-1.5, 0, 0.8);
 struct Setting {
   SegmentOptions options;
   bool picture = false;  // the points come from a depth image
+  bool rays = false;     // ... and the sensor's place is known
 };
 
 /// Profiles, and what must be otherwise for an option to matter.
@@ -25,6 +26,7 @@ std::vector<Setting> settings() {
   options = profile_options(Profile::refined);
   options.r10_minor.pixels = 5;  // of few
   all.push_back({options, true});
+  all.push_back({options, true, true});
   options = profile_options(Profile::refined);
   options.noise.estimate_sigma = options.noise.sigma_by_range = false;
   options.split_disconnected.rule = SplitRule::on;
@@ -38,9 +40,11 @@ std::vector<Setting> settings() {
 
 std::vector<std::int32_t> planes_of(const test::LabelledCloud& cloud,
                                     const SegmentOptions& options,
-                                    bool picture = false) {
+                                    bool picture = false,
+                                    bool rays = false) {
   Measurements more;
   if (picture) more.pixels = test::picture_of(cloud.points, kSensor);
+  more.rays = rays;
   if (options.r8_voxel_spread.on)
     more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .yy = 1e-5f, .zz = 1e-5f});
   return segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, nullptr, more).plane_of;
@@ -59,7 +63,8 @@ class Clouds {
           const double value = factor * number_of(info, options);
           info.set(options, number_text(info, value == 0 && factor > 0 ? 0.02 * factor : value));
           if (info.get(options) == before) continue;
-          if (planes_of(cloud(seed), options.segment, settings_[s].picture) != as_it_is(s, seed))
+          if (planes_of(cloud(seed), options.segment, settings_[s].picture, settings_[s].rays) !=
+              as_it_is(s, seed))
             return true;
         }
     return false;
@@ -77,7 +82,8 @@ class Clouds {
   const std::vector<std::int32_t>& as_it_is(std::size_t setting, std::uint64_t seed) {
     std::vector<std::int32_t>& known = known_[{setting, seed}];
     if (known.empty())
-      known = planes_of(cloud(seed), settings_[setting].options, settings_[setting].picture);
+      known = planes_of(cloud(seed), settings_[setting].options, settings_[setting].picture,
+                        settings_[setting].rays);
     return known;
   }
 

@@ -35,7 +35,7 @@ TEST(JoinSheets, ACreasePartsPlanesHoweverSmooth) {
   const Frame corner =
       test::depth_frame([](double x, double) { return 1.6 / (1 + 0.5 * std::abs(x)); });
   const FrameResult result = test::result_of(corner);
-  EXPECT_NE(test::plane_at(result, 120, 240), test::plane_at(result, 2120, 240));
+  EXPECT_NE(test::plane_at(result, 120, 240), test::plane_at(result, 520, 240));
 }
 
 TEST(JoinSheets, TheTraceTellsWhoWentWhere) {
