@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/pipeline/options_table.hpp"
+#include "support/gap_scenes.hpp"
 #include "support/scenes.hpp"
 
 namespace planescope {
@@ -13,12 +14,13 @@ const Vec3d kSensor(-1.5, 0, 0.8);
 struct Setting {
   SegmentOptions options;
   bool picture = false;  // the points come from a depth image
-  bool rays = false;     // ... and the sensor's place is known
+  bool gaps = false;     // other clouds, with gaps that a sensor looks through or not
 };
 
 /// Profiles, and what must be otherwise for an option to matter.
 std::vector<Setting> settings() {
   std::vector<Setting> all{{profile_options(Profile::refined)},
+                           {profile_options(Profile::refined), false, true},
                            {profile_options(Profile::paper_closest)}};
   SegmentOptions options = profile_options(Profile::refined);
   options.r8_voxel_spread.on = true;
@@ -26,7 +28,6 @@ std::vector<Setting> settings() {
   options = profile_options(Profile::refined);
   options.r10_minor.pixels = 5;  // of few
   all.push_back({options, true});
-  all.push_back({options, true, true});
   options = profile_options(Profile::refined);
   options.noise.estimate_sigma = options.noise.sigma_by_range = false;
   options.split_disconnected.rule = SplitRule::on;
@@ -40,11 +41,9 @@ std::vector<Setting> settings() {
 
 std::vector<std::int32_t> planes_of(const test::LabelledCloud& cloud,
                                     const SegmentOptions& options,
-                                    bool picture = false,
-                                    bool rays = false) {
+                                    bool picture = false) {
   Measurements more;
   if (picture) more.pixels = test::picture_of(cloud.points, kSensor);
-  more.rays = rays;
   if (options.r8_voxel_spread.on)
     more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .yy = 1e-5f, .zz = 1e-5f});
   return segment(cloud.points, cloud.labels, cloud.cube, kSensor, options, nullptr, more).plane_of;
@@ -63,15 +62,22 @@ class Clouds {
           const double value = factor * number_of(info, options);
           info.set(options, number_text(info, value == 0 && factor > 0 ? 0.02 * factor : value));
           if (info.get(options) == before) continue;
-          if (planes_of(cloud(seed), options.segment, settings_[s].picture, settings_[s].rays) !=
-              as_it_is(s, seed))
-            return true;
+          if (planes_in(settings_[s], options.segment, seed) != as_it_is(s, seed)) return true;
         }
     return false;
   }
 
  private:
   static constexpr std::uint64_t kClouds = 40;
+  std::vector<std::int32_t> planes_in(const Setting& setting,
+                                      const SegmentOptions& options,
+                                      std::uint64_t seed) {
+    if (!setting.gaps) return planes_of(cloud(seed), options, setting.picture);
+    const test::CloudWithGaps scene = test::cloud_with_gaps(seed);
+    return segment(scene.cloud.points, scene.cloud.labels, scene.cloud.cube, scene.sensor, options,
+                   nullptr, scene.more)
+        .plane_of;
+  }
   const test::LabelledCloud& cloud(std::uint64_t seed) {
     while (clouds_.size() < seed) {
       const std::uint64_t next = clouds_.size() + 1;
@@ -81,9 +87,7 @@ class Clouds {
   }
   const std::vector<std::int32_t>& as_it_is(std::size_t setting, std::uint64_t seed) {
     std::vector<std::int32_t>& known = known_[{setting, seed}];
-    if (known.empty())
-      known = planes_of(cloud(seed), settings_[setting].options, settings_[setting].picture,
-                        settings_[setting].rays);
+    if (known.empty()) known = planes_in(settings_[setting], settings_[setting].options, seed);
     return known;
   }
 
