@@ -83,8 +83,12 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     fmt::print(stderr, "planescope: the window cannot be drawn: {}\n", error.what());
     return 3;
   }
-  settle(offscreen->shell(), *offscreen, stop);
-  if (!args.script.empty()) Script::read(args.script).play(offscreen->shell(), *offscreen, stop);
+  std::optional<Script> script;
+  if (!args.script.empty()) script = Script::read(args.script);
+  settle(offscreen->shell(), *offscreen, stop, !script || !script->labels());
+  if (script) script->play(offscreen->shell(), *offscreen, stop);
+  if (script && script->labels() && !(args.screenshot.empty() && args.state.empty()))
+    settle(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
   if (!args.state.empty()) {
     std::ofstream file(args.state, std::ios::binary);

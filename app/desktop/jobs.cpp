@@ -328,8 +328,11 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
   const auto& view = state.results.current;
   const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
   const bool done = view == sensitivity_of_run && state.view.unfolded == sensitivity_unfolded;
+  if (state.view.mode == Mode::labels) {  // shows no sliders
+    if (analysing == Analysis::sensitivity) stop_analysis();
+    return;
+  }
   if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
-  if (state.view.mode == Mode::labels) return;  // shows no sliders
   sensitivity_unfolded = state.view.unfolded;
   if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
     stop_analysis();
@@ -380,10 +383,11 @@ bool Jobs::collect(State& state) {
   return !deliveries.empty();
 }
 
-bool Jobs::busy() const {
-  if (impl_->strip_waits) return true;
-  for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
-    if (worker->busy()) return true;
+bool Jobs::busy(bool background) const {
+  if (impl_->runs.busy() || impl_->compares.busy()) return true;
+  if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
+  const bool sweeps = impl_->analysing == Analysis::sensitivity;
+  if (impl_->analysis.busy() && (background || !sweeps)) return true;
   if (impl_->labels.busy()) return true;
   const std::lock_guard lock(impl_->mutex);
   return !impl_->deliveries.empty();

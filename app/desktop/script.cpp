@@ -29,8 +29,8 @@ ImVec2 place_in(const WidgetRect& rect, const Json& share) {
 /// Plays one script on one shell.
 class Player {
  public:
-  Player(Shell& shell, Stage& stage, std::stop_token stop)
-      : shell_(shell), stage_(stage), stop_(std::move(stop)) {}
+  Player(Shell& shell, Stage& stage, std::stop_token stop, bool background)
+      : shell_(shell), stage_(stage), stop_(std::move(stop)), background_(background) {}
 
   void play(const Json& step) {
     if (step.is_string()) {
@@ -38,8 +38,10 @@ class Player {
       const std::size_t at = text.find(' ');
       shell_.perform({text.substr(0, at), at == std::string::npos ? "" : text.substr(at + 1)},
                      true);
-      return settle(shell_, stage_, stop_);
+      return settle(shell_, stage_, stop_, background_);
     }
+    for (const char* shows : {"screenshot", "state", "trace"})
+      if (!background_ && step.contains(shows)) settle(shell_, stage_, stop_);
     if (step.contains("do"))
       perform(step.at("do"), step.value("with", std::string()));
     else if (step.contains("click"))
@@ -68,7 +70,7 @@ class Player {
       throw Error(
           "is none of do, click, drag, hover, wheel, key, type, screenshot, state, trace, "
           "expect, frames");
-    if (step.value("wait", true)) settle(shell_, stage_, stop_);
+    if (step.value("wait", true)) settle(shell_, stage_, stop_, background_);
   }
 
  private:
@@ -195,21 +197,24 @@ class Player {
   Shell& shell_;
   Stage& stage_;
   std::stop_token stop_;
+  bool background_;  // waited for
 };
 
 }  // namespace
 
-void settle(Shell& shell, Stage& stage, std::stop_token stop) {
+void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
   do {  // the last frame may see that something is missing that could not be begun before
     stage.draw_frame();
-    while (!shell.idle()) {
+    while (!shell.idle(background)) {
       if (stop.stop_requested()) throw Cancelled();
       if (!shell.needs_frame()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       stage.draw_frame();
     }
     stage.draw_frame();
-  } while (!shell.idle());
+  } while (!shell.idle(background));
 }
+
+bool Script::labels() const { return !actions_->empty() && actions_->front() == "label.mode"; }
 
 Script Script::read(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -229,7 +234,7 @@ Script Script::read(const fs::path& path) {
 }
 
 void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
-  Player player(shell, stage, stop);
+  Player player(shell, stage, stop, !labels());
   int number = 0;
   for (const Json& step : *actions_) {
     ++number;

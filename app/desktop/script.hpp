@@ -43,13 +43,15 @@ class Script {
   static Script read(const std::filesystem::path& path);
   /// Throws as the actions do, Error naming the place in the script; ExpectationFailed.
   void play(Shell& shell, Stage& stage, std::stop_token stop) const;
+  /// It labels from its first action on: nothing waits for what goes on in the background.
+  bool labels() const;
 
  private:
   std::filesystem::path path_;
   std::shared_ptr<const nlohmann::ordered_json> actions_;
 };
 
-/// Draws frames until nothing is under way. Throws Cancelled when stopped.
-void settle(Shell& shell, Stage& stage, std::stop_token stop);
+/// Draws frames until nothing is under way, as Jobs::busy() has it. Throws Cancelled when stopped.
+void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background = true);
 
 }  // namespace planescope::desktop

@@ -33,7 +33,7 @@ class Shell {
   /// Something is left to show.
   bool needs_frame() const;
   /// Nothing is under way and nothing is left to show.
-  bool idle() const { return !needs_frame() && !jobs_.busy(); }
+  bool idle(bool background = true) const { return !needs_frame() && !jobs_.busy(background); }
   ImGuiContext* context() const { return context_; }
   /// The font atlas was made anew since the last call.
   bool take_fonts_changed();
