@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <optional>
 
 #include "app/assets.hpp"
 #include "app/desktop/offscreen.hpp"

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "core/geometry/inverse_plane.hpp"
 #include "core/segment/state.hpp"

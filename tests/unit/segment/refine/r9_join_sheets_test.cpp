@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "support/wall_scene.hpp"
 
 namespace planescope {
