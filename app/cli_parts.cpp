@@ -45,6 +45,8 @@ void add_inputs(CLI::App* command, Typed& t, const std::string& what) {
          "Of the depth image, in pixels; wins over what the files say");
   option("--depth-unit", t.depth_unit, "METRES",
          "Metres per depth count; wins over what the files say");
+  option("--instance-field", t.instance_field, "NAME",
+         "Of clouds: the field with true plane ids, whole numbers from 1, instead of `instance`");
   option("--labels", t.labels, "DIR", "Ground truth; otherwise <recording>.labels beside it");
 }
 

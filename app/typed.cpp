@@ -159,6 +159,7 @@ InputArgs input_args(const Typed& typed) {
                   " is out of range, expected metres per count, above 0 and at most 1");
     args.recording.depth_unit_m = unit;
   }
+  args.recording.instance_field = typed.instance_field;
   return args;
 }
 

@@ -19,7 +19,8 @@ namespace planescope {
 // What was typed, before it is checked. Empty: not given.
 struct Typed {
   std::vector<std::string> inputs;
-  std::string frames, profile, gravity, intrinsics, depth_unit, max_range, voxel, classifier;
+  std::string frames, profile, gravity, intrinsics, depth_unit, instance_field, max_range, voxel,
+      classifier;
   std::string method, labels, threads, out;
   std::vector<std::string> set;
   bool strict = false;  // labels check

@@ -27,7 +27,7 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
 struct InputArgs {
   std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
   FrameSlice frames;                               // default: all
-  RecordingOptions recording;                      // --intrinsics, --depth-unit
+  RecordingOptions recording;                      // --intrinsics, --depth-unit, --instance-field
   PipelineOptions pipeline;                        // --profile, --set, --gravity, ..., --threads
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
 };

@@ -1,4 +1,7 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.hpp"
 #include "core/base/sha256.hpp"
@@ -12,9 +15,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Takes another field for `instance`; below 1 is no plane, as in labels by others.
+PointSet read_with_instances(const fs::path& path, const std::string& field) {
+  CloudExtras extras{{field}, {}};
+  PointSet set = read_cloud_file(path, &extras);
+  const std::vector<double>& values = extras.values[0];
+  if (values.size() != set.points.size())
+    throw Error(
+        fmt::format("{}: points have no field '{}' to take plane ids from", path.string(), field));
+  set.instance.clear();
+  for (const double value : values) {
+    if (!(value == std::floor(value) && std::abs(value) <= 1e9))
+      throw Error(fmt::format("{}: field '{}' has {}, expected plane ids: whole numbers",
+                              path.string(), field, value));
+    set.instance.push_back(std::max(0, static_cast<std::int32_t>(value)));
+  }
+  return set;
+}
+
 class CloudRecording : public Recording {
  public:
-  explicit CloudRecording(const fs::path& path) : sidecar_(read_sidecar(path)) {
+  CloudRecording(const fs::path& path, std::string instance_field)
+      : instance_field_(std::move(instance_field)), sidecar_(read_sidecar(path)) {
     info_.path = path;
     info_.depth_unit_m = 1;
     info_.depth_unit_source = "metres, as clouds have it";
@@ -42,7 +64,8 @@ class CloudRecording : public Recording {
     frame.index = i;
     frame.name = names_.at(i);
     frame.depth_unit_m = info_.depth_unit_m;
-    frame.cloud = read_cloud_file(files_.at(i));
+    frame.cloud = instance_field_.empty() ? read_cloud_file(files_.at(i))
+                                          : read_with_instances(files_.at(i), instance_field_);
     apply_sidecar(sidecar_, frame);
     return frame;
   }
@@ -67,6 +90,7 @@ class CloudRecording : public Recording {
 
  private:
   RecordingInfo info_;
+  std::string instance_field_;
   Sidecar sidecar_;
   std::vector<fs::path> files_;
   std::vector<std::string> names_;
@@ -78,8 +102,8 @@ PointSet read_cloud_file(const fs::path& path, CloudExtras* extras) {
   return is_ply(path) ? read_ply(path, extras) : read_pcd(path, extras);
 }
 
-std::unique_ptr<Recording> open_clouds(const fs::path& path) {
-  return std::make_unique<CloudRecording>(path);
+std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOptions& options) {
+  return std::make_unique<CloudRecording>(path, options.instance_field);
 }
 
 }  // namespace planescope

@@ -43,7 +43,7 @@ std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOpti
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
                 " bags, expected the path of one of them, such as " + bags.front().string());
   }
-  if (!cloud_files_under(path).empty()) return open_clouds(path);
+  if (!cloud_files_under(path).empty()) return open_clouds(path, options);
   throw Error(path.string() + ": a folder with no recording in it (" + describe_files(files) +
               "), " + kExpected);
 }
@@ -67,7 +67,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   const std::string start = first_bytes(path);
   const std::string kind = extension(path);
   if (kind == ".bag" || start.starts_with("#ROSBAG")) return open_bag(path, options);
-  if (is_cloud(path)) return open_clouds(path);
+  if (is_cloud(path)) return open_clouds(path, options);
   if (kind == ".raw" || kind == ".csv") return open_viewer_raw(path, options);
   if (start.starts_with("\x89PNG") || kind == ".png") return open_image_folder(path, options);
   throw Error(path.string() + ": not a recording that planescope reads, " + kExpected);

@@ -68,6 +68,7 @@ std::unique_ptr<Recording> open_image_folder(const std::filesystem::path& path,
                                              const RecordingOptions& options);
 std::unique_ptr<Recording> open_viewer_raw(const std::filesystem::path& path,
                                            const RecordingOptions& options);
-std::unique_ptr<Recording> open_clouds(const std::filesystem::path& path);
+std::unique_ptr<Recording> open_clouds(const std::filesystem::path& path,
+                                       const RecordingOptions& options);
 
 }  // namespace planescope

@@ -14,6 +14,7 @@ namespace planescope {
 struct RecordingOptions {
   std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
   std::optional<double> depth_unit_m;               // metres per count
+  std::string instance_field = {};  // clouds: where plane ids stand, instead of `instance`
   /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
   /// long as another one is whole.
   bool damaged_frames_later = false;

@@ -27,6 +27,17 @@ struct PixelGrid {
   std::vector<Vec3f> measured;       // where it is [m], in the coordinates of segment()'s points
   std::vector<std::uint32_t> point;  // which of these it went into; kNoPoint: none
 
+  /// A pixel as seen along its ray from the sensor; see inverse_plane.hpp.
+  struct Seen {
+    Vec3d ray = Vec3d::Zero();  // unit
+    double w = 0;               // 1 / distance [1/m]
+  };
+  Seen seen(std::size_t pixel, const Vec3d& sensor) const {
+    const Vec3d to = measured[pixel].cast<double>() - sensor;
+    const double w = 1 / std::max(to.norm(), 1e-3);
+    return {to * w, w};
+  }
+
   bool empty() const { return point.empty(); }
   bool has(std::size_t pixel) const { return point[pixel] != kNoPoint; }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }

@@ -166,6 +166,47 @@ TEST(SynthSet, CloudsAreWrittenThatScoreThemselves) {
   EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
 }
 
+TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
+  const auto dir = scratch();
+  std::ofstream file(dir / "tops.pcd");
+  file << "VERSION 0.7\nFIELDS x y z segment half\nSIZE 4 4 4 4 4\nTYPE F F F F F\n"
+          "COUNT 1 1 1 1 1\nWIDTH 3200\nHEIGHT 1\nPOINTS 3200\nDATA ascii\n";
+  for (int i = 0; i < 1600; ++i)
+    for (const double z : {0.0, 0.3})
+      file << 0.02 * (i % 40) << ' ' << 0.02 * (i / 40) << ' ' << z << ' ' << (z > 0 ? 2 : 1)
+           << " 0.5\n";
+  file.close();
+  const auto eval = [&](const std::string& field) {
+    return run({"eval", "--json", "--classifier", "pca", "--instance-field", field,
+                (dir / "tops.pcd").string()});
+  };
+  const Ran ran = eval("segment");
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(Json::parse(ran.out)["mean"]["planes_truth"], 2);
+  EXPECT_GT(Json::parse(ran.out)["mean"]["mean_iou"].get<double>(), 99);
+  for (const auto& [field, problem] :
+       {std::pair{"nothing", "points have no field 'nothing'"}, {"half", "field 'half' has 0.5"}}) {
+    const Ran refused = eval(field);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
+    EXPECT_NE(refused.err.find(problem), std::string::npos) << refused.err;
+  }
+}
+
+// The truth is by others (SynPEB: Schaefer et al. 2019).
+TEST(InstanceField, ARoomOfASimulatedLaserScannerKeepsItsAccuracy) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const Ran ran =
+      run({"eval", "--json", "--instance-field", "intensity", "--gravity", "0,0,-1", "--voxel", "0",
+           (std::filesystem::path(data) / "NOT_REAL_synpeb_ppe/test_500.pcd").string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json mean = Json::parse(ran.out)["mean"];
+  EXPECT_GE(mean["mean_iou"].get<double>(), 93);
+  EXPECT_GE(mean["pq"].get<double>(), 90);
+  EXPECT_GE(mean["detected_iou80"], 37);
+}
+
 TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
   const auto dir = scratch();
   const std::string rec = (dir / "rec").string();

@@ -24,7 +24,8 @@ struct Picture {
   Vec6d quadric_w = Vec6d::Zero();
   std::vector<Vec2d> rim;  // ends of its rows
 
-  void add(const Vec3d& ray, double w) {
+  void add(const PixelGrid::Seen& seen) {
+    const auto& [ray, w] = seen;
     plane.add(ray, w);
     Vec6d row;
     row << ray.x() * ray.x(), ray.y() * ray.y(), ray.z() * ray.z(), ray.x() * ray.y(),
@@ -66,9 +67,7 @@ std::vector<Picture> pictures(const SegmentState& state) {
       if (k < 0) continue;
       ++all[k].pixels;
       if (x % kStride != 0 || y % kStride != 0) continue;
-      const Vec3d to = pixels.measured[i].cast<double>() - state.sensor;
-      const double w = 1 / std::max(to.norm(), 1e-3);
-      all[k].add(to * w, w);
+      all[k].add(pixels.seen(i, state.sensor));
     }
     add_rim(last, pixels.width, y);
   }

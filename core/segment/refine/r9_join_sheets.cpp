@@ -50,14 +50,11 @@ class Sheets {
         plane_(planes_of_pixels(state)),
         sums_(state.planes.size()),
         points_(state.planes.size()) {
-    rays_.resize(plane_.size());
-    w_.resize(plane_.size());
+    seen_.resize(plane_.size());
     for (std::size_t i = 0; i < plane_.size(); ++i) {
-      if (!pixels_.has(i)) continue;
-      const Vec3d to = pixels_.measured[i].cast<double>() - state.sensor;
-      w_[i] = 1 / std::max(to.norm(), 1e-3);
-      rays_[i] = to * w_[i];
-      if (plane_[i] >= 0) sums_[plane_[i]].add(rays_[i], w_[i]);
+      if (plane_[i] < 0) continue;
+      seen_[i] = pixels_.seen(i, state.sensor);
+      sums_[plane_[i]].add(seen_[i].ray, seen_[i].w);
     }
     for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
       if (state.plane_of[i] >= 0) points_[state.plane_of[i]].push_back(i);
@@ -132,9 +129,9 @@ class Sheets {
         if (plane_[i] != a && plane_[i] != b) continue;
         ++(plane_[i] == a ? on_a : on_b);
         Eigen::Vector4d row;
-        row << rays_[i], plane_[i] == b;
+        row << seen_[i].ray, plane_[i] == b;
         normal_equations += row * row.transpose();
-        right += row * w_[i];
+        right += row * seen_[i].w;
       }
     if (on_a < kLeastPixels || on_b < kLeastPixels) return;
     border.step += length * normal_equations.ldlt().solve(right)[3];
@@ -143,17 +140,18 @@ class Sheets {
 
   /// How badly the two are one plane [1/m]; nothing where they are not.
   std::optional<double> cost(const PlanePair& planes, const Border& border) const {
-    if (border.pixels < options_.border_px || border.weight == 0 ||
-        std::abs(border.step) > options_.step_m * border.weight)
-      return std::nullopt;
+    if (border.pixels < options_.border_px || border.weight == 0) return std::nullopt;
     const InverseSums &first = sums_[planes.first], &second = sums_[planes.second];
     const InverseSums& small = first.count < second.count ? first : second;
     const InverseSums& large = first.count < second.count ? second : first;
-    const InversePlane plane = large.fit();
-    const double cosine = small.fit().normal().dot(plane.normal());
+    const InversePlane plane = large.fit(), other = small.fit();
+    const double own = std::max(plane.rms, other.rms);
+    const double step = std::abs(border.step) / border.weight;
     const double misfit = small.rms_about(plane.w_of_ray);
-    if (!(cosine >= std::cos(options_.max_angle_deg * std::numbers::pi / 180)) ||
-        !(misfit <= options_.misfit_m))
+    const double cosine = other.normal().dot(plane.normal());
+    if (!(step <= std::min(options_.step_m, options_.step_own * own)) ||
+        !(misfit <= options_.misfit_m) ||
+        !(cosine >= std::cos(options_.max_angle_deg * std::numbers::pi / 180)))
       return std::nullopt;
     return misfit;
   }
@@ -176,8 +174,7 @@ class Sheets {
   const Options& options_;
   const PixelGrid& pixels_;
   const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
-  std::vector<Vec3d> rays_;                // per pixel, unit
-  std::vector<double> w_;                  // 1 / distance
+  std::vector<PixelGrid::Seen> seen_;      // per pixel of a plane
   std::vector<InverseSums> sums_;          // per plane
   std::vector<std::vector<std::uint32_t>> points_;
   std::map<PlanePair, Border> borders_;

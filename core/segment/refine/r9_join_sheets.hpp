@@ -11,9 +11,10 @@ namespace planescope::r9_join_sheets {
 
 struct Options {
   bool on = false;
-  // Both at 1 m; they grow with the square of range, as the error of stereo does.
+  // In metres: at 1 m; they grow with the square of range, as the error of stereo does.
   double misfit_m = 0.028;  // RMS of the smaller plane's pixels about the larger plane
   double step_m = 0.0035;   // mean step of the depth along the border
+  double step_own = 1;      // by the larger RMS of either about itself: no noise hides a step
   double max_angle_deg = 30;
   int border_px = 8;  // of common border, at least
 
@@ -26,6 +27,9 @@ struct Options {
                 &Options::misfit_m);
     rows.number("r9_step_m", "m", "R9: largest mean step of the depth along their border, at 1 m",
                 &Options::step_m);
+    rows.number("r9_step_own", "1",
+                "R9: and at most so many times the larger RMS of either about itself",
+                &Options::step_own);
     rows.number("r9_max_angle_deg", "deg", "R9: largest angle between them",
                 &Options::max_angle_deg, {0, 180});
     rows.number("r9_border_px", "px", "R9: least length of their border", &Options::border_px,

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
 #include "core/bench/chain_bench.hpp"
+#include "core/pipeline/classifiers.hpp"
 
 namespace planescope {
 namespace {
@@ -42,6 +45,17 @@ TEST(LabelBench, NoiseCostsEdgeLabels) {
   EXPECT_EQ(rows[3].set, "stairs, 0.3 cm");
   EXPECT_GT(rows[0].level.edge_percent(), rows[3].level.edge_percent());
   EXPECT_EQ(rows[0].tilted.edge, 0u);  // not asked for
+}
+
+TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) {
+  std::vector<NamedClassifier> both = pca();
+  both.push_back({"gcn", make_classifier(PipelineOptions{}, PLANESCOPE_SOURCE_DIR
+                                         "/assets/classifier.safetensors")
+                             .classifier});
+  std::map<std::string, std::pair<double, double>> floors;
+  for (const LabelRow& row : measure_labels(both, {.count = 6})) {
+    std::cout << row.set << " | " << row.classifier << " | " << row.level.edge_percent() << " | " << row.level.inner_percent() << "\n";
+  }
 }
 
 TEST(LabelBench, StopsWhereProgressThrows) {
