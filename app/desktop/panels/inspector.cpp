@@ -22,7 +22,9 @@ void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
     ui.emit("step.goto", std::to_string(step));
 }
 
-const char* word_of(Label label) { return label == Label::v ? "vertical" : "horizontal"; }
+const char* word_of(Label label) {
+  return label == Label::v ? "vertical" : label == Label::h ? "horizontal" : "unlabelled";
+}
 
 std::string vector_text(const Vec3d& v) {
   return fmt::format("{:.3f}  {:.3f}  {:.3f}", v.x(), v.y(), v.z());
