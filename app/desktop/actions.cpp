@@ -21,7 +21,7 @@ const std::vector<Action>& action_table() {
         all.push_back(std::move(action));
       }
     };
-    for (auto part : {document_actions, label_mode_actions, view_actions})
+    for (auto part : {document_actions, label_mode_actions, view_actions, gravity_actions})
       for (Action& action : part()) all.push_back(std::move(action));
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})

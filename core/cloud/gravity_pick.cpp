@@ -15,14 +15,14 @@ constexpr double kLeastUpright_deg = 30;
 // Normals nearer to parallel than this magnify an error of theirs more than threefold.
 constexpr double kLeastCorner_deg = 20;
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
 std::string whole_degrees(double angle_deg) {
   return std::to_string(static_cast<int>(std::lround(angle_deg))) + "\u00b0";
 }
 
 std::optional<Vec3d> of_one_wall(const Vec3d& normal, const Vec3d& before, std::string& why_not) {
-  const double upright_deg = degrees(std::acos(std::min(1.0, std::abs(normal.dot(before)))));
+  const double upright_deg = in_degrees(std::acos(std::min(1.0, std::abs(normal.dot(before)))));
   if (upright_deg < kLeastUpright_deg) {
     why_not = "that surface lies level rather than upright, " + whole_degrees(upright_deg) +
               " from it: is it a floor?";
@@ -48,8 +48,7 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
     for (const Vec3d& a : normals) {
       squares += a * a.transpose();
       for (const Vec3d& b : normals)
-        corner_deg =
-            std::max(corner_deg, degrees(std::acos(std::min(1.0, std::abs(a.dot(b))))));
+        corner_deg = std::max(corner_deg, in_degrees(std::acos(std::min(1.0, std::abs(a.dot(b))))));
     }
     if (corner_deg < kLeastCorner_deg) {
       why = "the walls are parallel to " + whole_degrees(corner_deg) +

@@ -1,5 +1,6 @@
 #include "core/recording/picked_gravity.hpp"
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -18,12 +19,12 @@ constexpr const char* kSchema = "planescope.gravity/1";
 
 fs::path file_in(const fs::path& label_dir) { return label_dir / "gravity.json"; }
 
-Json to_json(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json json_of(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-Json to_json(const PickedDirection& picked) {
+Json json_of(const PickedDirection& picked) {
   Json walls = Json::array();
-  for (const Vec3d& wall : picked.walls) walls.push_back(to_json(wall));
-  return {{"direction", to_json(picked.direction)},
+  for (const Vec3d& wall : picked.walls) walls.push_back(json_of(wall));
+  return {{"direction", json_of(picked.direction)},
           {"walls", walls},
           {"frame", picked.frame},
           {"frame_sha256", picked.frame_sha256},
@@ -49,7 +50,7 @@ PickedDirection direction_from(const nlohmann::json& json) {
 }
 
 /// A direction is of use on the very frame that it was clicked on, as labels are.
-void expect_of(const Recording& recording, const PickedDirection& picked) {
+void expect_same(const Recording& recording, const PickedDirection& picked) {
   const auto other = [&] {
     return Error("was picked on another recording, frame " + std::to_string(picked.frame) +
                  " differs; delete it, or name the recording's own folder with --labels");
@@ -111,8 +112,8 @@ PickedGravity read_picked_gravity(const fs::path& label_dir, const Recording& re
   const nlohmann::json json = read_json_file(file);
   try {
     PickedGravity picked = gravity_from(json);
-    if (picked.recording) expect_of(recording, *picked.recording);
-    for (const auto& [index, direction] : picked.frames) expect_of(recording, direction);
+    if (picked.recording) expect_same(recording, *picked.recording);
+    for (const auto& [index, direction] : picked.frames) expect_same(recording, direction);
     return picked;
   } catch (const nlohmann::json::exception&) {
     throw Error(file.string() +
@@ -133,9 +134,9 @@ void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked
   }
   Json json;
   json["schema"] = kSchema;
-  json["recording"] = picked.recording ? to_json(*picked.recording) : Json();
+  json["recording"] = picked.recording ? json_of(*picked.recording) : Json();
   json["frames"] = Json::array();
-  for (const auto& [index, direction] : picked.frames) json["frames"].push_back(to_json(direction));
+  for (const auto& [index, direction] : picked.frames) json["frames"].push_back(json_of(direction));
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   fs::create_directories(label_dir, failed);
   if (failed) throw Error(label_dir.string() + ": cannot be made: " + failed.message());

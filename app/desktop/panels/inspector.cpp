@@ -66,9 +66,11 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
     if (ImGui::SmallButton("parent")) ui.emit("select.parent");
     ui.name("inspector.parent");
   }
+  const bool labelled = run.subject->prepared.gravity.known();
   fact(ui, "points",
-       fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
-                   node.size() - node.count_h));
+       labelled ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
+                              node.size() - node.count_h)
+                : fmt::format("{}, neither horizontal nor vertical", node.size()));
   fact(ui, "inliers",
        fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
                    facts.purity.n_out));
