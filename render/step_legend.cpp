@@ -55,8 +55,8 @@ void add_step_legend(const Run& run, const StepLook& look, const StepState& stat
       break;
     case ColorBy::labels:
       if (!run.subject->prepared.gravity.known()) {
-        list.legend.push_back({Mark::dot, label_color(Label::unknown),
-                               "neither h nor v: gravity is not known"});
+        list.legend.push_back(
+            {Mark::dot, label_color(Label::unknown), "neither h nor v: gravity is not known"});
         break;
       }
       list.legend.push_back({Mark::dot, label_color(Label::h), "h  level"});

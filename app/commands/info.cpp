@@ -225,9 +225,8 @@ void print_text(const Facts& f, double max_range_m) {
     line("time", "the frames carry no time");
   }
   if (f.gravity && !f.gravity->known()) {
-    line("gravity",
-         fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",
-                     f.gravity->note, kHowToGiveGravity));
+    line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",
+                                f.gravity->note, kHowToGiveGravity));
   } else if (f.gravity) {
     const Gravity& g = *f.gravity;
     std::string how = to_string(g.source);

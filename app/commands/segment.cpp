@@ -90,7 +90,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     for (const std::string& line : lines) fmt::print("{}\n", line);
-    if (unknown_gravity) fmt::print(stderr, "planescope: to tell h from v, {}\n", kHowToGiveGravity);
+    if (unknown_gravity)
+      fmt::print(stderr, "planescope: to tell h from v, {}\n", kHowToGiveGravity);
   }
   if (stop.stop_requested()) throw Cancelled();
   return 0;

@@ -21,7 +21,7 @@ const std::vector<Action>& action_table() {
         all.push_back(std::move(action));
       }
     };
-    for (auto part : {document_actions, label_mode_actions, view_actions, gravity_actions})
+    for (auto part : {document_actions, label_mode_actions, view_actions})
       for (Action& action : part()) all.push_back(std::move(action));
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})
@@ -29,6 +29,7 @@ const std::vector<Action>& action_table() {
     for (auto part : {label_tool_actions, label_draw_actions, label_wand_actions,
                       label_plane_actions, label_review_actions})
       add(part(), KeyMode::labels);
+    add(gravity_actions(), KeyMode::anywhere);
     return all;
   }();
   return table;

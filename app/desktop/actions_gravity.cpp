@@ -121,11 +121,9 @@ const PickedDirection* picked_before(const State& state) {
   return own == picked.frames.end() ? nullptr : &own->second;
 }
 
-/// An undo step: what is picked, and the options, as a direction that they give would hide it.
-void change_picked(State& state, const PickedGravity& after) {
+/// An undo step: what is picked, and the options with it.
+void change_picked(State& state, const PickedGravity& after, const PipelineOptions& options) {
   const OpenRecording& open = current(state);
-  PipelineOptions options = state.document.options;
-  options.gravity.mode = GravityMode::automatic;
   OptionChange change{state.document.options, options, "", {}};
   change.gravity = GravityChange{open.path, open.picked, after};
   keep_picked(state, open.path, after);
@@ -155,8 +153,9 @@ void keep_direction(State& state, PickedDirection picked, const std::string& sai
   } else {
     after.frames[frame] = picked;
   }
-  change_picked(state, after);
-  tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
+  PipelineOptions options = state.document.options;
+  options.gravity.mode = GravityMode::automatic;  // a direction that they give would hide it
+  change_picked(state, after, options);
   state.view.gravity_click = GravityClick::none;
   std::string text = said;
   if (!subject_of(state).frame.is_cloud()) {
@@ -168,6 +167,11 @@ void keep_direction(State& state, PickedDirection picked, const std::string& sai
   say(state,
       fmt::format("gravity {} {}: kept in {}", text, all ? "for all frames" : "for this frame",
                   (open.label_dir / "gravity.json").string()));
+  try {
+    tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
+  } catch (const Error& error) {  // gravity is picked all the same
+    say(state, error.what(), true);
+  }
 }
 
 void pick_floor(State& state, const std::string& text) {
@@ -213,7 +217,7 @@ void forget(State& state) {
   PickedGravity after = open.picked;
   const bool own = after.frames.erase(state.document.frame) > 0;
   if (!own) after.recording.reset();
-  change_picked(state, after);
+  change_picked(state, after, state.document.options);
   say(state, own ? "this frame's picked gravity is forgotten"
                  : "the recording's picked gravity is forgotten");
 }

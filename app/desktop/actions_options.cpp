@@ -59,6 +59,10 @@ void move_change(State& state,
   if (const auto& gravity = from.back().gravity)  // first: it may not be writable
     keep_picked(state, gravity->recording,
                 which == &OptionChange::before ? gravity->before : gravity->after);
+  if (const auto& gravity = from.back().gravity)  // it may be of another one than is looked at
+    say(state, fmt::format("gravity of {} is as it was {} the click",
+                           gravity->recording.filename().string(),
+                           which == &OptionChange::before ? "before" : "after"));
   to.push_back(from.back());
   from.pop_back();
   to.back().gesture.clear();

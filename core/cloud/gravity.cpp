@@ -90,7 +90,8 @@ std::optional<Gravity> found_gravity(const Frame& frame,
 }  // namespace
 
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
-  if (options.mode == GravityMode::none) return unknown_gravity(frame, "left open by --gravity none");
+  if (options.mode == GravityMode::none)
+    return unknown_gravity(frame, "left open by --gravity none");
   if (options.mode == GravityMode::fixed) {
     Gravity gravity;
     // Scaled first: the squares of a tiny direction must not vanish.

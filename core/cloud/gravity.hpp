@@ -28,13 +28,14 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
 /// even the estimate fails, unless the options go without.
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options);
 
-/// The direction of a frame whose gravity nobody knows, with source `none`: things are taken to fall
-/// to the lower edge of the image, along -z of a cloud. `why` goes into the note.
+/// The direction of a frame whose gravity nobody knows, with source `none`: things are taken to
+/// fall to the lower edge of the image, along -z of a cloud. `why` goes into the note.
 Gravity unknown_gravity(const Frame& frame, const std::string& why);
 
 /// What tells h from v where gravity is not known, as a hint for people.
 inline constexpr const char* kHowToGiveGravity =
-    "give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, or click "
+    "give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, or "
+    "click "
     "a floor in planescope view";
 
 }  // namespace planescope

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a click on a floor or on a wall says of gravity. Normals are unit and face the sensor; all is
-// in the sensor's (or cloud's own) frame.
+// What a click on a floor or on a wall says of gravity. Normals are unit and face the sensor; all
+// is in the sensor's (or cloud's own) frame.
 
 #include <optional>
 #include <span>

@@ -232,8 +232,7 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     mean.points += m.points;
   }
   const auto n = static_cast<double>(metrics.size());
-  for (double* v :
-       {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq})
+  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq})
     *v /= n;
   for (double* v : {&mean.label_accuracy_edge, &mean.label_accuracy_inner})
     *v = labelled > 0 ? *v / labelled : std::nan("");

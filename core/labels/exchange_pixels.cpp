@@ -99,8 +99,8 @@ std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   return planes;
 }
 
-/// Where the format tells planes only, each takes the class of its tilt, and none where nobody knows
-/// gravity.
+/// Where the format tells planes only, each takes the class of its tilt, and none where nobody
+/// knows gravity.
 void classify_by_tilt(FrameLabels& labels) {
   std::vector<std::uint8_t> class_of(kPlaneIgnore + 1, 0);
   class_of[kPlaneIgnore] = kHvIgnore;

@@ -81,8 +81,9 @@ void append_cloud(std::vector<OptionInfo>& table) {
 void append_gravity(std::vector<OptionInfo>& table) {
   const std::string s = "gravity";
   table.push_back({"gravity", "auto/X,Y,Z/imu/estimate/none",
-                   "direction in which things fall, in the sensor's or cloud's own frame; none: without h and v", s,
-                   [](const PipelineOptions& o) { return gravity_text(o.gravity); },
+                   "direction in which things fall, in the sensor's or cloud's own frame; none: "
+                   "without h and v",
+                   s, [](const PipelineOptions& o) { return gravity_text(o.gravity); },
                    [](PipelineOptions& o, const std::string& text) {
                      const GravityOptions parsed = parse_gravity(text);
                      o.gravity.mode = parsed.mode;

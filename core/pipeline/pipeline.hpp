@@ -62,9 +62,9 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals, and
-/// frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or both
-/// are null.
+/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals,
+/// and frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or
+/// both are null.
 PreparedFrame prepare_frame(const Frame& frame,
                             const PipelineOptions& options,
                             const Classifier* classifier,
@@ -79,8 +79,8 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
 
 /// Finds the planes of a prepared frame with the method of the options. Of a rival, the
 /// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
-/// a plane is h where its normal is within 45 degrees of gravity. Where gravity is not known, planes
-/// are neither h nor v, and their normals point to the sensor's side.
+/// a plane is h where its normal is within 45 degrees of gravity. Where gravity is not known,
+/// planes are neither h nor v, and their normals point to the sensor's side.
 struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/pipeline/frame_times.hpp"
 #include "core/cloud/gravity.hpp"
+#include "core/pipeline/frame_times.hpp"
 #include "core/report/report_html_pieces.hpp"
 
 namespace planescope::html {
@@ -242,17 +242,19 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   if (frame.metrics) data.set("metrics", metrics_data(*frame.metrics));
   const Vec3d& d = frame.gravity.direction;
   if (!frame.gravity.known())
-    data.set("gravity",
-             fmt::format("Gravity is <em>not known</em>: {}. No point and no plane is h or v, and the "
-                         "world\u2019s axes are the camera\u2019s own: x ahead, y left, z up. To "
-                         "tell h from v, {}.",
-                         escaped(frame.gravity.note), escaped(kHowToGiveGravity)));
-  else
     data.set(
-           "gravity", fmt::format("Gravity points to ({}, {}, {}) in the sensor\u2019s frame: {}{}.",
-                       decimal(d.x(), 3), decimal(d.y(), 3), decimal(d.z(), 3),
-                       gravity_text(frame.gravity),
-                       frame.gravity.note.empty() ? "" : "; " + escaped(frame.gravity.note)));
+        "gravity",
+        fmt::format("Gravity is <em>not known</em>: {}. No point and no plane is h or v, and the "
+                    "world\u2019s axes are {}. To tell h from v, {}.",
+                    escaped(frame.gravity.note),
+                    is_cloud ? "those of the file" : "the camera\u2019s own: x ahead, y left, z up",
+                    escaped(kHowToGiveGravity)));
+  else
+    data.set("gravity",
+             fmt::format("Gravity points to ({}, {}, {}) in the sensor\u2019s frame: {}{}.",
+                         decimal(d.x(), 3), decimal(d.y(), 3), decimal(d.z(), 3),
+                         gravity_text(frame.gravity),
+                         frame.gravity.note.empty() ? "" : "; " + escaped(frame.gravity.note)));
   return data;
 }
 

@@ -12,8 +12,8 @@
 
 namespace planescope {
 
-/// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h. Where
-/// labels are not used, all points carry `one_label`.
+/// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
+/// Where labels are not used, all points carry `one_label`.
 struct Purity {
   Label inlier = Label::h;
   std::uint32_t n_in = 0;

@@ -37,7 +37,7 @@ struct SegmentOptions {
   double leftover_distance_m = 0.005;
   MergePartner merge_partner = MergePartner::first;
   LeftoverRule leftover_rule = LeftoverRule::first;
-  bool use_labels = true;  // false: all points carry one label ("without PC") ...
+  bool use_labels = true;      // false: all points carry one label ("without PC") ...
   Label one_label = Label::h;  // ... this one; unknown where nobody knows gravity
   CubeAnchor cube_anchor = CubeAnchor::center;
 

@@ -216,6 +216,10 @@ TEST_F(GravityClicks, WinOverTheOptionAndGiveItBackOnUndo) {
   EXPECT_EQ(gravity().source, GravitySource::picked) << message();
   run("option.undo");
   EXPECT_EQ(gravity().source, GravitySource::option);
+  run("option.redo");
+  run("option.set", "gravity=1,0,0");
+  run("gravity.forget");
+  EXPECT_EQ(gravity().source, GravitySource::option) << "forgetting changes no option";
 }
 
 TEST_F(GravityClicks, DoNotGoBeforeTheRecordingsOwn) {

@@ -35,6 +35,7 @@ void draw_gravity_line(const Ui& ui) {
   std::string text = "Gravity is not known, so nothing is h or v. Click a floor or a wall:";
   if (click == GravityClick::floor) text = "Click a floor: it lies level. Esc leaves.";
   if (click == GravityClick::wall) text = "Click a wall: it stands upright. Esc leaves.";
+  ImGui::AlignTextToFramePadding();  // beside the buttons, where there is room
   paragraph(ui.colors.warning, text);
   ui.name("gravity.line");
   same_line_if_fits("floor  wall  ");
