@@ -274,7 +274,7 @@ std::vector<Action> gravity_actions() {
       {"gravity.all_frames",
        "What is clicked holds for all frames",
        menu,
-       "",
+       "Ctrl+Shift+W",
        "",
        [](State& s, const std::string&) {
          s.view.gravity_of_recording = !s.view.gravity_of_recording;
