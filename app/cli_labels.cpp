@@ -101,7 +101,7 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
       "What the files are; otherwise as --from FILE is named");
   add(importing, "--from", typed.from, "FILE|DIR",
       "One file, for the frame of --frames; or a folder with files as export names them");
-  add(importing, "--gravity", typed.gravity, "auto|X,Y,Z|imu|estimate",
+  add(importing, "--gravity", typed.gravity, "auto|X,Y,Z|imu|estimate|none",
       "Direction in which things fall, in the sensor's own frame; default auto");
   runs(importing, run_labels_import);
 

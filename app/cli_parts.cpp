@@ -65,10 +65,11 @@ void add_clouds(CLI::App* command, Typed& t) {
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->group("Method");
-  option("--gravity", t.gravity, "auto|X,Y,Z|imu|estimate",
+  option("--gravity", t.gravity, "auto|X,Y,Z|imu|estimate|none",
          "Direction in which things fall, in the sensor's own frame (x right, y down, z forward; "
          "clouds: the file's axes). auto, the default, takes the first that exists: the "
-         "recording's own, its IMU, an estimate from the scene");
+         "recording's own, its IMU, a floor that was picked in the window, an estimate from the "
+         "scene. none finds planes of any direction without telling h from v");
   option("--max-range", t.max_range, "M",
          "Crop what is farther: depth z of depth frames (default 1.5), distance from the origin of "
          "clouds (default none)");

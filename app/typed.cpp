@@ -67,6 +67,12 @@ void expect_ours(const PipelineOptions& options, const char* command) {
         fmt::format("{} measures method ours, found {}", command, to_string(options.method)));
 }
 
+/// What is about h and v needs gravity.
+void expect_gravity(const PipelineOptions& options, const char* command) {
+  if (options.gravity.mode == GravityMode::none)
+    throw Error(fmt::format("{} is about h and v, which --gravity none leaves open", command));
+}
+
 // WxH in pixels.
 void set_size(const std::string& text, int& width, int& height) {
   const std::vector<std::string> sides = split(text, 'x');
@@ -132,6 +138,9 @@ PipelineOptions pipeline_options(const Typed& typed) {
     options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
   }
   options.threads = thread_count(typed);
+  if (!typed.classifier.empty() && options.gravity.mode == GravityMode::none)
+    throw Error("--classifier " + typed.classifier +
+                ": with --gravity none no point is labelled h or v, leave one of them out");
   return options;
 }
 
@@ -270,6 +279,7 @@ TrainArgs train_args(const Typed& typed) {
   if (args.out.extension() != ".safetensors")
     throw Error("train: -o '" + typed.out + "' is not the name of a .safetensors file");
   args.input = input_args(typed);
+  expect_gravity(args.input.pipeline, "train");
   args.synthetic = typed.recipe != "recordings";
   const std::vector<std::string>& names = recipe_names();
   if (args.synthetic && std::find(names.begin(), names.end(), typed.recipe) == names.end())
@@ -303,6 +313,7 @@ BenchClassifierArgs bench_classifier_args(const Typed& typed) {
   BenchClassifierArgs args;
   args.input = input_args(typed);
   expect_ours(args.input.pipeline, "bench classifier");
+  expect_gravity(args.input.pipeline, "bench classifier");
   args.out = typed.out;
   args.json = typed.json;
   if (!typed.weights.empty()) args.weights = typed.weights;
@@ -352,6 +363,8 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
   if (typed.inputs.empty() && !args.data.empty() && typed.from.empty())
     args.recordings = listed_recordings(
         find_asset("paper_recordings.txt", "the list of bench paper's recordings is"), args.data);
+  for (const auto& recording : args.recordings)
+    expect_gravity(recording.input.pipeline, "bench paper");
   args.same_command = same_paper_command(args, typed);
   return args;
 }

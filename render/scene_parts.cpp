@@ -77,6 +77,10 @@ void add_gravity(const FrameResult& result, DrawList& list) {
   const Vec3d from = camera.eye + distance * forward - 1.12 * half_height * right +
                      0.62 * half_height * right.cross(forward);
   const Vec3d to = from - 0.25 * half_height * Vec3d::UnitZ();
+  if (!result.gravity.known()) {
+    list.labels.push_back({from.cast<float>(), "gravity not known", kGravity, 15, true});
+    return;
+  }
   list.arrows.push_back({from.cast<float>(), to.cast<float>(), kGravity, 4});
   const bool sure = result.gravity.source != GravitySource::estimate &&
                     result.gravity.source != GravitySource::assumed;
@@ -159,7 +163,9 @@ void add_plane_legend(const FrameResult& result,
     const PlaneRegion& plane = planes[order[i]];
     list.legend.push_back({Mark::box, color_of(plane.id, color_of_plane),
                            std::to_string(plane.id) +
-                               (plane.label == Label::h ? "  h  " : "  v  ") +
+                               (plane.label == Label::h   ? "  h  "
+                                : plane.label == Label::v ? "  v  "
+                                                          : "  ") +
                                std::to_string(plane.points) + " voxels"});
   }
   if (order.size() > kMostPlanesInLegend)

@@ -114,6 +114,8 @@ StepState step_state(const Run& run, std::int32_t step) {
 }
 
 ColorBy told_by(const Run& run, ColorBy asked) {
+  // Without gravity there is no margin either: all points are of neither class.
+  if (asked == ColorBy::margins && !run.subject->prepared.gravity.known()) return ColorBy::labels;
   if (run.is_ours()) return asked;
   if (asked == ColorBy::cases) return ColorBy::planes;
   return asked == ColorBy::margins ? ColorBy::labels : asked;

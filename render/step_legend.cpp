@@ -54,6 +54,11 @@ void add_step_legend(const Run& run, const StepLook& look, const StepState& stat
       add_plane_states(state, waiting, list);
       break;
     case ColorBy::labels:
+      if (!run.subject->prepared.gravity.known()) {
+        list.legend.push_back(
+            {Mark::dot, label_color(Label::unknown), "neither h nor v: gravity is not known"});
+        break;
+      }
       list.legend.push_back({Mark::dot, label_color(Label::h), "h  level"});
       list.legend.push_back({Mark::dot, label_color(Label::v), "v  upright"});
       if (!run.is_ours())

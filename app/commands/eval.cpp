@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/commands/predictions.hpp"
@@ -28,13 +29,18 @@ Json to_json(const Metrics& m) {
   return json;
 }
 
+/// A dash where there were no labels: gravity was not known.
+std::string labels_right(double percent) {
+  return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
+}
+
 void print_row(const std::string& name, int width, const Metrics& m) {
   fmt::print(
       "{:<{}} {:>5} {:>5} {:>7.3f} {:>6.1f} {:>6.2f} {:>6.2f} {:>6.2f} {:>6.2f} {:>5} {:>5} {:>5} "
-      "{:>6} {:>5} {:>6.2f} {:>6.2f}\n",
+      "{:>6} {:>5} {:>6} {:>6}\n",
       name, width, m.planes_truth, m.planes_found, m.alpha_deg, m.r_p, m.r_m, m.point_accuracy,
       m.mean_iou, m.pq, m.detected_iou80, m.over_segmented, m.under_segmented, m.missed, m.noise,
-      m.label_accuracy_edge, m.label_accuracy_inner);
+      labels_right(m.label_accuracy_edge), labels_right(m.label_accuracy_inner));
 }
 
 void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_truth) {

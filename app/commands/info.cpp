@@ -151,10 +151,11 @@ Json to_json(const Facts& f) {
   json["gravity"] = nullptr;
   if (f.gravity) {
     const Vec3d& d = f.gravity->direction;
-    json["gravity"] = {{"direction", {d.x(), d.y(), d.z()}},
+    json["gravity"] = {{"direction", nullptr},
                        {"source", to_string(f.gravity->source)},
                        {"confidence", f.gravity->confidence},
                        {"note", f.gravity->note}};
+    if (f.gravity->known()) json["gravity"]["direction"] = {d.x(), d.y(), d.z()};
   } else {
     json["gravity_error"] = f.gravity_error;
   }
@@ -223,7 +224,10 @@ void print_text(const Facts& f, double max_range_m) {
   } else if (f.frame_count > 1) {
     line("time", "the frames carry no time");
   }
-  if (f.gravity) {
+  if (f.gravity && !f.gravity->known()) {
+    line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",
+                                f.gravity->note, kHowToGiveGravity));
+  } else if (f.gravity) {
     const Gravity& g = *f.gravity;
     std::string how = to_string(g.source);
     if (g.note.starts_with(how))

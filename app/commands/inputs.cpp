@@ -9,6 +9,7 @@
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/labels/label_files.hpp"
+#include "core/recording/picked_gravity.hpp"
 
 namespace planescope {
 namespace fs = std::filesystem;
@@ -78,6 +79,8 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     if (input.frames.empty())
       throw Error(fmt::format("{}: --frames leaves none of its {} frames", path.string(), count));
     input.label_dir = args.label_dir.value_or(default_label_dir(path));
+    PickedGravity picked = read_picked_gravity(input.label_dir, *input.recording);
+    input.recording = with_picked_gravity(std::move(input.recording), std::move(picked));
     for (const std::string& warning : input.recording->info().warnings)
       fmt::print(stderr, "planescope: warning: {}\n", warning);
     inputs.push_back(std::move(input));
@@ -91,7 +94,7 @@ bool may_have_truth(const OpenInput& input, int index) {
 }
 
 ChosenClassifier choose_classifier(const PipelineOptions& options) {
-  if (options.method != Method::ours) return {};
+  if (options.method != Method::ours || options.gravity.mode == GravityMode::none) return {};
   fs::path shipped;
   if (options.classifier == "gcn")
     shipped = find_asset("classifier.safetensors", "the weights of classifier gcn are");
@@ -109,7 +112,9 @@ LoadedFrame run_input_frame(const OpenInput& input,
   loaded.frame = input.recording->frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
-  const bool needs_truth = !classifier && options.method == Method::ours;
+  const bool labels_points =
+      options.method == Method::ours && options.gravity.mode != GravityMode::none;
+  const bool needs_truth = !classifier && labels_points;
   std::optional<FrameTruth> on_points;
   if (needs_truth || want_truth)
     loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));

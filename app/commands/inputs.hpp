@@ -40,8 +40,9 @@ struct OpenInput {
   std::filesystem::path label_dir;  // may not exist
 };
 
-/// Opens every input, or the sample where none is given, before any work is done. Throws Error if
-/// one cannot be opened, or if --frames leaves none of its frames.
+/// Opens every input, or the sample where none is given, before any work is done; frames carry the
+/// gravity that was picked for them. Throws Error if one cannot be opened, or if --frames leaves
+/// none of its frames.
 std::vector<OpenInput> open_inputs(const InputArgs& args);
 
 /// A frame that was read and run, with its truth where there is some (and it was asked for, or
@@ -61,8 +62,8 @@ struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// The classifier of these options, none for rivals; gcn takes the weights that ship with us.
-/// Throws Error where weights are missing or cannot be read.
+/// The classifier of these options, none for rivals and without gravity; gcn takes the weights that
+/// ship with us. Throws Error where weights are missing or cannot be read.
 ChosenClassifier choose_classifier(const PipelineOptions& options);
 
 /// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error

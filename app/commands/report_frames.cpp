@@ -161,8 +161,8 @@ class FrameWriter {
     try {
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
       frame = make_report_frame(loaded->frame, loaded->result, job_.options);
-      frame.histograms =
-          decision_histograms(loaded->result.segmentation, loaded->strains, job_.options.segment);
+      frame.histograms = decision_histograms(loaded->result.segmentation, loaded->strains,
+                                             segment_options(loaded->result, job_.options));
       if (loaded->truth) frame.metrics = score_frame(loaded->result, *loaded->truth);
       frame.sha256 = input.recording->frame_hash(slot.index);
     } catch (const Error& error) {

@@ -121,7 +121,7 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
   }
   if (!renderer) return pictures;
 
-  if (job.method == Method::ours) {
+  if (job.method == Method::ours && result.gravity.known()) {
     draw(
         scene_labels(result), "labels", "Voxels by h and v",
         fmt::format("{} voxels coloured as h, level, or v, upright.", result.voxels.points.size()));
@@ -129,13 +129,14 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
          "The same voxels, dark on the boundary between h and v and in the colour of their class "
          "where "
          "it is sure.");
+  }
+  if (job.method == Method::ours)
     draw(scene_cases(result), "cases", "Octree nodes by case",
          fmt::format(
              "The octree's nodes as boxes: {} of case I, {} of case II, {} of case III, {} of "
              "case IV.",
              counts.nodes_per_case[1], counts.nodes_per_case[2], counts.nodes_per_case[3],
              counts.nodes_per_case[4]));
-  }
   draw(scene_planes(result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
   draw(scene_leftovers(result, color_of_plane), "leftovers", "Points left over",

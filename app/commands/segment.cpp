@@ -29,6 +29,7 @@ std::string line_of(const std::string& folder, const FrameResult& result) {
   line += fmt::format(", gravity {}", to_string(gravity.source));
   if (gravity.source == GravitySource::estimate)
     line += fmt::format(" (confidence {:.2f})", gravity.confidence);
+  if (!gravity.known()) line += ": planes are neither h nor v";
   return line;
 }
 
@@ -55,6 +56,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 
   std::vector<std::string> lines, refused;
+  bool unknown_gravity = false;
   nlohmann::ordered_json json;
   json["schema"] = "planescope.segment/1";
   json["input"] = input.path.string();
@@ -72,6 +74,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
             run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), false);
         const std::filesystem::path folder = frame_folder(index);
         write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
+        unknown_gravity |= !loaded.result.gravity.known();
         lines.push_back(line_of((args.out / folder).string(), loaded.result));
         json["frames"].push_back(json_of((args.out / folder).string(), loaded.result));
       } catch (const FrameRefused& refusal) {
@@ -87,6 +90,8 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     for (const std::string& line : lines) fmt::print("{}\n", line);
+    if (unknown_gravity)
+      fmt::print(stderr, "planescope: to tell h from v, {}\n", kHowToGiveGravity);
   }
   if (stop.stop_requested()) throw Cancelled();
   return 0;

@@ -41,6 +41,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   const auto open = [&](const fs::path& path) {
     document.recordings.push_back({path, open_recording(path, options),
                                    args.input.label_dir.value_or(default_label_dir(path))});
+    read_picked(state, document.recordings.back());
   };
   for (const fs::path& path : args.input.inputs) open(path);
   if (document.recordings.empty() && args.open.empty() && !settings.last_recording.empty()) {

@@ -29,6 +29,7 @@ const std::vector<Action>& action_table() {
     for (auto part : {label_tool_actions, label_draw_actions, label_wand_actions,
                       label_plane_actions, label_review_actions})
       add(part(), KeyMode::labels);
+    add(gravity_actions(), KeyMode::anywhere);
     return all;
   }();
   return table;

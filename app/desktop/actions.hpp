@@ -61,6 +61,7 @@ std::vector<Action> option_actions();
 std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
 std::vector<Action> document_actions();
+std::vector<Action> gravity_actions();       // floors and walls that are clicked
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts
@@ -86,6 +87,12 @@ void unflash(State& state);
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
 void change_options(State& state, const PipelineOptions& after);
+/// Reads what was picked for a recording that is being opened; a file that cannot be used is told
+/// of, and the recording opens without.
+void read_picked(State& state, OpenRecording& open);
+/// Puts down what is picked for a recording of the list, in its folder and in the document. Throws
+/// Error, nothing changed, where it cannot be written.
+void keep_picked(State& state, const std::filesystem::path& recording, const PickedGravity& picked);
 /// What was drawn on the frame so far, but is no label yet.
 void let_go(LabelView& view);
 /// Into the journal and onto the screen, or an Error.

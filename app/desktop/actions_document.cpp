@@ -30,6 +30,7 @@ void leave_frame(State& state) {
   state.view.report_place.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
+  state.view.gravity_click = GravityClick::none;
   LabelView& label = state.view.label;
   let_go(label);
   label.plane = 0;
@@ -75,6 +76,7 @@ void open(State& state, const std::string& text) {
     if (document.recordings[i].path == path) return show_recording(state, static_cast<int>(i));
   document.recordings.push_back(
       {path, open_recording(path, document.recording_options), default_label_dir(path)});
+  read_picked(state, document.recordings.back());
   show_recording(state, static_cast<int>(document.recordings.size()) - 1);
 }
 

@@ -159,7 +159,10 @@ std::vector<Action> label_wand_actions() {
        "Tools",
        "Escape",
        "",
-       [](State& s, const std::string&) { cancel(s); },
+       [](State& s, const std::string&) {
+         s.view.gravity_click = GravityClick::none;
+         cancel(s);
+       },
        {},
        {}},
   };

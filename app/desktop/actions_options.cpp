@@ -29,7 +29,7 @@ void change_by(State& state, const PipelineOptions& after, const std::string& ge
   if (goes_on)
     state.undo.back().after = after;
   else
-    state.undo.push_back({state.document.options, after, gesture});
+    state.undo.push_back({state.document.options, after, gesture, {}});
   if (state.undo.size() > kMostUndo) state.undo.erase(state.undo.begin());
   state.redo.clear();
   state.document.options = after;
@@ -56,6 +56,13 @@ void move_change(State& state,
                  std::vector<OptionChange>& from,
                  std::vector<OptionChange>& to,
                  PipelineOptions OptionChange::*which) {
+  if (const auto& gravity = from.back().gravity)  // first: it may not be writable
+    keep_picked(state, gravity->recording,
+                which == &OptionChange::before ? gravity->before : gravity->after);
+  if (const auto& gravity = from.back().gravity)  // it may be of another one than is looked at
+    say(state, fmt::format("gravity of {} is as it was {} the click",
+                           gravity->recording.filename().string(),
+                           which == &OptionChange::before ? "before" : "after"));
   to.push_back(from.back());
   from.pop_back();
   to.back().gesture.clear();

@@ -154,6 +154,7 @@ std::vector<Action> selection_actions() {
        [](State& s, const std::string&) {
          s.view.selected = {};
          s.view.marking = false;
+         s.view.gravity_click = GravityClick::none;
        },
        {},
        {}},

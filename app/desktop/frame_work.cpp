@@ -47,6 +47,7 @@ Wanted wanted_of(const Document& document, int frame) {
           open.label_dir,
           frame,
           document.options,
+          open.picked,
           document.labels_version,
           options_key(document.options, true),
           options_key(document.options, false)};
@@ -64,6 +65,9 @@ std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
                                             std::string* refused_labels) {
   const std::shared_ptr<const Classifier> classifier = classifiers.get(wanted.options);
   Frame frame = wanted.recording->frame(wanted.frame);
+  apply_picked_gravity(wanted.picked, frame);
+  PipelineOptions options = wanted.options;
+  options.gravity.none_where_unknown = true;
   const std::string hash = wanted.recording->frame_hash(wanted.frame);
   std::optional<SourceTruth> truth;
   try {
@@ -72,7 +76,7 @@ std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
     if (!refused_labels) throw;
     *refused_labels = error.what();
   }
-  return make_subject(std::move(frame), std::move(truth), wanted.options, classifier.get());
+  return make_subject(std::move(frame), std::move(truth), options, classifier.get());
 }
 
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home) {

@@ -29,12 +29,14 @@ struct Wanted {
   std::filesystem::path label_dir;
   int frame = 0;
   PipelineOptions options;
+  PickedGravity picked = {};
   int labels_version = 0;                // truth is read from label files
   std::string prepare_key, segment_key;  // of the options: equal texts, equal results
 
   bool same_subject(const Wanted& other) const {
     return recording == other.recording && frame == other.frame &&
-           labels_version == other.labels_version && prepare_key == other.prepare_key;
+           labels_version == other.labels_version && prepare_key == other.prepare_key &&
+           picked == other.picked;
   }
   bool operator==(const Wanted& other) const {
     return same_subject(other) && segment_key == other.segment_key;
@@ -49,6 +51,7 @@ Wanted wanted_of(const Document& document, int frame);
 Wanted with_options(Wanted wanted, const PipelineOptions& options);
 
 // All throw what reading and preparing throw.
+/// A frame whose gravity cannot be told is prepared without h and v.
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
 /// where it is null, that is thrown.
 std::shared_ptr<const Subject> load_subject(const Wanted& wanted,

@@ -25,6 +25,11 @@ constexpr std::chrono::milliseconds kStripDelay{300};
 /// What the analysis worker does: one of these at a time, the later in place of the earlier.
 enum class Analysis : std::uint8_t { none, search, check, sensitivity };
 
+/// Nodes and voxels are other ones in a world that was turned: none of them can be found again.
+bool same_world(const Subject& a, const Subject& b) {
+  return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
+}
+
 void show_arrival(State& state, const ReportArrival& arrival) {
   state.view.flash = arrival.in_a;
   if (arrival.step >= 0) go_to_step(state, arrival.step);
@@ -155,6 +160,7 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   const bool other_frame = !before ||
                            before->run->subject->frame.index != view->run->subject->frame.index ||
                            state.results.loading;
+  const bool turned = !other_frame && !same_world(*before->run->subject, *view->run->subject);
   state.results.current = view;
   state.results.loading = false;
   state.results.refusal.clear();
@@ -167,7 +173,7 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
     const Bookmark arrival = *state.view.arrival;
     state.view.arrival.reset();
     go_to_bookmark(state, arrival);
-  } else if (other_frame) {
+  } else if (other_frame || (turned && !state.view.flash)) {
     go_to_step(state, view->run->steps());
     refresh_matches(state);
   } else if (!state.view.flash) {

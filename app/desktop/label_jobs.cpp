@@ -84,7 +84,8 @@ void LabelJobs::pursue_frame(State& state) {
   if (!view) return;  // its refusal is shown
   const std::shared_ptr<const Subject>& subject = view->run->subject;
   const std::shared_ptr<const Recording>& recording = state.document.current()->recording;
-  const Vec3d& gravity = subject->prepared.gravity.direction;
+  const Gravity& known = subject->prepared.gravity;
+  const Vec3d gravity = known.known() ? known.direction : Vec3d::Zero();
   if (subject->frame.index != state.document.frame) return;
   if (recording == recording_ && state.document.frame == frame_ && gravity == gravity_) return;
   recording_ = recording;

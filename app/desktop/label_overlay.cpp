@@ -116,8 +116,8 @@ std::vector<std::string> wand_lines(const LabelView& view) {
     const char* label = found.label == Label::h   ? "h, horizontal"
                         : found.label == Label::v ? "v, vertical"
                                                   : "class not known";
-    lines.push_back(fmt::format("{}   RMS {:.1f} mm   {}   tilt {:.1f}°", label, 1000 * plane.rms_m,
-                                area_text(plane.area_m2), plane.tilt_deg));
+    lines.push_back(fmt::format("{}   RMS {:.1f} mm   {}   {}", label, 1000 * plane.rms_m,
+                                area_text(plane.area_m2), tilt_text(plane.tilt_deg)));
     lines.push_back(fmt::format("normal {:.3f}, {:.3f}, {:.3f}   {} pixels", plane.normal.x(),
                                 plane.normal.y(), plane.normal.z(), found.pixels.size()));
   }

@@ -105,6 +105,19 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
   ui.emit(drag.mode == PaintMode::add ? "label.wand.add" : "label.wand", gesture_text(gesture));
 }
 
+/// What is under the mouse in either view is a depth pixel.
+void click_gravity(const Ui& ui) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const LabelFrame* frame = ui.state.label_frame();
+  if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
+  if (io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack) return;
+  const std::int64_t pixel = ui.state.view.label.hover;
+  const bool is_floor = ui.state.view.gravity_click == GravityClick::floor;
+  ui.emit(is_floor ? "gravity.floor" : "gravity.wall",
+          pixel < 0 ? std::string("nothing")
+                    : fmt::format("{},{}", pixel % frame->grid.width, pixel / frame->grid.width));
+}
+
 void point(const Ui& ui, const DrawingSurface& surface) {
   LabelPointing& pointing = ui.memory.label_pointing;
   if (!ImGui::IsItemHovered()) {
@@ -145,6 +158,10 @@ bool wheel_sizes(const Ui& ui) {
 void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
   // Released while another tool or mode was in hand: must not be finished when this one is back.
   if (!ImGui::IsMouseDown(0) && !ImGui::IsMouseReleased(0)) ui.memory.label_drag.on = false;
+  if (ui.state.view.gravity_click != GravityClick::none) {
+    click_gravity(ui);
+    return point(ui, surface);
+  }
   draws(ui.state.view.label.tool) ? drag_tool(ui, surface) : click_tool(ui, surface);
   point(ui, surface);
 }

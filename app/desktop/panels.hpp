@@ -22,6 +22,12 @@ void draw_histograms(const Ui& ui);
 void draw_compare(const Ui& ui);  // A/B
 void draw_fix(const Ui& ui);      // what would fix this?
 
+/// A line that says what to click where nobody knows gravity, or while a click is waited for;
+/// otherwise nothing.
+void draw_gravity_line(const Ui& ui);
+/// Where gravity is from, and what picks another one.
+void draw_gravity(const Ui& ui);
+
 // In the label mode.
 void draw_label_tools(const Ui& ui);       // the bar above both views
 void draw_label_space(const Ui& ui);       // the points, and tools in space

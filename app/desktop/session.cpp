@@ -127,6 +127,7 @@ void take_recording(State& state, OpenRecording taken, int frame) {
       taken.labels = open.labels;
     }
   std::erase_if(document.recordings, same);
+  read_picked(state, taken);
   document.recordings.push_back(std::move(taken));
   document.recording = static_cast<int>(document.recordings.size()) - 1;
   document.frame = frame;

@@ -20,6 +20,7 @@
 #include "core/explain/score.hpp"
 #include "core/image/image.hpp"
 #include "core/pipeline/pipeline.hpp"
+#include "core/recording/picked_gravity.hpp"
 #include "core/recording/recording.hpp"
 #include "core/replay/filter.hpp"
 #include "core/replay/run.hpp"
@@ -36,6 +37,7 @@ struct OpenRecording {
   std::shared_ptr<const Recording> recording;
   std::filesystem::path label_dir;          // may not exist
   std::shared_ptr<LabelStore> labels = {};  // null before the label mode was entered on it
+  PickedGravity picked = {};                // as it lies in label_dir
 };
 
 /// Where running stops. Kept by what it means, so that it outlives a run.
@@ -154,6 +156,8 @@ struct Playing {
 };
 
 enum class Against : std::uint8_t { nothing, pinned, truth };
+/// What the next click in a view says is a floor or a wall, and so where things fall.
+enum class GravityClick : std::uint8_t { none, floor, wall };
 
 struct ViewState {
   Mode mode = Mode::debugger;
@@ -183,6 +187,8 @@ struct ViewState {
   bool only_matches = false;  // the event list shows what the filter finds
   bool show_keys = false, show_palette = false, show_timing = false;
   bool marking = false;  // dragging in the image marks a region
+  GravityClick gravity_click = GravityClick::none;
+  bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
   Against against = Against::nothing;
   bool flash = false;            // A is shown in place of B
   std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
@@ -197,10 +203,17 @@ struct ViewState {
   bool quit = false;
 };
 
+/// What was picked for a recording before and after a click.
+struct GravityChange {
+  std::filesystem::path recording;
+  PickedGravity before, after;
+};
+
 /// One undo step: the options before and after a gesture.
 struct OptionChange {
   PipelineOptions before, after;
-  std::string gesture;  // same gesture, same step
+  std::string gesture;                   // same gesture, same step
+  std::optional<GravityChange> gravity;  // of one that picked or forgot gravity
 };
 
 struct State {

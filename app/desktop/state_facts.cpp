@@ -46,6 +46,9 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["refusal"] = state.results.refusal;
   json["step"] = view.step;
   const Run* run = state.run();
+  static constexpr const char* kClicks[] = {"", "floor", "wall"};
+  json["gravity"] = run ? to_string(run->subject->prepared.gravity.source) : "";
+  json["gravity_click"] = kClicks[static_cast<std::size_t>(view.gravity_click)];
   json["steps"] = run ? run->steps() : 0;
   json["event"] = run && view.step > 0 ? describe_event(*run, view.step) : "";
   json["node"] = view.selected.node;

@@ -96,7 +96,8 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   std::string text = fmt::format("voxel {}", voxel);
   if (run.is_ours()) {
     const std::vector<Label>& labels = run.subject->prepared.classification.labels;
-    text += labels[static_cast<std::size_t>(voxel)] == Label::h ? " (h)" : " (v)";
+    const Label label = labels[static_cast<std::size_t>(voxel)];
+    text += label == Label::h ? " (h)" : label == Label::v ? " (v)" : "";
   }
   text += ", ";
   if (now.plane >= 0)

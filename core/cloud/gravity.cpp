@@ -21,6 +21,8 @@ const char* to_string(GravitySource source) {
       return "estimate";
     case GravitySource::assumed:
       return "assumed";
+    case GravitySource::none:
+      return "none";
   }
   return "unknown";
 }
@@ -36,6 +38,10 @@ GravityOptions parse_gravity(const std::string& text) {
     options.mode = GravityMode::estimate;
     return options;
   }
+  if (text == "none") {
+    options.mode = GravityMode::none;
+    return options;
+  }
   std::istringstream in(text);
   in.imbue(std::locale::classic());
   Vec3d direction;
@@ -44,15 +50,48 @@ GravityOptions parse_gravity(const std::string& text) {
   if (in.fail() || comma1 != ',' || comma2 != ',' || in >> rest || !direction.allFinite() ||
       !(direction.norm() > 0))
     throw Error("gravity is \"" + text +
-                "\", expected auto, imu, estimate or a direction X,Y,Z that is not zero");
+                "\", expected auto, imu, estimate, none or a direction X,Y,Z that is not zero");
   options.mode = GravityMode::fixed;
   options.direction = direction;
   return options;
 }
 
+Gravity unknown_gravity(const Frame& frame, const std::string& why) {
+  Gravity gravity;
+  gravity.direction = frame.is_cloud() ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitY());
+  gravity.source = GravitySource::none;
+  gravity.confidence = 0;
+  gravity.note = why;
+  return gravity;
+}
+
+namespace {
+
+/// nullopt, with a phrase why, where nothing tells.
+std::optional<Gravity> found_gravity(const Frame& frame,
+                                     const GravityOptions& options,
+                                     std::string& why_not) {
+  if (options.mode == GravityMode::imu) {
+    if (frame.gravity && frame.gravity->source == GravitySource::imu) return frame.gravity;
+    why_not = "the recording has no accelerometer data";
+    return std::nullopt;
+  }
+  if (options.mode == GravityMode::automatic) {
+    if (frame.gravity) return frame.gravity;
+    if (frame.is_cloud())
+      return Gravity{-Vec3d::UnitZ(), GravitySource::assumed, 1,
+                     "assumed: the cloud's z axis points up"};
+  }
+  why_not = frame.is_cloud() ? "gravity is estimated from depth images only"
+                             : "gravity cannot be told from the scene";
+  return frame.is_cloud() ? std::nullopt : estimate_gravity(frame, options);
+}
+
+}  // namespace
+
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
-  const std::string give_one =
-      "; give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z";
+  if (options.mode == GravityMode::none)
+    return unknown_gravity(frame, "left open by --gravity none");
   if (options.mode == GravityMode::fixed) {
     Gravity gravity;
     // Scaled first: the squares of a tiny direction must not vanish.
@@ -63,24 +102,11 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
     gravity.note = "given by the user";
     return gravity;
   }
-  if (options.mode == GravityMode::imu) {
-    if (frame.gravity && frame.gravity->source == GravitySource::imu) return *frame.gravity;
-    throw Error("frame " + frame.name + ": the recording has no accelerometer data" + give_one);
-  }
-  if (options.mode == GravityMode::automatic) {
-    if (frame.gravity) return *frame.gravity;
-    if (frame.is_cloud()) {
-      Gravity gravity;
-      gravity.direction = -Vec3d::UnitZ();
-      gravity.source = GravitySource::assumed;
-      gravity.note = "assumed: the cloud's z axis points up";
-      return gravity;
-    }
-  }
-  if (frame.is_cloud())
-    throw Error("frame " + frame.name + ": gravity is estimated from depth images only" + give_one);
-  if (const auto estimate = estimate_gravity(frame, options)) return *estimate;
-  throw Error("frame " + frame.name + ": gravity cannot be told from the scene" + give_one);
+  std::string why_not;
+  if (const auto found = found_gravity(frame, options, why_not)) return *found;
+  if (options.none_where_unknown) return unknown_gravity(frame, why_not);
+  throw Error("frame " + frame.name + ": " + why_not + "; " + kHowToGiveGravity +
+              "; --gravity none finds planes without telling h from v");
 }
 
 }  // namespace planescope

@@ -207,6 +207,7 @@ double plane_recall(const Metrics& m) {
 Metrics mean_of(std::span<const Metrics> metrics) {
   Metrics mean;
   if (metrics.empty()) return mean;
+  double labelled = 0;  // frames
   for (const Metrics& m : metrics) {
     mean.planes_truth += m.planes_truth;
     mean.planes_found += m.planes_found;
@@ -223,14 +224,18 @@ Metrics mean_of(std::span<const Metrics> metrics) {
     mean.noise += m.noise;
     mean.pieces += m.pieces;
     mean.ghosts += m.ghosts;
-    mean.label_accuracy_edge += m.label_accuracy_edge;
-    mean.label_accuracy_inner += m.label_accuracy_inner;
+    if (!std::isnan(m.label_accuracy_edge)) {
+      mean.label_accuracy_edge += m.label_accuracy_edge;
+      mean.label_accuracy_inner += m.label_accuracy_inner;
+      ++labelled;
+    }
     mean.points += m.points;
   }
   const auto n = static_cast<double>(metrics.size());
-  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq,
-                    &mean.label_accuracy_edge, &mean.label_accuracy_inner})
+  for (double* v : {&mean.alpha_deg, &mean.r_m, &mean.point_accuracy, &mean.mean_iou, &mean.pq})
     *v /= n;
+  for (double* v : {&mean.label_accuracy_edge, &mean.label_accuracy_inner})
+    *v = labelled > 0 ? *v / labelled : std::nan("");
   if (mean.planes_truth > 0) mean.r_p = 100.0 * mean.planes_found / mean.planes_truth;
   return mean;
 }

@@ -26,8 +26,9 @@ struct Metrics {
   // Found planes that match no true one with IoU > 0.5 ...
   int pieces = 0;  // at least half of each lies on one true plane
   int ghosts = 0;  // all others
-  double label_accuracy_edge = 0, label_accuracy_inner = 0;  // %, < 2 cm from another label or not
-  std::uint64_t points = 0;                                  // points scored
+  // %, < 2 cm from another label or not; NaN where the result has no labels: gravity is not known
+  double label_accuracy_edge = 0, label_accuracy_inner = 0;
+  std::uint64_t points = 0;  // points scored
 };
 
 /// Ids: > 0 a plane, 0 none, truth < 0 not scored. A found plane most of whose points are not
@@ -50,7 +51,8 @@ Metrics evaluate(const MetricsInput& input);
 double plane_precision(const Metrics& metrics);
 double plane_recall(const Metrics& metrics);
 
-/// Unweighted mean over frames (r_p: ratio of the sums; counts: sums).
+/// Unweighted mean over frames (r_p: ratio of the sums; counts: sums; labels: over frames with
+/// some).
 Metrics mean_of(std::span<const Metrics> metrics);
 
 }  // namespace planescope

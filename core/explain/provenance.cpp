@@ -38,6 +38,8 @@ std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
 std::string describe_label(const Run& run, std::uint32_t voxel) {
   if (!run.is_ours())
     return fmt::format("not labelled: method {} labels no points", to_string(run.options.method));
+  if (!run.subject->prepared.gravity.known())
+    return "not labelled: nobody knows gravity, so nothing is h or v";
   const Classification& labels = run.subject->prepared.classification;
   const VoxelTruth& truth = run.subject->voxel_truth;
   std::string text =
@@ -141,8 +143,8 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
 
 std::string describe_plane(const Run& run, std::int32_t id) {
   const PlaneRegion& plane = run.segmentation.planes[id - 1];
-  return fmt::format("plane {} ({}, {})", id, plane_name(plane.founded),
-                     plane.label == Label::v ? "v" : "h");
+  const char* label = plane.label == Label::v ? ", v" : plane.label == Label::h ? ", h" : "";
+  return fmt::format("plane {} ({}{})", id, plane_name(plane.founded), label);
 }
 
 std::int32_t truth_of_plane(const Run& run, std::int32_t id) {

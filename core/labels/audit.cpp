@@ -142,7 +142,7 @@ class Audit {
   }
 
   void check_class(const Surface& s) {
-    if (s.plane.label == Label::unknown) return;
+    if (s.plane.label == Label::unknown || !labels_.gravity.known()) return;
     const double up = std::abs(s.plane.normal.dot(labels_.gravity.direction));
     const double tilt_deg = std::acos(std::min(up, 1.0)) * 180 / M_PI;  // 0 level, 90 upright
     const bool is_h = s.plane.label == Label::h;

@@ -99,13 +99,13 @@ std::vector<LabelPlane> planes_of(const FrameLabels& labels) {
   return planes;
 }
 
-/// Where the format tells planes only, each takes the class of its tilt.
+/// Where the format tells planes only, each takes the class of its tilt, and none where nobody
+/// knows gravity.
 void classify_by_tilt(FrameLabels& labels) {
   std::vector<std::uint8_t> class_of(kPlaneIgnore + 1, 0);
   class_of[kPlaneIgnore] = kHvIgnore;
   for (LabelPlane& plane : labels.planes) {
-    const double cosine = std::clamp(-plane.normal.dot(labels.gravity.direction), -1.0, 1.0);
-    plane.label = class_of_tilt(std::acos(cosine) * 180 / M_PI);
+    plane.label = class_of_tilt(tilt_of(plane.normal, labels.gravity));
     class_of[plane.id] = static_cast<std::uint8_t>(plane.label);
   }
   for (std::size_t i = 0; i < labels.plane.pixels(); ++i)

@@ -45,12 +45,17 @@ FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixe
   plane.rms_m = fit.rms_m();
   for (const std::uint32_t pixel : pixels)
     plane.area_m2 += grid.pixel_area_m2(pixel, &plane.normal);
-  const double up = -plane.normal.dot(grid.gravity.direction);
-  plane.tilt_deg = std::acos(std::clamp(up, -1.0, 1.0)) * 180 / std::numbers::pi;
+  plane.tilt_deg = tilt_of(plane.normal, grid.gravity);
   return plane;
 }
 
+double tilt_of(const Vec3d& normal, const Gravity& gravity) {
+  if (!gravity.known()) return std::nan("");
+  return std::acos(std::clamp(-normal.dot(gravity.direction), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
 Label class_of_tilt(double tilt_deg) {
+  if (std::isnan(tilt_deg)) return Label::unknown;
   return tilt_deg <= 45 || tilt_deg >= 135 ? Label::h : Label::v;
 }
 

@@ -49,7 +49,7 @@ struct FittedPlane {
   Vec3d centroid = Vec3d::Zero();
   double rms_m = 0;
   double area_m2 = 0;
-  double tilt_deg = 0;  // normal against up
+  double tilt_deg = 0;  // normal against up; NaN where gravity is not known
   std::size_t points = 0;
 
   double distance_m(const Vec3f& point) const {
@@ -59,7 +59,10 @@ struct FittedPlane {
 /// Fewer than three points, or all in a line: `points` says so, the normal is +z.
 FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixels);
 
-/// h where the normal is within 45 degrees of up or down, as the paper's classes are meant.
+/// The angle between a normal and up, both in the sensor's frame; NaN where gravity is not known.
+double tilt_of(const Vec3d& normal, const Gravity& gravity);
+/// h where the normal is within 45 degrees of up or down, as the paper's classes are meant; unknown
+/// where the tilt is.
 Label class_of_tilt(double tilt_deg);
 
 /// Fits normal, offset, RMS and fragments of these planes anew from their pixels; a plane without

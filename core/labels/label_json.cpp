@@ -13,8 +13,8 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "planescope.labels/1";
 constexpr std::array kLabelNames = {"unknown", "h", "v"};  // by Label
 constexpr std::array kDistortionNames = {"none", "brown_conrady", "inverse_brown_conrady"};
-constexpr std::array kGravitySources = {"option", "sidecar",  "imu",
-                                        "picked", "estimate", "assumed"};  // by GravitySource
+constexpr std::array kGravitySources = {"option",   "sidecar", "imu", "picked",
+                                        "estimate", "assumed", "none"};  // by GravitySource
 constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "imported"};
 constexpr std::array kDisagreements = {"missed", "invented",   "split",
                                        "merged", "class_flip", "boundary"};
@@ -61,7 +61,7 @@ Intrinsics intrinsics_from(const Json& json, const std::string& where) {
 }
 
 Json to_json(const Gravity& gravity) {
-  return {{"direction", to_json(gravity.direction)},
+  return {{"direction", gravity.known() ? to_json(gravity.direction) : Json()},
           {"source", kGravitySources[static_cast<std::size_t>(gravity.source)]},
           {"confidence", gravity.confidence},
           {"note", gravity.note}};
@@ -69,9 +69,9 @@ Json to_json(const Gravity& gravity) {
 
 Gravity gravity_from(const Json& json, const std::string& where) {
   Gravity gravity;
-  gravity.direction = vector_from(json.at("direction"));
   const auto source = json.at("source").get<std::string>();
   gravity.source = static_cast<GravitySource>(index_of(kGravitySources, source, where));
+  if (gravity.known()) gravity.direction = vector_from(json.at("direction"));
   gravity.confidence = json.at("confidence").get<double>();
   gravity.note = json.at("note").get<std::string>();
   return gravity;

@@ -143,6 +143,15 @@ FrameLabels painted(const FrameLabels& labels,
   return result;
 }
 
+FrameLabels with_gravity(const FrameLabels& labels, const Gravity& gravity) {
+  FrameLabels after = labels;
+  after.gravity = gravity;
+  for (LabelPlane& plane : after.planes)
+    if (plane.label == Label::unknown && !plane.locked)
+      set_class(after, plane, class_of_tilt(tilt_of(plane.normal, gravity)));
+  return after;
+}
+
 FrameLabels with_class(const FrameLabels& labels, int id, Label label) {
   FrameLabels result = labels;
   LabelPlane& plane = editable_plane(result, id);

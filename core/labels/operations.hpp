@@ -65,6 +65,10 @@ FrameLabels split_by_side(const FrameLabels& labels,
                           std::span<const float> side);
 std::vector<float> sides_of_line(int width, int height, const Vec2f& from, const Vec2f& to);
 
+/// Gravity is known now, or better: planes without a class that are not locked take that of their
+/// tilt.
+FrameLabels with_gravity(const FrameLabels& labels, const Gravity& gravity);
+
 enum class PlaneFlag : std::uint8_t { locked, hidden };
 FrameLabels with_flag(const FrameLabels& labels, int plane, PlaneFlag flag, bool on);
 

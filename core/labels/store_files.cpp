@@ -77,7 +77,14 @@ LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
 
 LabelStore::State::OpenFrame& LabelStore::State::open(int frame, const FrameLabels* blank) {
   if (const auto at = frames.find(frame); at != frames.end()) {
-    if (blank) require_same_depth(*at->second.labels, *blank, dir.string());
+    if (!blank) return at->second;
+    require_same_depth(*at->second.labels, *blank, dir.string());
+    // Nobody drew on it yet: it is as blank as the one at hand, whose gravity may be a better one.
+    if (!history.find(frame) && at->second.base_files == LabelDigests{}) {
+      const std::uint64_t version = at->second.version;
+      at->second = first_labels(frame, *blank);
+      at->second.version = version + 1;
+    }
     return at->second;
   }
   if (!history.find(frame)) {

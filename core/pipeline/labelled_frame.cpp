@@ -1,11 +1,16 @@
 #include "core/pipeline/labelled_frame.hpp"
 
+#include "core/base/error.hpp"
+
 namespace planescope {
 
 LabelledCloud labelled_frame(const Frame& frame,
                              const PipelineOptions& options,
                              const SourceTruth& truth) {
   const Gravity gravity = resolve_gravity(frame, options.gravity);
+  if (!gravity.known())
+    throw Error("frame " + frame.name +
+                ": h and v are told by gravity, which --gravity none leaves open");
   const Cloud cloud = make_cloud(frame, gravity, options.cloud);
   const VoxelCloud voxels = voxelize(cloud, options.cloud.voxel_size_m);
   const FrameTruth on_points = truth_on_points(truth.values, cloud.source);

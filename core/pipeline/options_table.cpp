@@ -38,6 +38,8 @@ std::string gravity_text(const GravityOptions& gravity) {
       return "imu";
     case GravityMode::estimate:
       return "estimate";
+    case GravityMode::none:
+      return "none";
     case GravityMode::fixed:
       break;
   }
@@ -78,9 +80,10 @@ void append_cloud(std::vector<OptionInfo>& table) {
 
 void append_gravity(std::vector<OptionInfo>& table) {
   const std::string s = "gravity";
-  table.push_back({"gravity", "auto/X,Y,Z/imu/estimate",
-                   "direction in which things fall, in the sensor's or cloud's own frame", s,
-                   [](const PipelineOptions& o) { return gravity_text(o.gravity); },
+  table.push_back({"gravity", "auto/X,Y,Z/imu/estimate/none",
+                   "direction in which things fall, in the sensor's or cloud's own frame; none: "
+                   "without h and v",
+                   s, [](const PipelineOptions& o) { return gravity_text(o.gravity); },
                    [](PipelineOptions& o, const std::string& text) {
                      const GravityOptions parsed = parse_gravity(text);
                      o.gravity.mode = parsed.mode;

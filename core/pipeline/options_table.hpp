@@ -32,8 +32,12 @@ struct OptionInfo {
 
   bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
-  /// Whether it means anything with the method that these options name.
-  bool matters(const PipelineOptions& o) const { return !method || *method == o.method; }
+  /// Whether a run with these options reads it: rivals have their own, and what is about h and v
+  /// has no say without gravity.
+  bool matters(const PipelineOptions& o) const {
+    const bool of_labels = section == "classifier" || name == "use_labels";
+    return (!method || *method == o.method) && !(of_labels && o.gravity.mode == GravityMode::none);
+  }
 };
 
 /// Is the switch off that the option needs?

@@ -79,7 +79,7 @@ PreparedFrame prepare_frame(const Frame& frame,
   prepared.timings.cloud_ms = watch.lap_ms();
   prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
   prepared.timings.t_d_ms = watch.lap_ms();
-  if (options.method == Method::ours)
+  if (options.method == Method::ours && prepared.gravity.known())
     prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
   else
     prepared.classification = unclassified(prepared.voxels);
@@ -90,6 +90,10 @@ PreparedFrame prepare_frame(const Frame& frame,
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
   SegmentOptions result = options.segment;
   if (prepared.from_cloud) result.noise.sigma_by_range = false;
+  if (!prepared.gravity.known()) {
+    result.use_labels = false;
+    result.one_label = Label::unknown;
+  }
   return result;
 }
 

@@ -49,7 +49,8 @@ struct PreparedFrame {
   Gravity gravity;
   Cloud cloud;
   VoxelCloud voxels;              // N_d = voxels.points.size()
-  Classification classification;  // per voxel; of rivals: nothing is known, with margins of 0
+  Classification classification;  // per voxel; of rivals, and where gravity is not known: unknown,
+                                  // with margins of 0
   bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
   FrameTimings timings;
 
@@ -61,15 +62,16 @@ struct FrameResult : PreparedFrame {
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
 
-/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals
-/// need neither. Throws Error where gravity cannot be found, or both are null.
+/// `classifier`: of these options (classifiers.hpp), null to take the labels of `truth`. Rivals,
+/// and frames whose gravity is `none`, need neither. Throws Error where gravity cannot be found, or
+/// both are null.
 PreparedFrame prepare_frame(const Frame& frame,
                             const PipelineOptions& options,
                             const Classifier* classifier,
                             const FrameTruth* truth = nullptr);
 
 /// The segment options as they hold for this frame: noise is modelled by range only where the
-/// sensor's position is known.
+/// sensor's position is known, and labels are used only where gravity is.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
 
 /// What these options need beside points and labels.
@@ -77,7 +79,8 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
 
 /// Finds the planes of a prepared frame with the method of the options. Of a rival, the
 /// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
-/// a plane is h where its normal is within 45 degrees of gravity.
+/// a plane is h where its normal is within 45 degrees of gravity. Where gravity is not known,
+/// planes are neither h nor v, and their normals point to the sensor's side.
 struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none

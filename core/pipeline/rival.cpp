@@ -55,15 +55,16 @@ FoundPlanes find_on_voxels(const PreparedFrame& prepared, const PipelineOptions&
   return {};
 }
 
-std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes, const Vec3d& sensor) {
+std::vector<PlaneRegion> regions_of(const std::vector<PlaneFit>& planes,
+                                    const PreparedFrame& prepared) {
   std::vector<PlaneRegion> regions;
   for (const PlaneFit& fit : planes) {
     PlaneRegion region;
     region.founded = static_cast<std::int32_t>(regions.size());
     region.id = region.founded + 1;
-    region.label = label_of_normal(fit.normal);  // of a whole plane
+    if (prepared.gravity.known()) region.label = label_of_normal(fit.normal);  // of a whole plane
     region.fit = fit;
-    region.fit.normal = outward_normal(fit, region.label, sensor);
+    region.fit.normal = outward_normal(fit, region.label, prepared.sensor());
     regions.push_back(region);
   }
   return regions;
@@ -86,7 +87,7 @@ FoundRegions find_rival_regions(const Frame& frame,
   } else {
     segmentation.plane_of = std::move(planes.plane_of);
   }
-  segmentation.planes = regions_of(planes.planes, prepared.sensor());
+  segmentation.planes = regions_of(planes.planes, prepared);
   for (const std::int32_t id : segmentation.plane_of) {
     if (id > 0)
       ++segmentation.planes[static_cast<std::size_t>(id) - 1].points;

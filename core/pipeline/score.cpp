@@ -1,6 +1,7 @@
 #include "core/pipeline/score.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/evaluate/plane_match.hpp"
 
@@ -80,6 +81,13 @@ void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& tr
   scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
 }
 
+/// Who does not know gravity gets no label wrong: there is nothing to measure.
+Metrics without_open_labels(Metrics metrics, const FrameResult& result) {
+  if (!result.gravity.known())
+    metrics.label_accuracy_edge = metrics.label_accuracy_inner = std::nan("");
+  return metrics;
+}
+
 Verdict verdict_of(std::int32_t truth, std::int32_t found, std::span<const int> found_of) {
   if (truth < 0) return Verdict::unscored;
   if (truth == 0) return found > 0 ? Verdict::invented : Verdict::right;
@@ -105,7 +113,7 @@ Metrics score_frame(const FrameResult& result,
                result.classification.labels[voxel]);
   }
   add_normals(scored, result, dense);
-  return scored.metrics();
+  return without_open_labels(scored.metrics(), result);
 }
 
 Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels) {
@@ -118,7 +126,7 @@ Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int mi
                result.classification.labels[v]);
   add_normals(scored, result, dense);
   scored.min_truth_points = min_truth_voxels;
-  return scored.metrics();
+  return without_open_labels(scored.metrics(), result);
 }
 
 Metrics score_labels(const Frame& frame,
@@ -153,7 +161,8 @@ JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
     if (verdict == Verdict::right && found > 0) {
       const auto label = static_cast<Label>(dense.on_points.label[i]);
       const Label taken_for = result.segmentation.planes[static_cast<std::size_t>(found) - 1].label;
-      if (label != Label::unknown && label != taken_for) verdict = Verdict::wrong_class;
+      if (label != Label::unknown && taken_for != Label::unknown && label != taken_for)
+        verdict = Verdict::wrong_class;
     }
     judged.verdict.push_back(verdict);
   }

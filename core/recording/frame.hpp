@@ -23,16 +23,21 @@ struct Intrinsics {
   std::array<double, 5> coefficients{};  // k1 k2 p1 p2 k3
 };
 
-/// How far to trust a direction of gravity, best first.
-enum class GravitySource : std::uint8_t { option, sidecar, imu, picked, estimate, assumed };
+/// How far to trust a direction of gravity, best first. `none`: nobody knows it, and no point and
+/// no plane is h or v. Journals keep the number: new sources go to the end.
+enum class GravitySource : std::uint8_t { option, sidecar, imu, picked, estimate, assumed, none };
 const char* to_string(GravitySource source);
 
-/// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame.
+/// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame. Where
+/// it is not known, where the camera's own lower edge points: the world's axes follow it all the
+/// same.
 struct Gravity {
   Vec3d direction = Vec3d(0, 1, 0);
   GravitySource source = GravitySource::assumed;
-  double confidence = 1;  // 0..1; below 1 only for estimates
+  double confidence = 1;  // 0..1; below 1 only for estimates, 0 where not known
   std::string note;       // one phrase for people: how it was found
+
+  bool known() const { return source != GravitySource::none; }
 };
 
 /// A point cloud as it came from a file: coordinates about `origin`, in file order.

@@ -42,6 +42,8 @@ std::string decision(const Run& run, const TraceEvent& event) {
 /// Who the event is about: "node 41 (h, 35 points)".
 std::string candidate(const Run& run, const TraceEvent& event) {
   const OctreeNode& node = run.octree().nodes[event.node];
+  if (event.label == Label::unknown)  // nobody knows gravity: all of the node's points
+    return fmt::format("node {} ({} points)", event.node, node.size());
   const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
   return fmt::format("node {} ({}, {} points)", event.node, letter(event.label),
                      event.label == Label::h ? h : node.size() - h);

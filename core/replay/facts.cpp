@@ -49,7 +49,7 @@ std::vector<NodeFacts> facts_of(const Run& run) {
   result.reserve(octree.nodes.size());
   for (const OctreeNode& node : octree.nodes) {
     NodeFacts facts;
-    facts.purity = purity_of(node, options.use_labels);
+    facts.purity = purity_of(node, options.use_labels, options.one_label);
     facts.fit = fit_label(octree, static_cast<std::int32_t>(result.size()), facts.purity.inlier,
                           options.use_labels)
                     .fit;

@@ -67,12 +67,17 @@ double coordinate(View e) {
   return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
 }
 
+/// Absent where nobody knows gravity: nothing is h or v, and nothing is not.
+double value_of(Label label) {
+  return label == Label::unknown ? kAbsent : static_cast<double>(label);
+}
+
 double label_of(View e) {
   if (e.event.label != Label::unknown) return static_cast<double>(e.event.label);
   if (e.event.point >= 0)
-    return static_cast<double>(e.run.subject->prepared.classification.labels[e.event.point]);
-  if (const NodeFacts* facts = e.facts()) return static_cast<double>(facts->purity.inlier);
-  if (e.event.plane >= 0) return static_cast<double>(e.run.timeline.label_of_plane(e.event.plane));
+    return value_of(e.run.subject->prepared.classification.labels[e.event.point]);
+  if (const NodeFacts* facts = e.facts()) return value_of(facts->purity.inlier);
+  if (e.event.plane >= 0) return value_of(e.run.timeline.label_of_plane(e.event.plane));
   return kAbsent;
 }
 

@@ -28,7 +28,7 @@ const char* text_of(Label label) {
 }
 
 Json to_json(const Gravity& gravity) {
-  return {{"direction", to_json(gravity.direction)},
+  return {{"direction", gravity.known() ? to_json(gravity.direction) : Json()},
           {"source", to_string(gravity.source)},
           {"confidence", rounded(gravity.confidence)},
           {"note", gravity.note}};
@@ -42,7 +42,7 @@ Json to_json(const ReportPlane& plane) {
           {"normal", to_json(s.normal)},
           {"centroid", to_json(s.centroid)},
           {"offset_m", rounded(s.offset_m)},
-          {"tilt_deg", rounded(s.tilt_deg)},
+          {"tilt_deg", std::isnan(s.tilt_deg) ? Json() : Json(rounded(s.tilt_deg))},
           {"rms_m", rounded(s.rms_m)},
           {"area_m2", rounded(s.area_m2)},
           {"points", s.points},
@@ -112,15 +112,15 @@ Json noise_json(const ReportNoise& noise) {
 
 GravitySource gravity_source(const JsonPlace& place) {
   using enum GravitySource;
-  for (const GravitySource source : {option, sidecar, imu, picked, estimate, assumed})
+  for (const GravitySource source : {option, sidecar, imu, picked, estimate, assumed, none})
     if (place.text() == to_string(source)) return source;
   place.fail_kind("a source of gravity");
 }
 
 Gravity read_gravity(const JsonPlace& place) {
   Gravity gravity;
-  gravity.direction = place.at("direction").vector();
   gravity.source = gravity_source(place.at("source"));
+  if (gravity.known()) gravity.direction = place.at("direction").vector();
   gravity.confidence = place.at("confidence").number();
   gravity.note = place.at("note").text();
   return gravity;
@@ -266,7 +266,7 @@ PlaneSummary read_plane(const JsonPlace& place, int id) {
   plane.normal = place.at("normal").vector();
   plane.centroid = place.at("centroid").vector();
   plane.offset_m = place.at("offset_m").number();
-  plane.tilt_deg = place.at("tilt_deg").number();
+  plane.tilt_deg = number_or_nan(place.at("tilt_deg"));
   plane.rms_m = place.at("rms_m").number();
   plane.area_m2 = place.at("area_m2").number();
   plane.points = place.at("points").count();
@@ -350,7 +350,9 @@ ReportFrame read_frame(const JsonPlace& place) {
   place.at("planes").each([&](const JsonPlace& plane) {
     frame.planes.push_back({read_plane(plane, static_cast<int>(frame.planes.size()) + 1),
                             plane.at("color").text(), 0});
-    ++(frame.planes.back().summary.label == Label::v ? frame.planes_v : frame.planes_h);
+    const Label label = frame.planes.back().summary.label;
+    frame.planes_h += label == Label::h;
+    frame.planes_v += label == Label::v;
   });
   frame.regions = read_regions(place.at("regions"), static_cast<int>(frame.planes.size()));
   if (place.has("histograms"))  // not in reports of earlier versions

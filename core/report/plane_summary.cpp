@@ -41,7 +41,9 @@ std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double vox
     s.normal = plane.fit.normal;
     s.centroid = result.cloud.origin + plane.fit.centroid;
     s.offset_m = s.normal.dot(s.centroid);
-    s.tilt_deg = std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi;
+    s.tilt_deg = result.gravity.known()
+                     ? std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi
+                     : std::nan("");
     s.points = members[k].size();
     s.voxels = plane.points;
 

@@ -13,8 +13,8 @@ struct PlaneSummary {
   Label label = Label::unknown;
   Vec3d normal = Vec3d::UnitZ();  // unit
   Vec3d centroid = Vec3d::Zero();
-  double offset_m = 0;       // normal . x = offset
-  double tilt_deg = 0;       // of the plane against the horizontal: 0 a floor, 90 a wall
+  double offset_m = 0;  // normal . x = offset
+  double tilt_deg = 0;  // against the horizontal: 0 a floor, 90 a wall; NaN: gravity is unknown
   std::uint64_t points = 0;  // input points
   std::uint64_t voxels = 0;
   double rms_m = 0;  // distance of its input points from the plane, root mean square

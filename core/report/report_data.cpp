@@ -78,7 +78,8 @@ ReportFrame make_report_frame(const Frame& frame,
     for (double* value : {&plane.offset_m, &plane.tilt_deg, &plane.rms_m, &plane.area_m2})
       *value = rounded(*value);
     report.points_on_planes += plane.points;
-    ++(plane.label == Label::v ? report.planes_v : report.planes_h);
+    report.planes_h += plane.label == Label::h;
+    report.planes_v += plane.label == Label::v;
     report.planes.push_back({std::move(plane), "#888888"});
   }
   return report;

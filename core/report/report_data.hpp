@@ -63,7 +63,7 @@ struct ReportFrame {
   CloudCounts counts;
   std::uint64_t voxels = 0;  // N_d
   std::uint64_t points_on_planes = 0;
-  int planes_h = 0, planes_v = 0;
+  int planes_h = 0, planes_v = 0;  // both 0 where gravity is not known
   SegmentCounts segment;
   ReportNoise noise;
   std::vector<ReportPlane> planes;

@@ -27,16 +27,21 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   if (!frame.refused.empty()) return start + std::string(21, ',') + "\n";
   const CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
+  // Nobody's direction, and planes of neither class: left empty.
+  std::string gravity = ",,", classes = ",";
+  if (frame.gravity.known()) {
+    gravity = fmt::format("{:.6f},{:.6f},{:.6f}", g.x(), g.y(), g.z());
+    classes = fmt::format("{},{}", frame.planes_h, frame.planes_v);
+  }
   std::string metrics = ",,,,,";
   if (frame.metrics)
     metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
                           frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
                           frame.metrics->point_accuracy, frame.metrics->mean_iou);
-  return start + fmt::format(",{},{:.6f},{:.6f},{:.6f},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                             to_string(frame.gravity.source), g.x(), g.y(), g.z(), c.pixels,
-                             c.no_measurement, c.invalid, c.beyond_range, c.outside_cube, c.kept,
-                             frame.voxels, frame.planes_h, frame.planes_v, frame.points_on_planes,
-                             frame.segment.unassigned, metrics);
+  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+                             to_string(frame.gravity.source), gravity, c.pixels, c.no_measurement,
+                             c.invalid, c.beyond_range, c.outside_cube, c.kept, frame.voxels,
+                             classes, frame.points_on_planes, frame.segment.unassigned, metrics);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/cloud/gravity.hpp"
 #include "core/pipeline/frame_times.hpp"
 #include "core/report/report_html_pieces.hpp"
 
@@ -50,11 +51,11 @@ Data planes_data(const PageFrame& frame) {
     data.set("id", std::to_string(s.id));
     data.set("plane_anchor", fmt::format("{}/p{}", frame.anchor, s.id));
     data.set("color", safe_color(plane.color));
-    data.set("label", s.label == Label::h ? "h" : "v");
+    data.set("label", s.label == Label::h ? "h" : s.label == Label::v ? "v" : "\u2013");
     data.set("area", fmt::format("{:.3f}", s.area_m2));
     data.set("points", grouped(s.points));
     data.set("voxels", grouped(s.voxels));
-    data.set("tilt", fmt::format("{:.1f}", s.tilt_deg));
+    data.set("tilt", std::isnan(s.tilt_deg) ? "\u2013" : fmt::format("{:.1f}", s.tilt_deg));
     data.set("rms", fmt::format("{:.1f}", 1000 * s.rms_m));
     data.set("normal", fmt::format("{}, {}, {}", decimal(s.normal.x(), 3), decimal(s.normal.y(), 3),
                                    decimal(s.normal.z(), 3)));
@@ -181,7 +182,9 @@ Data timings_data(const FrameTimings& t, bool is_ours) {
 }
 
 Data metrics_data(const Metrics& m) {
-  const auto percent = [](double value) { return fmt::format("{:.2f} %", value); };
+  const auto percent = [](double value) {
+    return std::isnan(value) ? std::string("\u2013") : fmt::format("{:.2f} %", value);
+  };
   return rows(
       {{"true planes / found", fmt::format("{} / {}", m.planes_truth, m.planes_found)},
        {"&alpha;, mean angle of the normals", fmt::format("{:.2f}\u00b0", m.alpha_deg)},
@@ -238,11 +241,20 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   data.set("has_metrics", frame.metrics.has_value());
   if (frame.metrics) data.set("metrics", metrics_data(*frame.metrics));
   const Vec3d& d = frame.gravity.direction;
-  data.set("gravity",
-           fmt::format("Gravity points to ({}, {}, {}) in the sensor\u2019s frame: {}{}.",
-                       decimal(d.x(), 3), decimal(d.y(), 3), decimal(d.z(), 3),
-                       gravity_text(frame.gravity),
-                       frame.gravity.note.empty() ? "" : "; " + escaped(frame.gravity.note)));
+  if (!frame.gravity.known())
+    data.set(
+        "gravity",
+        fmt::format("Gravity is <em>not known</em>: {}. No point and no plane is h or v, and the "
+                    "world\u2019s axes are {}. To tell h from v, {}.",
+                    escaped(frame.gravity.note),
+                    is_cloud ? "those of the file" : "the camera\u2019s own: x ahead, y left, z up",
+                    escaped(kHowToGiveGravity)));
+  else
+    data.set("gravity",
+             fmt::format("Gravity points to ({}, {}, {}) in the sensor\u2019s frame: {}{}.",
+                         decimal(d.x(), 3), decimal(d.y(), 3), decimal(d.z(), 3),
+                         gravity_text(frame.gravity),
+                         frame.gravity.note.empty() ? "" : "; " + escaped(frame.gravity.note)));
   return data;
 }
 

@@ -130,7 +130,7 @@ void set_record(const PageSource& page, Data& data) {
   data.set("modified", report.modified);
   data.set("method", to_string(report.method));
   data.set("is_ours", report.method == Method::ours);
-  data.set("classifier", report.classifier);
+  data.set("classifier", report.classifier.empty() ? "none" : report.classifier);
   data.set("weights", report.weights ? weights_text(*report.weights) : "none");
   data.set("renderer", report.renderer.empty() ? "none" : report.renderer);
   data.set("created", report.created_utc);

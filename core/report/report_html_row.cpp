@@ -29,7 +29,9 @@ double share_on_planes(const ReportFrame& frame) {
 Data figures_of(const PageSource& page, const ReportFrame& frame) {
   Data cells{Data::type::list};
   Data planes = cell(std::to_string(frame.planes.size()), double(frame.planes.size()));
-  planes.set("more", fmt::format("{} h, {} v", frame.planes_h, frame.planes_v));
+  planes.set("more", frame.gravity.known()
+                         ? fmt::format("{} h, {} v", frame.planes_h, frame.planes_v)
+                         : std::string("without h and v"));
   cells.push_back(planes);
   cells.push_back(cell(share(frame.points_on_planes, frame.counts.kept), share_on_planes(frame)));
   if (!page.has_metrics()) return cells;

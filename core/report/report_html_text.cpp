@@ -108,14 +108,16 @@ std::string gravity_text(const Gravity& gravity) {
     case GravitySource::imu:
       return "from the recording\u2019s IMU";
     case GravitySource::picked:
-      return "from a picked floor";
+      return "picked in the window";
     case GravitySource::estimate:
       return fmt::format("<em>estimated</em> from the scene, confidence {:.2f}",
                          gravity.confidence);
     case GravitySource::assumed:
+      return "<em>assumed</em>";
+    case GravitySource::none:
       break;
   }
-  return "<em>assumed</em>";
+  return "<em>not known</em>";
 }
 
 Data text_or_false(const std::string& text) { return text.empty() ? Data(false) : Data(text); }

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/cloud/gravity.hpp"
 #include "core/pipeline/frame_times.hpp"
 #include "core/report/report_html_pieces.hpp"
 
@@ -25,16 +27,32 @@ std::string classifier_text(const Report& report) {
   return "the ground truth";
 }
 
+/// Where gravity is from and what told h from v, as HTML.
+std::string gravity_sentence(const Report& report) {
+  std::size_t known = 0, unknown = 0;
+  for (const ReportRecording& recording : report.recordings)
+    for (const ReportFrame& frame : recording.frames)
+      if (frame.refused.empty()) ++(frame.gravity.known() ? known : unknown);
+  if (unknown == 0)
+    return fmt::format("Gravity was {}; h and v were told apart by {}.",
+                       gravity_summary(report.recordings), classifier_text(report));
+  std::string text = "Gravity was <em>not known</em>";
+  if (known > 0)
+    text = fmt::format("Gravity was {}; where it was known, h and v were told apart by {}",
+                       gravity_summary(report.recordings), classifier_text(report));
+  return text + fmt::format("{} {} neither h nor v. To tell them apart, {}.",
+                            known > 0 ? "; all other planes" : ", so planes", "are",
+                            escaped(kHowToGiveGravity));
+}
+
 /// The report in a sentence, as HTML.
 std::string summary(const Report& report, const ReportTotals& totals) {
   if (totals.frames_done == 0) return "No frame was processed.";
   std::string text = fmt::format(
-      "{} plane{} found in {}, holding {} of the measured points within range. Gravity was {}; h "
-      "and v were told apart by {}.",
+      "{} plane{} found in {}, holding {} of the measured points within range. {}",
       range_text(totals.fewest_planes, totals.most_planes), totals.most_planes == 1 ? "" : "s",
       totals.frames_done == 1 ? "one frame" : fmt::format("each of {} frames", totals.frames_done),
-      share(totals.points_on_planes, totals.points), gravity_summary(report.recordings),
-      classifier_text(report));
+      share(totals.points_on_planes, totals.points), gravity_sentence(report));
   if (totals.frames_refused > 0)
     text += fmt::format(" {} frame{} refused.", totals.frames_refused,
                         totals.frames_refused == 1 ? " was" : "s were");
@@ -90,7 +108,8 @@ Data tiles(const PageSource& page, const ReportTotals& totals) {
   if (totals.metrics) {
     add("Mean IoU", fmt::format("{:.1f} %", totals.metrics->mean_iou), "");
     add("Points right", fmt::format("{:.1f} %", totals.metrics->point_accuracy), "");
-    add("h / v right", fmt::format("{:.1f} %", totals.metrics->label_accuracy_edge), "near edges");
+    if (const double right = totals.metrics->label_accuracy_edge; !std::isnan(right))
+      add("h / v right", fmt::format("{:.1f} %", right), "near edges");
     add("Angle error", fmt::format("{:.2f}\u00b0", totals.metrics->alpha_deg), "");
   }
   return result;

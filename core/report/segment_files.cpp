@@ -146,7 +146,8 @@ std::string planes_json(const Frame& frame,
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
-  json["gravity"] = {{"direction", to_json(result.gravity.direction)},
+  const bool known = result.gravity.known();
+  json["gravity"] = {{"direction", known ? to_json(result.gravity.direction) : Json()},
                      {"source", to_string(result.gravity.source)},
                      {"confidence", rounded(result.gravity.confidence)},
                      {"note", result.gravity.note}};

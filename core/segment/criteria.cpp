@@ -6,8 +6,9 @@
 
 namespace planescope {
 
-Purity purity_of(const OctreeNode& node, bool use_labels) {
-  const std::uint32_t n_h = use_labels ? node.count_h : node.size();
+Purity purity_of(const OctreeNode& node, bool use_labels, Label one_label) {
+  if (!use_labels) return {one_label, node.size(), 0};
+  const std::uint32_t n_h = node.count_h;
   const std::uint32_t n_v = node.size() - n_h;
   return n_h >= n_v ? Purity{Label::h, n_h, n_v} : Purity{Label::v, n_v, n_h};
 }

@@ -13,6 +13,7 @@
 namespace planescope {
 
 /// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
+/// Where labels are not used, all points carry `one_label`.
 struct Purity {
   Label inlier = Label::h;
   std::uint32_t n_in = 0;
@@ -21,7 +22,7 @@ struct Purity {
     return n_in + n_out > 0 ? static_cast<double>(n_out) / (n_in + n_out) : 0;
   }
 };
-Purity purity_of(const OctreeNode& node, bool use_labels);
+Purity purity_of(const OctreeNode& node, bool use_labels, Label one_label = Label::h);
 
 /// Criterion 1 (purity), Eq. (2).
 bool is_pure(const Purity& purity, const SegmentOptions& options);

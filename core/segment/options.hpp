@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 
+#include "core/classify/classifier.hpp"
 #include "core/segment/noise_options.hpp"
 #include "core/segment/refinements.hpp"
 
@@ -36,7 +37,8 @@ struct SegmentOptions {
   double leftover_distance_m = 0.005;
   MergePartner merge_partner = MergePartner::first;
   LeftoverRule leftover_rule = LeftoverRule::first;
-  bool use_labels = true;  // false: all points carry one label ("without PC")
+  bool use_labels = true;      // false: all points carry one label ("without PC") ...
+  Label one_label = Label::h;  // ... this one; unknown where nobody knows gravity
   CubeAnchor cube_anchor = CubeAnchor::center;
 
   NoiseOptions noise;  // thresholds from the measured noise

@@ -59,7 +59,8 @@ struct Segmentation {
   NoiseModel noise;  // measured, and the thresholds that follow
 };
 
-/// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each.
+/// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each; any where the
+/// options do not use them.
 /// `sensor`: the sensor's position in the same coordinates (range for sigma, side for normals).
 Segmentation segment(std::span<const Vec3f> points,
                      std::span<const Label> labels,

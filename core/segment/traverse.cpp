@@ -76,7 +76,8 @@ bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& pur
 
 void visit(SegmentState& state, std::int32_t index) {
   visit_node(state, index);
-  const Purity purity = purity_of(state.octree.nodes[index], state.options.use_labels);
+  const Purity purity =
+      purity_of(state.octree.nodes[index], state.options.use_labels, state.options.one_label);
 
   if (!is_pure(purity, state.options)) {  // Case I
     settle(state, index, Case::I, 0);

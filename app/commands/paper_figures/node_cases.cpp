@@ -26,7 +26,7 @@ struct Judged {
 };
 Judged judge(const Octree& octree, std::int32_t node, const SegmentOptions& options) {
   Judged judged;
-  judged.purity = purity_of(octree.nodes[node], options.use_labels);
+  judged.purity = purity_of(octree.nodes[node], options.use_labels, options.one_label);
   judged.candidate = fit_label(octree, node, judged.purity.inlier, options.use_labels);
   judged.e_n = normal_error(judged.candidate.fit, options.mse_normalization);
   return judged;

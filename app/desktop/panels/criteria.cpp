@@ -222,6 +222,7 @@ void draw_criteria(const Ui& ui) {
                                : 0);
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
+    if (section == std::string("gravity")) draw_gravity(ui);
     std::vector<std::pair<std::string, std::vector<Row>>> groups;
     for (const OptionInfo& info : option_table()) {
       if (info.section != section || !info.matters(options)) continue;

@@ -22,6 +22,7 @@ void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   if (ImGui::IsItemHovered() && io.MouseWheel != 0)
     show_image_part(ui, placed, ui.state.view.image_zoom * std::pow(1.2, io.MouseWheel), uv,
                     io.MousePos);
+  const GravityClick picks = ui.state.view.gravity_click;
   const bool dragged = io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack;
   const bool marking = ui.state.view.marking && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2);
   if (marking) {
@@ -41,7 +42,10 @@ void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
     show_image_part(ui, placed, ui.state.view.image_zoom, placed.to_image(before), io.MousePos);
   }
   if (ImGui::IsItemHovered() && ImGui::IsMouseReleased(0) && !dragged && placed.holds(uv))
-    ui.emit("select.pixel", fmt::format("{},{}", static_cast<int>(uv.x), static_cast<int>(uv.y)));
+    ui.emit(picks == GravityClick::floor  ? "gravity.floor"
+            : picks == GravityClick::wall ? "gravity.wall"
+                                          : "select.pixel",
+            fmt::format("{},{}", static_cast<int>(uv.x), static_cast<int>(uv.y)));
 }
 
 /// "u 320, v 240: 1.234 m" and what is known of the voxel.
@@ -69,6 +73,7 @@ void draw_image(const Ui& ui) {
   draw_image_tools(ui, "how strongly the segmentation covers the camera's image");
   ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
+  draw_gravity_line(ui);
   if (!pictured) return draw_notice(ui, "A point cloud has no image.", ui.colors.muted);
   const Image16& depth = run->subject->frame.depth;
   const ImVec2 room = ImGui::GetContentRegionAvail();

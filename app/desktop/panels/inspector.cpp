@@ -22,7 +22,9 @@ void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
     ui.emit("step.goto", std::to_string(step));
 }
 
-const char* word_of(Label label) { return label == Label::v ? "vertical" : "horizontal"; }
+const char* word_of(Label label) {
+  return label == Label::v ? "vertical" : label == Label::h ? "horizontal" : "unlabelled";
+}
 
 std::string vector_text(const Vec3d& v) {
   return fmt::format("{:.3f}  {:.3f}  {:.3f}", v.x(), v.y(), v.z());
@@ -64,9 +66,11 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
     if (ImGui::SmallButton("parent")) ui.emit("select.parent");
     ui.name("inspector.parent");
   }
+  const bool labelled = run.subject->prepared.gravity.known();
   fact(ui, "points",
-       fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
-                   node.size() - node.count_h));
+       labelled ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
+                              node.size() - node.count_h)
+                : fmt::format("{}, neither horizontal nor vertical", node.size()));
   fact(ui, "inliers",
        fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
                    facts.purity.n_out));

@@ -48,6 +48,7 @@ void draw_label_image(const Ui& ui) {
   draw_image_tools(ui, "how strongly labels cover the camera's image");
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ui.state.labels()) return draw_label_absence(ui);
+  draw_gravity_line(ui);
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (room.x < 16 || room.y < 16) return;
   const ViewState& view = ui.state.view;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "app/desktop/toolbar.hpp"
 #include "app/desktop/widgets.hpp"
@@ -81,9 +80,12 @@ std::string area_text(double m2) {
 }
 
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels) {
-  const Vec3d up = -labels.gravity.direction.normalized();
-  const double cosine = std::clamp(plane.normal.dot(up), -1.0, 1.0);
-  return fmt::format("{:.1f}°", std::acos(cosine) * 180 / std::numbers::pi);
+  const double tilt_deg = tilt_of(plane.normal, labels.gravity);
+  return std::isnan(tilt_deg) ? "–" : fmt::format("{:.1f}°", tilt_deg);
+}
+
+std::string tilt_text(double tilt_deg) {
+  return std::isnan(tilt_deg) ? "gravity not known" : fmt::format("tilt {:.1f}°", tilt_deg);
 }
 
 std::string count_text(std::size_t count, const char* one, const char* many) {

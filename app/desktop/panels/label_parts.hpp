@@ -19,6 +19,7 @@ void plane_swatch(const Ui& ui, int plane, bool dimmed = false);
 /// "0.42 m²", "96 cm²".
 std::string area_text(double m2);
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels);
+std::string tilt_text(double tilt_deg);  // NaN: gravity is not known
 /// "1 plane", "5 planes".
 std::string count_text(std::size_t count, const char* one, const char* many);
 

@@ -181,10 +181,11 @@ void draw_wand(const Ui& ui) {
   ImGui::TextDisabled("%s", number.c_str());
   if (view.wand.found) {
     const FittedPlane& plane = view.wand.found->plane;
-    paragraph(ui.colors.accent,
-              fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  tilt {:.1f}°  ·  {} pixels",
-                          class_text(view.wand.found->label), area_text(plane.area_m2),
-                          1000 * plane.rms_m, plane.tilt_deg, view.wand.found->pixels.size()));
+    paragraph(
+        ui.colors.accent,
+        fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {} pixels",
+                    class_text(view.wand.found->label), area_text(plane.area_m2),
+                    1000 * plane.rms_m, tilt_text(plane.tilt_deg), view.wand.found->pixels.size()));
     ui.name("planes.wand");
   } else if (!view.wand.why_not.empty()) {
     paragraph(ui.colors.warning, view.wand.why_not);

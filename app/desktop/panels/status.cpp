@@ -15,8 +15,9 @@ std::string left_text(const State& state) {
                                  state.document.frame, frames, frames == 1 ? "" : "s");
   if (const Run* run = state.run()) {
     const PreparedFrame& prepared = run->subject->prepared;
-    text += fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
-                        to_string(prepared.gravity.source));
+    text +=
+        fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
+                    prepared.gravity.known() ? to_string(prepared.gravity.source) : "not known");
     if (prepared.gravity.source == GravitySource::estimate)
       text += fmt::format(" ({:.0f} %)", 100 * prepared.gravity.confidence);
   }

@@ -65,6 +65,15 @@ void move_camera(const Ui& ui, float height) {
 }
 
 void select(const Ui& ui, const Picked& what) {
+  const GravityClick picks = ui.state.view.gravity_click;
+  if (picks != GravityClick::none) {
+    const char* action = picks == GravityClick::floor ? "gravity.floor" : "gravity.wall";
+    if (what.kind == Picked::Kind::voxel)
+      return ui.emit(action, fmt::format("voxel {}", what.index));
+    if (what.kind == Picked::Kind::plane)
+      return ui.emit(action, fmt::format("plane {}", what.index + 1));
+    return ui.emit(action, "nothing");
+  }
   switch (what.kind) {
     case Picked::Kind::voxel:
       return ui.emit("select.voxel", std::to_string(what.index));
@@ -90,6 +99,7 @@ void tell(const Ui& ui, const Picked& what) {
 void draw_view3d(const Ui& ui) {
   draw_tools(ui);
   if (!ui.state.run()) return draw_absence(ui);
+  if (ui.state.run()->subject->frame.is_cloud()) draw_gravity_line(ui);
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const int width = static_cast<int>(room.x), height = static_cast<int>(room.y);
   if (width < 16 || height < 16) return;

@@ -74,7 +74,31 @@ TEST(Gravity, AFrameThatDoesNotTellIsRefusedWithAWayOut) {
     resolve_gravity(empty_depth(), {});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("--gravity X,Y,Z"), std::string::npos);
+    for (const char* way : {"--gravity X,Y,Z", "planescope view", "--gravity none"})
+      EXPECT_NE(std::string(error.what()).find(way), std::string::npos) << way;
+  }
+}
+
+TEST(Gravity, NoneGoesWithoutWhateverTheRecordingSays) {
+  EXPECT_EQ(parse_gravity("none").mode, GravityMode::none);
+  Frame frame = empty_depth();
+  frame.gravity = from_file(GravitySource::imu, {0, 0, 1});
+  const Gravity gravity = resolve_gravity(frame, parse_gravity("none"));
+  EXPECT_FALSE(gravity.known());
+  EXPECT_EQ(gravity.source, GravitySource::none);
+  EXPECT_EQ(gravity.confidence, 0);
+  EXPECT_EQ(gravity.direction, Vec3d(0, 1, 0)) << "the lower edge of the image";
+  frame.cloud.emplace();
+  EXPECT_EQ(resolve_gravity(frame, parse_gravity("none")).direction, Vec3d(0, 0, -1));
+}
+
+TEST(Gravity, WhoeverCanGoWithoutIsNotRefused) {
+  for (const char* text : {"auto", "imu", "estimate"}) {
+    GravityOptions options = parse_gravity(text);
+    options.none_where_unknown = true;
+    const Gravity gravity = resolve_gravity(empty_depth(), options);
+    EXPECT_EQ(gravity.source, GravitySource::none) << text;
+    EXPECT_FALSE(gravity.note.empty()) << text;
   }
 }
 

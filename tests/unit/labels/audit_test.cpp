@@ -129,6 +129,9 @@ TEST_F(AuditTest, AClassThatTheTiltContradictsIsNamed) {
   Finding finding = only();
   EXPECT_EQ(finding.kind, FindingKind::class_normal);
   EXPECT_NE(finding.text.find("P1: labelled v and tilted"), std::string::npos) << finding.text;
+  labels.gravity.source = GravitySource::none;
+  EXPECT_TRUE(audit_labels(labels, grid).empty()) << "nobody knows what is level";
+  labels.gravity.source = GravitySource::picked;
   labels.planes[0].label = Label::unknown;
   EXPECT_TRUE(audit_labels(labels, grid).empty());
 }

@@ -47,6 +47,16 @@ TEST_F(Exchange, AFrameWithoutLabelsComesBackWithoutLabels) {
   }
 }
 
+TEST_F(Exchange, EvopsBringsBackPlanesWithoutAClassWhereNobodyKnowsGravity) {
+  Random random(3);
+  LabelGrid grid = random_grid(random);
+  grid.gravity.source = GravitySource::none;
+  const FrameLabels back = there_and_back(random_labels(grid, random), grid, LabelFormat::evops);
+  ASSERT_FALSE(back.planes.empty());
+  for (const LabelPlane& plane : back.planes) EXPECT_EQ(plane.label, Label::unknown);
+  for (const std::uint8_t hv : back.hv.data) EXPECT_TRUE(hv == 0 || hv == kHvIgnore);
+}
+
 TEST_F(Exchange, EvopsBringsBackPlanesAndTheirClassByTilt) {
   for (int seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);

@@ -44,6 +44,20 @@ fs::path fresh_dir(const std::string& name) {
   return dir;
 }
 
+TEST(LabelFiles, WithoutGravityHaveNoDirection) {
+  const fs::path dir = fresh_dir("no_gravity");
+  FrameLabels labels = two_planes();
+  labels.gravity = {Vec3d::UnitY(), GravitySource::none, 0, "nobody knows"};
+  write_frame_labels(dir, 0, labels);
+  const auto bytes = read_file_bytes(dir / "000000.json");
+  EXPECT_NE(std::string(bytes.begin(), bytes.end()).find(R"("direction": null)"),
+            std::string::npos);
+  const auto read = read_frame_labels(dir, 0, labels.depth_sha256);
+  ASSERT_TRUE(read);
+  EXPECT_FALSE(read->gravity.known());
+  EXPECT_EQ(read->gravity.note, "nobody knows");
+}
+
 TEST(LabelFiles, WhatIsWrittenIsReadBackExactly) {
   const fs::path dir = fresh_dir("round_trip");
   const FrameLabels written = two_planes();

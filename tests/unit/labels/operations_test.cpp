@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/base/error.hpp"
 #include "small_frames.hpp"
 
@@ -35,6 +37,26 @@ TEST_F(Operations, PaintingMakesAPlaneFittedToItsPixels) {
   EXPECT_EQ(pixels_of_plane(labels, 3), pixels);
   EXPECT_EQ(labels.hv.data[pixels[0]], 2);
   EXPECT_EQ(blank.planes.size(), 0u);
+}
+
+TEST_F(Operations, WithoutGravityAPlaneHasNoClassUntilItIsKnown) {
+  LabelGrid unknown = grid;
+  unknown.gravity.source = GravitySource::none;
+  const PixelSet pixels = rectangle(grid, 4, 4, 14, 14), others = rectangle(grid, 20, 4, 30, 14);
+  FrameLabels labels =
+      painted(empty_labels(unknown, std::string(64, 'a')), unknown, pixels, {1}, PaintMode::over);
+  labels = painted(labels, unknown, others, {2, Label::h}, PaintMode::over);
+  EXPECT_EQ(find_plane(labels, 1)->label, Label::unknown);
+  EXPECT_EQ(labels.hv.data[pixels[0]], 0);
+  EXPECT_EQ(find_plane(labels, 2)->label, Label::h) << "as it was given";
+  EXPECT_TRUE(std::isnan(fit_plane(unknown, pixels).tilt_deg));
+
+  const Gravity picked{Vec3d::UnitY(), GravitySource::picked, 1, "picked"};
+  const FrameLabels told = with_gravity(labels, picked);
+  EXPECT_EQ(told.gravity.source, GravitySource::picked);
+  EXPECT_EQ(find_plane(told, 1)->label, Label::v);
+  EXPECT_EQ(told.hv.data[pixels[0]], 2);
+  EXPECT_EQ(find_plane(told, 2)->label, Label::h) << "a person's word stays";
 }
 
 TEST_F(Operations, AClassThatIsGivenWinsOverTheTilt) {

@@ -26,6 +26,21 @@ TEST(LabelStores, NothingIsMadeBeforeTheFirstGesture) {
   EXPECT_TRUE(store.any_unsaved());
 }
 
+TEST(LabelStores, AFrameThatNobodyDrewOnTakesGravityThatIsKnownLater) {
+  LabelStore store(fresh_dir("gravity"), by("ann"));
+  FrameLabels unknown = blank(0), known = blank(0);
+  unknown.gravity.source = GravitySource::none;
+  known.gravity = {Vec3d(0, 0.6, 0.8), GravitySource::picked, 1, "picked"};
+  store.open(0, unknown);
+  const auto version = store.version(0);
+  EXPECT_EQ(store.open(0, known)->gravity.direction, known.gravity.direction);
+  EXPECT_GT(store.version(0), version);
+  Random random(1);
+  gesture(store, 0, random);
+  const auto drawn = store.labels(0);
+  EXPECT_EQ(store.open(0, unknown), drawn) << "what was drawn keeps the gravity it was drawn with";
+}
+
 TEST(LabelStores, UndoAndRedoGoThroughAllFramesAndRestartsWithoutEnd) {
   const fs::path dir = fresh_dir("undo");
   Random random(2);

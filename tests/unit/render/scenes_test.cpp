@@ -208,6 +208,15 @@ TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
   }
 }
 
+TEST(Scenes, WithoutGravityNoArrowPointsAnywhere) {
+  FrameResult result = corner();
+  result.gravity.source = GravitySource::none;
+  const DrawList list = scene_leftovers(result, {});
+  EXPECT_TRUE(list.arrows.empty());
+  ASSERT_FALSE(list.labels.empty());
+  EXPECT_EQ(list.labels.back().text, "gravity not known");
+}
+
 TEST(Scenes, EmptyFramesGiveEmptyPictures) {
   const FrameResult nothing;
   EXPECT_TRUE(scene_labels(nothing).points[0].positions.empty());

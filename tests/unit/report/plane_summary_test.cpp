@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace planescope {
 namespace {
 
@@ -38,6 +40,12 @@ TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
   EXPECT_NEAR(summaries[0].offset_m, 5, 1e-6);
   EXPECT_NEAR(summaries[1].tilt_deg, 90, 1e-3);
   EXPECT_NEAR(summaries[1].offset_m, 202, 1e-5);
+}
+
+TEST(PlaneSummary, WithoutGravityNothingIsTilted) {
+  FrameResult result = two_squares(Vec3d::Zero());
+  result.gravity.source = GravitySource::none;
+  EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg));
 }
 
 TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -103,6 +105,51 @@ std::string report_html(const Report& report) {
 Json schema() {
   std::ifstream file(PLANESCOPE_SOURCE_DIR "/assets/schemas/report.schema.json");
   return Json::parse(file);
+}
+
+/// A frame whose gravity nobody knows.
+Report without_gravity() {
+  Report report = make_report();
+  ReportFrame& frame = report.recordings[0].frames[0];
+  frame.gravity = {Vec3d(0, 1, 0), GravitySource::none, 0, "left open by --gravity none"};
+  frame.planes_h = 0;
+  frame.planes[0].summary.label = Label::unknown;
+  frame.planes[0].summary.tilt_deg = std::nan("");
+  frame.metrics.emplace();
+  frame.metrics->label_accuracy_edge = frame.metrics->label_accuracy_inner = std::nan("");
+  return report;
+}
+
+TEST(ReportJson, WithoutGravityHasNoDirectionNoTiltAndNoShareOfRightLabels) {
+  const Json json = Json::parse(report_json(without_gravity()));
+  EXPECT_EQ(schema_error(schema(), json), "");
+  const Json& frame = json["recordings"][0]["frames"][0];
+  EXPECT_TRUE(frame["gravity"]["direction"].is_null());
+  EXPECT_EQ(frame["gravity"]["source"], "none");
+  EXPECT_EQ(frame["planes"][0]["label"], "unknown");
+  EXPECT_TRUE(frame["planes"][0]["tilt_deg"].is_null());
+  EXPECT_TRUE(frame["metrics"]["label_accuracy_edge"].is_null());
+  EXPECT_TRUE(json["totals"]["metrics"]["label_accuracy_edge"].is_null());
+}
+
+TEST(ReportPage, SaysThatGravityIsNotKnownAndHowToGiveIt) {
+  const std::string page = report_html(without_gravity());
+  EXPECT_NE(page.find("Gravity was <em>not known</em>"), std::string::npos);
+  EXPECT_NE(page.find("Gravity is <em>not known</em>: left open by --gravity none"),
+            std::string::npos);
+  EXPECT_NE(page.find("--gravity X,Y,Z"), std::string::npos);
+  EXPECT_NE(page.find("without h and v"), std::string::npos);
+  EXPECT_EQ(page.find("h / v right</"), std::string::npos) << "no figure of labels";
+  EXPECT_EQ(page.find("nan"), std::string::npos);
+}
+
+TEST(FramesCsv, LeavesEmptyWhatNobodyKnows) {
+  std::istringstream csv(frames_csv(without_gravity()));
+  std::string head, line;
+  std::getline(csv, head);
+  std::getline(csv, line);
+  EXPECT_NE(line.find(",none,,,,1000,100,5,200,1,694,300,,,600,"), std::string::npos) << line;
+  EXPECT_EQ(std::ranges::count(line, ','), std::ranges::count(head, ','));
 }
 
 TEST(ReportJson, FollowsItsSchema) {

@@ -1,0 +1,282 @@
+// Gravity that nobody knows, and gravity that was picked: what the commands make of it.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/report_run.hpp"
+#include "cli/scene_files.hpp"
+#include "core/image/png.hpp"
+#include "core/labels/label_files.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "core/recording/picked_gravity.hpp"
+
+using namespace planescope;
+using namespace planescope::testing_cli;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+Json planes_of(const fs::path& out) {
+  return Json::parse(read_text(out / "frames/000000/planes.json"));
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// What a click on the floor of frame 0 would have stored: for all frames, or for that one alone.
+void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
+  const auto opened = open_recording(recording);
+  const PickedDirection direction{down, {}, 0, opened->frame_hash(0), "picked: a floor of 1.00 m2"};
+  PickedGravity picked;
+  if (all)
+    picked.recording = direction;
+  else
+    picked.frames[0] = direction;
+  write_picked_gravity(default_label_dir(recording), picked);
+}
+
+}  // namespace
+
+TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran =
+      run({"segment", (dir / "rec").string(), "-o", (dir / "out").string(), "--gravity", "none"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_TRUE(holds(ran.out, "gravity none: planes are neither h nor v")) << ran.out;
+  for (const char* way : {"--gravity X,Y,Z", "planescope view"})
+    EXPECT_TRUE(holds(ran.err, way)) << ran.err;
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+
+  const Json json = planes_of(dir / "out");
+  EXPECT_EQ(json["gravity"]["source"], "none");
+  EXPECT_TRUE(json["gravity"]["direction"].is_null()) << "no reader may take it for a direction";
+  EXPECT_EQ(json["T_world_camera"][0], (Json{0, 0, 1, 0})) << "x looks ahead";
+  EXPECT_EQ(json["T_world_camera"][2], (Json{0, -1, 0, 0})) << "z points to the image's top";
+  EXPECT_FALSE(json["options"].contains("classifier")) << "none ran";
+  ASSERT_EQ(json["planes"].size(), 2u);
+  for (const Json& plane : json["planes"]) {
+    EXPECT_EQ(plane["label"], "unknown");
+    EXPECT_LT(plane["offset_m"].get<double>(), 0) << "normals face the camera";
+  }
+  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  EXPECT_EQ(std::ranges::count(cloud.label, 0), static_cast<std::ptrdiff_t>(cloud.label.size()));
+  EXPECT_GT(std::ranges::count(cloud.instance, 2), 100);
+}
+
+TEST(GravityNone, IsTheSameBytesForAnyNumberOfThreads) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  std::string first;
+  for (const char* threads : {"1", "2", "7"}) {
+    ASSERT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / threads).string(), "--gravity",
+                   "none", "--threads", threads})
+                  .code,
+              0);
+    const std::string planes = read_text(dir / threads / "frames/000000/planes.json");
+    if (first.empty()) first = planes;
+    EXPECT_EQ(planes, first);
+  }
+}
+
+TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
+  const auto dir = scratch();
+  write_ply(dir / "cloud.ply", floor_and_wall_cloud());
+  for (const char* method : {"ours", "ransac"}) {
+    const auto out = dir / method;
+    const Ran ran = run({"segment", (dir / "cloud.ply").string(), "-o", out.string(), "--gravity",
+                         "none", "--method", method});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const Json json = planes_of(out);
+    ASSERT_EQ(json["planes"].size(), 2u) << method;
+    for (const Json& plane : json["planes"]) EXPECT_EQ(plane["label"], "unknown") << method;
+    EXPECT_EQ(json["T_world_camera"][2], (Json{0, 0, 1, 0})) << "the file's own axes";
+  }
+}
+
+TEST(GravityNone, IsARefusedFramesWayOut) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", Image16(160, 120));  // nothing measured: nothing tells
+  const std::vector<std::string> args = {"segment", (dir / "rec").string(), "-o",
+                                         (dir / "out").string()};
+  const Ran refused = run(args);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
+  EXPECT_TRUE(holds(refused.err, "--gravity none")) << refused.err;
+  std::vector<std::string> without = args;
+  without.insert(without.end(), {"--gravity", "none"});
+  EXPECT_EQ(run(without).code, 0);
+  EXPECT_EQ(planes_of(dir / "out")["planes"].size(), 0u);
+}
+
+TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto recording = open_recording(dir / "rec");
+  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const Ran ran = run(report_args({dir / "rec"}, dir / "out", {"--gravity", "none"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json report = read_report(dir / "out");
+  EXPECT_TRUE(report["record"]["classifier"].is_null());
+  EXPECT_TRUE(report["record"]["weights"].is_null());
+  const Json& frame = report["recordings"][0]["frames"][0];
+  EXPECT_EQ(frame["planes"].size(), 2u);
+  EXPECT_GT(frame["metrics"]["mean_iou"].get<double>(), 90);
+  EXPECT_TRUE(frame["metrics"]["label_accuracy_inner"].is_null());
+  for (const Json& picture : frame["pictures"]) {
+    EXPECT_NE(picture["name"], "labels");
+    EXPECT_NE(picture["name"], "margins");
+  }
+  const std::string page = read_text(dir / "out/index.html");
+  EXPECT_TRUE(holds(page, "<em>not known</em>"));
+  EXPECT_TRUE(holds(page, "--gravity X,Y,Z"));
+
+  // The same once more, taken up where it ended, and held against itself.
+  std::filesystem::copy(dir / "out/report.json", dir / "before.json");
+  const std::vector<std::string> held = {"--gravity", "none", "--resume", "--baseline",
+                                         (dir / "before.json").string()};
+  const Ran again = run(report_args({dir / "rec"}, dir / "out", held));
+  EXPECT_EQ(again.code, 0) << again.err;
+}
+
+TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto recording = open_recording(dir / "rec");
+  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const Ran ran = run({"eval", (dir / "rec").string(), "--gravity", "none", "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(ran.out);
+  EXPECT_GT(json["mean"]["mean_iou"].get<double>(), 90);
+  EXPECT_TRUE(json["mean"]["label_accuracy_edge"].is_null());
+  const Ran table = run({"eval", (dir / "rec").string(), "--gravity", "none"});
+  EXPECT_FALSE(holds(table.out, "nan")) << table.out;
+}
+
+TEST(GravityNone, InfoSaysHowToGiveOne) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran text = run({"info", (dir / "rec").string(), "--gravity", "none"});
+  ASSERT_EQ(text.code, 0) << text.err;
+  EXPECT_TRUE(holds(text.out, "none, ")) << text.out;
+  EXPECT_TRUE(holds(text.out, "--gravity X,Y,Z")) << text.out;
+  const Ran json = run({"info", (dir / "rec").string(), "--gravity", "none", "--json"});
+  const Json gravity = Json::parse(json.out)["recordings"][0]["gravity"];
+  EXPECT_EQ(gravity["source"], "none");
+  EXPECT_TRUE(gravity["direction"].is_null());
+}
+
+TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const auto recording = open_recording(dir / "rec");
+  write_frame_labels(dir / "true", 0, floor_and_wall_labels(*recording));
+  const std::string rec = (dir / "rec").string();
+  ASSERT_EQ(run({"labels", "export", rec, "--labels", (dir / "true").string(), "--format", "evops",
+                 "-o", (dir / "npy").string()})
+                .code,
+            0);
+  const Ran taken = run({"labels", "import", rec, "--format", "evops", "--from",
+                         (dir / "npy").string(), "--gravity", "none"});
+  ASSERT_EQ(taken.code, 0) << taken.err;
+  const auto labels = read_frame_labels(dir / "rec.labels", 0, "");
+  ASSERT_TRUE(labels);
+  EXPECT_EQ(labels->gravity.source, GravitySource::none);
+  ASSERT_EQ(labels->planes.size(), 2u);
+  for (const LabelPlane& plane : labels->planes) EXPECT_EQ(plane.label, Label::unknown);
+  ASSERT_EQ(run({"labels", "export", rec, "--format", "ply", "-o", (dir / "ply").string()}).code,
+            0);
+  const PointSet cloud = read_cloud_file(dir / "ply/000000.ply");
+  EXPECT_EQ(std::ranges::count(cloud.label, 0), static_cast<std::ptrdiff_t>(cloud.label.size()));
+  EXPECT_EQ(run({"labels", "check", rec, "--strict"}).code, 0);
+}
+
+TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const std::string rec = (dir / "rec").string(), out = (dir / "out").string();
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"segment", rec, "-o", out, "--classifier", "pca"},
+        std::vector<std::string>{"train", rec, "--recipe", "recordings", "-o",
+                                 (dir / "w.safetensors").string()},
+        std::vector<std::string>{"bench", "classifier", rec, "-o", out}}) {
+    std::vector<std::string> none = args;
+    none.insert(none.end(), {"--gravity", "none"});
+    const Ran ran = run(none);
+    EXPECT_EQ(ran.code, 2) << args[0];
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_TRUE(holds(ran.err, "--gravity none")) << ran.err;
+  }
+}
+
+TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const std::string rec = (dir / "rec").string();
+  pick(dir / "rec", Vec3d(0, 0.8, 0.6));
+  const Ran info = run({"info", rec, "--json"});
+  EXPECT_EQ(Json::parse(info.out)["recordings"][0]["gravity"]["source"], "picked") << info.err;
+  ASSERT_EQ(run({"segment", rec, "-o", (dir / "out").string()}).code, 0);
+  const Json gravity = planes_of(dir / "out")["gravity"];
+  EXPECT_EQ(gravity["source"], "picked");
+  EXPECT_EQ(gravity["direction"], (Json{0, 0.8, 0.6}));
+  EXPECT_EQ(gravity["note"], "picked: a floor of 1.00 m2");
+  ASSERT_EQ(run(report_args({dir / "rec"}, dir / "report", {"--no-pictures"})).code, 0);
+  for (const Json& frame : read_report(dir / "report")["recordings"][0]["frames"])
+    EXPECT_EQ(frame["gravity"]["source"], "picked");
+
+  // What is said on the command line goes before it.
+  ASSERT_EQ(run({"segment", rec, "-o", (dir / "given").string(), "--gravity", "0,1,0"}).code, 0);
+  EXPECT_EQ(planes_of(dir / "given")["gravity"]["source"], "option");
+  ASSERT_EQ(run({"segment", rec, "-o", (dir / "est").string(), "--gravity", "estimate"}).code, 0);
+  EXPECT_EQ(planes_of(dir / "est")["gravity"]["source"], "estimate");
+  write_text(dir / "rec/gravity.json", R"({"gravity": [0, 1, 0]})");
+  ASSERT_EQ(run({"segment", rec, "-o", (dir / "sidecar").string()}).code, 0);
+  EXPECT_EQ(planes_of(dir / "sidecar")["gravity"]["source"], "sidecar");
+}
+
+TEST(GravityPicked, ForOneFrameHoldsForThatOneAlone) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
+  ASSERT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}).code, 0);
+  EXPECT_EQ(planes_of(dir / "out")["gravity"]["source"], "picked");
+  EXPECT_EQ(Json::parse(read_text(dir / "out/frames/000001/planes.json"))["gravity"]["source"],
+            "estimate");
+}
+
+TEST(GravityPicked, AChangedPickIsNotTakenForTheOldOneByAReportThatIsResumed) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  pick(dir / "rec", Vec3d(0, 0.8, 0.6));
+  const auto args = report_args({dir / "rec"}, dir / "out", {"--no-pictures", "--resume"});
+  ASSERT_EQ(run(args).code, 0);
+  pick(dir / "rec", Vec3d(0, 1, 0));
+  ASSERT_EQ(run(args).code, 0);
+  EXPECT_EQ(read_report(dir / "out")["recordings"][0]["frames"][0]["gravity"]["direction"],
+            (Json{0, 1, 0}));
+}
+
+TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  Image16 other = floor_and_wall();
+  other.data[5] = 1111;
+  write_depth_folder(dir / "other", other);
+  pick(dir / "rec", Vec3d(0, 1, 0));
+  const Ran mixed =
+      run({"info", (dir / "other").string(), "--labels", (dir / "rec.labels").string()});
+  EXPECT_EQ(mixed.code, 2);
+  EXPECT_TRUE(is_one_line(mixed.err)) << mixed.err;
+  EXPECT_TRUE(holds(mixed.err, "another recording")) << mixed.err;
+  write_text(dir / "rec.labels/gravity.json", "{\"schema\": 3}");
+  const Ran damaged = run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()});
+  EXPECT_EQ(damaged.code, 2);
+  EXPECT_TRUE(is_one_line(damaged.err)) << damaged.err;
+  EXPECT_TRUE(holds(damaged.err, "gravity.json")) << damaged.err;
+}

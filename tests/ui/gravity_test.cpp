@@ -1,0 +1,312 @@
+// Gravity that nobody knows, and clicks on floors and walls that say where things fall.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/base/error.hpp"
+#include "core/recording/cloud_file.hpp"
+#include "label_desktop.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+double angle_deg(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, a.normalized().dot(b.normalized()))) * 180 / std::numbers::pi;
+}
+
+/// The sample, whose estimate is refused as no tilt of the camera is allowed.
+State without_gravity(const std::filesystem::path& label_dir) {
+  State state = open_state_with_labels(label_dir);
+  state.document.options.gravity.max_tilt_deg = 0;
+  state.view.tool_tab = "histograms";  // no sliders to be swept
+  return state;
+}
+
+struct GravityClicks : testing::Test {
+  const std::filesystem::path dir = scratch_dir(), label_dir = dir / "labels";
+  const std::filesystem::path file = label_dir / "gravity.json";
+  Shell shell{without_gravity(label_dir), nullptr, [] {}};
+  NoStage stage{shell};
+  const Vec3d down = read_frame_labels(default_label_dir(sample_path()), 0, "")->gravity.direction;
+
+  void SetUp() override { settle(shell, stage, {}); }
+  const State& state() const { return shell.state(); }
+  const Gravity& gravity() const { return state().run()->subject->prepared.gravity; }
+  const std::string& message() const { return state().view.message; }
+  void run(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument}, true);
+    settle(shell, stage, {});
+  }
+  void play(const std::string& actions) {
+    const std::filesystem::path path = dir / "script.json";
+    std::ofstream(path) << R"({"actions": [)" << actions << "]}";
+    Script::read(path).play(shell, stage, {});
+  }
+  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
+  FrameLabels truth() const {
+    return *read_frame_labels(default_label_dir(sample_path()), state().document.frame, "");
+  }
+  /// A measured pixel well inside the largest true plane that is asked for and has one.
+  std::string pixel_of(const std::function<bool(const LabelPlane&)>& asked) const {
+    const FrameLabels labels = truth();
+    const Image16& depth = state().run()->subject->frame.depth;
+    std::vector<PixelSet> planes;
+    for (const LabelPlane& plane : labels.planes)
+      if (asked(plane)) planes.push_back(pixels_of_plane(labels, plane.id));
+    std::ranges::sort(planes, std::greater{}, &PixelSet::size);
+    const int width = labels.plane.width;
+    for (const PixelSet& pixels : planes) {
+      const auto is_deep = [&](std::uint32_t pixel) {
+        for (const int du : {-8, 0, 8})
+          for (const int dv : {-8, 0, 8}) {
+            const auto near = static_cast<std::uint32_t>(static_cast<int>(pixel) + du + dv * width);
+            if (!std::ranges::binary_search(pixels, near)) return false;
+          }
+        return depth.data[pixel] > 0;
+      };
+      const auto deep = std::ranges::find_if(pixels, is_deep);
+      if (deep != pixels.end())
+        return fmt::format("{},{}", *deep % static_cast<unsigned>(width),
+                           *deep / static_cast<unsigned>(width));
+    }
+    ADD_FAILURE() << "no such plane";
+    return "0,0";
+  }
+  std::string pixel_of(Label label) const {
+    return pixel_of([label](const LabelPlane& plane) { return plane.label == label; });
+  }
+  /// A click of the mouse on that pixel.
+  void click(const std::string& pixel) {
+    const auto comma = pixel.find(',');
+    play(fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
+                     (std::stod(pixel.substr(0, comma)) + 0.5) / 640,
+                     (std::stod(pixel.substr(comma + 1)) + 0.5) / 480));
+  }
+};
+
+TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {
+  ASSERT_TRUE(state().run()) << state().results.refusal;
+  EXPECT_EQ(state().results.refusal, "");
+  EXPECT_FALSE(gravity().known());
+  EXPECT_GE(state().run()->segmentation.planes.size(), 3u);
+  EXPECT_TRUE(shows("image")) << "to be clicked";
+  EXPECT_TRUE(shows("gravity.line"));
+  EXPECT_TRUE(shows("button.gravity.click.floor"));
+  for (const Thumbnail& thumbnail : state().results.strip) {
+    EXPECT_EQ(thumbnail.refusal, "");
+    EXPECT_GT(thumbnail.planes, 0);
+  }
+  for (const char* by : {"color.labels", "color.margins", "color.cases"}) run(by);
+}
+
+TEST_F(GravityClicks, OneClickOnAFloorTellsIt) {
+  run("camera.orbit", "20,5");
+  play(R"({"click": "button.gravity.click.floor"}, {"expect": {"gravity_click": "floor"}})");
+  click(pixel_of(Label::h));
+  EXPECT_EQ(gravity().source, GravitySource::picked) << message();
+  EXPECT_LT(angle_deg(gravity().direction, down), 1.5);
+  EXPECT_EQ(state().view.gravity_click, GravityClick::none) << "one click";
+  EXPECT_FALSE(shows("gravity.line"));
+  EXPECT_FALSE(state().view.camera) << "it stood in another world";
+  EXPECT_EQ(state().view.step, state().run()->steps());
+  EXPECT_TRUE(std::filesystem::exists(file));
+  EXPECT_NE(message().find("for this frame"), std::string::npos) << message();
+  EXPECT_FALSE(state().view.message_is_error);
+  run("frame.next");
+  EXPECT_FALSE(gravity().known()) << "of that frame alone";
+}
+
+TEST_F(GravityClicks, ForAllFramesItHoldsOnTheNextAndAfterARestart) {
+  run("gravity.all_frames");
+  run("gravity.floor", pixel_of(Label::h));
+  const Vec3d picked = gravity().direction;
+  run("frame.next");
+  EXPECT_EQ(gravity().source, GravitySource::picked);
+  EXPECT_EQ(gravity().direction, picked);
+  const auto recording = open_recording(sample_path());
+  EXPECT_EQ(read_picked_gravity(label_dir, *recording).recording->direction, picked);
+
+  State state = without_gravity(label_dir);
+  read_picked(state, state.document.recordings[0]);
+  EXPECT_EQ(state.document.recordings[0].picked.recording->direction, picked);
+}
+
+TEST_F(GravityClicks, OnOneWallTurnItAndOnTheSameAgainSayNothingMore) {
+  run("gravity.wall", pixel_of(Label::v));
+  ASSERT_EQ(gravity().source, GravitySource::picked) << message();
+  const Vec3d normal = state().document.current()->picked.frames.at(0).walls[0];
+  EXPECT_NEAR(normal.dot(gravity().direction), 0, 1e-6);
+  EXPECT_NE(message().find("one wall"), std::string::npos) << message();
+  // The same wall again says nothing more.
+  const Vec3d before = gravity().direction;
+  run("gravity.wall", pixel_of(Label::v));
+  EXPECT_TRUE(state().view.message_is_error);
+  EXPECT_NE(message().find("parallel"), std::string::npos) << message();
+  EXPECT_EQ(gravity().direction, before);
+}
+
+TEST_F(GravityClicks, OnTwoWallsTellItWithoutAFloor) {
+  run("frame.show", "2");
+  const Vec3d truly = truth().gravity.direction;
+  run("gravity.wall", pixel_of(Label::v));
+  const double with_one_deg = angle_deg(gravity().direction, truly);
+  const Vec3d first = state().document.current()->picked.frames.at(2).walls.at(0);
+  run("gravity.wall", pixel_of([&](const LabelPlane& plane) {
+        return plane.label == Label::v && std::abs(plane.normal.dot(first)) < 0.7;
+      }));
+  EXPECT_FALSE(state().view.message_is_error) << message();
+  EXPECT_EQ(state().document.current()->picked.frames.at(2).walls.size(), 2u);
+  EXPECT_LT(angle_deg(gravity().direction, truly), 4);
+  EXPECT_LT(angle_deg(gravity().direction, truly), with_one_deg);
+  run("option.undo");
+  EXPECT_EQ(state().document.current()->picked.frames.at(2).walls.size(), 1u);
+}
+
+TEST_F(GravityClicks, UndoAndRedoGoThroughThemAndForgettingIsAStepToo) {
+  run("gravity.floor", pixel_of(Label::h));
+  const Vec3d picked = gravity().direction;
+  run("gravity.forget");
+  EXPECT_FALSE(gravity().known());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  run("option.undo");
+  EXPECT_EQ(gravity().direction, picked);
+  EXPECT_TRUE(std::filesystem::exists(file));
+  run("option.undo");
+  EXPECT_FALSE(gravity().known());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_TRUE(state().undo.empty());
+  run("option.redo");
+  EXPECT_EQ(gravity().direction, picked);
+  EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST_F(GravityClicks, BadOnesSaySoInOneLineAndChangeNothing) {
+  run("gravity.click.floor");
+  for (const char* argument : {"0,0", "9999,3", "-1,3", "a,b", "3", "", "voxel 99999999", "voxel x",
+                               "plane 0", "plane 9999", "nothing"}) {
+    run("gravity.floor", argument);
+    EXPECT_TRUE(state().view.message_is_error) << argument;
+    EXPECT_TRUE(message().starts_with("gravity is as it was: ")) << message();
+    EXPECT_EQ(message().find('\n'), std::string::npos) << message();
+    EXPECT_FALSE(gravity().known()) << argument;
+  }
+  EXPECT_TRUE(state().undo.empty());
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(state().view.gravity_click, GravityClick::floor) << "the next click may be better";
+  run("select.none");
+  EXPECT_EQ(state().view.gravity_click, GravityClick::none);
+}
+
+TEST_F(GravityClicks, AFloorIsNoWall) {
+  run("gravity.floor", pixel_of(Label::h));
+  run("gravity.wall", pixel_of(Label::h));
+  EXPECT_TRUE(state().view.message_is_error);
+  EXPECT_NE(message().find("is it a floor?"), std::string::npos) << message();
+}
+
+TEST_F(GravityClicks, WinOverTheOptionAndGiveItBackOnUndo) {
+  run("option.set", "gravity=1,0,0");
+  ASSERT_EQ(gravity().source, GravitySource::option);
+  run("gravity.floor", pixel_of(Label::h));
+  EXPECT_EQ(gravity().source, GravitySource::picked) << message();
+  run("option.undo");
+  EXPECT_EQ(gravity().source, GravitySource::option);
+  run("option.redo");
+  run("option.set", "gravity=1,0,0");
+  run("gravity.forget");
+  EXPECT_EQ(gravity().source, GravitySource::option) << "forgetting changes no option";
+}
+
+TEST_F(GravityClicks, DoNotGoBeforeTheRecordingsOwn) {
+  const std::filesystem::path copy = dir / "sample";
+  std::filesystem::copy(sample_path(), copy, std::filesystem::copy_options::recursive);
+  auto sidecar = nlohmann::json::parse(std::ifstream(copy / "planescope.json"));
+  sidecar["gravity"] = {0, 1, 0};
+  std::ofstream(copy / "planescope.json") << sidecar;
+  run("recording.open", copy.string());
+  ASSERT_EQ(gravity().source, GravitySource::sidecar);
+  run("gravity.floor", pixel_of(Label::h));
+  EXPECT_EQ(gravity().source, GravitySource::sidecar);
+  EXPECT_TRUE(state().view.message_is_error);
+  EXPECT_NE(message().find("sidecar"), std::string::npos) << message();
+  EXPECT_FALSE(std::filesystem::exists(default_label_dir(copy) / "gravity.json"));
+}
+
+TEST_F(GravityClicks, OfAFolderThatCannotBeWrittenChangeNothing) {
+  std::ofstream(label_dir) << "a file where the folder should be";
+  run("gravity.floor", pixel_of(Label::h));
+  EXPECT_TRUE(state().view.message_is_error);
+  EXPECT_FALSE(gravity().known());
+  EXPECT_TRUE(state().undo.empty());
+}
+
+TEST_F(GravityClicks, ThatCannotBeReadAreToldOfAndTheRecordingOpens) {
+  std::filesystem::create_directories(label_dir);
+  std::ofstream(file) << "{}";
+  State state = without_gravity(label_dir);
+  read_picked(state, state.document.recordings[0]);
+  EXPECT_TRUE(state.document.recordings[0].picked.empty());
+  EXPECT_TRUE(state.view.message_is_error);
+  EXPECT_NE(state.view.message.find("gravity.json"), std::string::npos);
+}
+
+TEST_F(GravityClicks, InThePanelSayWhereItIsFrom) {
+  run("tab.tool", "criteria");
+  run("option.show", "gravity");
+  for (const char* widget : {"gravity.source", "gravity.this_frame", "gravity.all_frames"})
+    EXPECT_TRUE(shows(widget)) << widget;
+  play(R"({"click": "gravity.all_frames"})");
+  EXPECT_TRUE(state().view.gravity_of_recording);
+  play(R"({"click": "gravity.this_frame"})");
+  EXPECT_FALSE(state().view.gravity_of_recording);
+}
+
+TEST_F(GravityClicks, OnACloudTakeThePlaneOfThePoint) {
+  PointSet set;
+  for (int i = 0; i < 8000; ++i)  // the floor lies in x = 0, seen from +x
+    set.points.push_back(Vec3f(-1, 0.01f * static_cast<float>(i % 80) + 0.1f,
+                               0.01f * static_cast<float>(i / 80) + 0.1f));
+  write_ply(dir / "cloud.ply", set);
+  run("recording.open", (dir / "cloud.ply").string());
+  run("option.set", "gravity=none");
+  ASSERT_FALSE(gravity().known());
+  EXPECT_TRUE(shows("gravity.line")) << "a cloud has no image to say it above";
+  run("gravity.floor", "5,5");
+  EXPECT_TRUE(state().view.message_is_error) << "no pixels";
+  run("gravity.floor", "voxel 100");
+  EXPECT_EQ(gravity().source, GravitySource::picked) << message();
+  EXPECT_LT(angle_deg(gravity().direction, -Vec3d::UnitX()), 0.1);
+  EXPECT_EQ(state().run()->segmentation.planes.at(0).label, Label::h);
+}
+
+TEST_F(GravityClicks, InTheLabelModeGiveLabelsTheirClasses) {
+  run("label.mode");
+  run("label.wand", pixel_of(Label::h));
+  run("label.accept");
+  ASSERT_EQ(state().labels()->planes.size(), 1u) << message();
+  EXPECT_EQ(state().labels()->planes[0].label, Label::unknown);
+  play(R"({"key": "Shift+G"})");
+  EXPECT_EQ(state().view.gravity_click, GravityClick::floor);
+  EXPECT_TRUE(shows("gravity.line"));
+  click(pixel_of(Label::h));
+  EXPECT_EQ(gravity().source, GravitySource::picked) << message();
+  EXPECT_EQ(state().labels()->planes[0].label, Label::h);
+  EXPECT_EQ(state().labels()->gravity.source, GravitySource::picked);
+  run("label.undo");
+  EXPECT_EQ(state().labels()->planes[0].label, Label::unknown);
+  run("frame.next");
+  run("gravity.all_frames");
+  run("gravity.floor", pixel_of(Label::h));
+  EXPECT_EQ(state().labels()->gravity.source, GravitySource::picked)
+      << "nobody drew on this frame yet";
+  play(R"({"key": "Shift+W"}, {"key": "Escape"})");
+  EXPECT_EQ(state().view.gravity_click, GravityClick::none);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
