@@ -34,7 +34,8 @@ Gravity unknown_gravity(const Frame& frame, const std::string& why);
 
 /// What tells h from v where gravity is not known, as a hint for people.
 inline constexpr const char* kHowToGiveGravity =
-    "give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, or click "
+    "give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, or "
+    "click "
     "a floor in planescope view";
 
 }  // namespace planescope
