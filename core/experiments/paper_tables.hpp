@@ -21,7 +21,7 @@ struct Claim {
   double tuning = std::numeric_limits<double>::quiet_NaN();  // with the seed that was tuned on
   int frames = 0;                                            // that the value is the mean of
   bool met = false;                                          // with the printed one
-  std::string others;                                        // as the paper and other methods have it
+  std::string others;  // as the paper and other methods have it
 };
 
 /// "Table I", ..., in the order of the page. What was not measured is left out of a table.
