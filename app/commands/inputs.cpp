@@ -79,8 +79,10 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     if (input.frames.empty())
       throw Error(fmt::format("{}: --frames leaves none of its {} frames", path.string(), count));
     input.label_dir = args.label_dir.value_or(default_label_dir(path));
-    PickedGravity picked = read_picked_gravity(input.label_dir, *input.recording);
-    input.recording = with_picked_gravity(std::move(input.recording), std::move(picked));
+    if (args.pipeline.gravity.mode == GravityMode::automatic) {
+      PickedGravity picked = read_picked_gravity(input.label_dir, *input.recording);
+      input.recording = with_picked_gravity(std::move(input.recording), std::move(picked));
+    }
     for (const std::string& warning : input.recording->info().warnings)
       fmt::print(stderr, "planescope: warning: {}\n", warning);
     inputs.push_back(std::move(input));

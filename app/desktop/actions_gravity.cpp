@@ -102,8 +102,11 @@ std::string surface_text(const ClickedSurface& surface) {
   return fmt::format("{:.2f} m2, RMS {:.1f} mm", surface.area_m2, 1000 * surface.rms_m);
 }
 
-/// What goes before a pick would hide it: that is said instead.
+/// A file that could not be read is not replaced, and what goes before a pick would hide it: that
+/// is said instead.
 void expect_effect(const State& state) {
+  if (const std::string& why = state.document.current()->picked_refused; !why.empty())
+    throw Error(why + "; move the file away first");
   const std::optional<Gravity>& own = subject_of(state).frame.gravity;
   if (!own || own->source == GravitySource::picked) return;
   const char* who = own->source == GravitySource::imu ? "IMU" : "sidecar";
@@ -249,6 +252,7 @@ void read_picked(State& state, OpenRecording& open) {
     open.picked = read_picked_gravity(open.label_dir, *open.recording);
   } catch (const Error& error) {
     open.picked = {};
+    open.picked_refused = error.what();
     say(state, error.what(), true);
   }
 }

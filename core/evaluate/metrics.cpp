@@ -136,6 +136,10 @@ void score_labels(const MetricsInput& input, Metrics& m) {
   const LabelAccuracy accuracy = label_accuracy(
       input.truth_labels, input.found_labels,
       near_other_label(input.points, input.truth_labels, input.points, input.truth_labels));
+  if (accuracy.edge + accuracy.inner == 0) {
+    m.label_accuracy_inner = m.label_accuracy_edge = std::nan("");
+    return;
+  }
   m.label_accuracy_inner = accuracy.inner_percent();
   m.label_accuracy_edge = accuracy.edge_percent();
 }

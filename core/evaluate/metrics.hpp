@@ -26,7 +26,8 @@ struct Metrics {
   // Found planes that match no true one with IoU > 0.5 ...
   int pieces = 0;  // at least half of each lies on one true plane
   int ghosts = 0;  // all others
-  // %, < 2 cm from another label or not; NaN where the result has no labels: gravity is not known
+  // %, < 2 cm from another label or not; NaN where the truth has no
+  // labels, or the result: gravity is not known
   double label_accuracy_edge = 0, label_accuracy_inner = 0;
   std::uint64_t points = 0;  // points scored
 };

@@ -1,5 +1,6 @@
 #include "core/pipeline/pipeline.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/base/error.hpp"
@@ -27,7 +28,7 @@ Classification classify(const VoxelCloud& voxels,
                         const FrameTruth* truth,
                         int threads) {
   if (classifier) return classifier->classify(voxels.points, threads);
-  if (!truth || truth->label.empty())
+  if (!truth || std::ranges::all_of(truth->label, [](std::uint8_t label) { return label == 0; }))
     throw Error("classifier 'truth' needs ground truth labels, but this frame has none");
   Classification known;
   for (const std::uint8_t label : vote_labels(voxels, truth->label))

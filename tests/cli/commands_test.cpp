@@ -186,6 +186,11 @@ TEST(InstanceField, IsTheTruthThatItsNameSaysInsteadOfInstance) {
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(Json::parse(ran.out)["mean"]["planes_truth"], 2);
   EXPECT_GT(Json::parse(ran.out)["mean"]["mean_iou"].get<double>(), 99);
+  EXPECT_TRUE(Json::parse(ran.out)["mean"]["label_accuracy_edge"].is_null()) << "it has no h and v";
+  const Ran by_truth = run({"eval", "--classifier", "truth", "--instance-field", "segment",
+                            (dir / "tops.pcd").string()});
+  EXPECT_EQ(by_truth.code, 2);
+  EXPECT_NE(by_truth.err.find("needs ground truth labels"), std::string::npos) << by_truth.err;
   for (const auto& [field, problem] :
        {std::pair{"nothing", "points have no field 'nothing'"}, {"half", "field 'half' has 0.5"}}) {
     const Ran refused = eval(field);

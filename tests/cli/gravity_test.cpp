@@ -279,4 +279,9 @@ TEST(GravityPicked, AFileThatIsDamagedOrAnothersIsRefusedInOneLine) {
   EXPECT_EQ(damaged.code, 2);
   EXPECT_TRUE(is_one_line(damaged.err)) << damaged.err;
   EXPECT_TRUE(holds(damaged.err, "gravity.json")) << damaged.err;
+  // Who says which way things fall does not need it.
+  EXPECT_EQ(
+      run({"segment", (dir / "rec").string(), "--gravity", "0,1,0", "-o", (dir / "out").string()})
+          .code,
+      0);
 }

@@ -255,6 +255,19 @@ TEST_F(GravityClicks, ThatCannotBeReadAreToldOfAndTheRecordingOpens) {
   EXPECT_NE(state.view.message.find("gravity.json"), std::string::npos);
 }
 
+TEST_F(GravityClicks, DoNotReplaceAFileThatWasRefused) {
+  const std::filesystem::path copy = dir / "sample", kept = dir / "sample.labels/gravity.json";
+  std::filesystem::copy(sample_path(), copy, std::filesystem::copy_options::recursive);
+  std::filesystem::create_directories(kept.parent_path());
+  std::ofstream(kept) << "{\"schema\": \"planescope.gravity/2\"}";
+  ASSERT_EQ(default_label_dir(copy), kept.parent_path());
+  run("recording.open", copy.string());
+  run("gravity.floor", pixel_of(Label::h));
+  EXPECT_TRUE(state().view.message_is_error);
+  EXPECT_NE(message().find("move the file away"), std::string::npos) << message();
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(kept)).at("schema"), "planescope.gravity/2");
+}
+
 TEST_F(GravityClicks, InThePanelSayWhereItIsFrom) {
   run("tab.tool", "criteria");
   run("option.show", "gravity");

@@ -70,7 +70,7 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
   fact(ui, "points",
        labelled ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
                               node.size() - node.count_h)
-                : fmt::format("{}, neither horizontal nor vertical", node.size()));
+                : fmt::format("{}, of no class: gravity is not known", node.size()));
   fact(ui, "inliers",
        fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
                    facts.purity.n_out));

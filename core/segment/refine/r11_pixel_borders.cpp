@@ -200,7 +200,6 @@ void move_points(SegmentState& state) {
                 .point = state.input_index(i),
                 .value = static_cast<float>(
                     std::abs(state.planes[winner].fit.distance_m(state.point(i))))});
-    if (now < 0) ++state.counts.assigned;
     give_point(state, i, winner);
   }
 }
