@@ -29,7 +29,7 @@ Json to_json(const Metrics& m) {
   return json;
 }
 
-/// A dash where there were no labels: gravity was not known.
+/// A dash where the truth has no labels, or the result: gravity was not known.
 std::string labels_right(double percent) {
   return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
 }

@@ -95,8 +95,12 @@ bool may_have_truth(const OpenInput& input, int index) {
   return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
 }
 
+bool labels_points(const PipelineOptions& options) {
+  return options.method == Method::ours && options.gravity.mode != GravityMode::none;
+}
+
 ChosenClassifier choose_classifier(const PipelineOptions& options) {
-  if (options.method != Method::ours || options.gravity.mode == GravityMode::none) return {};
+  if (!labels_points(options)) return {};
   fs::path shipped;
   if (options.classifier == "gcn")
     shipped = find_asset("classifier.safetensors", "the weights of classifier gcn are");
@@ -114,9 +118,7 @@ LoadedFrame run_input_frame(const OpenInput& input,
   loaded.frame = input.recording->frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
-  const bool labels_points =
-      options.method == Method::ours && options.gravity.mode != GravityMode::none;
-  const bool needs_truth = !classifier && labels_points;
+  const bool needs_truth = !classifier && labels_points(options);
   std::optional<FrameTruth> on_points;
   if (needs_truth || want_truth)
     loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));

@@ -62,7 +62,10 @@ struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// The classifier of these options, none for rivals and without gravity; gcn takes the weights that
+/// Whether points are labelled h or v at all: rivals do without, and nobody can without gravity.
+bool labels_points(const PipelineOptions& options);
+
+/// The classifier of these options, none where points are not labelled; gcn takes the weights that
 /// ship with us. Throws Error where weights are missing or cannot be read.
 ChosenClassifier choose_classifier(const PipelineOptions& options);
 

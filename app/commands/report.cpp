@@ -40,9 +40,7 @@ Report start_report(const ReportArgs& args,
   if (args.shard.count > 1) report.shard = fmt::format("{}/{}", args.shard.index, args.shard.count);
   report.created_utc = now_utc();
   report.method = args.input.pipeline.method;
-  const PipelineOptions& options = args.input.pipeline;
-  if (report.method == Method::ours && options.gravity.mode != GravityMode::none)
-    report.classifier = options.classifier;
+  if (labels_points(args.input.pipeline)) report.classifier = args.input.pipeline.classifier;
   report.weights = chosen.weights;
   report.options = make_report_options(args.input.pipeline);
   for (const Case c : {Case::I, Case::II, Case::III, Case::IV})

@@ -38,8 +38,7 @@ struct OpenRecording {
   std::filesystem::path label_dir;          // may not exist
   std::shared_ptr<LabelStore> labels = {};  // null before the label mode was entered on it
   PickedGravity picked = {};                // as it lies in label_dir
-  std::string picked_refused =
-      {};  // why what lies there is left alone; empty where it could be read
+  std::string picked_refused = {};          // why it is left alone; empty: it could be read
 };
 
 /// Where running stops. Kept by what it means, so that it outlives a run.
