@@ -7,13 +7,16 @@ namespace planescope {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const TrainingSetOptions& set) {
-  return {{"stairs", set.stairs},
-          {"boxes", set.boxes},
-          {"planes", set.planes},
-          {"boxes_on_floor", set.boxes_on_floor},
-          {"scans", set.scans},
-          {"points", set.points},
-          {"voxel_size_m", set.voxel_size_m}};
+  Json json = {{"stairs", set.stairs},
+               {"boxes", set.boxes},
+               {"planes", set.planes},
+               {"boxes_on_floor", set.boxes_on_floor},
+               {"scans", set.scans},
+               {"points", set.points},
+               {"voxel_size_m", set.voxel_size_m}};
+  // Left out where off: the record of weights from before it stays what it was.
+  if (set.real_errors) json["real_errors"] = true;
+  return json;
 }
 
 Json json_of(const AugmentOptions& options) {

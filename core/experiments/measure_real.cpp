@@ -13,7 +13,8 @@ namespace {
 
 /// What decides on pixels, one at a time left out: the other refinements are of clouds, too.
 std::vector<CellKey> and_ablation(std::vector<CellKey> methods) {
-  for (const char* refinement : {"r9_join_sheets", "r10_minor", "r11_pixel_borders"})
+  for (const char* refinement :
+       {"r9_join_sheets", "r10_minor", "r11_pixel_borders", "r12_part_corners"})
     methods.push_back(with_ours({}, "refined", "gcn", without(refinement)));
   return methods;
 }

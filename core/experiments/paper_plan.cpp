@@ -122,7 +122,8 @@ const std::vector<std::string>& refinements() {
       "estimate_sigma",     "r1_merge_by_distance", "r2_explain_away",
       "r3_weak_candidates", "r4_fit_impure_nodes",  "r5_reassign_shared_cells",
       "r6_refit",           "r7_second_merge",      "r9_join_sheets",
-      "r10_minor",          "r11_pixel_borders",    "split_disconnected"};
+      "r10_minor",          "r11_pixel_borders",    "r12_part_corners",
+      "split_disconnected"};
   return names;
 }
 

@@ -151,11 +151,12 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
   const TraceEvent& event = *run.event_at(step);
   MergeReport report;
   report.label = run.timeline.label_of_plane(event.plane);
-  const bool seen = run.segment_options.split_disconnected.rule == SplitRule::seen &&
+  const bool seen = event.stage == Stage::split_disconnected &&
+                    run.segment_options.split_disconnected.rule == SplitRule::seen &&
                     !run.subject->prepared.from_cloud;
-  report.outcome =
-      fmt::format("{} split off {}: they do not touch{}", plane_name(event.plane),
-                  plane_name(event.other), seen ? ", and the sensor looked through the gap" : "");
+  report.outcome = fmt::format("{} split off {}: {}{}", plane_name(event.plane),
+                               plane_name(event.other), refinement_of(event.stage)->why_parted,
+                               seen ? ", and the sensor looked through the gap" : "");
   return report;
 }
 

@@ -80,8 +80,8 @@ std::string describe_event(const Run& run, std::int32_t step) {
                          run.octree().nodes[event->node].depth, decision(run, *event));
     case EventType::found:
       if (event->node < 0)
-        return fmt::format("{}: {} parts from {}, which it does not touch", to_string(event->stage),
-                           plane, plane_name(event->other));
+        return fmt::format("{}: {} parts from {}: {}", to_string(event->stage), plane,
+                           plane_name(event->other), refinement_of(event->stage)->why_parted);
       return fmt::format("{} founds {}", candidate(run, *event), plane);
     case EventType::merge:
       return fmt::format("{} joins {}, {:.1f} mm off it", candidate(run, *event), plane,

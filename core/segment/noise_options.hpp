@@ -25,7 +25,7 @@ struct NoiseOptions {
   double theta_rms_sigmas = 2;
   double theta_rms_min_m = 0.003;
   double theta_rms_max_m = 0.012;
-  double tau_sigmas = 3;
+  double tau_sigmas = 3.5;
   double tau_min_m = 0.008;
   double tau_max_m = 0.020;
   double limits_range_m = 1;        // by range, both upper limits grow with its square from here on

@@ -45,6 +45,8 @@ struct RefinementInfo {
   const char* says = "{plane} changes";
   /// Why a plane that it drops is none, where that needs saying.
   const char* why_dropped = "";
+  /// Of a part that it founds as a plane of its own: what the two are to each other.
+  const char* why_parted = "";
   After after = After::within;
   int turn = 0;  // among those that follow the same stage, ascending
 };

@@ -105,6 +105,32 @@ void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::ui
   for (const std::uint32_t i : points) leave_point(state, i);
 }
 
+Moments moments_of(const SegmentState& state, std::span<const std::uint32_t> points) {
+  Moments moments;
+  for (const std::uint32_t i : points) state.octree.add_point(moments, i);
+  return moments;
+}
+
+std::int32_t found_part(SegmentState& state,
+                        Stage stage,
+                        std::int32_t plane,
+                        std::span<const std::uint32_t> points) {
+  GrowingPlane part;
+  part.label = state.planes[plane].label;
+  part.moments = moments_of(state, points);
+  part.fit = fit_plane(part.moments);
+  part.sigma_ang = state.sigma_ang(part.fit);
+  for (const std::uint32_t i : points) part.bounds.add(state.point(i));
+  log(state, {.type = EventType::found,
+              .stage = stage,
+              .label = part.label,
+              .plane = static_cast<std::int32_t>(state.planes.size()),
+              .other = plane});
+  const std::int32_t number = found_plane(state, part);
+  for (const std::uint32_t i : points) give_point(state, i, number);
+  return number;
+}
+
 PlanePoints points_by_plane(const SegmentState& state) {
   PlanePoints result;
   result.first.assign(state.planes.size() + 1, 0);

@@ -122,6 +122,13 @@ void join_planes(SegmentState& state,
 /// Drops a plane and leaves its points over.
 void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::uint32_t> points);
 
+Moments moments_of(const SegmentState& state, std::span<const std::uint32_t> points);
+/// Points of a plane found one of their own, with the plane's label; the plane is not fitted again.
+std::int32_t found_part(SegmentState& state,
+                        Stage stage,
+                        std::int32_t plane,
+                        std::span<const std::uint32_t> points);
+
 /// Points of each plane, ascending Morton positions, as CSR.
 struct PlanePoints {
   std::vector<std::uint32_t> first;

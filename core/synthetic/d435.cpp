@@ -9,7 +9,15 @@
 namespace planescope {
 namespace {
 
-enum Stream : std::uint64_t { kMatchingError = 1, kDropout = 2, kPixelNoise = 3 };
+enum Stream : std::uint64_t {
+  kMatchingError = 1,
+  kDropout = 2,
+  kPixelNoise = 3,
+  kBow = 4,
+  kFlying = 5,
+  kBetween = 6,
+  kBlind = 7
+};
 
 /// One pass of the binomial kernel 1 4 6 4 1 along rows of `stride` 1 or columns. Values within
 /// two pixels of the border are left alone: callers cut the border off.
@@ -62,6 +70,36 @@ std::vector<float> correlated_normal(
   return out;
 }
 
+/// Noise of unit variance that is alike over `cell_px`: normal at the corners of a grid of such
+/// cells, smooth between.
+class SmoothNormal {
+ public:
+  SmoothNormal(int width, int cell_px, std::uint64_t seed, Stream stream)
+      : corners_(width / cell_px + 2), cell_px_(cell_px), seed_(seed), stream_(stream) {}
+
+  double at(int x, int y) const {
+    const int i = x / cell_px_, j = y / cell_px_;
+    const double s = smooth(x), t = smooth(y);
+    const double u = 1 - s, v = 1 - t;
+    const double sum = v * (u * corner(i, j) + s * corner(i + 1, j)) +
+                       t * (u * corner(i, j + 1) + s * corner(i + 1, j + 1));
+    return sum / std::sqrt((u * u + s * s) * (v * v + t * t));
+  }
+
+ private:
+  double smooth(int x) const {
+    const double f = static_cast<double>(x % cell_px_) / cell_px_;
+    return f * f * (3 - 2 * f);
+  }
+  double corner(int i, int j) const {
+    return random_normal(seed_, stream_, static_cast<std::uint64_t>(j) * corners_ + i);
+  }
+  std::uint64_t corners_;
+  int cell_px_;
+  std::uint64_t seed_;
+  Stream stream_;
+};
+
 /// 0 below the start of the grazing angles, 1 above their end, smooth between.
 double grazing(double cos_incidence, const D435Model& model) {
   const double start = cos_deg(model.grazing_start_deg), end = cos_deg(model.grazing_end_deg);
@@ -69,17 +107,18 @@ double grazing(double cos_incidence, const D435Model& model) {
   return t * t * (3 - 2 * t);
 }
 
-/// Whether the matching window around a pixel holds another surface: disparity jumps by > 1.5 px.
-bool is_at_jump(const std::vector<double>& disparity, const Intrinsics& k, int x, int y) {
+/// The disparity of another surface that the matching window around a pixel holds: one that jumps
+/// by > 1.5 px. Where there is none, the pixel's own.
+double beyond_jump(const std::vector<double>& disparity, const Intrinsics& k, int x, int y) {
   constexpr int kReach = 2;
   const double here = disparity[y * k.width + x];
   for (const int offset : {-kReach, kReach}) {
     const int nx = std::clamp(x + offset, 0, k.width - 1);
     const int ny = std::clamp(y + offset, 0, k.height - 1);
-    if (std::abs(disparity[y * k.width + nx] - here) > 1.5) return true;
-    if (std::abs(disparity[ny * k.width + x] - here) > 1.5) return true;
+    for (const double there : {disparity[y * k.width + nx], disparity[ny * k.width + x]})
+      if (std::abs(there - here) > 1.5) return there;
   }
-  return false;
+  return here;
 }
 
 std::uint16_t to_counts(double depth_m, const D435Model& model) {
@@ -121,6 +160,10 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
   const auto error =
       correlated_normal(k.width, k.height, model.correlation_px, seed, kMatchingError);
   const auto dropout = correlated_normal(k.width, k.height, 4, seed, kDropout);
+  const SmoothNormal bow(k.width, model.bow_px, seed, kBow);
+  constexpr int kFlyingCell_px = 6, kBlindCell_px = 48;
+  const SmoothNormal flying(k.width, kFlyingCell_px, seed, kFlying);
+  const SmoothNormal blind(k.width, kBlindCell_px, seed, kBlind);
 
   for (int y = 0; y < k.height; ++y) {
     for (int x = 0; x < k.width; ++x) {
@@ -131,10 +174,15 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
       if (x - true_disparity < 0 || true_disparity > model.max_disparity_px) continue;
       // Matching fails in patches: rarely anywhere, often at jumps and at grazing angles.
       double threshold = 3.3 - 5.5 * grazing(view.cos_incidence[i], model);
-      if (is_at_jump(disparity, k, x, y)) threshold -= 2.6;
+      const double beyond = beyond_jump(disparity, k, x, y);
+      if (beyond != true_disparity) threshold -= 2.6;
       if (dropout[i] > threshold) continue;
+      if (blind.at(x, y) > model.blind_from) continue;
 
-      const double noisy = true_disparity + model.disparity_sigma_px * error[i];
+      double noisy = true_disparity + model.disparity_sigma_px * error[i];
+      noisy += model.bow_sigma_px * bow.at(x, y);
+      if (beyond != true_disparity && beyond > 0 && flying.at(x, y) > model.flying_from)
+        noisy += random_uniform(seed, kBetween, i) * (beyond - true_disparity);
       const double step = model.disparity_step_px;
       const double matched = step > 0 ? step * std::round(noisy / step) : noisy;
       if (matched <= 0 || fb / matched > model.max_range_m) continue;

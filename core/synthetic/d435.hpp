@@ -24,8 +24,14 @@ struct D435Model {
   double max_range_m = 10;                            // farther: no measurement
   double grazing_start_deg = 74;  // from here on surfaces seen at a slant start to drop out
   double grazing_end_deg = 86;    // and from here on nearly all is lost
-  bool noise = true;              // false: exact depth, rounded to counts, wherever a ray hits
-  bool color = true;              // false: frames without a colour image (quicker)
+  // What real cameras add, and the sets' camera does not:
+  double bow_sigma_px = 0;  // standard deviation of an error that is alike over bow_px
+  int bow_px = 40;
+  // Where a normal noise, alike over patches, is above so many sigma:
+  double flying_from = 9;  // pixels at jumps are measured between the two surfaces
+  double blind_from = 9;   // nothing is measured: black, shiny or without texture
+  bool noise = true;       // false: exact depth, rounded to counts, wherever a ray hits
+  bool color = true;       // false: frames without a colour image (quicker)
 };
 
 /// Standard deviation of measured depth at depth z: z^2 sigma_disparity / (f b), and the matcher's

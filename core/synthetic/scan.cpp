@@ -35,15 +35,37 @@ D435Model varied_camera(std::uint64_t seed) {
   return model;
 }
 
+/// Half of them with what real cameras add.
+D435Model real_camera(std::uint64_t seed) {
+  D435Model model = varied_camera(seed);
+  if (random_uniform(seed, kCamera, 2) < 0.5) return model;
+  model.bow_sigma_px = 0.12 * random_uniform(seed, kCamera, 3);
+  model.bow_px = 24 + static_cast<int>(56 * random_uniform(seed, kCamera, 4));
+  model.flying_from = 2 * random_uniform(seed, kCamera, 5);
+  model.blind_from = 1.3 + 2 * random_uniform(seed, kCamera, 6);
+  return model;
+}
+
+constexpr double kRange_m = CloudOptions{}.max_range_m;
+
+double usual_range_m(std::uint64_t /*seed*/) { return kRange_m; }
+
+/// One in two as commands crop by default, the others farther.
+double real_range_m(std::uint64_t seed) {
+  return std::max(kRange_m, 4 * random_uniform(seed, kCamera, 7) - 0.5);
+}
+
 /// The first view of a composed scene that is worth learning.
 LabelledCloud scan_composed_scene(std::uint64_t seed,
                                   double voxel_size_m,
                                   D435Model (*camera)(std::uint64_t),
+                                  double (*range_m)(std::uint64_t),
                                   bool mark_edges) {
   for (std::uint64_t view = 0;; ++view) {
     const std::uint64_t view_seed = random_bits(seed, kView, view);
     const Scene scene = compose_scene(view_seed);
-    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed, mark_edges);
+    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed, mark_edges,
+                                   range_m(view_seed));
     if (is_worth_learning(scan)) return scan;
   }
 }
@@ -54,10 +76,11 @@ LabelledCloud make_scan(const Scene& scene,
                         const D435Model& model,
                         double voxel_size_m,
                         std::uint64_t seed,
-                        bool mark_edges) {
+                        bool mark_edges,
+                        double max_range_m) {
   FrameLabels truth;
   const Frame frame = render_scene(scene, scene.camera, model, seed, &truth);
-  const Cloud cloud = make_cloud(frame, truth.gravity, CloudOptions{});
+  const Cloud cloud = make_cloud(frame, truth.gravity, {.max_range_m = max_range_m});
   const VoxelCloud voxels = voxelize(cloud, voxel_size_m);
   std::vector<std::uint8_t> labels;
   labels.reserve(cloud.source.size());
@@ -79,15 +102,17 @@ LabelledCloud make_scan(const Scene& scene,
   return scan;
 }
 
-LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m) {
-  return scan_composed_scene(seed, voxel_size_m, varied_camera, /*mark_edges=*/false);
+LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors) {
+  return real_errors ? scan_composed_scene(seed, voxel_size_m, real_camera, real_range_m, false)
+                     : scan_composed_scene(seed, voxel_size_m, varied_camera, usual_range_m, false);
 }
 
 LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const std::uint64_t scan_seed =
       random_bits(seed, kComposedTest, static_cast<std::uint64_t>(index));
   return scan_composed_scene(
-      scan_seed, voxel_size_m, [](std::uint64_t) { return usual_camera(); }, /*mark_edges=*/true);
+      scan_seed, voxel_size_m, [](std::uint64_t) { return usual_camera(); }, usual_range_m,
+      /*mark_edges=*/true);
 }
 
 LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {

@@ -10,19 +10,21 @@
 namespace planescope {
 
 /// What the classifier is given of a scene: its view through the camera with the scene's pose,
-/// levelled by the true gravity, within 1.5 m of depth, on a voxel grid. A voxel has the label of
-/// most of its pixels; voxels of curved surfaces are left out. With `mark_edges` it is also known
-/// which lie near an edge: within 2 cm of a measured pixel of the other label. The seed drives the
-/// noise alone.
+/// levelled by the true gravity, within `max_range_m` of depth, on a voxel grid. A voxel has the
+/// label of most of its pixels; voxels of curved surfaces are left out. With `mark_edges` it is
+/// also known which lie near an edge: within 2 cm of a measured pixel of the other label. The seed
+/// drives the noise alone.
 LabelledCloud make_scan(const Scene& scene,
                         const D435Model& model,
                         double voxel_size_m,
                         std::uint64_t seed,
-                        bool mark_edges = false);
+                        bool mark_edges = false,
+                        double max_range_m = 1.5);
 
-/// A view of a composed scene with a camera more or less noisy than the real one. Views that show
-/// next to nothing, or one label only, are rejected.
-LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m);
+/// A view of a composed scene with a camera more or less noisy than the usual one; with
+/// `real_errors` half of them with bows, flying pixels and holes, and half of them farther than
+/// 1.5 m. Views that show next to nothing, or one label only, are rejected.
+LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors = false);
 
 /// Held out from training, through the camera as it is: a view of a composed scene such as training
 /// has them, and one of the named scenes, in turn by `index`.

@@ -33,6 +33,12 @@ TrainingRecipe planescope_recipe() {
   return recipe;
 }
 
+TrainingRecipe real_camera_recipe() {
+  TrainingRecipe recipe = planescope_recipe();
+  recipe.set.real_errors = true;
+  return recipe;
+}
+
 TrainingRecipe paper_recipe() {
   TrainingRecipe recipe;
   recipe.set.boxes_on_floor = 0;
@@ -44,7 +50,7 @@ TrainingRecipe paper_recipe() {
 }  // namespace
 
 const std::vector<std::string>& recipe_names() {
-  static const std::vector<std::string> names = {"planescope", "paper"};
+  static const std::vector<std::string> names = {"planescope", "real-camera", "paper"};
   return names;
 }
 
@@ -52,10 +58,12 @@ TrainingRecipe make_recipe(const std::string& name) {
   TrainingRecipe recipe;
   if (name == "planescope") {
     recipe = planescope_recipe();
+  } else if (name == "real-camera") {
+    recipe = real_camera_recipe();
   } else if (name == "paper") {
     recipe = paper_recipe();
   } else {
-    throw Error("recipe \"" + name + "\" is not known, expected planescope or paper");
+    throw Error("recipe \"" + name + "\" is not known, expected planescope, real-camera or paper");
   }
   recipe.name = name;
   return recipe;

@@ -26,6 +26,7 @@ struct TrainingRecipe {
 };
 
 /// "planescope", the default: more than half of it scans, mixed noise, a loss that minds the edges.
+/// "real-camera": that, with scans that err as real cameras do, also beyond the crop.
 /// "paper": the text of Sec. III, objects alone, plain cross-entropy.
 const std::vector<std::string>& recipe_names();
 

@@ -25,7 +25,7 @@ LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
   index -= options.boxes;
   if (index < options.planes) return make_plane_shape(seed(kPlane), options.points);
   index -= options.planes;
-  return make_training_scan(seed(kScan), options.voxel_size_m);
+  return make_training_scan(seed(kScan), options.voxel_size_m, options.real_errors);
 }
 
 }  // namespace

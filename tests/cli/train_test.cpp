@@ -159,7 +159,8 @@ TEST(Train, WhatCannotWorkIsToldBeforeAnythingIsMade) {
   training.expect_refused({"--network", "official"},
                           "is not the network that is asked for, official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
-  training.expect_refused({"--recipe", "cookies"}, "expected planescope, paper or recordings");
+  training.expect_refused({"--recipe", "cookies"},
+                          "expected planescope, real-camera, paper or recordings");
   training.expect_refused({"--recipe", "recordings"}, "needs labelled recordings");
   training.expect_refused({"--labels", dir}, "needs the recording");
   training.expect_refused({recording.string()}, "no labelled frame");

@@ -37,7 +37,7 @@ struct Noise {
     return known ? within(0.003, (of_spreads ? 1.4 : 2) * sigma(range), 0.012, range) : fixed_rms;
   }
   double tau(double range) const {
-    return known ? within(0.008, (of_spreads ? 2.5 : 3) * sigma(range), 0.020, range) : fixed_tau;
+    return known ? within(0.008, (of_spreads ? 2.5 : 3.5) * sigma(range), 0.020, range) : fixed_tau;
   }
   /// The 80th percentile; samples are ranges and residuals.
   void measure(const std::vector<std::pair<double, double>>& samples) {

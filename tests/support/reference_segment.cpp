@@ -327,7 +327,7 @@ class Method {
       for (int k = strong; k < static_cast<int>(planes_.size()); ++k) consider(k, false);
       if (best >= 0)
         merge(c.points, best);
-      else if (c.points.size() >= 10 && c.sigma_ang <= 8 * M_PI / 180)
+      else if (c.points.size() >= 6 && c.sigma_ang <= 8 * M_PI / 180)
         found(c);
       else
         leftovers_.insert(leftovers_.end(), c.points.begin(), c.points.end());
@@ -407,13 +407,13 @@ class Method {
       }
       const PlaneFit& f = planes_[k].fit;
       const bool wide =
-          std::sqrt(f.eigenvalues[1] / f.count) >= 2 * noise_.sigma(range(f.centroid));
+          std::sqrt(f.eigenvalues[1] / f.count) >= 1.2 * noise_.sigma(range(f.centroid));
       const bool dense = 0.12 * area_of_a_point(f) <= typical;
       const double z = std::abs(f.normal.z());
       const bool h = planes_[k].label == Label::h;
       const bool contradicted = options_.use_labels && (h ? z < 0.5 : z > std::sqrt(0.75));
       if (!contradicted && wide && dense &&
-          unexplained >= std::max(8.0, 0.25 * static_cast<double>(own.size())))
+          unexplained >= std::max(5.0, 0.25 * static_cast<double>(own.size())))
         continue;
       planes_[k].alive = false;
       for (const int i : own) {
@@ -533,7 +533,7 @@ class Method {
   }
 
   bool is_plane_of_its_own(const Points& part) const {
-    return part.size() >= 10 && surface_of(part).sigma_ang <= 8 * M_PI / 180;
+    return part.size() >= 6 && surface_of(part).sigma_ang <= 8 * M_PI / 180;
   }
 
   /// Where the sensor looked at p through the plane.

@@ -10,7 +10,7 @@ namespace planescope::r10_minor {
 
 struct Options {
   bool on = false;
-  double pixels = 200;
+  double pixels = 400;
   double ragged = 2;  // exponents
   double curved = 4;
   double rough = 1.5;

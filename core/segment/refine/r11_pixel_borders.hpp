@@ -10,8 +10,8 @@ namespace planescope::r11_pixel_borders {
 
 struct Options {
   bool on = false;
-  double reach_m = 0.02;      // from a pixel to the nearest one that the plane has
-  double taus = 2;            // and this near to it, in tau
+  double reach_m = 0.012;     // from a pixel to the nearest one that the plane has
+  double taus = 1;            // and this near to it, in tau
   int window_px = 9;          // distances are averaged over so many pixels, against their noise
   double company_sigmas = 1;  // for a window all of whose pixels are on the plane already
 

@@ -12,12 +12,12 @@ namespace planescope::r2_explain_away {
 struct Options {
   bool on = false;
   // A plane stays where this many of its points are on no larger neighbour, and this share.
-  int unexplained_points = 8;
+  int unexplained_points = 5;
   double unexplained_share = 0.25;
   // All of a small box's top is near its side: on a plane of the other label, points must be
   // closer.
   double other_label_tau = 0.5;   // ... than this share of tau
-  double width_sigmas = 2;        // RMS across the shorter axis
+  double width_sigmas = 1.2;      // RMS across the shorter axis
   double density_share = 0.12;    // of the median plane's points per area
   double contradiction_deg = 15;  // beyond the 45 degrees of Eq. (1)
   double kept_share = 0.5;        // after R5: of its points
@@ -56,7 +56,7 @@ inline constexpr RefinementInfo kInfo{
     .says = "larger planes explain {plane}, its points are left over",
     .why_dropped = "larger planes explain it, or it is noise",
     .after = After::merging,
-    .turn = 3};
+    .turn = 4};
 
 void run(SegmentState& state, const Options& options);
 /// Again, once R5 has moved points: a plane that lost most of them to neighbours was made of them.

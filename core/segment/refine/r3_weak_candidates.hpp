@@ -15,7 +15,7 @@ struct Options {
   bool on = false;
   double sure_sigma_ang_deg = 4;   // a normal known to this is sure; others wait
   double found_sigma_ang_deg = 8;  // to found a plane of its own, a normal known to this ...
-  int found_points = 10;           // ... and so many points
+  int found_points = 6;            // ... and so many points
 
   template <typename Rows>
   static void describe(Rows& rows) {

@@ -132,12 +132,6 @@ class PartFinder {
   std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
 };
 
-Moments moments_of(const SegmentState& state, const Part& part) {
-  Moments moments;
-  for (const std::uint32_t i : part) state.octree.add_point(moments, i);
-  return moments;
-}
-
 /// Could the part found a plane? What holds for candidates with uncertain normals holds for it.
 bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
   const PlaneFit fit = fit_plane(moments_of(state, part));
@@ -174,22 +168,6 @@ std::vector<Part> parts_seen_apart(const SegmentState& state,
   return result;
 }
 
-void found_part(SegmentState& state, std::int32_t parent, const Part& points) {
-  GrowingPlane part;
-  part.label = state.planes[parent].label;
-  part.moments = moments_of(state, points);
-  part.fit = fit_plane(part.moments);
-  part.sigma_ang = state.sigma_ang(part.fit);
-  for (const std::uint32_t i : points) part.bounds.add(state.point(i));
-  log(state, {.type = EventType::found,
-              .stage = kStage,
-              .label = part.label,
-              .plane = static_cast<std::int32_t>(state.planes.size()),
-              .other = parent});
-  const std::int32_t number = found_plane(state, part);
-  for (const std::uint32_t i : points) give_point(state, i, number);
-}
-
 /// The plane that keeps the largest part is fitted anew.
 void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
   log_refine(state, state.options.split_disconnected, plane);
@@ -222,7 +200,7 @@ void run(SegmentState& state, const Options& options) {
                      [](const Part& a, const Part& b) { return a.size() > b.size(); });
     if (seen) parts = parts_seen_apart(state, plane, spacing_m, std::move(parts));
     for (std::size_t p = 1; p < parts.size(); ++p) {
-      found_part(state, plane, parts[p]);
+      found_part(state, kStage, plane, parts[p]);
       if (parts[p].size() < least)
         drop(state, static_cast<std::int32_t>(state.planes.size()) - 1, parts[p]);
     }

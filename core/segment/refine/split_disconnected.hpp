@@ -51,6 +51,7 @@ inline constexpr Options kRefined{.rule = SplitRule::seen};
 inline constexpr RefinementInfo kInfo{.name = "split",
                                       .title = "split disconnected planes",
                                       .says = "{plane} fitted anew to the points it has",
+                                      .why_parted = "they do not touch",
                                       .after = After::assignment,
                                       .turn = 3};
 

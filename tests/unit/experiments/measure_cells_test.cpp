@@ -73,8 +73,8 @@ TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
                    o.r3_weak_candidates.on + o.r4_fit_impure_nodes.on +
                    o.r5_reassign_shared_cells.on + o.r6_refit.on + o.r7_second_merge.on +
                    o.r9_join_sheets.on + o.r10_minor.on + o.r11_pixel_borders.on +
-                   (o.split_disconnected.rule != SplitRule::off);
-    EXPECT_EQ(on, 11) << refinement;
+                   o.r12_part_corners.on + (o.split_disconnected.rule != SplitRule::off);
+    EXPECT_EQ(on, 12) << refinement;
   }
 }
 

@@ -45,25 +45,62 @@ TEST(D435, DepthNoiseGrowsWithTheSquareOfDepth) {
   EXPECT_NEAR(depth_sigma_m(model, 1.0), 0.004, 0.001);
 }
 
-TEST(D435, NeighbouringPixelsErrAlikeAndDistantOnesDoNot) {
-  const double z = 1.2;
-  const Frame frame = seen(wall_at(z), without_color());
-  const auto correlation = [&](int lag) {
-    double products = 0, squares = 0;
-    for (int y = 0; y < 480; ++y) {
-      for (int x = 100; x + lag < 640; ++x) {
-        if (frame.depth.at(x, y) == 0 || frame.depth.at(x + lag, y) == 0) continue;
-        const double a = frame.depth.at(x, y) * 0.001 - z;
-        const double b = frame.depth.at(x + lag, y) * 0.001 - z;
-        products += a * b;
-        squares += a * a;
-      }
+/// Of the errors of pixels that are `lag` columns apart, on a wall `z_m` away.
+double correlation(const Frame& frame, double z_m, int lag) {
+  double products = 0, squares = 0;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 100; x + lag < 640; ++x) {
+      if (frame.depth.at(x, y) == 0 || frame.depth.at(x + lag, y) == 0) continue;
+      const double a = frame.depth.at(x, y) * 0.001 - z_m;
+      const double b = frame.depth.at(x + lag, y) * 0.001 - z_m;
+      products += a * b;
+      squares += a * a;
     }
-    return products / squares;
+  }
+  return products / squares;
+}
+
+TEST(D435, NeighbouringPixelsErrAlikeAndDistantOnesDoNot) {
+  const Frame frame = seen(wall_at(1.2), without_color());
+  EXPECT_GT(correlation(frame, 1.2, 1), 0.6);
+  EXPECT_GT(correlation(frame, 1.2, 2), 0.3);
+  EXPECT_LT(std::abs(correlation(frame, 1.2, 12)), 0.05);
+}
+
+TEST(D435, ABowIsAlikeOverAsManyPixelsAsItIsTold) {
+  D435Model model = without_color();
+  model.disparity_sigma_px = 0;
+  model.bow_sigma_px = 0.1;
+  const Frame frame = seen(wall_at(1.2), model);
+  const double error_m = 1.2 * 1.2 / (385 * 0.05) * 0.1;
+  EXPECT_NEAR(spread(frame).deviation_m / error_m, 1, 0.2);
+  EXPECT_GT(correlation(frame, 1.2, 12), 0.8);
+  EXPECT_LT(std::abs(correlation(frame, 1.2, 2 * model.bow_px)), 0.3);
+}
+
+TEST(D435, FlyingPixelsHangBetweenSurfacesAlongTheirEdge) {
+  Scene scene = wall_at(1.6);
+  add_polygon(scene, {{0.8, 0.2, -9}, {0.8, -0.2, -9}, {0.8, -0.2, 9}, {0.8, 0.2, 9}}, {});
+  const auto between = [&](double from, int x0, int x1) {
+    D435Model model = without_color();
+    model.flying_from = from;
+    const Frame frame = seen(scene, model);
+    int count = 0;
+    for (int y = 0; y < 480; ++y)
+      for (int x = x0; x < x1; ++x)
+        count += frame.depth.at(x, y) > 900 && frame.depth.at(x, y) < 1400;
+    return count;
   };
-  EXPECT_GT(correlation(1), 0.6);
-  EXPECT_GT(correlation(2), 0.3);
-  EXPECT_LT(std::abs(correlation(12)), 0.05);
+  const int edge = 416;  // 319.5 + 0.2 / 0.8 * 385
+  EXPECT_EQ(between(D435Model{}.flying_from, 0, 640), 0);
+  EXPECT_GT(between(0, edge - 4, edge + 4), 200);
+  EXPECT_EQ(between(0, edge + 10, 640), 0);
+}
+
+TEST(D435, BlindPatchesAreNotMeasured) {
+  D435Model model = without_color();
+  model.blind_from = 0;  // half of the image
+  EXPECT_NEAR(hole_share(seen(wall_at(1), model).depth, 100, 640, 0, 480), 0.5, 0.1);
 }
 
 TEST(D435, DepthComesInStepsOfDisparity) {

@@ -205,6 +205,19 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   }
 }
 
+TEST(TrainingSet, WithRealErrorsHalfOfTheScansReachFartherThanTheCrop) {
+  int far = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const LabelledCloud usual = make_training_scan(seed, 0.02);
+    EXPECT_TRUE(std::ranges::all_of(usual.points, [](auto& p) { return p.x() < 1.6; }));
+    const LabelledCloud scan = make_training_scan(seed, 0.02, true);
+    const bool reaches = std::ranges::any_of(scan.points, [](auto& p) { return p.x() > 1.8; });
+    far += reaches;
+  }
+  EXPECT_GT(far, 8);
+  EXPECT_LT(far, 28);
+}
+
 TEST(TrainingSet, ComposedScenesKeepTheCameraWithinItsRanges) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const Scene scene = compose_scene(seed);

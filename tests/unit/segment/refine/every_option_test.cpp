@@ -28,6 +28,9 @@ std::vector<Setting> settings() {
   options = profile_options(Profile::refined);
   options.r10_minor.pixels = 5;  // of few
   all.push_back({options, true});
+  options.use_labels = options.noise.estimate_sigma = false;  // planes across edges
+  options.noise.fixed_rms_m = 0.05;
+  all.push_back({options, true});
   options = profile_options(Profile::refined);
   options.noise.estimate_sigma = options.noise.sigma_by_range = false;
   options.split_disconnected.rule = SplitRule::on;

@@ -14,7 +14,7 @@ TEST(ExplainAway, TellsNoiseFromSurfacesByWidthAndDensity) {
   EXPECT_NEAR(area_per_point(strip), 0.02 / 100, 1e-12);
   const r2_explain_away::Options options;
   EXPECT_TRUE(is_wider_than_noise(strip, 0.002, options));
-  EXPECT_FALSE(is_wider_than_noise(strip, 0.004, options));
+  EXPECT_FALSE(is_wider_than_noise(strip, 0.006, options));
   EXPECT_TRUE(is_dense(strip, 0.02 / 100, options));
   EXPECT_FALSE(is_dense(strip, 0.1 * 0.02 / 100, options));
 }
