@@ -76,7 +76,7 @@ void define_training(CLI::App* synth, Typed& t, const Choose& choose) {
   add_out(training, t);
   add(training, "--recipe", t.recipe, "NAME",
       fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
-                  fmt::join(recipe_names(), " or "), t.recipe));
+                  fmt::join(recipe_names(), ", "), t.recipe));
   add(training, "--count", t.count, "N", "At most so many clouds of each kind; default all");
   training->add_flag("--augmented", t.augmented,
                      "Noise, turns and holes as one step of training adds them");

@@ -133,8 +133,8 @@ std::string claims_text(const PaperResults& results) {
   if (met < static_cast<std::ptrdiff_t>(all.size())) {
     text +=
         " These do not; the page's figure of failures shows the planes that are lost, "
-        "[method.md](method.md#what-is-lost-on-depth-frames) why, and the oracle (every point to "
-        "its nearest true plane) bounds what geometry alone can tell:\n";
+        "[real.md](real.md#where-it-still-fails) tells why, and the oracle (every point to its "
+        "nearest true plane) bounds what geometry alone can tell:\n";
     for (const Claim& claim : all)
       if (!claim.met)
         text += fmt::format("\n- {}: {} is {:.3f}, wanted {} ({})", claim.set, claim.measure,

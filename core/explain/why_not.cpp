@@ -113,7 +113,7 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   return why;
 }
 
-/// The first merge after which what became this plane of the result holds nodes of both true
+/// The merge from which on what became this plane of the result holds nodes of both true
 /// planes; 0 if there is none.
 std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, std::int32_t most) {
   const auto ends_in = [&](std::int32_t plane) {
@@ -123,16 +123,20 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
     return run.timeline.result_of_plane(plane);
   };
   bool has_own = false, has_most = false;
+  std::int32_t fused = 0;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const TraceEvent& event = *run.event_at(step);
+    if (event.type == EventType::found && event.node < 0 && ends_in(event.other) == id)
+      has_own = has_most = false, fused = 0;  // parted since
     const bool joins = event.type == EventType::found || event.type == EventType::merge;
     if (!joins || event.node < 0 || ends_in(event.plane) != id) continue;
     const std::int32_t truth = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
     if (truth != own && truth != most) continue;
+    const bool had_both = has_own && has_most;
     (truth == own ? has_own : has_most) = true;
-    if (has_own && has_most) return event.type == EventType::merge ? step : 0;
+    if (has_own && has_most && !had_both && event.type == EventType::merge) fused = step;
   }
-  return 0;
+  return fused;
 }
 
 WhyNot in_a_plane(const Run& run, std::int32_t voxel) {

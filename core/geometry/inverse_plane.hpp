@@ -39,6 +39,13 @@ struct InverseSums {
     count += other.count;
     return *this;
   }
+  InverseSums& operator-=(const InverseSums& other) {
+    rr -= other.rr;
+    rw -= other.rw;
+    ww -= other.ww;
+    count -= other.count;
+    return *this;
+  }
   InversePlane fit() const {
     InversePlane plane;
     plane.w_of_ray = rr.ldlt().solve(rw);

@@ -45,7 +45,7 @@ struct Measurements {
   std::vector<Spread> spreads;  // R8: per point, of its measurements about it
   bool rays = false;            // the split: `sensor` saw all points along rays that end there ...
   std::vector<Vec3f> beyond;    // ... and these, which were cropped
-  PixelGrid pixels;             // R9 to R11: of a depth image
+  PixelGrid pixels;             // R9 to R12: of a depth image
 };
 
 struct Segmentation {

@@ -177,10 +177,10 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
       const double beyond = beyond_jump(disparity, k, x, y);
       if (beyond != true_disparity) threshold -= 2.6;
       if (dropout[i] > threshold) continue;
-      if (blind.at(x, y) > model.blind_from) continue;
+      if (model.blind_from < D435Model::kNever && blind.at(x, y) > model.blind_from) continue;
 
       double noisy = true_disparity + model.disparity_sigma_px * error[i];
-      noisy += model.bow_sigma_px * bow.at(x, y);
+      if (model.bow_sigma_px > 0) noisy += model.bow_sigma_px * bow.at(x, y);
       if (beyond != true_disparity && beyond > 0 && flying.at(x, y) > model.flying_from)
         noisy += random_uniform(seed, kBetween, i) * (beyond - true_disparity);
       const double step = model.disparity_step_px;

@@ -4,6 +4,7 @@
 // from disparity, noise and steps that grow with depth squared, what only one eye sees.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/recording/frame.hpp"
@@ -28,10 +29,11 @@ struct D435Model {
   double bow_sigma_px = 0;  // standard deviation of an error that is alike over bow_px
   int bow_px = 40;
   // Where a normal noise, alike over patches, is above so many sigma:
-  double flying_from = 9;  // pixels at jumps are measured between the two surfaces
-  double blind_from = 9;   // nothing is measured: black, shiny or without texture
-  bool noise = true;       // false: exact depth, rounded to counts, wherever a ray hits
-  bool color = true;       // false: frames without a colour image (quicker)
+  double flying_from = kNever;  // pixels at jumps are measured between the two surfaces
+  double blind_from = kNever;   // nothing is measured: black, shiny or without texture
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  bool noise = true;  // false: exact depth, rounded to counts, wherever a ray hits
+  bool color = true;  // false: frames without a colour image (quicker)
 };
 
 /// Standard deviation of measured depth at depth z: z^2 sigma_disparity / (f b), and the matcher's

@@ -22,8 +22,8 @@ LabelledCloud make_scan(const Scene& scene,
                         double max_range_m = 1.5);
 
 /// A view of a composed scene with a camera more or less noisy than the usual one; with
-/// `real_errors` half of them with bows, flying pixels and holes, and half of them farther than
-/// 1.5 m. Views that show next to nothing, or one label only, are rejected.
+/// `real_errors` half of those that err have bows, flying pixels and holes, and half of all reach
+/// farther than 1.5 m. Views that show next to nothing, or one label only, are rejected.
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors = false);
 
 /// Held out from training, through the camera as it is: a view of a composed scene such as training

@@ -63,7 +63,8 @@ TrainingRecipe make_recipe(const std::string& name) {
   } else if (name == "paper") {
     recipe = paper_recipe();
   } else {
-    throw Error("recipe \"" + name + "\" is not known, expected planescope, real-camera or paper");
+    throw Error(fmt::format("recipe \"{}\" is not known, expected one of {}", name,
+                            fmt::join(recipe_names(), ", ")));
   }
   recipe.name = name;
   return recipe;

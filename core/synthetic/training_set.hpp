@@ -18,7 +18,7 @@ struct TrainingSetOptions {
   int scans = 300;                              // views through the camera, on a voxel grid
   int points = 8192;                            // of each object, evenly spread
   double voxel_size_m = 0.02;                   // of the scans
-  bool real_errors = false;  // in half of the scans what real cameras add, half to 1.5 .. 3.5 m
+  bool real_errors = false;  // of the scans: what real cameras add, and farther views
 
   int count() const { return stairs + boxes + planes + scans; }
 };

@@ -284,7 +284,7 @@ TEST(SynthTraining, AnUnknownRecipeIsRefusedWithTheNamesThereAre) {
   const Ran ran = run({"synth", "training", "-o", (dir / "out").string(), "--recipe", "cookies"});
   EXPECT_EQ(ran.code, 2);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
-  EXPECT_NE(ran.err.find("planescope, real-camera or paper"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("one of planescope, real-camera, paper"), std::string::npos) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 

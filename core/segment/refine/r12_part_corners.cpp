@@ -1,8 +1,10 @@
 #include "core/segment/refine/r12_part_corners.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/inverse_plane.hpp"
@@ -18,72 +20,77 @@ constexpr int kRounds = 12;
 
 using Pixels = std::vector<PixelGrid::Seen>;
 
-/// Two planes that meet: where edge . ray > 0 a pixel belongs to the first.
-struct Corner {
-  Vec3d edge;
-  InversePlane first, second;
-  double rms = 0;  // about them [1/m]
-};
-
+/// What is measured of a plane, parted by edge . ray > 0.
 struct Sides {
-  InverseSums first, second;
-  int least() const { return std::min(first.count, second.count); }
+  Vec3d edge = Vec3d::Zero();
+  InverseSums first = {}, second = {};
+  InversePlane first_fit = {}, second_fit = {};
+  double squares = 0;  // about the two
 };
 
-Sides sides_of(const Pixels& pixels, const Vec3d& edge) {
-  Sides sides;
-  for (const auto& [ray, w] : pixels) (edge.dot(ray) > 0 ? sides.first : sides.second).add(ray, w);
-  return sides;
-}
+class Corner {
+ public:
+  Corner(const Pixels& pixels, const Options& options) : pixels_(pixels), options_(options) {
+    for (const auto& [ray, w] : pixels) {
+      all_.add(ray, w);
+      middle_ += ray;
+    }
+    middle_.normalize();
+  }
 
-/// Beginning with a line across the picture: fits a plane to either side of it, takes the line in
-/// which these meet, and so on.
-std::optional<Corner> fit_corner(const Pixels& pixels, Vec3d edge, const Options& options) {
-  const auto least = std::max(4.0, options.least_share * static_cast<double>(pixels.size()));
-  Sides sides = sides_of(pixels, edge);
-  for (int round = 0; round < kRounds; ++round) {
-    if (sides.least() < least) return std::nullopt;
-    const Vec3d first = sides.first.fit().w_of_ray, second = sides.second.fit().w_of_ray;
-    // Which of the two is in front where they do not meet, is what the line before tells.
-    Vec3d next = first - second;
-    if (next.dot(edge) < 0) next = -next;
-    const int before = sides.first.count;
-    sides = sides_of(pixels, next);
-    edge = next;
-    if (sides.first.count == before && round > 0) break;
+  /// Where two planes that meet fit much better than one.
+  std::optional<Sides> find() const {
+    std::optional<Sides> best;
+    // Lines through the middle of the picture.
+    const Vec3d u = middle_.unitOrthogonal(), v = middle_.cross(u);
+    for (int k = 0; k < kStarts; ++k) {
+      const double angle = std::numbers::pi * k / kStarts;
+      const auto end = follow(std::cos(angle) * u + std::sin(angle) * v);
+      if (end && (!best || end->squares < best->squares)) best = end;
+    }
+    const double limit = options_.rms_share * all_.rms_about(all_.fit().w_of_ray);
+    if (!best || !(best->squares <= limit * limit * all_.count)) return std::nullopt;
+    const double cosine = best->first_fit.normal().dot(best->second_fit.normal());
+    if (!(cosine <= std::cos(options_.min_angle_deg * std::numbers::pi / 180))) return std::nullopt;
+    return best;
   }
-  if (sides.least() < least) return std::nullopt;
-  Corner corner{.edge = edge, .first = sides.first.fit(), .second = sides.second.fit()};
-  const double squares =
-      std::pow(sides.first.rms_about(corner.first.w_of_ray), 2) * sides.first.count +
-      std::pow(sides.second.rms_about(corner.second.w_of_ray), 2) * sides.second.count;
-  corner.rms = std::sqrt(squares / static_cast<double>(pixels.size()));
-  return corner;
-}
 
-std::optional<Corner> find_corner(const Pixels& pixels, const Options& options) {
-  InverseSums all;
-  Vec3d middle = Vec3d::Zero();
-  for (const auto& [ray, w] : pixels) {
-    all.add(ray, w);
-    middle += ray;
+ private:
+  /// Nothing where one side has too few pixels.
+  std::optional<Sides> part(const Vec3d& edge) const {
+    Sides sides{.edge = edge, .second = all_};
+    for (const auto& [ray, w] : pixels_)
+      if (edge.dot(ray) > 0) sides.first.add(ray, w);
+    sides.second -= sides.first;
+    const int least = std::min(sides.first.count, sides.second.count);
+    if (least < std::max(4.0, options_.least_share * all_.count)) return std::nullopt;
+    for (auto [sums, fit] :
+         {std::pair{&sides.first, &sides.first_fit}, std::pair{&sides.second, &sides.second_fit}}) {
+      *fit = sums->fit();
+      sides.squares += std::pow(sums->rms_about(fit->w_of_ray), 2) * sums->count;
+    }
+    return sides;
   }
-  const InversePlane plane = all.fit();
-  const double limit = options.rms_share * all.rms_about(plane.w_of_ray);
-  // Lines through the middle of the picture.
-  middle.normalize();
-  const Vec3d u = middle.unitOrthogonal(), v = middle.cross(u);
-  std::optional<Corner> best;
-  for (int k = 0; k < kStarts; ++k) {
-    const double angle = std::numbers::pi * k / kStarts;
-    const auto corner = fit_corner(pixels, std::cos(angle) * u + std::sin(angle) * v, options);
-    if (corner && corner->rms <= limit && (!best || corner->rms < best->rms)) best = corner;
+
+  /// Fits a plane to either side of the line, takes the line in which these meet, and so on.
+  std::optional<Sides> follow(const Vec3d& line) const {
+    std::optional<Sides> sides = part(line);
+    for (int round = 0; sides && round < kRounds; ++round) {
+      // Which of the two is in front where they do not meet, is what the line before tells.
+      Vec3d edge = sides->first_fit.w_of_ray - sides->second_fit.w_of_ray;
+      if (edge.dot(sides->edge) < 0) edge = -edge;
+      const int before = sides->first.count;
+      sides = part(edge);
+      if (sides && sides->first.count == before && round > 0) break;
+    }
+    return sides;
   }
-  if (!best) return std::nullopt;
-  const double cosine = best->first.normal().dot(best->second.normal());
-  if (cosine > std::cos(options.min_angle_deg * std::numbers::pi / 180)) return std::nullopt;
-  return best;
-}
+
+  const Pixels& pixels_;
+  const Options& options_;
+  InverseSums all_;
+  Vec3d middle_ = Vec3d::Zero();
+};
 
 /// Of each plane, evenly thinned out.
 std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
@@ -104,11 +111,11 @@ std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
 void part(SegmentState& state,
           const Options& options,
           std::int32_t plane,
-          const Corner& corner,
+          const Vec3d& edge,
           std::span<const std::uint32_t> points) {
   std::vector<std::uint32_t> first, second;
   for (const std::uint32_t i : points)
-    (corner.edge.dot(state.point(i) - state.sensor) > 0 ? first : second).push_back(i);
+    (edge.dot(state.point(i) - state.sensor) > 0 ? first : second).push_back(i);
   if (first.size() < second.size()) first.swap(second);
   if (second.size() < 4) return;
   found_part(state, stage_of(options), plane, second);
@@ -124,8 +131,8 @@ void run(SegmentState& state, const Options& options) {
   const PlanePoints members = points_by_plane(state);
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k) {
     if (!state.planes[k].alive || pixels[k].empty()) continue;
-    if (const auto corner = find_corner(pixels[k], options))
-      part(state, options, k, *corner, members.of(k));
+    if (const auto sides = Corner(pixels[k], options).find())
+      part(state, options, k, sides->edge, members.of(k));
   }
 }
 

@@ -7,12 +7,14 @@
 namespace planescope {
 namespace {
 
-/// The upright edge of a far box, its faces turned by 45 degrees to either side and 10 cm deep,
-/// before nothing. One plane across it is 45 degrees off.
-Frame box_edge() {
-  const auto depth_m = [](double x, double y) {
-    const double z = 2.8 / (1 - std::abs(x));
-    return std::abs(x * z) < 0.1 && std::abs(y * z) < 0.3 ? z : 0;
+enum class Edge { convex, concave };
+
+/// The upright edge of a far box, or the corner of a far niche, its faces turned by 45 degrees to
+/// either side and 8 cm deep, before nothing. One plane across it is 45 degrees off.
+Frame box_edge(Edge edge = Edge::convex) {
+  const auto depth_m = [&](double x, double y) {
+    const double z = 2.8 / (1 + (edge == Edge::convex ? -1 : 1) * std::abs(x));
+    return std::abs(x * z) < 0.08 && std::abs(y * z) < 0.3 ? z : 0;
   };
   return test::depth_frame(depth_m, 0.003);
 }
@@ -22,16 +24,25 @@ double angle_deg(const PlaneRegion& plane, const Vec3d& axis) {
 }
 
 TEST(PartCorners, APlaneAcrossAnEdgeIsTwo) {
-  const Frame edge = box_edge();
-  const FrameResult across =
-      test::result_of(edge, [](SegmentOptions& o) { o.r12_part_corners.on = false; });
-  ASSERT_EQ(across.segmentation.planes.size(), 1u);
-  const FrameResult result = test::result_of(edge);
-  ASSERT_EQ(result.segmentation.planes.size(), 2u);
-  EXPECT_NE(test::plane_at(result, 308, 240), test::plane_at(result, 332, 240));
-  // The world is level: x ahead, y left.
-  for (const PlaneRegion& plane : result.segmentation.planes)
-    EXPECT_LT(std::min(angle_deg(plane, {1, 1, 0}), angle_deg(plane, {1, -1, 0})), 15);
+  for (const Edge kind : {Edge::convex, Edge::concave}) {
+    const Frame edge = box_edge(kind);
+    const FrameResult across =
+        test::result_of(edge, [](SegmentOptions& o) { o.r12_part_corners.on = false; });
+    ASSERT_EQ(across.segmentation.planes.size(), 1u);
+    const FrameResult result = test::result_of(edge);
+    ASSERT_EQ(result.segmentation.planes.size(), 2u);
+    EXPECT_NE(test::plane_at(result, 313, 240), test::plane_at(result, 326, 240));
+    // The world is level: x ahead, y left.
+    for (const PlaneRegion& plane : result.segmentation.planes)
+      EXPECT_LT(std::min(angle_deg(plane, {1, 1, 0}), angle_deg(plane, {1, -1, 0})), 20);
+  }
+}
+
+TEST(PartCorners, NeedNoOtherRefinementOfPixels) {
+  const FrameResult result = test::result_of(box_edge(), [](SegmentOptions& o) {
+    o.r9_join_sheets.on = o.r10_minor.on = o.r11_pixel_borders.on = false;
+  });
+  EXPECT_EQ(result.segmentation.planes.size(), 2u);
 }
 
 TEST(PartCorners, AFlatWallAndABowedOneStayWhole) {
@@ -42,7 +53,9 @@ TEST(PartCorners, AFlatWallAndABowedOneStayWhole) {
     options.cloud.max_range_m = 4;
     options.classifier = "pca";
     Trace trace;
-    run_frame(wall, options, make_pca_classifier().get(), nullptr, &trace);
+    const FrameResult result =
+        run_frame(wall, options, make_pca_classifier().get(), nullptr, &trace);
+    EXPECT_FALSE(result.segmentation.planes.empty());
     for (const TraceEvent& event : trace.events)
       EXPECT_NE(event.stage, Stage::r12_part_corners) << bow_m;
   }
