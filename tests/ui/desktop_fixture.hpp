@@ -26,7 +26,10 @@ inline std::filesystem::path sample_labels() {
   struct Copy {
     const fs::path dir =
         fs::path(testing::TempDir()) / ("planescope_sample_labels." + std::to_string(::getpid()));
-    Copy() { fs::copy(default_label_dir(sample_path()), dir); }
+    Copy() {
+      fs::remove_all(dir);  // of one that was killed
+      fs::copy(default_label_dir(sample_path()), dir);
+    }
     ~Copy() {
       std::error_code gone;
       fs::remove_all(dir, gone);
