@@ -103,8 +103,8 @@ LabelledCloud make_scan(const Scene& scene,
 }
 
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors) {
-  return real_errors ? scan_composed_scene(seed, voxel_size_m, real_camera, real_range_m, false)
-                     : scan_composed_scene(seed, voxel_size_m, varied_camera, usual_range_m, false);
+  return scan_composed_scene(seed, voxel_size_m, real_errors ? real_camera : varied_camera,
+                             real_errors ? real_range_m : usual_range_m, /*mark_edges=*/false);
 }
 
 LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {

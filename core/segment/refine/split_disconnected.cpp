@@ -200,9 +200,8 @@ void run(SegmentState& state, const Options& options) {
                      [](const Part& a, const Part& b) { return a.size() > b.size(); });
     if (seen) parts = parts_seen_apart(state, plane, spacing_m, std::move(parts));
     for (std::size_t p = 1; p < parts.size(); ++p) {
-      found_part(state, kStage, plane, parts[p]);
-      if (parts[p].size() < least)
-        drop(state, static_cast<std::int32_t>(state.planes.size()) - 1, parts[p]);
+      const std::int32_t part = found_part(state, kStage, plane, parts[p]);
+      if (parts[p].size() < least) drop(state, part, parts[p]);
     }
     if (parts.size() < 2) continue;
     shrink(state, plane, parts[0]);
