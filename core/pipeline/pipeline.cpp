@@ -105,9 +105,7 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
     more.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
   if (options.split_disconnected.rule == SplitRule::seen && more.rays)
     more.beyond = points_beyond(prepared.cloud);
-  const bool on_pixels = options.r9_join_sheets.on || options.r10_minor.on ||
-                         options.r11_pixel_borders.on || options.r12_part_corners.on;
-  if (on_pixels && prepared.cloud.width > 0)
+  if (needs_pixels(options) && prepared.cloud.width > 0)
     more.pixels = pixel_grid(prepared.cloud, prepared.voxels);
   return more;
 }

@@ -50,4 +50,15 @@ SegmentOptions profile_options(Profile profile) {
   return o;
 }
 
+bool needs_pixels(const SegmentOptions& options) {
+  bool needed = false;
+  const auto look = [&](const RefinementInfo& info, const auto& refinement) {
+    if constexpr (requires { refinement.on; }) needed |= info.on_pixels && refinement.on;
+  };
+#define PLANESCOPE_LOOK(name) look(name::kInfo, options.name);
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_LOOK)
+#undef PLANESCOPE_LOOK
+  return needed;
+}
+
 }  // namespace planescope

@@ -52,4 +52,7 @@ struct SegmentOptions {
 /// The defaults of a profile.
 SegmentOptions profile_options(Profile profile);
 
+/// Is a refinement on that looks at the depth image?
+bool needs_pixels(const SegmentOptions& options);
+
 }  // namespace planescope

@@ -49,6 +49,7 @@ struct RefinementInfo {
   const char* why_parted = "";
   After after = After::within;
   int turn = 0;  // among those that follow the same stage, ascending
+  bool on_pixels = false;  // looks at the depth image; does nothing where there is none
 };
 
 }  // namespace planescope

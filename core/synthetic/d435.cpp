@@ -100,6 +100,10 @@ class SmoothNormal {
   Stream stream_;
 };
 
+bool is_over(const SmoothNormal& noise, double limit, int x, int y) {
+  return limit < D435Model::kNever && noise.at(x, y) > limit;
+}
+
 /// 0 below the start of the grazing angles, 1 above their end, smooth between.
 double grazing(double cos_incidence, const D435Model& model) {
   const double start = cos_deg(model.grazing_start_deg), end = cos_deg(model.grazing_end_deg);
@@ -177,11 +181,11 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
       const double beyond = beyond_jump(disparity, k, x, y);
       if (beyond != true_disparity) threshold -= 2.6;
       if (dropout[i] > threshold) continue;
-      if (model.blind_from < D435Model::kNever && blind.at(x, y) > model.blind_from) continue;
+      if (is_over(blind, model.blind_from, x, y)) continue;
 
       double noisy = true_disparity + model.disparity_sigma_px * error[i];
       if (model.bow_sigma_px > 0) noisy += model.bow_sigma_px * bow.at(x, y);
-      if (beyond != true_disparity && beyond > 0 && flying.at(x, y) > model.flying_from)
+      if (beyond != true_disparity && beyond > 0 && is_over(flying, model.flying_from, x, y))
         noisy += random_uniform(seed, kBetween, i) * (beyond - true_disparity);
       const double step = model.disparity_step_px;
       const double matched = step > 0 ? step * std::round(noisy / step) : noisy;

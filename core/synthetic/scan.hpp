@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cloud/cloud.hpp"
 #include "core/synthetic/d435.hpp"
 #include "core/synthetic/scene.hpp"
 #include "core/synthetic/training_set.hpp"
@@ -19,11 +20,11 @@ LabelledCloud make_scan(const Scene& scene,
                         double voxel_size_m,
                         std::uint64_t seed,
                         bool mark_edges = false,
-                        double max_range_m = 1.5);
+                        double max_range_m = CloudOptions{}.max_range_m);
 
 /// A view of a composed scene with a camera more or less noisy than the usual one; with
 /// `real_errors` half of those that err have bows, flying pixels and holes, and half of all reach
-/// farther than 1.5 m. Views that show next to nothing, or one label only, are rejected.
+/// farther than the usual crop. Views that show next to nothing, or one label only, are rejected.
 LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors = false);
 
 /// Held out from training, through the camera as it is: a view of a composed scene such as training

@@ -77,8 +77,8 @@ TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
   const std::string frame = fmt::format("'{}' --labels '{}' --frames {} {}", recording,
                                         dir.string(), labeled.frame, labeled.options);
 
-  ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --script '{}'", frame,
-                            (kFolder / (labeled.name + ".json")).string())),
+  ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --size 640x400 --script '{}'",
+                            frame, (kFolder / (labeled.name + ".json")).string())),
             0);
   const auto labels = read_frame_labels(dir, labeled.frame, "");
   ASSERT_TRUE(labels);

@@ -43,7 +43,8 @@ inline constexpr RefinementInfo kInfo{
     .says = "{plane} is too small, ragged or curved to be listed, its points are left over",
     .why_dropped = "it is too small, ragged or curved to be listed: a minor plane",
     .after = After::assignment,
-    .turn = 6};
+    .turn = 6,
+    .on_pixels = true};
 
 void run(SegmentState& state, const Options& options);
 

@@ -137,7 +137,7 @@ class Borders {
         const Rect window = pixels_.around(pixel, options_.window_px / 2);
         const double off_m = std::abs(distances_.of(window)) / std::max(1, counted_.of(window));
         const double company = static_cast<double>(own_.of(window)) / all_.of(window);
-        const double cost = kTauSigmas * off_m / m.tau - options_.company_sigmas * company;
+        const double cost = off_m / m.tau - options_.company_taus * company;
         double& best = least_[static_cast<std::size_t>(y - tile.y0) * kTile + (x - tile.x0)];
         if (cost >= best) continue;
         best = cost;
@@ -148,8 +148,6 @@ class Borders {
   Measured& known(int x, int y) {
     return known_[static_cast<std::size_t>(y - near_.y0) * near_.width() + (x - near_.x0)];
   }
-
-  static constexpr double kTauSigmas = 3;  // tau is about so many sigma
 
   const SegmentState& state_;
   const Options& options_;

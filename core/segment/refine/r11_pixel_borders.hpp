@@ -13,7 +13,7 @@ struct Options {
   double reach_m = 0.012;     // from a pixel to the nearest one that the plane has
   double taus = 1;            // and this near to it, in tau
   int window_px = 9;          // distances are averaged over so many pixels, against their noise
-  double company_sigmas = 1;  // for a window all of whose pixels are on the plane already
+  double company_taus = 0.3;  // for a window all of whose pixels are on the plane already
 
   template <typename Rows>
   static void describe(Rows& rows) {
@@ -25,9 +25,9 @@ struct Options {
                 &Options::taus);
     rows.number("r11_window_px", "px", "R11: distances to planes are averaged over so many pixels",
                 &Options::window_px, {1, 63});
-    rows.number("r11_company_sigmas", "sigma",
+    rows.number("r11_company_taus", "tau",
                 "R11: so much nearer counts a plane that has all pixels around",
-                &Options::company_sigmas);
+                &Options::company_taus);
   }
 };
 inline constexpr Options kRefined{.on = true};
@@ -36,7 +36,8 @@ inline constexpr RefinementInfo kInfo{
     .title = "pixel borders",
     .says = "most pixels of point {point} lie better on {other} than on {plane}",
     .after = After::assignment,
-    .turn = 5};
+    .turn = 5,
+    .on_pixels = true};
 
 void run(SegmentState& state, const Options& options);
 

@@ -14,6 +14,7 @@ namespace planescope::r12_part_corners {
 namespace {
 
 constexpr std::size_t kLeastPixels = 80;  // of a plane that is looked at
+constexpr std::size_t kLeastPoints = 4;   // of the smaller; its pixels vouch for it
 constexpr std::size_t kSamples = 1500;    // of them that are looked at, about
 constexpr int kStarts = 8;                // directions of the line that a fit begins with
 constexpr int kRounds = 12;
@@ -92,35 +93,64 @@ class Corner {
   Vec3d middle_ = Vec3d::Zero();
 };
 
-/// Of each plane, evenly thinned out.
+/// Of each plane, evenly thinned out in both directions.
 std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
+  const PixelGrid& grid = state.more.pixels;
   const std::vector<std::int32_t> plane = planes_of_pixels(state);
-  std::vector<std::size_t> count(state.planes.size(), 0), at(state.planes.size(), 0);
+  std::vector<std::size_t> count(state.planes.size(), 0);
   for (const std::int32_t k : plane)
     if (k >= 0) ++count[k];
   std::vector<Pixels> all(state.planes.size());
-  for (std::size_t i = 0; i < plane.size(); ++i) {
-    const std::int32_t k = plane[i];
-    if (k < 0 || count[k] < kLeastPixels) continue;
-    const std::size_t stride = std::max<std::size_t>(1, count[k] / kSamples);
-    if (at[k]++ % stride == 0) all[k].push_back(state.more.pixels.seen(i, state.sensor));
-  }
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t i = grid.at(x, y);
+      if (plane[i] < 0) continue;
+      const auto surplus = static_cast<int>(count[plane[i]] / kSamples);
+      const int rows = std::max(1, static_cast<int>(std::sqrt(surplus)));
+      const int columns = std::max(1, surplus / rows);
+      if (y % rows == 0 && x % columns == 0) all[plane[i]].push_back(grid.seen(i, state.sensor));
+    }
   return all;
 }
 
+/// Either side of an edge.
+struct Halves {
+  Pixels first_pixels, second_pixels;
+  std::vector<std::uint32_t> first, second;  // points
+};
+
+Halves halve(const SegmentState& state,
+             const Vec3d& edge,
+             const Pixels& pixels,
+             std::span<const std::uint32_t> points) {
+  Halves halves;
+  for (const auto& pixel : pixels)
+    (edge.dot(pixel.ray) > 0 ? halves.first_pixels : halves.second_pixels).push_back(pixel);
+  for (const std::uint32_t i : points)
+    (edge.dot(state.point(i) - state.sensor) > 0 ? halves.first : halves.second).push_back(i);
+  if (halves.first.size() < halves.second.size()) {
+    halves.first.swap(halves.second);
+    halves.first_pixels.swap(halves.second_pixels);
+  }
+  return halves;
+}
+
+/// And what is left of it on either side, for a box may show three faces.
 void part(SegmentState& state,
           const Options& options,
           std::int32_t plane,
-          const Vec3d& edge,
+          const Pixels& pixels,
           std::span<const std::uint32_t> points) {
-  std::vector<std::uint32_t> first, second;
-  for (const std::uint32_t i : points)
-    (edge.dot(state.point(i) - state.sensor) > 0 ? first : second).push_back(i);
-  if (first.size() < second.size()) first.swap(second);
-  if (second.size() < 4) return;
-  found_part(state, stage_of(options), plane, second);
+  if (pixels.size() < kLeastPixels) return;
+  const auto sides = Corner(pixels, options).find();
+  if (!sides) return;
+  const Halves halves = halve(state, sides->edge, pixels, points);
+  if (halves.second.size() < kLeastPoints) return;
+  const std::int32_t other = found_part(state, stage_of(options), plane, halves.second);
   log_refine(state, options, plane);
-  fit_again(state, plane, moments_of(state, first));
+  fit_again(state, plane, moments_of(state, halves.first));
+  part(state, options, plane, halves.first_pixels, halves.first);
+  part(state, options, other, halves.second_pixels, halves.second);
 }
 
 }  // namespace
@@ -129,11 +159,8 @@ void run(SegmentState& state, const Options& options) {
   if (!options.on || state.more.pixels.empty()) return;
   const std::vector<Pixels> pixels = pixels_of_planes(state);
   const PlanePoints members = points_by_plane(state);
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k) {
-    if (!state.planes[k].alive || pixels[k].empty()) continue;
-    if (const auto sides = Corner(pixels[k], options).find())
-      part(state, options, k, sides->edge, members.of(k));
-  }
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k)
+    if (state.planes[k].alive) part(state, options, k, pixels[k], members.of(k));
 }
 
 }  // namespace planescope::r12_part_corners

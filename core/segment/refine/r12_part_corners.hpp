@@ -33,7 +33,8 @@ inline constexpr RefinementInfo kInfo{.name = "R12",
                                       .says = "{plane} cuts across an edge, and keeps one side",
                                       .why_parted = "they meet at an edge",
                                       .after = After::merging,
-                                      .turn = 3};
+                                      .turn = 3,
+                                      .on_pixels = true};
 
 void run(SegmentState& state, const Options& options);
 

@@ -42,7 +42,8 @@ inline constexpr RefinementInfo kInfo{
     .title = "join sheets",
     .says = "{plane} goes on into {other} where they touch, and merges into it",
     .after = After::assignment,
-    .turn = 4};
+    .turn = 4,
+    .on_pixels = true};
 
 void run(SegmentState& state, const Options& options);
 

@@ -41,10 +41,19 @@ SegmentOptions with_spreads() {
   return options;
 }
 
+/// Planes cut across edges.
+SegmentOptions with_corners() {
+  SegmentOptions options = profile_options(Profile::refined);
+  options.use_labels = options.noise.estimate_sigma = false;
+  options.noise.fixed_rms_m = 0.05;
+  return options;
+}
+
 Measurements more_of(const test::LabelledCloud& cloud, const SegmentOptions& options) {
   Measurements more;
   if (options.r8_voxel_spread.on)
     more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .zz = 1e-5f});
+  if (needs_pixels(options)) more.pixels = test::picture_of(cloud.points, kSensor);
   return more;
 }
 
@@ -113,10 +122,13 @@ class Expected {
     }
     switch (event.stage) {
       case Stage::r2_explain_away:
+      case Stage::r10_minor:
         return {points_of(event.plane, step - 1, -1), {event.plane}};
       case Stage::r5_reassign_shared_cells:
+      case Stage::r11_pixel_borders:
         return {{{event.point, event.other}}, {}};
       case Stage::r7_second_merge:
+      case Stage::r9_join_sheets:
         return {points_of(event.plane, step - 1, event.other), {event.plane, event.other}};
       default:  // fitted anew
         return {{}, {event.plane}};
@@ -221,7 +233,8 @@ TEST_P(Replay, PlanesAreFittedToThePointsThatTheyHaveUntilLeftoversJoin) {
     for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
       for (const PlaneChange& change : run.timeline.changes_of_plane(k)) {
         const TraceEvent& event = run.trace.events[static_cast<std::size_t>(change.step) - 1];
-        if (!change.alive || event.stage == Stage::r6_refit) continue;
+        const bool later = event.stage == Stage::r6_refit || event.stage == Stage::r9_join_sheets;
+        if (!change.alive || later) continue;
         const auto points = at.points_of(k, change.step, k);
         EXPECT_EQ(change.moments.count, static_cast<double>(points.size()));
         EXPECT_EQ(change.fit.count, change.moments.count);
@@ -251,8 +264,9 @@ TEST_P(Replay, TheLastStepIsTheResult) {
 TEST(ReplayInputs, HoldEveryKindOfEventAndStage) {
   std::set<std::pair<EventType, Stage>> seen;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed)
-    for (const TraceEvent& event : traced(test::random_cloud(seed), split_options()).trace.events)
-      seen.emplace(event.type, event.stage);
+    for (const SegmentOptions& options : {split_options(), with_corners()})
+      for (const TraceEvent& event : traced(test::random_cloud(seed), options).trace.events)
+        seen.emplace(event.type, event.stage);
   using enum EventType;
   for (const auto& [type, stage] :
        std::set<std::pair<EventType, Stage>>{{visit, Stage::criteria},
@@ -269,6 +283,12 @@ TEST(ReplayInputs, HoldEveryKindOfEventAndStage) {
                                              {refine, Stage::r5_reassign_shared_cells},
                                              {refine, Stage::r6_refit},
                                              {refine, Stage::r7_second_merge},
+                                             {refine, Stage::r9_join_sheets},
+                                             {refine, Stage::r10_minor},
+                                             {assign, Stage::r11_pixel_borders},
+                                             {refine, Stage::r11_pixel_borders},
+                                             {found, Stage::r12_part_corners},
+                                             {refine, Stage::r12_part_corners},
                                              {found, Stage::split_disconnected},
                                              {refine, Stage::split_disconnected},
                                              {leave, Stage::split_disconnected}})
@@ -283,6 +303,7 @@ INSTANTIATE_TEST_SUITE_P(Profiles,
                                          NamedOptions{"refined", profile_options(Profile::refined)},
                                          NamedOptions{"refined_split", split_options()},
                                          NamedOptions{"refined_spreads", with_spreads()},
+                                         NamedOptions{"refined_corners", with_corners()},
                                          NamedOptions{"paper_without_labels", without_labels()}),
                          [](const auto& named) { return named.param.name; });
 

@@ -12,6 +12,7 @@
 #include "core/geometry/plane.hpp"
 #include "core/synthetic/composed_scene.hpp"
 #include "core/synthetic/scan.hpp"
+#include "core/synthetic/training_recipe.hpp"
 
 namespace planescope {
 namespace {
@@ -216,6 +217,12 @@ TEST(TrainingSet, WithRealErrorsHalfOfTheScansReachFartherThanTheCrop) {
   }
   EXPECT_GT(far, 8);
   EXPECT_LT(far, 28);
+}
+
+TEST(TrainingRecipes, AreTheUsualOneWithRealErrorsForTheRealCamera) {
+  for (const std::string& name : recipe_names())
+    EXPECT_EQ(make_recipe(name).set.real_errors, name == "real-camera") << name;
+  EXPECT_EQ(make_recipe("real-camera").set.scans, make_recipe("planescope").set.scans);
 }
 
 TEST(TrainingSet, ComposedScenesKeepTheCameraWithinItsRanges) {
