@@ -48,7 +48,7 @@ struct RefinementInfo {
   /// Of a part that it founds as a plane of its own: what the two are to each other.
   const char* why_parted = "";
   After after = After::within;
-  int turn = 0;  // among those that follow the same stage, ascending
+  int turn = 0;            // among those that follow the same stage, ascending
   bool on_pixels = false;  // looks at the depth image; does nothing where there is none
 };
 
