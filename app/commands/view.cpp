@@ -75,7 +75,20 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   return state;
 }
 
+/// Nothing is worked out for a file that cannot be written.
+void expect_folder_of(const std::filesystem::path& file) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  if (!std::filesystem::is_directory(folder))
+    throw Error(
+        fmt::format("{}: cannot be written, {} is no folder", file.string(), folder.string()));
+}
+
 int run_offscreen(const ViewArgs& args, std::stop_token stop) {
+  expect_folder_of(args.screenshot);
+  expect_folder_of(args.state);
+  std::optional<Script> script;
+  if (!args.script.empty()) script = Script::read(args.script);
   std::unique_ptr<Offscreen> offscreen;
   State state = view_state(args);
   try {
@@ -85,12 +98,9 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     fmt::print(stderr, "planescope: the window cannot be drawn: {}\n", error.what());
     return 3;
   }
-  std::optional<Script> script;
-  if (!args.script.empty()) script = Script::read(args.script);
-  settle(offscreen->shell(), *offscreen, stop, !script || !script->labels());
+  settle(offscreen->shell(), *offscreen, stop, /*background=*/false);
   if (script) script->play(offscreen->shell(), *offscreen, stop);
-  if (script && script->labels() && !(args.screenshot.empty() && args.state.empty()))
-    settle(offscreen->shell(), *offscreen, stop);
+  if (!args.screenshot.empty() || !args.state.empty()) settle(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
   if (!args.state.empty()) {
     std::ofstream file(args.state, std::ios::binary);

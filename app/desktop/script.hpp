@@ -41,10 +41,9 @@ class Script {
  public:
   /// Throws Error naming the file and the action that cannot be understood.
   static Script read(const std::filesystem::path& path);
-  /// Throws as the actions do, Error naming the place in the script; ExpectationFailed.
+  /// Throws as the actions do, Error naming the place in the script; ExpectationFailed. Only a
+  /// screenshot, a state and what is expected in vain wait for what goes on in the background.
   void play(Shell& shell, Stage& stage, std::stop_token stop) const;
-  /// It labels from its first action on: nothing waits for what goes on in the background.
-  bool labels() const;
 
  private:
   std::filesystem::path path_;

@@ -34,13 +34,13 @@ struct GravityClicks : testing::Test {
   NoStage stage{shell};
   const Vec3d down = read_frame_labels(default_label_dir(sample_path()), 0, "")->gravity.direction;
 
-  void SetUp() override { settle(shell, stage, {}); }
+  void SetUp() override { settle(shell, stage, {}, /*background=*/false); }
   const State& state() const { return shell.state(); }
   const Gravity& gravity() const { return state().run()->subject->prepared.gravity; }
   const std::string& message() const { return state().view.message; }
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);
-    settle(shell, stage, {});
+    settle(shell, stage, {}, /*background=*/false);
   }
   void play(const std::string& actions) {
     const std::filesystem::path path = dir / "script.json";
@@ -97,6 +97,7 @@ TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {
   EXPECT_TRUE(shows("image")) << "to be clicked";
   EXPECT_TRUE(shows("gravity.line"));
   EXPECT_TRUE(shows("button.gravity.click.floor"));
+  settle(shell, stage, {});
   for (const Thumbnail& thumbnail : state().results.strip) {
     EXPECT_EQ(thumbnail.refusal, "");
     EXPECT_GT(thumbnail.planes, 0);

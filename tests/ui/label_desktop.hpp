@@ -22,7 +22,7 @@ struct LabelWindow {
   explicit LabelWindow(const std::filesystem::path& label_dir,
                        const std::filesystem::path& recording = sample_path())
       : shell(open_state_with_labels(label_dir, recording), nullptr, [] {}) {
-    settle(shell, stage, {});
+    finish();
     run("label.mode");
   }
   const State& state() const { return shell.state(); }
@@ -31,13 +31,15 @@ struct LabelWindow {
   /// Throws as the action does.
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);
-    settle(shell, stage, {});
+    finish();
   }
   std::string refusal(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument});
-    settle(shell, stage, {});
+    finish();
     return state().view.message_is_error ? state().view.message : "";
   }
+  /// What was begun, but for what goes on in the background: thumbnails, curves along sliders.
+  void finish() { settle(shell, stage, {}, /*background=*/false); }
   bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
 };
 
