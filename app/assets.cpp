@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace fs = std::filesystem;

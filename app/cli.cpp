@@ -16,8 +16,8 @@
 #include "app/commands/segment.hpp"
 #include "app/commands/view.hpp"
 #include "app/typed.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope {
 namespace {

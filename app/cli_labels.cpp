@@ -4,7 +4,7 @@
 
 #include "app/cli_parts.hpp"
 #include "app/commands/labels.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "core/base/text.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope {
 

@@ -8,7 +8,7 @@
 #include "app/cli_parts.hpp"
 #include "app/commands/synth.hpp"
 #include "app/commands/synth_training.hpp"
-#include "core/synthetic/scenes.hpp"
+#include "core/lab/synthetic/scenes.hpp"
 
 namespace planescope {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cerrno>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

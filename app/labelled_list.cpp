@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "app/list_file.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope {
 namespace {

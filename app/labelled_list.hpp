@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/experiments/measure_real.hpp"
+#include "core/lab/experiments/measure_real.hpp"
 
 namespace planescope {
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <map>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 

@@ -8,7 +8,7 @@
 
 #include "app/cli.hpp"
 #include "app/interrupt.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -1,7 +1,7 @@
 #include "app/paper_recordings.hpp"
 
 #include "app/list_file.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 

@@ -4,7 +4,7 @@
 #include <stop_token>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 

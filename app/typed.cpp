@@ -10,11 +10,11 @@
 #include "app/assets.hpp"
 #include "app/labelled_list.hpp"
 #include "app/paper_recordings.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
-#include "core/experiments/paper_plan.hpp"
-#include "core/pipeline/options_table.hpp"
-#include "core/synthetic/evaluation_sets.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope {
 namespace {

@@ -61,13 +61,29 @@ function(planescope_unity target)
   endif()
 endfunction()
 
+# planescope_house(NAME [KNOWS houses...] [WITHOUT sources...] [ALONE sources...]): the library
+# planescope::NAME of all .cpp files below the current folder, on top of the houses it knows; ALONE as
+# for planescope_unity().
+function(planescope_house name)
+  cmake_parse_arguments(ARG "" "" "KNOWS;WITHOUT;ALONE" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  list(REMOVE_ITEM sources ${ARG_WITHOUT})
+  add_library(planescope_${name} STATIC ${sources})
+  add_library(planescope::${name} ALIAS planescope_${name})
+  planescope_target_defaults(planescope_${name})
+  target_include_directories(planescope_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  list(TRANSFORM ARG_KNOWS PREPEND planescope::)
+  target_link_libraries(planescope_${name} PUBLIC ${ARG_KNOWS})
+  planescope_unity(planescope_${name} ALONE ${ARG_ALONE})
+endfunction()
+
 # planescope_test(NAME sources... [LIBS libs...] [LABELS labels...] [ALONE sources...]): one
 # GoogleTest executable, its tests known to CTest one by one; ALONE as for planescope_unity().
 function(planescope_test name)
   cmake_parse_arguments(ARG "" "" "LIBS;LABELS;ALONE" ${ARGN})
   add_executable(${name} ${ARG_UNPARSED_ARGUMENTS})
   planescope_target_defaults(${name})
-  target_link_libraries(${name} PRIVATE planescope::core ${ARG_LIBS} GTest::gtest GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE planescope::lab ${ARG_LIBS} GTest::gtest GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   # The libraries are optimised to the end; tests need not be, and compile quicker.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/types.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/context.hpp"
 #include "render/gl.hpp"
 

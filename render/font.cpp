@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/gl.hpp"
 
 #define STBTT_STATIC

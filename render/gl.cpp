@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <mutex>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/context.hpp"
 #include "render/gl.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/image/image.hpp"
+#include "core/model/image.hpp"
 #include "render/gl.hpp"
 
 namespace planescope {

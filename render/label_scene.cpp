@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/labels/selection.hpp"
+#include "core/labels/edit/selection.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
 #include "render/region_image.hpp"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/labels/grid.hpp"
+#include "core/labels/model/grid.hpp"
 #include "render/draw_list.hpp"
 #include "render/step_scene.hpp"
 

@@ -2,7 +2,7 @@
 
 // Small marks painted into an RGB image on the CPU.
 
-#include "core/image/image.hpp"
+#include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

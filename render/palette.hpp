@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/classify/classifier.hpp"
-#include "core/segment/octree.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/segment/octree.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/image/image.hpp"
-#include "core/pipeline/pipeline.hpp"
+#include "core/model/image.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope {
 

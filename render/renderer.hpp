@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/image/image.hpp"
+#include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

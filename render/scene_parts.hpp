@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

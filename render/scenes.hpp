@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "core/image/image.hpp"
-#include "core/pipeline/pipeline.hpp"
+#include "core/model/image.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "core/image/image.hpp"
-#include "core/replay/run.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

@@ -4,7 +4,7 @@
 
 #include <initializer_list>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

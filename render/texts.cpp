@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/shapes.hpp"
 
 PLANESCOPE_ASSET_DECLARE(glyphs_vert);

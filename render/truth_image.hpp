@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/image/image.hpp"
-#include "core/pipeline/score.hpp"
+#include "core/model/image.hpp"
+#include "core/planes/pipeline/score.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope {

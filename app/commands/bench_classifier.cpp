@@ -8,9 +8,9 @@
 #include "app/assets.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/bench/classifier_bench.hpp"
+#include "core/lab/bench/classifier_bench.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {

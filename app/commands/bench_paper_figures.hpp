@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/commands/bench_paper.hpp"
-#include "core/experiments/paper_page.hpp"
+#include "core/lab/experiments/paper_page.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope {

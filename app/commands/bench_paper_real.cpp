@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/base/work_list.hpp"
-#include "core/bench/frame_bench.hpp"
+#include "core/lab/bench/frame_bench.hpp"
+#include "core/model/work_list.hpp"
 
 namespace planescope {
 

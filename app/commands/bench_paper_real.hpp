@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/commands/bench_paper.hpp"
-#include "core/experiments/results.hpp"
+#include "core/lab/experiments/results.hpp"
 
 namespace planescope {
 

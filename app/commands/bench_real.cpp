@@ -5,11 +5,11 @@
 #include "app/commands/inputs.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/experiments/paper_plan.hpp"
-#include "core/experiments/paper_tables.hpp"
-#include "core/experiments/real_tables.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+#include "core/lab/experiments/paper_tables.hpp"
+#include "core/lab/experiments/real_tables.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/experiments/measure_real.hpp"
+#include "core/lab/experiments/measure_real.hpp"
 
 namespace planescope {
 

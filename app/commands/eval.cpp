@@ -7,9 +7,9 @@
 
 #include "app/commands/predictions.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/evaluate/metrics_values.hpp"
-#include "core/pipeline/score.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/pipeline/score.hpp"
 
 namespace planescope {
 namespace {

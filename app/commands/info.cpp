@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/base/error.hpp"
-#include "core/cloud/gravity.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/cloud/gravity.hpp"
 
 namespace planescope {
 namespace {

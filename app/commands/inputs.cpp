@@ -6,10 +6,10 @@
 #include <chrono>
 
 #include "app/assets.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/recording/picked_gravity.hpp"
+#include "core/io/picked_gravity.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope {
 namespace fs = std::filesystem;

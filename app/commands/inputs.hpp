@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.hpp"
-#include "core/pipeline/classifiers.hpp"
-#include "core/pipeline/pipeline.hpp"
-#include "core/pipeline/truth.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

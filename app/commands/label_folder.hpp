@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/commands/labels.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
 
 namespace planescope {
 

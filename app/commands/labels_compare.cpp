@@ -5,8 +5,8 @@
 
 #include "app/commands/label_folder.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/review.hpp"
+#include "core/labels/review/review.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -7,10 +7,10 @@
 #include "app/commands/label_folder.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/cloud/gravity.hpp"
-#include "core/labels/exchange.hpp"
-#include "core/labels/store.hpp"
+#include "core/labels/exchange/exchange.hpp"
+#include "core/labels/store/store.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/cloud/gravity.hpp"
 
 namespace planescope {
 namespace {

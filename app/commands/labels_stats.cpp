@@ -5,9 +5,9 @@
 
 #include "app/commands/label_folder.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/audit.hpp"
-#include "core/labels/store.hpp"
+#include "core/labels/review/audit.hpp"
+#include "core/labels/store/store.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/labels/exchange.hpp"
-#include "core/report/segment_files.hpp"
+#include "core/labels/exchange/exchange.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope {
 

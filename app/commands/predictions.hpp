@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/labels/label_files.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
 
 namespace planescope {
 

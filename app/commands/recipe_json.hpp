@@ -2,7 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "core/synthetic/training_recipe.hpp"
+#include "core/lab/training/training_recipe.hpp"
 
 namespace planescope {
 

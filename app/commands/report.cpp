@@ -9,9 +9,9 @@
 
 #include "app/commands/report_finish.hpp"
 #include "app/commands/report_pictures.hpp"
-#include "core/base/error.hpp"
-#include "core/base/sha256.hpp"
-#include "core/report/build_info.hpp"
+#include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+#include "core/report/data/build_info.hpp"
 #include "render/palette.hpp"
 
 namespace planescope {

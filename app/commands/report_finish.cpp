@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "app/output.hpp"
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/base/text.hpp"
-#include "core/report/report_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
+#include "core/report/data/report_files.hpp"
 
 namespace planescope {
 namespace {

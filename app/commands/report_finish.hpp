@@ -3,7 +3,7 @@
 // The end of a report, whole or joined: held to its rules, written, told.
 
 #include "app/commands/report.hpp"
-#include "core/report/judgement.hpp"
+#include "core/report/compare/judgement.hpp"
 
 namespace planescope {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "app/output.hpp"
-#include "core/base/error.hpp"
-#include "core/report/segment_files.hpp"
+#include "core/model/error.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope {
 namespace {

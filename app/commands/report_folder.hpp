@@ -9,8 +9,8 @@
 #include <set>
 #include <string>
 
-#include "core/labels/label_lock.hpp"
-#include "core/report/frame_record.hpp"
+#include "core/labels/store/label_lock.hpp"
+#include "core/report/data/frame_record.hpp"
 
 namespace planescope {
 

@@ -12,12 +12,12 @@
 
 #include "app/commands/report_pictures.hpp"
 #include "app/progress.hpp"
-#include "core/base/random.hpp"
-#include "core/base/sha256.hpp"
-#include "core/base/text.hpp"
-#include "core/base/work_list.hpp"
-#include "core/pipeline/score.hpp"
-#include "core/report/segment_files.hpp"
+#include "core/model/random.hpp"
+#include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
+#include "core/model/work_list.hpp"
+#include "core/planes/pipeline/score.hpp"
+#include "core/report/data/segment_files.hpp"
 #include "render/context.hpp"
 #include "render/palette.hpp"
 

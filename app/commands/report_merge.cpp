@@ -5,9 +5,9 @@
 
 #include "app/commands/report.hpp"
 #include "app/commands/report_finish.hpp"
-#include "core/base/error.hpp"
-#include "core/report/report_files.hpp"
-#include "core/report/report_head.hpp"
+#include "core/model/error.hpp"
+#include "core/report/data/report_files.hpp"
+#include "core/report/data/report_head.hpp"
 
 namespace planescope {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file_bytes.hpp"
-#include "core/base/sha256.hpp"
-#include "core/base/text.hpp"
-#include "core/image/png.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
+#include "core/report/page/thumbnail.hpp"
 #include "render/scenes.hpp"
 #include "render/truth_image.hpp"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "app/commands/inputs.hpp"
-#include "core/base/error.hpp"
-#include "core/report/report_data.hpp"
+#include "core/model/error.hpp"
+#include "core/report/data/report_data.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope {

@@ -6,8 +6,8 @@
 
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/report/segment_files.hpp"
+#include "core/model/error.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/parallel.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/recording/cloud_file.hpp"
-#include "core/synthetic/sample_folder.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/lab/synthetic/sample_folder.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope {
 namespace {

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <stop_token>
 
-#include "core/synthetic/evaluation_sets.hpp"
-#include "core/synthetic/sample.hpp"
-#include "core/synthetic/stairs.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/lab/synthetic/sample.hpp"
+#include "core/lab/synthetic/stairs.hpp"
 
 namespace planescope {
 

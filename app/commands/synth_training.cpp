@@ -9,9 +9,9 @@
 #include "app/commands/recipe_json.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {

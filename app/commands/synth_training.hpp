@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stop_token>
 
-#include "core/synthetic/training_recipe.hpp"
+#include "core/lab/training/training_recipe.hpp"
 
 namespace planescope {
 

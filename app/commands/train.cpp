@@ -9,9 +9,9 @@
 #include "app/commands/training_record.hpp"
 #include "app/output.hpp"
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/report/training_page.hpp"
+#include "core/lab/training/training_page.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/commands/inputs.hpp"
-#include "core/synthetic/training_recipe.hpp"
+#include "core/lab/training/training_recipe.hpp"
 
 namespace planescope {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "app/progress.hpp"
-#include "core/base/error.hpp"
-#include "core/base/sha256.hpp"
-#include "core/pipeline/labelled_frame.hpp"
-#include "core/synthetic/counter_random.hpp"
+#include "core/lab/synthetic/counter_random.hpp"
+#include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+#include "core/planes/pipeline/labelled_frame.hpp"
 
 namespace planescope {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/recipe_json.hpp"
-#include "core/base/sha256.hpp"
+#include "core/model/sha256.hpp"
 
 namespace planescope {
 

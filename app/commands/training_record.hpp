@@ -4,7 +4,7 @@
 
 #include "app/commands/train.hpp"
 #include "app/commands/training_data.hpp"
-#include "core/classify/checkpoint.hpp"
+#include "core/lab/training/checkpoint.hpp"
 
 namespace planescope {
 

@@ -12,8 +12,8 @@
 #include "app/desktop/settings.hpp"
 #include "app/desktop/state_facts.hpp"
 #include "app/desktop/window.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/label_files.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
-#include "core/explain/compare.hpp"
-#include "core/explain/provenance.hpp"
+#include "core/debug/explain/compare.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 

@@ -4,7 +4,7 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -9,8 +9,8 @@
 #include "app/desktop/camera.hpp"
 #include "app/desktop/report_open.hpp"
 #include "app/desktop/session.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/label_files.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

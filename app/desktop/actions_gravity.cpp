@@ -8,11 +8,11 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
-#include "core/base/error.hpp"
-#include "core/cloud/gravity_pick.hpp"
-#include "core/explain/provenance.hpp"
-#include "core/labels/operations.hpp"
-#include "core/labels/wand.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/wand/wand.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/cloud/gravity_pick.hpp"
 
 namespace planescope::desktop {
 namespace {

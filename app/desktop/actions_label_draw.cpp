@@ -5,7 +5,7 @@
 #include "app/desktop/label_gesture.hpp"
 #include "app/desktop/label_painting.hpp"
 #include "app/desktop/label_sight.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/label_work.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -8,7 +8,7 @@
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/label_review.hpp"
 #include "app/desktop/label_work.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

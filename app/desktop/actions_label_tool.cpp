@@ -8,7 +8,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/label_gesture.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -9,7 +9,7 @@
 #include "app/desktop/camera.hpp"
 #include "app/desktop/label_gesture.hpp"
 #include "app/desktop/label_painting.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

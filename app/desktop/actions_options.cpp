@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "app/desktop/actions.hpp"
-#include "core/base/error.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

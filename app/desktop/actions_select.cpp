@@ -4,7 +4,7 @@
 
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -7,7 +7,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/camera.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

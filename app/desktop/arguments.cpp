@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 

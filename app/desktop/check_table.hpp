@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/desktop/ui.hpp"
-#include "core/explain/explain.hpp"
+#include "core/debug/explain/explain.hpp"
 
 namespace planescope::desktop {
 

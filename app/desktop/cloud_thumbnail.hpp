@@ -3,8 +3,8 @@
 // A small picture of a frame that has no image: its voxels from above, in the colours of their
 // planes.
 
-#include "core/image/image.hpp"
-#include "core/replay/run.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/model/image.hpp"
 
 namespace planescope::desktop {
 

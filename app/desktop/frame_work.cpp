@@ -4,9 +4,9 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/cloud_thumbnail.hpp"
-#include "core/base/error.hpp"
-#include "core/pipeline/options_table.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "core/report/page/thumbnail.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::desktop {

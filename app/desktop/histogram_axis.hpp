@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/explain/histogram.hpp"
+#include "core/debug/explain/histogram.hpp"
 
 namespace planescope::desktop {
 

@@ -13,7 +13,7 @@
 #include "app/desktop/report_arrival.hpp"
 #include "app/desktop/slider_scale.hpp"
 #include "app/desktop/worker.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/labels/audit.hpp"
+#include "core/labels/review/audit.hpp"
 
 namespace planescope::desktop {
 

@@ -7,8 +7,8 @@
 
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/label_sight.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/base/file_bytes.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::desktop {
 namespace {

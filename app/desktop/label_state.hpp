@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "core/labels/audit.hpp"
-#include "core/labels/carry.hpp"
-#include "core/labels/operations.hpp"
-#include "core/labels/review.hpp"
-#include "core/labels/selection.hpp"
-#include "core/labels/store.hpp"
-#include "core/labels/wand.hpp"
-#include "core/recording/recording.hpp"
-#include "core/replay/run.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/io/recording.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/edit/selection.hpp"
+#include "core/labels/review/audit.hpp"
+#include "core/labels/review/carry.hpp"
+#include "core/labels/review/review.hpp"
+#include "core/labels/store/store.hpp"
+#include "core/labels/wand/wand.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::desktop {

@@ -8,8 +8,8 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/arguments.hpp"
 #include "app/desktop/camera.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {

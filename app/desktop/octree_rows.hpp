@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/replay/filter.hpp"
-#include "core/replay/run.hpp"
+#include "core/debug/filter/filter.hpp"
+#include "core/debug/replay/run.hpp"
 
 namespace planescope::desktop {
 

@@ -2,7 +2,7 @@
 
 #include <backends/imgui_impl_opengl3.h>
 
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
 #include "render/gl.hpp"
 #include "render/renderer.hpp"
 

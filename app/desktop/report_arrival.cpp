@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/explain/region_decision.hpp"
+#include "core/debug/explain/region_decision.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/pipeline/pipeline.hpp"
-#include "core/replay/run.hpp"
-#include "core/report/compare_planes.hpp"
-#include "core/report/recorded_report.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/report/compare/compare_planes.hpp"
+#include "core/report/data/recorded_report.hpp"
 
 namespace planescope::desktop {
 

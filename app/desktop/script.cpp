@@ -9,9 +9,9 @@
 
 #include "app/desktop/session_json.hpp"
 #include "app/desktop/state_facts.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
-#include "core/explain/trace_text.hpp"
+#include "core/debug/explain/trace_text.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "render/font.hpp"
 
 namespace planescope::desktop {

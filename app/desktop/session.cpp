@@ -8,9 +8,9 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/camera.hpp"
 #include "app/desktop/session_json.hpp"
-#include "core/base/error.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/style.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/font.hpp"
 
 namespace planescope::desktop {

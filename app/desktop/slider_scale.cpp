@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/text.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 

@@ -3,7 +3,7 @@
 // Where a value stands on an option's slider, and which sliders there are.
 
 #include "app/desktop/state.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 

@@ -14,16 +14,16 @@
 #include <vector>
 
 #include "app/desktop/label_state.hpp"
-#include "core/explain/compare.hpp"
-#include "core/explain/fix.hpp"
-#include "core/explain/histogram.hpp"
-#include "core/explain/score.hpp"
-#include "core/image/image.hpp"
-#include "core/pipeline/pipeline.hpp"
-#include "core/recording/picked_gravity.hpp"
-#include "core/recording/recording.hpp"
-#include "core/replay/filter.hpp"
-#include "core/replay/run.hpp"
+#include "core/debug/explain/compare.hpp"
+#include "core/debug/explain/fix.hpp"
+#include "core/debug/explain/histogram.hpp"
+#include "core/debug/explain/score.hpp"
+#include "core/debug/filter/filter.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/io/picked_gravity.hpp"
+#include "core/io/recording.hpp"
+#include "core/model/image.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {

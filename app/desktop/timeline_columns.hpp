@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/replay/run.hpp"
+#include "core/debug/replay/run.hpp"
 
 namespace planescope::desktop {
 

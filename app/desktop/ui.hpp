@@ -14,7 +14,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/canvas.hpp"
 #include "app/desktop/label_facts.hpp"
-#include "core/explain/provenance.hpp"
+#include "core/debug/explain/provenance.hpp"
 
 namespace planescope::desktop {
 

@@ -11,8 +11,8 @@
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/state_facts.hpp"
-#include "core/base/error.hpp"
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
 #include "render/context.hpp"
 #include "render/gl.hpp"
 #include "render/renderer.hpp"

@@ -8,9 +8,9 @@
 #include <nanoflann.hpp>
 #include <string>
 
-#include "core/classify/classifier.hpp"
-#include "core/classify/neighbour_grid.hpp"
-#include "core/synthetic/stairs.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/classify/neighbour_grid.hpp"
 #include "timing.hpp"
 
 namespace planescope {

@@ -5,12 +5,12 @@
 
 #include <array>
 
-#include "core/labels/edit.hpp"
-#include "core/labels/operations.hpp"
-#include "core/labels/selection.hpp"
-#include "core/labels/wand.hpp"
-#include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/scenes.hpp"
+#include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/scenes.hpp"
+#include "core/labels/edit/edit.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/edit/selection.hpp"
+#include "core/labels/wand/wand.hpp"
 
 namespace planescope {
 namespace {

@@ -5,9 +5,9 @@
 #include <open3d/geometry/Octree.h>
 #include <open3d/geometry/PointCloud.h>
 
-#include "core/replay/timeline.hpp"
-#include "core/segment/segment.hpp"
-#include "core/synthetic/stairs.hpp"
+#include "core/debug/replay/timeline.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/planes/segment/segment.hpp"
 #include "support/reference_segment.hpp"
 #include "support/scenes.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/cloud/cloud.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
+#include "core/planes/cloud/cloud.hpp"
 #include "support/render_depth.hpp"
 #include "timing.hpp"
 

@@ -8,9 +8,9 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/base/sha256.hpp"
-#include "core/classify/weights.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/sha256.hpp"
+#include "core/planes/classify/weights.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

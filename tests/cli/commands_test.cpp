@@ -8,9 +8,9 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/recording/cloud_file.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

@@ -8,10 +8,10 @@
 #include "cli/program.hpp"
 #include "cli/report_run.hpp"
 #include "cli/scene_files.hpp"
-#include "core/image/png.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/recording/cloud_file.hpp"
-#include "core/recording/picked_gravity.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
+#include "core/io/picked_gravity.hpp"
+#include "core/labels/model/label_files.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

@@ -5,8 +5,8 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/labels/exchange.hpp"
-#include "core/labels/store.hpp"
+#include "core/labels/exchange/exchange.hpp"
+#include "core/labels/store/store.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
 
 namespace planescope::testing_cli {
 namespace fs = std::filesystem;

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "core/image/image.hpp"
-#include "core/labels/label_files.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/image.hpp"
 
 namespace planescope::testing_cli {
 

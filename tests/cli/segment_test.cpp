@@ -7,8 +7,8 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/image/png.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

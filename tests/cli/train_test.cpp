@@ -9,9 +9,9 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/classify/random_weights.hpp"
-#include "core/classify/weights.hpp"
+#include "core/lab/training/random_weights.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/planes/classify/weights.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "tests/real/levels.hpp"
 #include "tests/real/sheets.hpp"
 

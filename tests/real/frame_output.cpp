@@ -4,9 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/base/error.hpp"
-#include "core/image/png.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/types.hpp"
-#include "core/image/image.hpp"
-#include "core/recording/frame.hpp"
+#include "core/model/frame.hpp"
+#include "core/model/image.hpp"
+#include "core/model/types.hpp"
 
 namespace planescope {
 

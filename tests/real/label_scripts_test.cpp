@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/labels/label_files.hpp"
-#include "core/recording/recording.hpp"
+#include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
 
 namespace planescope {
 namespace {

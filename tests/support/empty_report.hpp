@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/report/report_data.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What core/segment/criteria and core/segment/noise say, once more and with the numbers written out
-// (docs/method.md, "refined"): nothing here calls them.
+// What core/planes/segment/criteria and core/planes/segment/noise say, once more and with the
+// numbers written out (docs/method.md, "refined"): nothing here calls them.
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/segment/segment.hpp"
+#include "core/planes/segment/segment.hpp"
 
 namespace planescope::reference {
 

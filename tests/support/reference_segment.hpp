@@ -3,13 +3,13 @@
 // The method once more, as plainly as it can be written: a pointer octree built by inserting one
 // point after the other, every node with the set of its points (Sun et al. 2023, Sec. IV-A), every
 // covariance computed from the points themselves in two passes, std::map instead of sorted arrays.
-// Of core/segment it takes the options alone. What core/segment must agree with, point by point,
-// and what it is timed against.
+// Of core/planes/segment it takes the options alone. What core/planes/segment must agree with,
+// point by point, and what it is timed against.
 
 #include <span>
 #include <vector>
 
-#include "core/segment/segment.hpp"
+#include "core/planes/segment/segment.hpp"
 
 namespace planescope::reference {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/segment/segment.hpp"
+#include "core/planes/segment/segment.hpp"
 
 namespace planescope::reference {
 

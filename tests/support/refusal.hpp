@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope {
 

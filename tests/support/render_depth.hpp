@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/recording/frame.hpp"
+#include "core/model/frame.hpp"
 
 namespace planescope::test {
 

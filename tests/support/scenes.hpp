@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/random.hpp"
-#include "core/segment/segment.hpp"
+#include "core/model/random.hpp"
+#include "core/planes/segment/segment.hpp"
 
 namespace planescope::test {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 
-#include "core/base/random.hpp"
-#include "core/pipeline/pipeline.hpp"
-#include "core/recording/frame.hpp"
+#include "core/model/frame.hpp"
+#include "core/model/random.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::test {
 

@@ -4,9 +4,9 @@
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/input.hpp"
-#include "core/base/error.hpp"
-#include "core/base/text.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "app/desktop/histogram_axis.hpp"
-#include "core/explain/provenance.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/state_facts.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -12,7 +12,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
-#include "core/labels/label_files.hpp"
+#include "core/labels/model/label_files.hpp"
 
 namespace planescope::desktop {
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "core/base/error.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/model/error.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

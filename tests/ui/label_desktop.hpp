@@ -2,7 +2,7 @@
 
 // The label mode on the sample, with labels in a folder of the test's own.
 
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -1,6 +1,6 @@
 // The planes of the label mode: actions, the panel, and labels that go on to the next frame.
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

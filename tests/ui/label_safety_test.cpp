@@ -2,7 +2,7 @@
 
 #include "app/desktop/session.hpp"
 #include "app/desktop/settings.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

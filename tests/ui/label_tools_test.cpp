@@ -1,6 +1,6 @@
 // The label mode's tools: gestures in both views, the wand, keys.
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

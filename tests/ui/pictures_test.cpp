@@ -5,8 +5,8 @@
 
 #include "app/commands/view.hpp"
 #include "app/desktop/offscreen.hpp"
-#include "core/base/error.hpp"
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "app/desktop/settings.hpp"
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

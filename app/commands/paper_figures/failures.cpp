@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "app/commands/paper_figures/parts.hpp"
-#include "core/synthetic/evaluation_sets.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
 #include "render/scenes.hpp"
 #include "render/truth_image.hpp"
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "app/commands/paper_figures/parts.hpp"
-#include "core/segment/candidate.hpp"
-#include "core/synthetic/sample.hpp"
+#include "core/lab/synthetic/sample.hpp"
+#include "core/planes/segment/candidate.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.hpp"
-#include "core/image/png.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
+#include "core/report/page/thumbnail.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 

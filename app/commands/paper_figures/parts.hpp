@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "app/commands/bench_paper_figures.hpp"
-#include "core/classify/classifier.hpp"
-#include "core/experiments/paper_plan.hpp"
-#include "core/pipeline/pipeline.hpp"
-#include "core/pipeline/score.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/score.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::figures {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/commands/paper_figures/parts.hpp"
-#include "core/synthetic/sample.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::figures {

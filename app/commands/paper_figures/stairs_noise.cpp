@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "app/commands/paper_figures/parts.hpp"
-#include "core/base/error.hpp"
-#include "core/synthetic/stairs.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::figures {
 namespace {

@@ -1,12 +1,12 @@
 // A/B: where two runs part, and what comes of it.
 
-#include "core/explain/compare.hpp"
+#include "core/debug/explain/compare.hpp"
 
 #include <fmt/format.h>
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {

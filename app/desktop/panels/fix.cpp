@@ -1,7 +1,7 @@
 // What would fix this? A plane of the ground truth or a marked region, the smallest changes that
 // recover it, and what each of them does to the other frames.
 
-#include "core/explain/fix.hpp"
+#include "core/debug/explain/fix.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

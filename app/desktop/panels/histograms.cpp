@@ -11,7 +11,7 @@
 #include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/pipeline/options_table.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -10,7 +10,7 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/panels/leftover.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/explain/explain.hpp"
+#include "core/debug/explain/explain.hpp"
 
 namespace planescope::desktop {
 namespace {

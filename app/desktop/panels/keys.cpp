@@ -4,7 +4,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/base/text.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {

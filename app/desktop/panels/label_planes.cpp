@@ -8,7 +8,7 @@
 #include "app/desktop/panels/label_parts.hpp"
 #include "app/desktop/toolbar.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/widgets.hpp"
-#include "core/explain/explain.hpp"
+#include "core/debug/explain/explain.hpp"
 
 namespace planescope::desktop {
 namespace {

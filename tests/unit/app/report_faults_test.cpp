@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/report.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/classify/classifier.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/labels/review.hpp"
+#include "core/labels/review/review.hpp"
 
 namespace planescope {
 namespace {

@@ -1,10 +1,10 @@
-#include "core/labels/audit.hpp"
+#include "core/labels/review/audit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/labels/pixel_depth.hpp"
+#include "core/labels/model/pixel_depth.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope {

@@ -1,9 +1,9 @@
-#include "core/labels/carry.hpp"
+#include "core/labels/review/carry.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.hpp"
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
 #include "small_frames.hpp"
 
 namespace planescope {

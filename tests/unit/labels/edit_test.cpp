@@ -1,4 +1,4 @@
-#include "core/labels/edit.hpp"
+#include "core/labels/edit/edit.hpp"
 
 #include <gtest/gtest.h>
 

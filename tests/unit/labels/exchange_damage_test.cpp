@@ -1,7 +1,7 @@
 // Nothing that a damaged or hostile file says is trusted: each ends in one line that names it.
 
-#include "core/base/file_bytes.hpp"
-#include "core/labels/coco_mask.hpp"
+#include "core/labels/exchange/coco_mask.hpp"
+#include "core/model/file_bytes.hpp"
 #include "exchange_fixture.hpp"
 #include "support/label_readers.hpp"
 

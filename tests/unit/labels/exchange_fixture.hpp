@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/labels/exchange.hpp"
+#include "core/labels/exchange/exchange.hpp"
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
 

@@ -1,9 +1,9 @@
-#include "core/labels/exchange.hpp"
+#include "core/labels/exchange/exchange.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include "core/cloud/cloud.hpp"
-#include "core/recording/cloud_file.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/planes/cloud/cloud.hpp"
 #include "exchange_fixture.hpp"
 #include "support/label_readers.hpp"
 

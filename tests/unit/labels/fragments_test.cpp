@@ -1,4 +1,4 @@
-#include "core/labels/fragments.hpp"
+#include "core/labels/model/fragments.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "core/labels/grid.hpp"
+#include "core/labels/model/grid.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/base/error.hpp"
-#include "core/pipeline/truth.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"
 #include "support/render_depth.hpp"
 

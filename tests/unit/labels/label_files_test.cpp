@@ -1,13 +1,13 @@
-#include "core/labels/label_files.hpp"
+#include "core/labels/model/label_files.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <limits>
 
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "support/refusal.hpp"
 
 namespace planescope {

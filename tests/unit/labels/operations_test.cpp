@@ -1,10 +1,10 @@
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "small_frames.hpp"
 
 namespace planescope {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/random.hpp"
-#include "core/labels/edit.hpp"
+#include "core/labels/edit/edit.hpp"
+#include "core/model/random.hpp"
 
 namespace planescope {
 

@@ -1,13 +1,13 @@
-#include "core/labels/review.hpp"
+#include "core/labels/review/review.hpp"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cstdio>
 
-#include "core/base/error.hpp"
-#include "core/base/random.hpp"
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
+#include "core/model/random.hpp"
 
 namespace planescope {
 namespace {

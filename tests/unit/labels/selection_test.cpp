@@ -1,10 +1,10 @@
-#include "core/labels/selection.hpp"
+#include "core/labels/edit/selection.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "small_frames.hpp"
 
 namespace planescope {

@@ -8,9 +8,9 @@
 #include <iterator>
 #include <string>
 
-#include "core/labels/grid.hpp"
-#include "core/synthetic/render_scene.hpp"
-#include "core/synthetic/scenes.hpp"
+#include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/scenes.hpp"
+#include "core/labels/model/grid.hpp"
 
 namespace planescope::test {
 

@@ -7,7 +7,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "core/base/file_bytes.hpp"
+#include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
 namespace planescope {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/base/file_bytes.hpp"
-#include "core/labels/journal_records.hpp"
+#include "core/labels/store/journal_records.hpp"
+#include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
 namespace planescope {

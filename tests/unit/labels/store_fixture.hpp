@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/labels/store.hpp"
+#include "core/labels/store/store.hpp"
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/base/file_bytes.hpp"
+#include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
 namespace planescope {

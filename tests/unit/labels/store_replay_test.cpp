@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "core/labels/journal_records.hpp"
+#include "core/labels/store/journal_records.hpp"
 #include "store_fixture.hpp"
 
 namespace planescope {

@@ -1,4 +1,4 @@
-#include "core/labels/store.hpp"
+#include "core/labels/store/store.hpp"
 
 #include <gtest/gtest.h>
 

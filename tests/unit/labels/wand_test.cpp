@@ -1,12 +1,12 @@
-#include "core/labels/wand.hpp"
+#include "core/labels/wand/wand.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <functional>
 
-#include "core/labels/operations.hpp"
-#include "core/labels/parts.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/model/parts.hpp"
 #include "small_frames.hpp"
 
 namespace planescope {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/image/png.hpp"
+#include "core/io/image/png.hpp"
 #include "gl_fixture.hpp"
 #include "render/palette.hpp"
 

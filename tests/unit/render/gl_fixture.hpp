@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "core/base/error.hpp"
+#include "core/model/error.hpp"
 #include "render/context.hpp"
 #include "render/renderer.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/labels/operations.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "render/palette.hpp"
 
 namespace planescope {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "core/replay/run.hpp"
+#include "core/debug/replay/run.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::test {

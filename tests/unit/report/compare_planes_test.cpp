@@ -1,4 +1,4 @@
-#include "core/report/compare_planes.hpp"
+#include "core/report/compare/compare_planes.hpp"
 
 #include <gtest/gtest.h>
 

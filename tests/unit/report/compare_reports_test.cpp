@@ -1,4 +1,4 @@
-#include "core/report/compare_reports.hpp"
+#include "core/report/compare/compare_reports.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/report/plane_summary.hpp"
+#include "core/report/data/plane_summary.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "core/report/recorded_options.hpp"
+#include "core/report/data/recorded_options.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/pipeline/options_table.hpp"
-#include "core/report/report_files.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "core/report/data/report_files.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 

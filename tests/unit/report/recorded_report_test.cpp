@@ -1,4 +1,4 @@
-#include "core/report/recorded_report.hpp"
+#include "core/report/data/recorded_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/report/report_files.hpp"
+#include "core/report/data/report_files.hpp"
 #include "support/empty_report.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"

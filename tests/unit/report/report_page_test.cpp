@@ -4,12 +4,12 @@
 #include <set>
 #include <sstream>
 
-#include "core/base/file_bytes.hpp"
-#include "core/image/png.hpp"
-#include "core/report/judgement.hpp"
-#include "core/report/plane_map.hpp"
-#include "core/report/report_files.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/report/compare/judgement.hpp"
+#include "core/report/data/plane_map.hpp"
+#include "core/report/data/report_files.hpp"
+#include "core/report/page/thumbnail.hpp"
 #include "support/empty_report.hpp"
 #include "support/temp_dir.hpp"
 

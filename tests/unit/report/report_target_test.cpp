@@ -1,4 +1,4 @@
-#include "core/report/report_target.hpp"
+#include "core/report/data/report_target.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,14 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/base/error.hpp"
-#include "core/base/file_bytes.hpp"
-#include "core/report/build_info.hpp"
-#include "core/report/frame_record.hpp"
-#include "core/report/judgement.hpp"
-#include "core/report/report_files.hpp"
-#include "core/report/report_head.hpp"
-#include "core/report/thumbnail.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/report/compare/judgement.hpp"
+#include "core/report/data/build_info.hpp"
+#include "core/report/data/frame_record.hpp"
+#include "core/report/data/report_files.hpp"
+#include "core/report/data/report_head.hpp"
+#include "core/report/page/thumbnail.hpp"
 #include "support/empty_report.hpp"
 #include "support/json_schema.hpp"
 #include "support/temp_dir.hpp"

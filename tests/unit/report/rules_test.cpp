@@ -1,4 +1,4 @@
-#include "core/report/rules.hpp"
+#include "core/report/rules/rules.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "core/report/value_histogram.hpp"
+#include "core/report/page/value_histogram.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/base/random.hpp"
+#include "core/model/random.hpp"
 
 namespace planescope {
 namespace {

@@ -1,9 +1,0 @@
-// Beside peers_pcl.cpp and peers_cgal.cpp in builds with -DPLANESCOPE_PEERS=ON.
-
-#include "core/baselines/peers.hpp"
-
-namespace planescope {
-
-bool has_peers() { return true; }
-
-}  // namespace planescope

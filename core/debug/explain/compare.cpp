@@ -1,0 +1,134 @@
+#include "core/debug/explain/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <tuple>
+
+#include "core/planes/evaluate/plane_match.hpp"
+
+namespace planescope {
+namespace {
+
+/// Best first, each plane once; then those without a counterpart.
+std::vector<PlanePair> match_planes(const TruthOverlap& overlap) {
+  std::vector<PlanePair> touching, pairs;
+  for (int a = 1; a <= overlap.truth; ++a)
+    for (int b = 1; b <= overlap.found; ++b)
+      if (overlap.at(a, b) > 0) touching.push_back({a, b, overlap.iou(a, b)});
+  std::ranges::stable_sort(touching, std::greater{}, &PlanePair::iou);
+
+  std::vector<std::uint8_t> matched_a(overlap.truth + 1, 0), matched_b(overlap.found + 1, 0);
+  for (const PlanePair& pair : touching) {
+    if (matched_a[pair.a] || matched_b[pair.b]) continue;
+    matched_a[pair.a] = matched_b[pair.b] = 1;
+    pairs.push_back(pair);
+  }
+  for (int a = 1; a <= overlap.truth; ++a)
+    if (!matched_a[a] && overlap.truth_size[a] > 0) pairs.push_back({a, 0, 0});
+  for (int b = 1; b <= overlap.found; ++b)
+    if (!matched_b[b] && overlap.found_size[b] > 0) pairs.push_back({0, b, 0});
+  return pairs;
+}
+
+using Planes = std::vector<std::int32_t>;  // of each voxel or source; 0 none, -1 not compared
+
+Planes by_source(const Subject& subject, const Planes& by_voxel) {
+  Planes planes;
+  for (std::size_t i = 0; i < subject.point_of_source.size(); ++i) {
+    const std::uint32_t voxel = subject.voxel_of_source(i);
+    planes.push_back(voxel == kNoVoxel ? -1 : by_voxel[voxel]);
+  }
+  return planes;
+}
+
+/// The sources whose plane of b is not the one that answers to their plane of a.
+void compare_sources(const Planes& a, const Planes& b, int count_a, Comparison& result) {
+  Planes counterpart(count_a + 1, -1);
+  counterpart[0] = 0;
+  for (const PlanePair& pair : result.planes)
+    if (pair.a > 0 && pair.b > 0) counterpart[pair.a] = pair.b;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] < 0) continue;
+    ++result.compared_sources;
+    if (b[i] != counterpart[a[i]]) result.changed_sources.push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+void find_divergence(const Run& a, const Run& b, const Correspondence& same, Comparison& result) {
+  const auto parting =
+      std::ranges::mismatch(a.trace.events, b.trace.events,
+                            [&](const auto& x, const auto& y) { return same.same_event(x, y); });
+  const auto step = static_cast<std::int32_t>(parting.in1 - a.trace.events.begin()) + 1;
+  if (step > a.steps() && step > b.steps()) {
+    result.divergence = "the same to the last event";
+    return;
+  }
+  const auto says = [step](const Run& run) {
+    return step <= run.steps() ? describe_event(run, step) : std::string("the end");
+  };
+  if (step <= a.steps()) result.diverging_step_a = step;
+  if (step <= b.steps()) result.diverging_step_b = step;
+  result.divergence = fmt::format("step {}: A has {}; B has {}", step, says(a), says(b));
+}
+
+void compare_nodes(const Run& a, const Run& b, const Correspondence& to_b, Comparison& result) {
+  const Correspondence to_a(b, a);
+  const auto& nodes_a = a.octree().nodes;
+  const auto& nodes_b = b.octree().nodes;
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes_a.size()); ++n) {
+    const std::int32_t other = to_b.node(n);
+    const Case there = other >= 0 ? nodes_b[other].decided : Case::none;
+    if (nodes_a[n].decided != there) result.nodes.push_back({n, other, nodes_a[n].decided, there});
+  }
+  for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes_b.size()); ++n)
+    if (to_a.node(n) < 0) result.nodes.push_back({-1, n, Case::none, nodes_b[n].decided});
+
+  const auto key = [&](const NodeChange& change) {
+    const OctreeNode& node = change.a >= 0 ? nodes_a[change.a] : nodes_b[change.b];
+    return std::tuple(node.depth, -static_cast<std::int64_t>(node.size()), node.code);
+  };
+  std::ranges::stable_sort(result.nodes, {}, key);
+}
+
+}  // namespace
+
+Comparison compare_runs(const Run& a, const Run& b) {
+  Comparison result;
+  const Correspondence same(a, b);
+  if (a.is_ours() && b.is_ours()) {
+    find_divergence(a, b, same, result);
+    compare_nodes(a, b, same, result);
+  } else {
+    result.divergence =
+        fmt::format("A is {}, B is {}: their planes are compared, there are no steps to compare",
+                    to_string(a.options.method), to_string(b.options.method));
+  }
+
+  Planes sources_a = by_source(*a.subject, a.segmentation.plane_of);
+  Planes sources_b = by_source(*b.subject, b.segmentation.plane_of);
+  sources_a.resize(std::min(sources_a.size(), sources_b.size()));
+  sources_b.resize(sources_a.size());
+  for (std::size_t i = 0; i < sources_a.size(); ++i)
+    if (sources_b[i] < 0) sources_a[i] = -1;  // cropped in one of them
+  result.planes = match_planes(
+      same.same_voxels() ? count_truth_overlap(a.segmentation.plane_of, b.segmentation.plane_of)
+                         : count_truth_overlap(sources_a, sources_b));
+  compare_sources(sources_a, sources_b, static_cast<int>(a.segmentation.planes.size()), result);
+  return result;
+}
+
+Comparison compare_with_truth(const Run& run) {
+  Comparison result;
+  const Subject& subject = *run.subject;
+  const VoxelTruth& truth = subject.voxel_truth;
+  if (!truth.known()) return result;
+  const Planes& found = run.segmentation.plane_of;
+  result.planes = match_planes(count_truth_overlap(truth.plane, found));
+  compare_sources(by_source(subject, truth.plane), by_source(subject, found), truth.plane_count,
+                  result);
+  return result;
+}
+
+}  // namespace planescope

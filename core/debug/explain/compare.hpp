@@ -1,0 +1,64 @@
+#pragma once
+
+// Two runs side by side: where they part, and what comes of it. Of the same frame; voxels, options,
+// classifier and profile may differ. Nodes are the same where their cells are, points where their
+// pixels are.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/debug/replay/run.hpp"
+
+namespace planescope {
+
+struct NodeChange {
+  std::int32_t a = -1, b = -1;  // node in each run; -1 where it does not exist there
+  Case case_a = Case::none, case_b = Case::none;
+};
+
+/// A plane of the result. iou 0: there is no counterpart.
+struct PlanePair {
+  int a = 0, b = 0;  // plane ids; 0 none
+  double iou = 0;    // over voxels or, where the voxels differ, over sources
+};
+
+struct Comparison {
+  std::int32_t diverging_step_a = kNever, diverging_step_b = kNever;  // first differing event
+  std::string divergence;                                             // one sentence
+  std::vector<NodeChange> nodes;               // settled otherwise, larger nodes first
+  std::vector<PlanePair> planes;               // matched best first, then lost (b 0), gained (a 0)
+  std::vector<std::uint32_t> changed_sources;  // points whose plane is not the matched one
+  std::size_t compared_sources = 0;
+};
+Comparison compare_runs(const Run& a, const Run& b);
+/// Against ground truth: planes only. `a` of the pairs is the truth plane.
+Comparison compare_with_truth(const Run& run);
+
+/// What of one run is what of another.
+class Correspondence {
+ public:
+  Correspondence(const Run& from, const Run& to);
+
+  bool same_voxels() const { return same_voxels_; }
+  /// -1 where the cell is not a node of the other run, or the octrees' cubes differ.
+  std::int32_t node(std::int32_t node) const;
+  /// Of the voxel's first pixel; -1 where the other run cropped that.
+  std::int32_t voxel(std::int32_t voxel) const { return same_voxels_ ? voxel : voxels_[voxel]; }
+  /// The same decision, whatever the planes' numbers and the measured values.
+  bool same_event(const TraceEvent& from, const TraceEvent& to) const;
+
+ private:
+  const Run& from_;
+  const Run& to_;
+  bool same_voxels_ = false;
+  std::vector<std::int32_t> voxels_;  // empty where they are the same
+};
+
+/// The node of `other` with the same cell, -1 where it has none.
+std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
+/// The last step of `other` at which its state answers to `step` of `run`: the event on the same
+/// node or point, the same share of the way otherwise.
+std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
+
+}  // namespace planescope

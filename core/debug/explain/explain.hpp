@@ -1,0 +1,83 @@
+#pragma once
+
+// Why a decision fell as it did: every criterion as value, operator, threshold and margin, in the
+// order in which it was asked, and where asking stopped.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/debug/replay/run.hpp"
+
+namespace planescope {
+
+enum class Verdict : std::uint8_t { pass, fail, not_asked };
+
+/// One comparison, what is asked before what was answered. margin > 0: passes with that share of
+/// the threshold to spare.
+struct Check {
+  std::string criterion = {};  // "Criterion 1", "R1"
+  std::string equation = {};   // "Eq. (2)", or the section of docs/method.md for a refinement
+  std::string quantity = {};   // "N_out", "e_n", "|n1·n2|" (UTF-8)
+  std::string meaning = {};    // one phrase
+  std::string unit = {};       // "m²", "deg", ""
+  std::string option = {};     // name of the option that is the threshold; empty where it follows
+                               // from the measured noise
+  double value = 0;
+  std::string op = {};  // "≤", "≥"
+  double threshold = 0;
+  Verdict verdict = Verdict::not_asked;
+  double margin = 0;
+};
+
+struct NodeReport {
+  std::int32_t node = -1;
+  std::vector<Check> checks;  // in the order asked; what was never computed is not_asked
+  std::string stopped;        // "stopped at Criterion 1: no PCA was made" / "all passed"
+  std::string outcome;        // "case III: divided into 5", "case IV: candidate merged into P3"
+  std::vector<std::int32_t> outcome_steps;  // steps of found / merge / wait events that followed
+};
+NodeReport explain_node(const Run& run, std::int32_t node);
+
+/// A candidate against one plane of the list as it was when the candidate came.
+struct PartnerReport {
+  std::int32_t plane = -1;
+  std::vector<Check> checks;
+  bool coplanar = false;
+  bool chosen = false;
+  bool never_asked = false;  // a partner had been found before (merge_partner first)
+  double cost = 0;           // by which the best was chosen
+};
+struct MergeReport {
+  std::int32_t step = 0;
+  std::int32_t node = -1;
+  Label label = Label::unknown;
+  std::uint32_t points = 0;
+  PlaneFit candidate;
+  std::vector<PartnerReport> partners;  // the chosen one first, then coplanar ones by cost, then
+                                        // the nearest misses
+  std::string outcome;                  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
+};
+/// Of a found or merge event (also R3's and R7's); an empty report for others.
+MergeReport explain_merge(const Run& run, std::int32_t step);
+
+/// A leftover point against every plane that was considered for it.
+struct LeftoverPlane {
+  std::int32_t plane = -1;
+  double distance_m = 0;
+  double limit_m = 0;      // leftover_distance_m or tau
+  double penalty_m = 0;    // for the other label
+  bool considered = true;  // false: no points of it in the neighbouring cells, or found before
+  bool chosen = false;
+  std::string why_not;  // "too far", "no points within 10 cm", "another is nearer"
+};
+struct LeftoverReport {
+  std::int32_t step = 0;
+  std::int32_t point = -1;
+  std::vector<LeftoverPlane> planes;  // nearest first
+  std::string outcome;
+};
+/// Of an assign or drop event; an empty report for others.
+LeftoverReport explain_leftover(const Run& run, std::int32_t step);
+
+}  // namespace planescope

@@ -1,0 +1,195 @@
+#include "core/debug/explain/fix.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope {
+namespace {
+
+/// IoU of the target with the plane that overlaps it most; of a part the share that is in it.
+double iou_of(const std::vector<std::int32_t>& plane_of, const FixTarget& target) {
+  const std::int32_t planes = plane_of.empty() ? 0 : std::ranges::max(plane_of);
+  std::vector<std::uint32_t> sizes(planes + 1, 0), shared(planes + 1, 0);
+  for (const std::int32_t plane : plane_of) ++sizes[plane];
+  for (const std::uint32_t voxel : target.voxels)
+    if (voxel < plane_of.size()) ++shared[plane_of[voxel]];
+  const auto wanted = static_cast<double>(target.voxels.size());
+  double best = 0;
+  for (std::int32_t p = 1; p <= planes; ++p)
+    best = std::max(best, shared[p] / (target.whole ? sizes[p] + wanted - shared[p] : wanted));
+  return best;
+}
+
+constexpr double kStep = 0.14;     // 15 %
+constexpr double kFarthest = 4.7;  // a hundredfold
+
+/// Tries values of one option, all others as they are.
+class Search {
+ public:
+  Search(const Run& run, const FixTarget& target, const OptionInfo& info, std::stop_token stop)
+      : run_(run), target_(target), info_(info), stop_(std::move(stop)) {}
+
+  /// Appends the option's smallest change that recovers the target or, of a switch or a choice,
+  /// every one.
+  void append_to(std::vector<Fix>& fixes) {
+    const auto append = [&](std::optional<Fix> fix) {
+      if (fix) fixes.push_back(std::move(*fix));
+      return fix.has_value();
+    };
+    if (info_.kind == OptionKind::on_off) {
+      for (const char* value : {"on", "off"}) append(by_value(value));
+    } else if (!info_.is_number()) {
+      for (const std::string& value : info_.choices) append(by_value(value));
+    } else if (info_.name != "merge_offset_m") {
+      append(by_number());
+    } else if (number_of(info_, run_.options) == 0) {
+      append(by_limit());
+    } else if (!append(by_number())) {
+      append(by_value("0"));  // asks nothing
+    }
+  }
+
+ private:
+  bool recovers(const std::string& value) {
+    PipelineOptions options = run_.options;
+    info_.set(options, value);
+    planes_ = planes_with(run_, options);
+    return iou_of(planes_, target_) >= kDetectedIou;
+  }
+
+  /// Each value of a number is tried once.
+  bool recovers_at(double position) {
+    const auto [tried, is_new] = tried_.try_emplace(scale_value(info_, position));
+    if (is_new) tried->second = recovers(tried->first);
+    return tried->second;
+  }
+
+  Fix fix(const std::string& value, double change) {
+    recovers(value);
+    Fix fix{info_.name, info_.get(run_.options), value, change, iou_of(planes_, target_)};
+    if (run_.subject->voxel_truth.known())
+      fix.score = quick_score(planes_, run_.subject->voxel_truth);
+    return fix;
+  }
+
+  /// Outwards on both sides in steps of 15 %, up to a hundredfold.
+  std::optional<double> nearest_success(double start) {
+    for (int k = 1; k * kStep <= kFarthest; ++k)
+      for (const int side : {1, -1}) {
+        if (stop_.stop_requested()) return {};
+        const double position = start + side * k * kStep;
+        if (recovers_at(position)) return position;
+      }
+    return {};
+  }
+
+  /// To 1 % of the change; without a start, of the value.
+  double bisect(double fails, double recovers, std::optional<double> start) {
+    while (std::abs(recovers - fails) > 0.01 * (start ? std::abs(recovers - *start) : 1) &&
+           !stop_.stop_requested()) {
+      const double middle = (fails + recovers) / 2;
+      (recovers_at(middle) ? recovers : fails) = middle;
+    }
+    return recovers;
+  }
+
+  /// What recovers is not always all that lies beyond a value: where less of the change does too,
+  /// that is taken.
+  double refine(double fails, double recovers, double start) {
+    double best = bisect(fails, recovers, start);
+    for (int round = 0; round < 8; ++round) {
+      double less = best;
+      for (const double share : {0.98, 0.95, 0.9, 0.8, 0.6, 0.4}) {
+        const double position = start + share * (best - start);
+        if (scale_value(info_, position) != scale_value(info_, best) && recovers_at(position))
+          less = position;
+      }
+      if (less == best || stop_.stop_requested()) break;
+      best = bisect(start, less, start);
+    }
+    return best;
+  }
+
+  std::optional<Fix> by_number() {
+    const double start = scale_position(info_, number_of(info_, run_.options));
+    const std::optional<double> success = nearest_success(start);
+    if (!success) return {};
+    const double fails = *success > start ? *success - kStep : *success + kStep;
+    const std::string value = scale_value(info_, refine(fails, *success, start));
+    if (stop_.stop_requested()) return {};
+    return fix(value, std::abs(scale_position(info_, std::stod(value)) - start));
+  }
+
+  std::optional<Fix> by_value(const std::string& value) {
+    if (stop_.stop_requested() || value == info_.get(run_.options) || !recovers(value)) return {};
+    PipelineOptions changed = run_.options;
+    info_.set(changed, value);
+    double changes = 0;  // a profile sets many
+    for (const OptionInfo& info : option_table())
+      changes += info.name != "profile" && info.get(changed) != info.get(run_.options);
+    return fix(value, std::max(1.0, changes));
+  }
+
+  /// Of a limit that is not asked yet: the loosest that recovers, to 1 %.
+  std::optional<Fix> by_limit() {
+    double looser = 0.3;
+    for (const double limit :
+         {0.2, 0.15, 0.1, 0.07, 0.05, 0.04, 0.03, 0.02, 0.015, 0.01, 0.007, 0.005}) {
+      if (by_value(fmt::format("{}", limit)))
+        return by_value(scale_value(info_, bisect(scale_position(info_, looser),
+                                                  scale_position(info_, limit), std::nullopt)));
+      looser = limit;
+    }
+    return {};
+  }
+
+  const Run& run_;
+  const FixTarget& target_;
+  const OptionInfo& info_;
+  std::stop_token stop_;
+  std::map<std::string, bool> tried_{{info_.get(run_.options), false}};
+  std::vector<std::int32_t> planes_;  // of the last trial
+};
+
+}  // namespace
+
+FixTarget target_of_truth(const Run& run, std::int32_t truth_plane) {
+  FixTarget target;
+  target.name = fmt::format("truth plane {}", truth_plane);
+  const std::vector<std::int32_t>& planes = run.subject->voxel_truth.plane;
+  for (std::uint32_t voxel = 0; voxel < planes.size(); ++voxel)
+    if (planes[voxel] == truth_plane) target.voxels.push_back(voxel);
+  return target;
+}
+
+bool is_recovered(const Run& run, const FixTarget& target) {
+  return iou_of(run.segmentation.plane_of, target) >= kDetectedIou;
+}
+
+std::vector<Fix> find_fixes(const Run& run,
+                            const FixTarget& wanted,
+                            std::stop_token stop,
+                            const FixProgress& progress) {
+  std::vector<Fix> fixes;
+  FixTarget target = wanted;  // a region may have been marked on a finer grid
+  std::erase_if(target.voxels,
+                [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); });
+  if (target.voxels.empty() || is_recovered(run, target)) return fixes;
+  std::vector<const OptionInfo*> options;  // those that steer the segmentation
+  for (const OptionInfo& info : option_table())
+    if (info.steers_segmentation() && !is_idle(info, run.options)) options.push_back(&info);
+  for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
+    Search(run, target, *options[i], stop).append_to(fixes);
+    if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));
+  }
+  std::ranges::stable_sort(fixes, {}, &Fix::change);
+  return fixes;
+}
+
+}  // namespace planescope

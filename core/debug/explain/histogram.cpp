@@ -1,0 +1,192 @@
+#include "core/debug/explain/histogram.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/debug/replay/state_walk.hpp"
+#include "core/planes/segment/choices.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kVaries = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRoom = 4;  // axes end at this many thresholds: that is where decisions are near
+constexpr int kBins = 24;
+constexpr int kDecades = 8;
+
+using Judgement = std::uint32_t HistogramBin::*;  // against ground truth: where it counts
+
+struct Sample {
+  double value = 0;
+  Judgement judgement = &HistogramBin::unknown;
+};
+using Samples = std::vector<Sample>;
+
+/// Of the event that led to the step.
+Judgement judgement_at(const Run& run, std::int32_t step) {
+  if (run.wrong.empty() || step == kNever) return &HistogramBin::unknown;
+  return run.wrong[static_cast<std::size_t>(step - 1)] ? &HistogramBin::wrong
+                                                       : &HistogramBin::right;
+}
+
+/// 1, 2, 2.5 or 5 times a power of ten, not below `value`.
+double round_up(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 2.5, 5.0})
+    if (step * power >= value * (1 - 1e-9)) return step * power;
+  return 10 * power;
+}
+
+/// Bins between the edges; the first and the last one take what lies outside.
+std::vector<HistogramBin> fill(const std::vector<double>& edges, const Samples& samples) {
+  std::vector<HistogramBin> bins;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) bins.push_back({edges[i], edges[i + 1]});
+  for (const Sample& sample : samples) {
+    const auto above = std::upper_bound(edges.begin() + 1, edges.end() - 1, sample.value);
+    ++(bins[static_cast<std::size_t>(above - edges.begin() - 1)].*sample.judgement);
+    bins.back().high = std::max(bins.back().high, sample.value);
+  }
+  return bins;
+}
+
+/// Bins of a round width, about 24, from 0 on where the values come near it; what is beyond `most`
+/// is in the last one.
+std::vector<HistogramBin> linear_bins(const Samples& samples, double most, bool whole = false) {
+  if (samples.empty()) return {};
+  const auto [low, high] = std::ranges::minmax(samples, {}, &Sample::value);
+  const double largest = std::clamp(high.value, 0.0, most);
+  double smallest = std::min(low.value, most);
+  if (smallest < largest / 4) smallest = 0;
+  double width = largest > smallest ? round_up((largest - smallest) / kBins) : 1;
+  if (whole) width = std::ceil(width);
+  const double first = std::floor(smallest / width);
+  std::vector<double> edges{first * width};
+  while (edges.size() < 2 || edges.back() < largest)
+    edges.push_back((first + static_cast<double>(edges.size())) * width);
+  return fill(edges, samples);
+}
+
+/// Edges 1, 2, 5, 10 ... over the upper eight decades; what is below is in the first one.
+std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
+  double smallest = 0, largest = 0;
+  for (const Sample& sample : samples) {
+    largest = std::max(largest, sample.value);
+    if (sample.value > 0 && (smallest == 0 || sample.value < smallest)) smallest = sample.value;
+  }
+  if (largest <= 0) return linear_bins(samples, 0);
+  const int top = static_cast<int>(std::ceil(std::log10(largest)));
+  const int bottom = std::max(
+      top - kDecades, std::min(top - 1, static_cast<int>(std::floor(std::log10(smallest)))));
+  std::vector<double> edges;
+  for (int decade = bottom; decade < top; ++decade)
+    for (const double step : {1.0, 2.0, 5.0}) edges.push_back(step * std::pow(10.0, decade));
+  edges.push_back(std::pow(10.0, top));
+  return fill(edges, samples);
+}
+
+/// The terms of nodes, each over the nodes where its criterion was asked.
+void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
+  const SegmentOptions& options = run.segment_options;
+  Samples n_out, r_out, n_in, e_n;
+  for (std::size_t i = 0; i < run.facts.size(); ++i) {
+    const NodeFacts& facts = run.facts[i];
+    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
+    n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
+    r_out.push_back({facts.purity.r_out(), judgement});
+    if (!is_pure(facts.purity, options)) continue;
+    n_in.push_back({static_cast<double>(facts.purity.n_in), judgement});
+    if (has_enough_inliers(facts.purity.n_in, options)) e_n.push_back({facts.e_n, judgement});
+  }
+  const auto append_count = [&](const char* quantity, const char* title, const char* option,
+                                double threshold, const Samples& samples) {
+    histograms.push_back({quantity, title, "points", option, threshold, false,
+                          linear_bins(samples, std::max(24.0, kRoom * threshold), true)});
+  };
+  append_count("n_out", "N_out", "theta_n_out", options.theta_n_out, n_out);
+  histograms.push_back(
+      {"r_out", "r_out", "", "theta_r_out", options.theta_r_out, false, linear_bins(r_out, 0.5)});
+  append_count("n_in", "N_in", "theta_n_in", options.theta_n_in, n_in);
+
+  const NoiseModel& noise = run.segmentation.noise;
+  if (options.noise.rms_criterion3)
+    histograms.push_back({"rms", "RMS", "m", noise.estimated ? "" : "fixed_rms_m",
+                          noise.by_range ? kVaries : noise.theta_rms(1), false,
+                          linear_bins(e_n, 0.05)});
+  else
+    histograms.push_back({"mse",
+                          options.mse_normalization == MseNormalization::mean ? "e_n / N" : "e_n",
+                          "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
+}
+
+/// The pair to show for a candidate: with the plane it joined or, where it founded one, with the
+/// plane that it came nearest to joining.
+std::optional<Pair> pair_of(const SegmentState& state,
+                            const TraceEvent& event,
+                            const Candidate& candidate) {
+  const MeasuredPlane measured = state.measured(candidate);
+  if (event.type == EventType::merge) return compare(state, event.plane, candidate, measured);
+  std::vector<Pair> pairs;
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
+    if (const auto pair = compare(state, k, candidate, measured)) pairs.push_back(*pair);
+  const Pair* nearest = nearest_pair(pairs, state.options);
+  return nearest ? std::optional(*nearest) : std::nullopt;
+}
+
+/// The terms of merges, and how far from planes the leftovers were.
+void append_merges(const Run& run, std::vector<Histogram>& histograms) {
+  const SegmentOptions& options = run.segment_options;
+  Samples offset, normals, n1_dmu, n2_dmu, angle, distance;
+  StateWalk walk(run);
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    const Judgement judgement = judgement_at(run, step);
+    if ((event.type == EventType::assign || event.type == EventType::drop) && event.value >= 0)
+      distance.push_back({event.value, judgement});
+    if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
+      continue;
+    const SegmentState& state = walk.advance_to(step - 1);
+    const Candidate candidate = candidate_of(state, event.node, event.label);
+    const std::optional<Pair> pair = pair_of(state, event, candidate);
+    if (!pair) continue;
+    if (const auto* by_distance = std::get_if<DistanceTerms>(&pair->terms)) {
+      offset.push_back({std::sqrt(by_distance->offset2_m2), judgement});
+      angle.push_back({by_distance->angle_deg, judgement});
+    } else {
+      const auto& terms = std::get<Coplanarity>(pair->terms);
+      offset.push_back({terms.offset_m, judgement});
+      normals.push_back({terms.normals, judgement});
+      n1_dmu.push_back({terms.n1_dmu, judgement});
+      n2_dmu.push_back({terms.n2_dmu, judgement});
+    }
+  }
+
+  const auto append = [&](Histogram histogram, const Samples& samples, double most) {
+    histogram.bins = linear_bins(samples, most);
+    if (!samples.empty()) histograms.push_back(std::move(histogram));
+  };
+  append({"", "|n₁·n₂|", "", "theta_coplane", options.theta_coplane}, normals, 1);
+  append({"", "|n₁·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane}, n1_dmu, 1);
+  append({"", "|n₂·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane}, n2_dmu, 1);
+  append({"", "angle", "deg", "", kVaries}, angle, 45);
+  const bool limited = !options.r1_merge_by_distance.on && options.merge_offset_m > 0;
+  append({"offset", "offset", "m", limited ? "merge_offset_m" : "",
+          limited ? options.merge_offset_m : kVaries},
+         offset, 0.2);
+  const bool nearest = options.leftover_rule == LeftoverRule::nearest;
+  append({"distance", "leftover's distance", "m", nearest ? "" : "leftover_distance_m",
+          nearest ? kVaries : options.leftover_distance_m},
+         distance, 0.05);
+}
+
+}  // namespace
+
+std::vector<Histogram> histograms_of(const Run& run) {
+  std::vector<Histogram> histograms;
+  if (!run.is_ours()) return histograms;
+  append_nodes(run, histograms);
+  append_merges(run, histograms);
+  return histograms;
+}
+
+}  // namespace planescope

@@ -1,0 +1,138 @@
+// Why a node got its case: Sun et al. 2023, Sec. IV-B, asked again.
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "core/debug/explain/check.hpp"
+#include "core/debug/explain/explain.hpp"
+#include "core/planes/segment/candidate.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kDeg = 180 / std::numbers::pi;
+
+Check enough_points(const std::string& criterion,
+                    const Purity& purity,
+                    const SegmentOptions& options) {
+  return at_least(
+      {criterion, "Eq. (3)", "N_in", "points of the majority label", "points", "theta_n_in"},
+      purity.n_in, options.theta_n_in);
+}
+
+/// Not a comparison: what the inliers' PCA gives to Criterion 3.
+Check pca(const PlaneFit& fit) {
+  Check check{"PCA", "Eq. (4)", "λ₀", "least eigenvalue of the inliers' scatter", "m²"};
+  check.value = fit.eigenvalues[0];
+  check.verdict = Verdict::pass;
+  return check;
+}
+
+/// Appends a criterion's checks; asking stops with the first criterion that fails.
+class Questions {
+ public:
+  explicit Questions(std::vector<Check>& into) : into_(into) {}
+  bool ask(const std::vector<Check>& criterion) {
+    for (const Check& check : criterion) into_.push_back(asking_ ? check : not_asked(check));
+    asking_ = asking_ && all_pass(criterion);
+    return asking_;
+  }
+
+ private:
+  std::vector<Check>& into_;
+  bool asking_ = true;
+};
+
+/// R4 asks Criteria 2 and 3 of an impure node again, of each label for itself.
+void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
+  const SegmentOptions& options = run.segment_options;
+  const NodeFacts& facts = run.facts[node];
+  const Purity& purity = facts.purity;
+  Questions questions(checks);
+  questions.ask({enough_points("R4", purity, options)});
+  questions.ask({planarity_check("R4", options, facts.e_n, facts.theta_e_n)});
+  if (!has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
+  const Label other = purity.inlier == Label::h ? Label::v : Label::h;
+  const Candidate outliers = fit_label(run.octree(), node, other, options.use_labels);
+  const double range = (outliers.fit.centroid - run.subject->prepared.sensor()).norm();
+  const Planarity planar = planarity(outliers.fit, run.segmentation.noise, range, options);
+  Check check = planarity_check("R4", options, planar.value, planar.threshold);
+  check.quantity += " of the outliers";
+  questions.ask({check});
+}
+
+std::string stopped_at(const NodeReport& report) {
+  for (const Check& check : report.checks) {
+    if (check.verdict != Verdict::fail || check.criterion[0] != 'C') continue;
+    const std::string consequence =
+        check.criterion == "Criterion 3" ? "the inliers are not on one plane" : "no PCA was made";
+    return fmt::format("stopped at {}: {}", check.criterion, consequence);
+  }
+  return "all passed: a plane candidate";
+}
+
+/// "h founded P9", for each candidate of the node.
+std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
+  std::string text;
+  for (const std::int32_t step : steps) {
+    const TraceEvent& event = *run.event_at(step);
+    if (!text.empty()) text += ", ";
+    if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
+    if (event.type == EventType::found) text += "founded " + plane_name(event.plane);
+    if (event.type == EventType::merge) text += "merged into " + plane_name(event.plane);
+    if (event.type == EventType::wait) text += "waits for the sure ones (R3)";
+    if (event.type == EventType::leave) text += "left over (R3)";
+  }
+  return text;
+}
+
+std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std::int32_t>& steps) {
+  const OctreeNode& node = run.octree().nodes[index];
+  const std::string name = fmt::format("case {}", to_string(node.decided));
+  if (node.impure_fit) return name + ", fitted label by label (R4): " + fate(run, steps);
+  if (node.decided == Case::IV) {
+    const std::uint32_t outliers = run.facts[index].purity.n_out;
+    return name + ": candidate " + fate(run, steps) +
+           (outliers > 0 ? fmt::format("; {} outliers left over", outliers) : "");
+  }
+  if (node.child_count > 0) return fmt::format("{}: divided into {}", name, node.child_count);
+  return fmt::format("{}{}: {} points left over", name,
+                     node.at_max_depth ? " at the greatest depth" : "", node.size());
+}
+
+}  // namespace
+
+NodeReport explain_node(const Run& run, std::int32_t node) {
+  const SegmentOptions& options = run.segment_options;
+  const NodeFacts& facts = run.facts[node];
+  NodeReport report;
+  report.node = node;
+  Questions questions(report.checks);
+  const bool pure =
+      questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
+                              "points", "theta_n_out"},
+                             facts.purity.n_out, options.theta_n_out),
+                     at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points",
+                              "", "theta_r_out"},
+                             facts.purity.r_out(), options.theta_r_out)});
+  questions.ask({enough_points("Criterion 2", facts.purity, options)});
+  questions.ask({pca(facts.fit)});
+  questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
+  if (options.r3_weak_candidates.on)
+    questions.ask({at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits",
+                            "deg", "r3_sure_sigma_ang_deg"},
+                           kDeg * facts.sigma_ang, options.r3_weak_candidates.sure_sigma_ang_deg)});
+  report.stopped = stopped_at(report);
+  if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
+
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const TraceEvent& event = *run.event_at(step);
+    if (event.node == node && event.type != EventType::visit && event.type != EventType::decide)
+      report.outcome_steps.push_back(step);
+  }
+  report.outcome = outcome_of(run, node, report.outcome_steps);
+  return report;
+}
+
+}  // namespace planescope

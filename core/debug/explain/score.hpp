@@ -1,0 +1,44 @@
+#pragma once
+
+// How good a segmentation is against ground truth, by voxel: quick enough for every tick of a
+// slider and thousands of runs of a search.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/debug/replay/run.hpp"
+
+namespace planescope {
+
+inline constexpr double kDetectedIou = 0.8;  // as eval counts planes
+
+struct TruthMatch {
+  std::int32_t truth = 0;  // truth plane id
+  std::int32_t found = 0;  // plane id that overlaps it most, 0 none
+  double iou = 0;
+  std::uint32_t points = 0;
+};
+
+struct QuickScore {
+  std::vector<TruthMatch> planes;  // per truth plane that has voxels, ascending id
+  int detected = 0;                // IoU >= kDetectedIou
+  double mean_iou = 0;             // 0..1
+  double in_no_plane = 0;          // share of voxels with a true plane that are in none
+  int found_planes = 0;
+};
+/// `plane_of`: per voxel, 0 none.
+QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth& truth);
+
+enum class TruthVerdict : std::uint8_t { detected, missed, merged, split };
+/// What became of each truth plane of a score: merged where its best plane also covers half of
+/// another one, split where several cover half of it.
+std::vector<TruthVerdict> verdicts_of(const QuickScore& score,
+                                      std::span<const std::int32_t> plane_of,
+                                      const VoxelTruth& truth);
+const char* to_string(TruthVerdict verdict);
+
+/// The plane that most of them name, of equals the one with the least id; 0 where none names one.
+std::int32_t most_common_plane(std::span<const std::int32_t> planes);
+
+}  // namespace planescope

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <vector>
+
+#include "core/debug/replay/run.hpp"
+
+namespace planescope {
+
+/// Run::facts of a run whose segmentation is there. Internal to core/debug/replay.
+std::vector<NodeFacts> facts_of(const Run& run);
+
+}  // namespace planescope

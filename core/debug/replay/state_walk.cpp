@@ -1,0 +1,30 @@
+#include "core/debug/replay/state_walk.hpp"
+
+namespace planescope {
+namespace {
+
+const Measurements kNoMeasurements;
+
+}  // namespace
+
+StateWalk::StateWalk(const Run& run)
+    : run_(run), state_{run.segment_options, run.subject->prepared.sensor(), kNoMeasurements} {
+  state_.octree = run.octree();
+  state_.noise = run.segmentation.noise;
+  state_.plane_of.assign(run.octree().order.size(), -1);
+}
+
+const SegmentState& StateWalk::advance_to(std::int32_t step) {
+  const std::vector<Trace::Point>& points = run_.trace.points;
+  for (; points_ < points.size() && points[points_].change.step <= step; ++points_)
+    state_.plane_of[points[points_].point] = points[points_].change.plane;
+  const std::vector<Trace::Plane>& planes = run_.trace.planes;
+  for (; planes_ < planes.size() && planes[planes_].change.step <= step; ++planes_) {
+    const auto plane = static_cast<std::size_t>(planes[planes_].plane);
+    if (plane == state_.planes.size()) state_.planes.emplace_back();
+    state_.planes[plane] = planes[planes_].change;
+  }
+  return state_;
+}
+
+}  // namespace planescope

@@ -1,0 +1,26 @@
+#pragma once
+
+// The segmentation as it stood at a step, for whoever asks again what was chosen there.
+
+#include "core/debug/replay/run.hpp"
+#include "core/planes/segment/state.hpp"
+
+namespace planescope {
+
+/// Walks forward through the changes of a trace: planes, and the points in them. The octree is that
+/// of the run's end, with all nodes. What the state does not hold: Measurements (what the split
+/// saw), the leftovers in their order, waiting candidates, counts.
+class StateWalk {
+ public:
+  explicit StateWalk(const Run& run);
+  /// To the state at `step`, not before where it is.
+  const SegmentState& advance_to(std::int32_t step);
+  const SegmentState& state() const { return state_; }
+
+ private:
+  const Run& run_;
+  SegmentState state_;
+  std::size_t points_ = 0, planes_ = 0;  // changes that are made
+};
+
+}  // namespace planescope

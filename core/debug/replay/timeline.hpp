@@ -1,0 +1,68 @@
+#pragma once
+
+// A trace made seekable: what any node, point or plane was after any number of events, forwards and
+// backwards alike. Step k, 0 <= k <= steps(), is the state after the first k events with all that
+// follows from them, before the next is decided; nothing in it knows of later events.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/planes/segment/segment.hpp"
+
+namespace planescope {
+
+enum class NodeState : std::uint8_t {
+  unborn,   // its parent is not divided yet
+  queued,   // waits in Q_N
+  visited,  // dequeued, not settled yet
+  settled,  // case known
+};
+
+class Timeline {
+ public:
+  Timeline() = default;
+  /// Of what segment() made with a trace.
+  Timeline(const Trace& trace, const Segmentation& segmentation);
+
+  /// Of a result without a trace: its planes stand from step 0 on, and no step follows.
+  Timeline(const Segmentation& segmentation, std::span<const Vec3f> points);
+
+  std::int32_t steps() const { return steps_; }
+
+  // Nodes. The step from which on each is in the queue, dequeued, settled; kNever if it never is.
+  std::span<const std::int32_t> queued_at() const { return queued_at_; }
+  std::span<const std::int32_t> visited_at() const { return visited_at_; }
+  std::span<const std::int32_t> decided_at() const { return decided_at_; }
+  NodeState node_state(std::int32_t node, std::int32_t step) const;
+
+  // Points, by their index in segment()'s input.
+  std::span<const PointChange> changes_of_point(std::int32_t point) const;  // by step
+  PointChange point_at(std::int32_t point, std::int32_t step) const;
+  /// The node that holds the point among those settled or queued at `step`: the deepest born one;
+  /// -1 where there is no octree.
+  std::int32_t node_of_point(std::int32_t point, std::int32_t step) const;
+  /// The nodes that ever held the point, from the root on.
+  std::vector<std::int32_t> path_of_point(std::int32_t point) const;
+
+  // Planes of the trace, in order of founding.
+  std::int32_t plane_count() const { return static_cast<std::int32_t>(planes_first_.size()) - 1; }
+  std::span<const PlaneChange> changes_of_plane(std::int32_t plane) const;  // by step
+  /// Null before it is founded.
+  const PlaneChange* plane_at(std::int32_t plane, std::int32_t step) const;
+  Label label_of_plane(std::int32_t plane) const { return changes_of_plane(plane).front().label; }
+  /// Id in the result (PlaneRegion::id), 0 where it is not part of it.
+  std::int32_t result_of_plane(std::int32_t plane) const { return result_of_plane_[plane]; }
+
+ private:
+  std::int32_t steps_ = 0;
+  std::vector<std::int32_t> queued_at_, visited_at_, decided_at_;
+  std::vector<std::uint32_t> points_first_, planes_first_{0};
+  std::vector<PointChange> point_changes_;
+  std::vector<PlaneChange> plane_changes_;
+  std::vector<std::int32_t> result_of_plane_;
+  std::vector<std::int32_t> leaf_of_point_;  // the deepest node that ever held each point
+  std::vector<std::int32_t> parents_;
+};
+
+}  // namespace planescope

@@ -1,0 +1,152 @@
+#include "core/debug/replay/truth_check.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace planescope {
+namespace {
+
+/// How many points of each true plane a plane of the trace has.
+class TruthTally {
+ public:
+  void add(std::int32_t truth, int points = 1) {
+    const int now = of(truth) += points;
+    if (now > of(majority_)) majority_ = truth;
+    if (points >= 0 || truth != majority_) return;
+    const auto most = std::ranges::max_element(counts_, {}, &Count::second);
+    majority_ = most->second > 0 ? most->first : 0;
+  }
+  void add(const TruthTally& other) {
+    for (const auto& [truth, points] : other.counts_) add(truth, points);
+  }
+  /// The true plane of most points, of equals the first to have them; 0 where there is none.
+  std::int32_t majority() const { return majority_; }
+
+ private:
+  using Count = std::pair<std::int32_t, int>;  // true plane, points
+
+  int& of(std::int32_t truth) {
+    const auto known = std::ranges::find(counts_, truth, &Count::first);
+    return known != counts_.end() ? known->second : counts_.emplace_back(truth, 0).second;
+  }
+
+  std::vector<Count> counts_{{0, 0}};
+  std::int32_t majority_ = 0;
+};
+
+/// Judges each event by the planes as it found them.
+class TruthChecker {
+ public:
+  explicit TruthChecker(const Run& run)
+      : run_(run),
+        plane_of_(run.octree().order.size(), -1),
+        tallies_(static_cast<std::size_t>(run.timeline.plane_count())) {}
+
+  bool is_wrong(std::int32_t step) {
+    const TraceEvent& event = *run_.event_at(step);
+    take_changes_until(step - 1);
+    switch (event.type) {
+      case EventType::decide:
+        return is_wrong_case(event);
+      case EventType::found:
+        return event.node >= 0 && stands_already(truth_of_candidate(event), step - 1);
+      case EventType::merge:
+        return differ(truth_of_candidate(event), event.plane);
+      case EventType::assign:
+        return differ(truth_of(event.point), event.plane);
+      case EventType::drop:
+        return truth_of(event.point) > 0;
+      default:
+        return false;
+    }
+  }
+
+ private:
+  void take_changes_until(std::int32_t step) {
+    const std::vector<Trace::Point>& changes = run_.trace.points;
+    while (taken_ < changes.size() && changes[taken_].change.step <= step) {
+      // All that one event gives to a plane comes at once.
+      const PointChange first = changes[taken_].change;
+      TruthTally given;
+      for (; taken_ < changes.size() && changes[taken_].change.step == first.step &&
+             changes[taken_].change.plane == first.plane;
+           ++taken_) {
+        const std::uint32_t i = changes[taken_].point;
+        const std::int32_t truth = truth_of(static_cast<std::int32_t>(run_.octree().order[i]));
+        if (truth > 0 && plane_of_[i] >= 0) tallies_[plane_of_[i]].add(truth, -1);
+        if (truth > 0) given.add(truth);
+        plane_of_[i] = first.plane;
+      }
+      if (first.plane >= 0) tallies_[first.plane].add(given);
+    }
+  }
+
+  bool is_wrong_case(const TraceEvent& event) const {
+    const NodeFacts& facts = run_.facts[event.node];
+    switch (static_cast<Case>(event.node_case)) {
+      case Case::I:
+      case Case::III:
+        return is_pure_in_truth(facts, run_.segment_options);
+      case Case::IV:
+        return is_mixed_in_truth(facts, run_.segment_options);
+      default:
+        return false;
+    }
+  }
+
+  std::int32_t truth_of_candidate(const TraceEvent& event) const {
+    const Octree& octree = run_.octree();
+    const OctreeNode& node = octree.nodes[event.node];
+    TruthTally tally;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      if (run_.segment_options.use_labels && octree.labels[i] != event.label) continue;
+      const std::int32_t truth = truth_of(static_cast<std::int32_t>(octree.order[i]));
+      if (truth > 0) tally.add(truth);
+    }
+    return tally.majority();
+  }
+
+  std::int32_t truth_of(std::int32_t point) const { return run_.subject->voxel_truth.plane[point]; }
+
+  bool stands_already(std::int32_t truth, std::int32_t step) const {
+    for (std::int32_t k = 0; truth > 0 && k < run_.timeline.plane_count(); ++k) {
+      const PlaneChange* plane = run_.timeline.plane_at(k, step);
+      if (!plane) break;  // the others are founded later
+      if (plane->alive && tallies_[k].majority() == truth) return true;
+    }
+    return false;
+  }
+  bool differ(std::int32_t truth, std::int32_t plane) const {
+    const std::int32_t majority = tallies_[plane].majority();
+    return truth > 0 && majority > 0 && truth != majority;
+  }
+
+  const Run& run_;
+  std::size_t taken_ = 0;               // of the trace's changes
+  std::vector<std::int32_t> plane_of_;  // per Morton-ordered point
+  std::vector<TruthTally> tallies_;     // per plane of the trace
+};
+
+}  // namespace
+
+bool is_mixed_in_truth(const NodeFacts& facts, const SegmentOptions& options) {
+  return !is_pure({.n_in = facts.truth_points, .n_out = facts.truth_known - facts.truth_points},
+                  options);
+}
+
+bool is_pure_in_truth(const NodeFacts& facts, const SegmentOptions& options) {
+  const std::uint32_t size = facts.purity.n_in + facts.purity.n_out;
+  return is_pure({.n_in = facts.truth_points, .n_out = size - facts.truth_points}, options) &&
+         has_enough_inliers(facts.truth_points, options);
+}
+
+std::vector<std::uint8_t> wrong_decisions(const Run& run) {
+  std::vector<std::uint8_t> wrong;
+  if (!run.subject->voxel_truth.known()) return wrong;
+  wrong.reserve(run.trace.events.size());
+  TruthChecker checker(run);
+  for (std::int32_t step = 1; step <= run.steps(); ++step) wrong.push_back(checker.is_wrong(step));
+  return wrong;
+}
+
+}  // namespace planescope

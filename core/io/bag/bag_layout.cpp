@@ -1,0 +1,252 @@
+#include "core/io/bag/bag_layout.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "core/io/bag/ros_messages.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+using rosbag1::Bag;
+
+/// The first message of a topic through `parse`; nullopt where there is none that can be read.
+template <typename Parse>
+auto first_message(const Bag& bag, const std::string& topic, Parse parse)
+    -> std::optional<decltype(parse(Bytes{}))> {
+  const auto messages = bag.messages(topic);
+  if (messages.empty()) return std::nullopt;
+  try {
+    return parse(bag.read(messages.front()).bytes);
+  } catch (OutOfBytes) {
+    return std::nullopt;
+  }
+}
+
+bool starts_with_token(const std::string& text, const std::string& token, std::size_t& at) {
+  if (text.compare(at, token.size(), token) != 0) return false;
+  at += token.size();
+  const std::size_t digits = at;
+  while (at < text.size() && text[at] >= '0' && text[at] <= '9') ++at;
+  return at > digits;
+}
+
+// --- RealSense SDK: /device_0/sensor_0/Depth_0/image/data ---
+
+/// Prefixes such as "/device_0/sensor_1/Color_0" of topics that end in `suffix`.
+std::vector<std::string> sdk_streams(const Bag& bag,
+                                     const std::string& kind,
+                                     const std::string& suffix) {
+  std::vector<std::string> prefixes;
+  for (const auto& [topic, type] : bag.topics()) {
+    std::size_t at = 0;
+    if (starts_with_token(topic, "/device_", at) && starts_with_token(topic, "/sensor_", at) &&
+        starts_with_token(topic, "/" + kind + "_", at) && topic.substr(at) == suffix &&
+        !bag.messages(topic).empty()) {
+      prefixes.push_back(topic.substr(0, at));
+    }
+  }
+  return prefixes;
+}
+
+/// T_stream_reference by extrinsics group: streams of one group share their reference.
+std::map<std::string, Pose> sdk_extrinsics(const Bag& bag, const std::string& prefix) {
+  std::map<std::string, Pose> by_group;
+  const std::string start = prefix + "/tf/";
+  for (const auto& [topic, type] : bag.topics()) {
+    if (topic.compare(0, start.size(), start) != 0) continue;
+    const auto pose = first_message(bag, topic, ros::parse_transform);
+    if (pose) by_group.emplace(topic.substr(start.size()), *pose);
+  }
+  return by_group;
+}
+
+std::optional<Pose> sdk_transform(const Bag& bag, const std::string& to, const std::string& from) {
+  const auto from_groups = sdk_extrinsics(bag, from);
+  for (const auto& [group, T_to_reference] : sdk_extrinsics(bag, to)) {
+    const auto match = from_groups.find(group);
+    if (match != from_groups.end()) return T_to_reference * match->second.inverse();
+  }
+  return std::nullopt;
+}
+
+std::string sdk_device_name(const Bag& bag, const std::string& device) {
+  for (const auto& message : bag.messages(device + "/info")) {
+    try {
+      const auto pair = ros::parse_key_value(bag.read(message).bytes);
+      if (pair.key == "Name") return pair.value;
+    } catch (OutOfBytes) {
+      continue;
+    }
+  }
+  return {};
+}
+
+std::string first_topic(const Bag& bag, const std::vector<std::string>& candidates) {
+  for (const std::string& topic : candidates) {
+    if (bag.has(topic) && !bag.messages(topic).empty()) return topic;
+  }
+  return {};
+}
+
+std::optional<BagLayout> sdk_layout(const Bag& bag) {
+  const auto depth = sdk_streams(bag, "Depth", "/image/data");
+  if (depth.empty()) return std::nullopt;
+  const std::string& prefix = depth.front();
+  const std::string device = prefix.substr(0, prefix.find('/', 1));
+  const std::string sensor = prefix.substr(0, prefix.rfind('/'));
+  BagLayout layout;
+  if (depth.size() > 1) {
+    layout.warnings.push_back(std::to_string(depth.size()) + " depth streams, only " + prefix +
+                              " is read");
+  }
+  layout.format = "RealSense SDK bag";
+  layout.device = sdk_device_name(bag, device);
+  layout.depth = prefix + "/image/data";
+  layout.depth_info = prefix + "/info/camera_info";
+  layout.depth_unit = first_topic(
+      bag, {sensor + "/option/Depth Units/value", sensor + "/option/Depth_Units/value"});
+  const auto on_device = [&](const std::string& other) {
+    return other.compare(0, device.size() + 1, device + "/") == 0;
+  };
+  for (const std::string& color : sdk_streams(bag, "Color", "/image/data")) {
+    if (!on_device(color)) continue;
+    layout.color = color + "/image/data";
+    layout.color_info = color + "/info/camera_info";
+    const auto pose = sdk_transform(bag, color, prefix);
+    layout.has_extrinsics = pose.has_value();
+    if (pose) layout.T_color_depth = *pose;
+    break;
+  }
+  for (const std::string& accel : sdk_streams(bag, "Accel", "/imu/data")) {
+    if (!on_device(accel)) continue;
+    layout.accel = accel + "/imu/data";
+    const auto pose = sdk_transform(bag, prefix, accel);
+    if (pose) layout.R_depth_accel = pose->linear();
+    break;
+  }
+  return layout;
+}
+
+// --- realsense-ros: /camera/depth/image_rect_raw, 4.x: /camera/camera/depth/image_rect_raw ---
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+std::vector<std::string> image_topics(const Bag& bag) {
+  std::vector<std::string> topics;
+  for (const auto& [topic, type] : bag.topics()) {
+    if (type == "sensor_msgs/Image" && !bag.messages(topic).empty()) topics.push_back(topic);
+  }
+  return topics;
+}
+
+/// The first topic whose last folder is `folder`, such as "depth" in /camera/depth/image_rect_raw.
+std::string image_topic_in(const std::vector<std::string>& topics, const std::string& folder) {
+  for (const std::string& topic : topics) {
+    if (ends_with(topic.substr(0, topic.rfind('/')), "/" + folder)) return topic;
+  }
+  return {};
+}
+
+std::string info_beside(const std::string& image_topic) {
+  return image_topic.substr(0, image_topic.rfind('/')) + "/camera_info";
+}
+
+std::string frame_id(const Bag& bag, const std::string& topic) {
+  const auto header = first_message(bag, topic, ros::parse_header);
+  return header ? header->frame_id : "";
+}
+
+/// T_to_from along the static transforms, whichever way each of them points.
+std::optional<Pose> static_transform(const Bag& bag,
+                                     const std::string& to,
+                                     const std::string& from) {
+  if (to.empty() || from.empty()) return std::nullopt;
+  std::vector<ros::NamedTransform> edges;
+  for (const auto& message : bag.messages("/tf_static")) {
+    try {
+      const auto some = ros::parse_tf_message(bag.read(message).bytes);
+      edges.insert(edges.end(), some.begin(), some.end());
+    } catch (OutOfBytes) {
+      continue;
+    }
+  }
+  std::map<std::string, Pose> T_to = {{to, Pose::Identity()}};
+  for (bool grown = true; grown && !T_to.contains(from);) {
+    grown = false;
+    for (const auto& edge : edges) {
+      const auto parent = T_to.find(edge.parent);
+      const auto child = T_to.find(edge.child);
+      if (parent != T_to.end() && child == T_to.end()) {
+        T_to.emplace(edge.child, parent->second * edge.T_parent_child);
+        grown = true;
+      } else if (child != T_to.end() && parent == T_to.end()) {
+        T_to.emplace(edge.parent, child->second * edge.T_parent_child.inverse());
+        grown = true;
+      }
+    }
+  }
+  const auto found = T_to.find(from);
+  if (found == T_to.end()) return std::nullopt;
+  return found->second;
+}
+
+void use_depth_topic(const Bag& bag, const std::string& topic, BagLayout& layout) {
+  layout.depth = topic;
+  layout.depth_info = info_beside(topic);
+  const std::string folder = topic.substr(0, topic.rfind('/'));
+  layout.color_aligned = ends_with(folder, "aligned_depth_to_color");
+  if (layout.color.empty() || layout.color_aligned) return;
+  const std::string camera = folder.substr(0, folder.rfind('/'));
+  auto pose = first_message(bag, camera + "/extrinsics/depth_to_color", ros::parse_extrinsics);
+  if (!pose) pose = static_transform(bag, frame_id(bag, layout.color), frame_id(bag, topic));
+  layout.has_extrinsics = pose.has_value();
+  layout.T_color_depth = pose.value_or(Pose::Identity());
+}
+
+std::optional<BagLayout> ros_layout(const Bag& bag) {
+  const auto topics = image_topics(bag);
+  const std::string native = image_topic_in(topics, "depth");
+  const std::string aligned = image_topic_in(topics, "aligned_depth_to_color");
+  if (native.empty() && aligned.empty()) return std::nullopt;
+  BagLayout layout;
+  layout.format = "realsense-ros bag";
+  layout.color = image_topic_in(topics, "color");
+  if (layout.color.empty()) layout.color = image_topic_in(topics, "rgb");
+  if (!layout.color.empty()) layout.color_info = info_beside(layout.color);
+  // Native pixels are the truth; the aligned copy serves where colour could not be placed else.
+  use_depth_topic(bag, native.empty() ? aligned : native, layout);
+  if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
+    use_depth_topic(bag, aligned, layout);
+  }
+  const std::string folder = layout.depth.substr(0, layout.depth.rfind('/'));
+  const std::string camera = folder.substr(0, folder.rfind('/'));
+  layout.accel = first_topic(bag, {camera + "/accel/sample", camera + "/imu"});
+  if (!layout.accel.empty()) {
+    const auto pose =
+        static_transform(bag, frame_id(bag, layout.depth), frame_id(bag, layout.accel));
+    if (pose) layout.R_depth_accel = pose->linear();
+  }
+  return layout;
+}
+
+}  // namespace
+
+BagLayout find_bag_layout(const Bag& bag) {
+  if (auto layout = sdk_layout(bag)) return *layout;
+  if (auto layout = ros_layout(bag)) return *layout;
+  std::string found;
+  for (const std::string& topic : image_topics(bag)) found += (found.empty() ? "" : ", ") + topic;
+  if (found.empty()) {
+    found = "no image topic with messages among " + std::to_string(bag.topics().size()) + " topics";
+  }
+  for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
+  throw Error(bag.path().string() + ": no depth images: found " + found +
+              "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw");
+}
+
+}  // namespace planescope

@@ -1,0 +1,308 @@
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/io/bag/bag_accel.hpp"
+#include "core/io/bag/bag_layout.hpp"
+#include "core/io/bag/ros_images.hpp"
+#include "core/io/bag/ros_messages.hpp"
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+using rosbag1::Bag;
+using rosbag1::MessageRef;
+
+constexpr double kMaxColorGap_s = 0.5;
+constexpr double kClocksDiffer_s = 10;
+
+class BagRecording : public Recording {
+ public:
+  BagRecording(const std::filesystem::path& path, const RecordingOptions& options);
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(depth_.size()); }
+  Frame frame(int i) const override;
+  double timestamp_s(int i) const override;
+  std::string frame_hash(int i) const override;
+
+ private:
+  Image16 read_depth(int i, Frame* frame) const;
+  void add_color(const MessageRef& depth, Frame& frame) const;
+  const MessageRef* nearest_color(const MessageRef& depth, double stamp_s) const;
+  double color_gap_s(std::size_t color, double depth_stamp_s) const;
+  void order_by_stamp();
+  void read_camera(const RecordingOptions& options);
+  void drop_unreadable_color();
+  void read_color_camera();
+
+  Bag bag_;
+  BagLayout layout_;
+  RecordingInfo info_;
+  Sidecar sidecar_;
+  bool unit_is_given_ = false;  // by option or sidecar: wins over what single frames say
+  Intrinsics color_intrinsics_;
+  std::vector<MessageRef> depth_;
+  std::vector<MessageRef> color_;
+  std::vector<MessageRef> accel_;
+  double color_period_s_ = 0;
+};
+
+template <typename Parse>
+auto parse_message(const Bag& bag,
+                   const MessageRef& message,
+                   const std::string& topic,
+                   Parse parse) {
+  const auto bytes = bag.read(message);
+  try {
+    return parse(bytes.bytes);
+  } catch (OutOfBytes) {
+    throw Error(bag.path().string() + ": a message on " + topic + " is damaged");
+  }
+}
+
+double median_period_s(const std::vector<MessageRef>& messages) {
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < messages.size(); ++i) {
+    periods.push_back(1e-9 * static_cast<double>(messages[i].time_ns - messages[i - 1].time_ns));
+  }
+  if (periods.empty()) return 0;
+  std::nth_element(periods.begin(), periods.begin() + periods.size() / 2, periods.end());
+  return periods[periods.size() / 2];
+}
+
+Intrinsics to_intrinsics(const ros::CameraInfo& camera,
+                         const std::string& topic,
+                         std::vector<std::string>& warnings) {
+  Intrinsics result{camera.width,   camera.height,  camera.k(0, 0),   camera.k(1, 1),
+                    camera.k(0, 2), camera.k(1, 2), Distortion::none, {}};
+  if (!set_distortion(camera.distortion_model, camera.d, result)) {
+    warnings.push_back(topic + ": lens distortion \"" + camera.distortion_model +
+                       "\" is not supported and is left out");
+  }
+  return result;
+}
+
+BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOptions& options)
+    : bag_(path), layout_(find_bag_layout(bag_)), sidecar_(read_sidecar(path)) {
+  info_.path = path;
+  info_.format = layout_.format;
+  info_.device = layout_.device;
+  info_.warnings = bag_.warnings();
+  unit_is_given_ = options.depth_unit_m || sidecar_.depth_unit_m;
+  depth_ = bag_.messages(layout_.depth);
+  order_by_stamp();
+  if (!layout_.color.empty()) color_ = bag_.messages(layout_.color);
+  if (!layout_.accel.empty()) accel_ = bag_.messages(layout_.accel);
+  color_period_s_ = median_period_s(color_);
+  if (!info_.warnings.empty()) {
+    info_.warnings.front() += ", among them " + std::to_string(depth_.size()) + " depth and " +
+                              std::to_string(color_.size()) + " colour images";
+  }
+  info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
+  read_camera(options);
+  read_color_camera();
+}
+
+/// Frames come in the order of the sensor's clock. The recording order is the same in practice;
+/// it is checked where that needs no unpacking of the whole file.
+void BagRecording::order_by_stamp() {
+  constexpr std::size_t kCheapMessages = 64;
+  bool suspicious = false;
+  for (std::size_t i = 1; i < depth_.size(); ++i) {
+    const MessageRef& a = depth_[i - 1];
+    const MessageRef& b = depth_[i];
+    suspicious = suspicious || a.time_ns == b.time_ns ||
+                 std::tie(a.chunk, a.offset) > std::tie(b.chunk, b.offset);
+  }
+  if (!suspicious && depth_.size() > kCheapMessages) return;
+  std::vector<std::tuple<double, std::uint32_t, std::size_t>> order;
+  try {
+    for (std::size_t i = 0; i < depth_.size(); ++i) {
+      const auto header = parse_message(bag_, depth_[i], layout_.depth, ros::parse_header);
+      order.emplace_back(header.stamp_s, header.seq, i);
+    }
+  } catch (const Error&) {
+    return;  // a damaged frame: it is reported when it is asked for, the order stays
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<MessageRef> sorted;
+  for (const auto& [stamp_s, seq, i] : order) sorted.push_back(depth_[i]);
+  depth_ = std::move(sorted);
+}
+
+void BagRecording::read_camera(const RecordingOptions& options) {
+  const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](Bytes bytes) {
+    auto parsed = ros::parse_image(bytes);
+    parsed.data = {};  // only the header is kept
+    return parsed;
+  });
+  ros::check_depth_encoding(image, bag_.path(), layout_.depth);
+  info_.width = image.width;
+  info_.height = image.height;
+  CameraFacts facts;
+  const auto infos = bag_.messages(layout_.depth_info);
+  if (!infos.empty()) {
+    const auto camera =
+        parse_message(bag_, infos.front(), layout_.depth_info, ros::parse_camera_info);
+    facts.intrinsics = to_intrinsics(camera, layout_.depth_info, info_.warnings);
+    facts.intrinsics_source = "bag topic " + layout_.depth_info;
+  }
+  if (!layout_.depth_unit.empty()) {
+    const float unit = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
+                                     layout_.depth_unit, ros::parse_float32);
+    facts.depth_unit_m = ros::decimal(unit);
+    facts.depth_unit_source = "bag topic " + layout_.depth_unit;
+  } else if (image.depth_unit_m) {
+    facts.depth_unit_m = ros::decimal(*image.depth_unit_m);
+    facts.depth_unit_source = "depth messages of the bag";
+  } else if (image.encoding == "16UC1") {
+    facts.depth_unit_m = 0.001;
+    facts.depth_unit_source = "ROS convention (16UC1 is millimetres)";
+  }
+  settle_camera(options, sidecar_, facts, info_);
+}
+
+/// Colour in an encoding that we cannot show must not make the depth frames unreadable.
+void BagRecording::drop_unreadable_color() {
+  if (color_.empty()) return;
+  try {
+    parse_message(bag_, color_.front(), layout_.color, [&](Bytes bytes) {
+      return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
+    });
+  } catch (const Error& error) {
+    info_.warnings.push_back(std::string(error.what()) + "; colour is left out");
+    color_.clear();
+  }
+}
+
+void BagRecording::read_color_camera() {
+  drop_unreadable_color();
+  info_.has_color = !color_.empty();
+  if (!info_.has_color) {
+    info_.color_note = "none";
+    return;
+  }
+  if (layout_.color_aligned) {
+    info_.color_note = "aligned";
+    color_intrinsics_ = info_.intrinsics;
+    return;
+  }
+  const auto infos = bag_.messages(layout_.color_info);
+  if (infos.empty() || !layout_.has_extrinsics) {
+    info_.color_note = infos.empty() ? "shown only: the bag has no colour intrinsics"
+                                     : "shown only: the bag has no depth-to-colour extrinsics";
+    return;
+  }
+  const auto camera =
+      parse_message(bag_, infos.front(), layout_.color_info, ros::parse_camera_info);
+  color_intrinsics_ = to_intrinsics(camera, layout_.color_info, info_.warnings);
+  info_.color_note = "projected by extrinsics";
+}
+
+double BagRecording::color_gap_s(std::size_t color, double depth_stamp_s) const {
+  const auto header = parse_message(bag_, color_[color], layout_.color, ros::parse_header);
+  return std::abs(header.stamp_s - depth_stamp_s);
+}
+
+/// The colour image whose stamp is nearest to that of the depth image. The search starts at the
+/// nearest recording time, so that few chunks need unpacking. Null where none is near.
+const MessageRef* BagRecording::nearest_color(const MessageRef& depth, double stamp_s) const {
+  if (color_.empty()) return nullptr;
+  const auto recorded_gap_s = [&](std::size_t i) {
+    return std::abs(1e-9 *
+                    (static_cast<double>(color_[i].time_ns) - static_cast<double>(depth.time_ns)));
+  };
+  const auto after = std::lower_bound(color_.begin(), color_.end(), depth.time_ns,
+                                      [](const MessageRef& m, auto t) { return m.time_ns < t; });
+  auto best = static_cast<std::size_t>(after - color_.begin());
+  if (best == color_.size()) --best;
+  if (best > 0 && recorded_gap_s(best - 1) < recorded_gap_s(best)) --best;
+  double gap_s = color_gap_s(best, stamp_s);
+  if (gap_s > kClocksDiffer_s) {
+    gap_s = recorded_gap_s(best);  // the two sensors do not share a clock
+  } else {
+    const double surely_nearest_s = 0.4 * color_period_s_;
+    for (const int step : {-1, +1}) {
+      while (gap_s > surely_nearest_s) {
+        const auto next = static_cast<std::ptrdiff_t>(best) + step;
+        if (next < 0 || next >= static_cast<std::ptrdiff_t>(color_.size())) break;
+        const double next_gap_s = color_gap_s(static_cast<std::size_t>(next), stamp_s);
+        if (next_gap_s >= gap_s) break;
+        best = static_cast<std::size_t>(next);
+        gap_s = next_gap_s;
+      }
+    }
+  }
+  return gap_s <= kMaxColorGap_s ? &color_[best] : nullptr;
+}
+
+void BagRecording::add_color(const MessageRef& depth, Frame& frame) const {
+  const MessageRef* color = nearest_color(depth, frame.timestamp_s);
+  if (!color) return;
+  frame.color = parse_message(bag_, *color, layout_.color, [&](Bytes bytes) {
+    return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
+  });
+  frame.color_aligned = layout_.color_aligned && frame.color.width == frame.depth.width &&
+                        frame.color.height == frame.depth.height;
+  frame.color_intrinsics = color_intrinsics_;
+  frame.T_color_depth = layout_.T_color_depth;
+}
+
+Image16 BagRecording::read_depth(int i, Frame* frame) const {
+  return parse_message(bag_, depth_.at(i), layout_.depth, [&](Bytes bytes) {
+    const auto image = ros::parse_image(bytes);
+    if (image.width != info_.width || image.height != info_.height) {
+      throw Error(bag_.path().string() + ": depth frame " + std::to_string(i) + " is " +
+                  std::to_string(image.width) + "x" + std::to_string(image.height) + ", expected " +
+                  std::to_string(info_.width) + "x" + std::to_string(info_.height) +
+                  " as the first one");
+    }
+    if (frame) {
+      frame->name = std::to_string(image.header.seq);
+      frame->timestamp_s = image.header.stamp_s;
+      frame->depth_unit_m = !unit_is_given_ && image.depth_unit_m
+                                ? ros::decimal(*image.depth_unit_m)
+                                : info_.depth_unit_m;
+    }
+    return ros::to_depth(image, bag_.path(), layout_.depth);
+  });
+}
+
+Frame BagRecording::frame(int i) const {
+  Frame frame;
+  frame.index = i;
+  frame.depth = read_depth(i, &frame);
+  frame.intrinsics = info_.intrinsics;
+  add_color(depth_[i], frame);
+  frame.gravity = gravity_near(bag_, accel_, depth_[i].time_ns, layout_.R_depth_accel);
+  apply_sidecar(sidecar_, frame);
+  return frame;
+}
+
+double BagRecording::timestamp_s(int i) const {
+  Frame facts;
+  parse_message(bag_, depth_.at(i), layout_.depth, [&](Bytes bytes) {
+    const auto image = ros::parse_image(bytes);
+    facts.name = std::to_string(image.header.seq);
+    facts.timestamp_s = image.header.stamp_s;
+    return 0;
+  });
+  apply_sidecar(sidecar_, facts);
+  return facts.timestamp_s;
+}
+
+std::string BagRecording::frame_hash(int i) const {
+  return sha256_of_depth(read_depth(i, nullptr));
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> open_bag(const std::filesystem::path& path,
+                                    const RecordingOptions& options) {
+  return std::make_unique<BagRecording>(path, options);
+}
+
+}  // namespace planescope

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/byte_reader.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope::ros {
+
+// The ROS 1 messages that recordings of depth cameras use. Every function throws OutOfBytes when
+// the bytes end early.
+
+struct Header {
+  std::uint32_t seq = 0;
+  double stamp_s = 0;
+  std::string frame_id;
+};
+Header parse_header(Bytes message);
+
+struct Image {
+  Header header;
+  int width = 0;
+  int height = 0;
+  std::string encoding;
+  bool big_endian = false;
+  std::size_t step = 0;  // bytes per row
+  Bytes data;
+  std::optional<float> depth_unit_m;  // trailing field of RealSense SDK 2.49 and later
+};
+Image parse_image(Bytes message);
+
+struct CameraInfo {
+  int width = 0;
+  int height = 0;
+  std::string distortion_model;
+  std::vector<double> d;
+  Mat3d k = Mat3d::Zero();
+};
+CameraInfo parse_camera_info(Bytes message);
+
+struct Acceleration {
+  Header header;
+  Vec3d meters_per_s2 = Vec3d::Zero();
+};
+Acceleration parse_imu(Bytes message);
+
+/// geometry_msgs/Transform; the quaternion is normalised. Throws OutOfBytes on a zero quaternion.
+Pose parse_transform(Bytes message);
+
+struct NamedTransform {
+  std::string parent;
+  std::string child;
+  Pose T_parent_child = Pose::Identity();
+};
+std::vector<NamedTransform> parse_tf_message(Bytes message);
+
+/// realsense2_camera/Extrinsics: rotation column-major, then translation.
+Pose parse_extrinsics(Bytes message);
+
+struct KeyValue {
+  std::string key;
+  std::string value;
+};
+KeyValue parse_key_value(Bytes message);
+
+float parse_float32(Bytes message);
+
+}  // namespace planescope::ros

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/model/frame.hpp"
+
+namespace planescope {
+
+/// Fields of a cloud file that are wanted as they stand there, beside what PointSet keeps.
+struct CloudExtras {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;  // by name: one per point, or empty where it has none
+};
+
+/// Reads a .ply or .pcd cloud with its colours and its `label` / `instance` fields (any integer
+/// type). The header is checked against the file's size before anything is allocated.
+PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
+
+/// A field of type int beside those of PointSet, one value per point.
+struct IntField {
+  std::string name;
+  std::vector<std::int32_t> values;
+};
+
+/// Binary little-endian PLY: float x y z (double when set.origin is not zero), then uchar red
+/// green blue where set.rgb is given, uchar label and int instance where given, then `more`.
+std::vector<unsigned char> ply_bytes(const PointSet& set, std::span<const IntField> more = {});
+void write_ply(const std::filesystem::path& path, const PointSet& set);
+
+/// The same fields as binary PCD, colour as PCL packs it.
+std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more = {});
+
+}  // namespace planescope

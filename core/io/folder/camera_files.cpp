@@ -1,0 +1,218 @@
+#include "core/io/folder/camera_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/io/cloud_files/cloud_builder.hpp"
+#include "core/io/cloud_files/cloud_formats.hpp"
+#include "core/io/json_file.hpp"
+#include "core/io/sniff.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::uintmax_t kMaxTextBytes = 1 << 16;
+constexpr std::uintmax_t kMaxJsonBytes = 1 << 20;
+
+bool name_has(const fs::path& path, std::initializer_list<const char*> words) {
+  const std::string name = path.filename().string();
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return name.find(word) != std::string::npos; });
+}
+
+/// The numbers of `intrinsic_matrix`: nine in a row or three rows of three.
+std::vector<double> matrix_numbers(const json& value) {
+  std::vector<double> numbers;
+  for (const json& entry : value) {
+    if (entry.is_number()) numbers.push_back(entry.get<double>());
+    if (!entry.is_array()) continue;
+    for (const json& inner : entry) {
+      if (inner.is_number()) numbers.push_back(inner.get<double>());
+    }
+  }
+  return numbers;
+}
+
+std::optional<Intrinsics> json_intrinsics(const json& object, const fs::path& path) {
+  Intrinsics k;
+  const auto number = [&](const char* key) { return object.at(key).get<double>(); };
+  const auto has_numbers = [&](std::initializer_list<const char*> keys) {
+    return std::all_of(keys.begin(), keys.end(), [&](const char* key) {
+      return object.contains(key) && object[key].is_number();
+    });
+  };
+  if (object.contains("intrinsic_matrix")) {
+    const json& matrix = object["intrinsic_matrix"];
+    const auto m = matrix_numbers(matrix);
+    if (m.size() != 9) {
+      throw Error(path.string() + ": \"intrinsic_matrix\" has " + std::to_string(m.size()) +
+                  " numbers, expected 9");
+    }
+    // Open3D writes columns one after the other; three rows of three, and what has its principal
+    // point in the first row, are rows.
+    const bool rows = matrix[0].is_array() || (m[6] == 0 && m[2] != 0);
+    k.fx = m[0];
+    k.fy = m[4];
+    k.cx = rows ? m[2] : m[6];
+    k.cy = rows ? m[5] : m[7];
+  } else if (has_numbers({"fx", "fy", "cx", "cy"})) {
+    k.fx = number("fx"), k.fy = number("fy"), k.cx = number("cx"), k.cy = number("cy");
+  } else if (has_numbers({"fx", "fy", "ppx", "ppy"})) {
+    k.fx = number("fx"), k.fy = number("fy"), k.cx = number("ppx"), k.cy = number("ppy");
+  } else {
+    return std::nullopt;
+  }
+  k.fy = std::abs(k.fy);
+  if (has_numbers({"width", "height"})) {
+    k.width = static_cast<int>(std::clamp(number("width"), 0.0, 1e5));
+    k.height = static_cast<int>(std::clamp(number("height"), 0.0, 1e5));
+  }
+  return k;
+}
+
+std::optional<std::string> small_text(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::file_size(path, ignored) > kMaxTextBytes) return std::nullopt;
+  const auto bytes = read_file_bytes(path, kMaxTextBytes);
+  return std::string(bytes.begin(), bytes.end());
+}
+
+std::vector<fs::path> files_of(const fs::path& folder, std::initializer_list<const char*> kinds) {
+  std::vector<fs::path> found;
+  for (const fs::path& path : files_in(folder)) {
+    for (const char* kind : kinds) {
+      if (extension(path) == kind) found.push_back(path);
+    }
+  }
+  return found;
+}
+
+struct Candidate {
+  fs::path path;
+  CameraFacts facts;
+};
+
+/// Of several files, which one is for depth and which for colour is in their names.
+CameraFiles choose(const std::vector<Candidate>& candidates) {
+  const auto find = [&](auto wanted) {
+    return std::find_if(candidates.begin(), candidates.end(),
+                        [&](const Candidate& c) { return wanted(c.path); });
+  };
+  const auto is_color = [](const fs::path& p) { return name_has(p, {"color", "rgb"}); };
+  auto depth = find([](const fs::path& p) { return name_has(p, {"depth"}); });
+  const std::string usual[] = {"intrinsic.json", "camera_intrinsic.json"};
+  for (const std::string& name : usual) {
+    if (depth == candidates.end())
+      depth = find([&](const fs::path& p) { return p.filename() == name; });
+  }
+  if (depth == candidates.end()) depth = find([&](const fs::path& p) { return !is_color(p); });
+  if (depth == candidates.end()) depth = candidates.begin();
+  CameraFiles files;
+  files.depth = depth->facts;
+  const auto color = find(is_color);
+  if (color != candidates.end() && color != depth) files.color = color->facts.intrinsics;
+  return files;
+}
+
+}  // namespace
+
+std::optional<CameraFacts> camera_from_json(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::file_size(path, ignored) > kMaxJsonBytes) return std::nullopt;
+  json document;
+  try {
+    document = read_json_file(path);
+  } catch (const Error&) {
+    if (name_has(path, {"intrinsic"})) throw;
+    return std::nullopt;
+  }
+  if (!document.is_object()) return std::nullopt;
+  const bool nested = document.contains("intrinsic") && document["intrinsic"].is_object();
+  const auto intrinsics = json_intrinsics(nested ? document["intrinsic"] : document, path);
+  if (!intrinsics) return std::nullopt;
+  CameraFacts facts;
+  facts.intrinsics = intrinsics;
+  facts.intrinsics_source = path.filename().string();
+  if (document.contains("depth_scale") && document["depth_scale"].is_number()) {
+    // RealSense writes metres per count (0.001), Open3D counts per metre (1000).
+    const double scale = document["depth_scale"].get<double>();
+    if (scale > 0) {
+      facts.depth_unit_m = scale >= 1 ? 1 / scale : scale;
+      facts.depth_unit_source = path.filename().string() + " depth_scale " +
+                                (scale >= 1 ? "(counts per metre)" : "(metres per count)");
+    }
+  }
+  return facts;
+}
+
+std::optional<CameraFacts> camera_from_text(const fs::path& path) {
+  const auto text = small_text(path);
+  if (!text) return std::nullopt;
+  std::vector<double> n;
+  std::string line_free = *text;
+  for (std::size_t at = line_free.find('#'); at != std::string::npos; at = line_free.find('#')) {
+    line_free.erase(at, std::min(line_free.find('\n', at), line_free.size()) - at);
+  }
+  std::replace(line_free.begin(), line_free.end(), ',', ' ');
+  WordReader words(std::as_bytes(std::span(line_free)));
+  try {
+    while (true) {
+      std::string_view word = words.next();
+      // ICL-NUIM's files write "0." and "-480.0".
+      if (word.ends_with('.')) word.remove_suffix(1);
+      const auto value = parse_number(word);
+      if (!value || !std::isfinite(*value) || n.size() > 16) return std::nullopt;
+      n.push_back(*value);
+    }
+  } catch (OutOfBytes) {
+    // All words were numbers.
+  }
+  Intrinsics k;
+  const auto is_matrix = [&](std::size_t stride) {
+    return n[1] == 0 && n[stride] == 0 && n[2 * stride] == 0 && n[2 * stride + 1] == 0 &&
+           n[2 * stride + 2] == 1;
+  };
+  const auto take_matrix = [&](std::size_t stride) {
+    // A negative fy (ICL-NUIM) turns the image's y axis; the depth itself has y down as ours.
+    k.fx = n[0], k.fy = std::abs(n[stride + 1]), k.cx = n[2], k.cy = n[stride + 2];
+  };
+  if (n.size() == 4) {
+    k.fx = n[0], k.fy = std::abs(n[1]), k.cx = n[2], k.cy = n[3];
+  } else if (n.size() == 9 && is_matrix(3)) {
+    take_matrix(3);
+  } else if (n.size() == 16 && is_matrix(4)) {
+    take_matrix(4);
+  } else {
+    return std::nullopt;
+  }
+  if (k.fx < 1 || k.fy < 1) return std::nullopt;
+  CameraFacts facts;
+  facts.intrinsics = k;
+  facts.intrinsics_source = path.filename().string();
+  return facts;
+}
+
+CameraFiles find_camera_files(const fs::path& folder) {
+  std::vector<Candidate> candidates;
+  for (const fs::path& path : files_of(folder, {".json"})) {
+    if (name_has(path, {"planescope.json", "gravity.json"})) continue;
+    if (auto facts = camera_from_json(path)) candidates.push_back({path, *facts});
+  }
+  if (!candidates.empty()) return choose(candidates);
+  for (const fs::path& path : files_of(folder, {".xml"})) {
+    if (auto files = camera_from_opencv_xml(path)) return *files;
+  }
+  for (const fs::path& path : files_of(folder, {".k", ".txt", ".intrinsics"})) {
+    if (auto facts = camera_from_text(path)) candidates.push_back({path, *facts});
+  }
+  if (!candidates.empty()) return choose(candidates);
+  return {};
+}
+
+}  // namespace planescope

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+// Internal to core/io.
+
+namespace planescope {
+
+/// Which images of a folder are depth, and which colour belongs to each.
+struct FolderLayout {
+  std::vector<std::filesystem::path> depth;  // in natural order
+  std::vector<std::filesystem::path> color;  // one per depth image, empty path where none
+  bool tum = false;                          // depth.txt and rgb.txt beside the folders
+  std::vector<std::string> warnings;
+  bool has_color() const;
+};
+
+/// Looks for depth/ with color/ or rgb/, else for names such as 000_depth.png and 000_color.png in
+/// the folder itself, else for 16-bit grey PNGs there. No depth images: an empty layout.
+FolderLayout find_folder_layout(const std::filesystem::path& folder);
+
+/// A point of time in a file name: the last number of it when it has at least ten digits before
+/// the point (seconds, milli-, micro- or nanoseconds since 1970). [s]
+std::optional<double> timestamp_in_name(const std::filesystem::path& path);
+
+}  // namespace planescope

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <map>
+
+#include "core/io/folder/camera_files.hpp"
+#include "core/io/folder/folder_layout.hpp"
+#include "core/io/image/jpeg.hpp"
+#include "core/io/image/png.hpp"
+#include "core/io/readers.hpp"
+#include "core/io/sniff.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+Image8 read_picture(const fs::path& path) {
+  return extension(path) == ".png" ? read_png_rgb(path) : read_jpeg_rgb(path);
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+class FolderRecording : public Recording {
+ public:
+  FolderRecording(const fs::path& path, const RecordingOptions& options);
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return static_cast<int>(layout_.depth.size()); }
+  Frame frame(int i) const override;
+  double timestamp_s(int i) const override;
+  std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
+
+ private:
+  void find_images(const fs::path& path);
+  void check_images(bool later);
+  CameraFiles find_camera(const fs::path& path) const;
+  void settle_color(const CameraFiles& camera);
+  Image16 read_depth(int i) const;
+
+  FolderLayout layout_;
+  std::map<int, std::string> damaged_;  // frame, and what is wrong with it
+  RecordingInfo info_;
+  Sidecar sidecar_;
+  bool color_aligned_ = false;
+  Intrinsics color_intrinsics_;
+  Pose T_color_depth_ = Pose::Identity();
+};
+
+FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& options)
+    : sidecar_(read_sidecar(path)) {
+  info_.path = path;
+  find_images(path);
+  info_.warnings = layout_.warnings;
+  check_images(options.damaged_frames_later);
+  const CameraFiles camera = find_camera(path);
+  settle_camera(options, sidecar_, camera.depth, info_);
+  settle_color(camera);
+}
+
+/// The images of a folder, or the single depth image given with the colour it has in its folder.
+void FolderRecording::find_images(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    info_.format = "folder of images";
+    layout_ = find_folder_layout(path);
+    return;
+  }
+  info_.format = "depth image";
+  layout_.depth = {path};
+  layout_.color = {fs::path{}};
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (sidecar_.path.empty()) sidecar_ = read_sidecar(folder);
+  // Of depth/000.png the colour lies in a folder beside depth/.
+  const bool in_depth_folder =
+      fs::absolute(folder, ignored).lexically_normal().filename() == "depth";
+  for (const fs::path& root : {in_depth_folder ? folder / ".." : folder, folder}) {
+    const FolderLayout around = find_folder_layout(root);
+    for (std::size_t i = 0; i < around.depth.size(); ++i) {
+      if (fs::equivalent(around.depth[i], path, ignored)) {
+        layout_.color = {around.color[i]};
+        layout_.tum = around.tum;
+        return;
+      }
+    }
+  }
+}
+
+/// Looks at the ends of every file, so that what cannot be used is known before work starts.
+void FolderRecording::check_images(bool later) {
+  const auto check_depth = [this](const fs::path& path) {
+    const PngInfo image = png_info(path);
+    if (image.channels != 1 || image.bit_depth != 16) {
+      throw Error(path.string() + ": PNG of " + std::to_string(image.channels) +
+                  " channel(s) with " + std::to_string(image.bit_depth) +
+                  " bits, expected depth as 1 channel with 16 bits (a picture of depth holds no "
+                  "distances)");
+    }
+    if (png_is_cut(path)) throw Error(path.string() + ": the PNG is cut, its end is missing");
+    if (info_.width == 0) {
+      info_.width = image.width;
+      info_.height = image.height;
+    }
+    if (image.width != info_.width || image.height != info_.height) {
+      throw Error(path.string() + ": depth image of " + size_text(image.width, image.height) +
+                  ", expected " + size_text(info_.width, info_.height) + " as the first one");
+    }
+  };
+  for (std::size_t i = 0; i < layout_.depth.size(); ++i) {
+    try {
+      check_depth(layout_.depth[i]);
+      const fs::path& color = layout_.color[i];
+      if (!color.empty() && extension(color) == ".png" && png_is_cut(color))
+        throw Error(color.string() + ": the PNG is cut, its end is missing");
+    } catch (const Error& error) {
+      if (!later) throw;
+      damaged_[static_cast<int>(i)] = error.what();
+    }
+  }
+  if (damaged_.size() == layout_.depth.size()) throw Error(damaged_.begin()->second);
+}
+
+/// Calibration lies beside the images or one folder up.
+CameraFiles FolderRecording::find_camera(const fs::path& path) const {
+  std::vector<fs::path> folders = {path, layout_.depth.front().parent_path()};
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) folders.erase(folders.begin());
+  const fs::path last = fs::absolute(folders.back(), ignored).lexically_normal();
+  if (last.filename() == "depth") folders.push_back(last.parent_path());
+  for (const fs::path& folder : folders) {
+    CameraFiles camera = find_camera_files(folder.empty() ? fs::path(".") : folder);
+    if (camera.depth.intrinsics) return camera;
+  }
+  CameraFiles camera;
+  if (layout_.tum) {
+    // https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
+    camera.depth.intrinsics = Intrinsics{0, 0, 525, 525, 319.5, 239.5, Distortion::none, {}};
+    camera.depth.intrinsics_source = "assumed (TUM RGB-D default)";
+    camera.depth.depth_unit_m = 1.0 / 5000;
+    camera.depth.depth_unit_source = "assumed (TUM RGB-D convention)";
+  }
+  return camera;
+}
+
+void FolderRecording::settle_color(const CameraFiles& camera) {
+  info_.has_color = layout_.has_color();
+  if (!info_.has_color) {
+    info_.color_note = "none";
+    return;
+  }
+  const auto first = std::find_if(layout_.color.begin(), layout_.color.end(),
+                                  [](const fs::path& p) { return !p.empty(); });
+  const Image8 color = read_picture(*first);
+  const bool same_size = color.width == info_.width && color.height == info_.height;
+  if (sidecar_.color_aligned && *sidecar_.color_aligned) {
+    if (!same_size) {
+      throw Error(first->string() + ": colour of " + size_text(color.width, color.height) +
+                  ", expected " + size_text(info_.width, info_.height) + " since " +
+                  sidecar_.path.filename().string() + " calls it aligned with depth");
+    }
+    color_aligned_ = true;
+    info_.color_note = "aligned";
+  } else if (camera.color && camera.T_color_depth) {
+    color_intrinsics_ = *camera.color;
+    color_intrinsics_.width = color.width;
+    color_intrinsics_.height = color.height;
+    T_color_depth_ = *camera.T_color_depth;
+    info_.color_note = "projected by extrinsics";
+  } else if (same_size && !camera.color && !sidecar_.color_aligned) {
+    color_aligned_ = true;
+    info_.color_note = "assumed aligned (same size, one set of intrinsics)";
+  } else {
+    info_.color_note = "shown only: colour of " + size_text(color.width, color.height) +
+                       " without extrinsics to depth";
+  }
+  if (color_aligned_) color_intrinsics_ = info_.intrinsics;
+}
+
+Image16 FolderRecording::read_depth(int i) const {
+  if (const auto found = damaged_.find(i); found != damaged_.end()) throw Error(found->second);
+  Image16 depth = read_png_16(layout_.depth.at(i));
+  if (depth.width != info_.width || depth.height != info_.height) {
+    throw Error(layout_.depth[i].string() + ": the file has changed since it was opened");
+  }
+  return depth;
+}
+
+double FolderRecording::timestamp_s(int i) const {
+  Frame facts;
+  facts.name = layout_.depth.at(i).stem().string();
+  facts.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
+  apply_sidecar(sidecar_, facts);
+  return facts.timestamp_s;
+}
+
+Frame FolderRecording::frame(int i) const {
+  Frame frame;
+  frame.index = i;
+  frame.depth = read_depth(i);
+  frame.name = layout_.depth[i].stem().string();
+  frame.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
+  frame.depth_unit_m = info_.depth_unit_m;
+  frame.intrinsics = info_.intrinsics;
+  if (!layout_.color[i].empty()) {
+    frame.color = read_picture(layout_.color[i]);
+    frame.color_aligned = color_aligned_ && frame.color.width == frame.depth.width &&
+                          frame.color.height == frame.depth.height;
+    frame.color_intrinsics = color_intrinsics_;
+    frame.T_color_depth = T_color_depth_;
+  }
+  apply_sidecar(sidecar_, frame);
+  return frame;
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> open_image_folder(const fs::path& path,
+                                             const RecordingOptions& options) {
+  return std::make_unique<FolderRecording>(path, options);
+}
+
+}  // namespace planescope

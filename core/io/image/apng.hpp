@@ -1,0 +1,28 @@
+#pragma once
+
+// Animated PNG: what shows an animation of photographs in any browser, and its first frame in
+// every other viewer of PNGs.
+
+#include <ostream>
+
+#include "core/model/image.hpp"
+
+namespace planescope {
+
+/// Writes one RGB frame after the other, without loss; only one is in memory. Whoever owns the
+/// stream checks it.
+class ApngWriter {
+ public:
+  /// `frames`: how many add() will be called with, at least one.
+  ApngWriter(std::ostream& out, int width, int height, int frames, int frames_per_second);
+  void add(const Image8& image);
+  void finish();
+
+ private:
+  std::ostream& out_;
+  int width_, height_, frames_, frames_per_second_;
+  int added_ = 0;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace planescope

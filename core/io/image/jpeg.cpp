@@ -1,0 +1,92 @@
+#include "core/io/image/jpeg.hpp"
+
+#include <csetjmp>
+#include <cstdio>
+// jpeglib.h needs stdio's FILE and must come after it.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope {
+namespace {
+
+/// libjpeg's state. Its errors longjmp: the steps below hold plain values only.
+struct Decoder {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jmp_buf jump{};
+  const unsigned char* bytes = nullptr;
+  std::size_t size = 0;
+  unsigned char* pixels = nullptr;
+  char message[JMSG_LENGTH_MAX] = "";
+
+  ~Decoder() { jpeg_destroy_decompress(&jpeg); }
+};
+
+void on_error(j_common_ptr jpeg) {
+  auto* decoder = static_cast<Decoder*>(jpeg->client_data);
+  jpeg->err->format_message(jpeg, decoder->message);
+  longjmp(decoder->jump, 1);
+}
+
+// libjpeg only warns about a file that is cut short and paints the rest grey; to us it is an error.
+// Stray bytes between markers, which some cameras write, are harmless.
+void on_message(j_common_ptr jpeg, int level) {
+  if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) on_error(jpeg);
+}
+
+bool read_header(Decoder& decoder) {
+  if (setjmp(decoder.jump)) return false;
+  jpeg_create_decompress(&decoder.jpeg);
+  decoder.jpeg.client_data = &decoder;
+  jpeg_mem_src(&decoder.jpeg, decoder.bytes, decoder.size);
+  jpeg_read_header(&decoder.jpeg, TRUE);
+  decoder.jpeg.out_color_space = JCS_RGB;
+  return true;
+}
+
+bool read_rows(Decoder& decoder) {
+  if (setjmp(decoder.jump)) return false;
+  jpeg_start_decompress(&decoder.jpeg);
+  const std::size_t row_bytes = std::size_t{3} * decoder.jpeg.output_width;
+  while (decoder.jpeg.output_scanline < decoder.jpeg.output_height) {
+    JSAMPROW row = decoder.pixels + row_bytes * decoder.jpeg.output_scanline;
+    jpeg_read_scanlines(&decoder.jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&decoder.jpeg);
+  return true;
+}
+
+}  // namespace
+
+Image8 read_jpeg_rgb(const std::filesystem::path& path) {
+  const auto bytes = read_file_bytes(path);
+  Decoder decoder;
+  decoder.bytes = bytes.data();
+  decoder.size = bytes.size();
+  decoder.jpeg.err = jpeg_std_error(&decoder.errors);
+  decoder.jpeg.client_data = &decoder;
+  decoder.errors.error_exit = on_error;
+  decoder.errors.emit_message = on_message;
+  const auto fail = [&] {
+    throw Error(path.string() + ": not a readable JPEG (" + decoder.message + ")");
+  };
+  if (bytes.empty() || !read_header(decoder)) fail();
+  // A JPEG block of 64 pixels takes at least a few bits: an image far larger than its file allows
+  // is damaged, and is refused before it is allocated.
+  const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
+  if (pixels > bytes.size() * std::uint64_t{4096}) {
+    throw Error(path.string() + ": promises " + std::to_string(decoder.jpeg.image_width) + "x" +
+                std::to_string(decoder.jpeg.image_height) + " pixels, more than its " +
+                std::to_string(bytes.size()) + " bytes can hold");
+  }
+  Image8 image(static_cast<int>(decoder.jpeg.image_width),
+               static_cast<int>(decoder.jpeg.image_height), 3);
+  decoder.pixels = image.data.data();
+  if (!read_rows(decoder)) fail();
+  return image;
+}
+
+}  // namespace planescope

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/model/image.hpp"
+
+namespace planescope {
+
+/// Reads a JPEG as RGB. Throws Error naming the file when it is cut short or is no JPEG.
+Image8 read_jpeg_rgb(const std::filesystem::path& path);
+
+}  // namespace planescope

@@ -1,0 +1,216 @@
+#include "core/io/image/png.hpp"
+
+#include <png.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <fstream>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr std::uint32_t kMaxSide = 1 << 15;
+constexpr std::size_t kSignatureBytes = 8;
+// Deflate never packs tighter than 1032:1, so a small file cannot ask for a large image.
+constexpr std::uint64_t kMaxDeflateRatio = 1040;
+
+/// libpng's state. Its errors longjmp: nothing with a destructor may live in a frame that a jump
+/// leaves, so all of it lives here and the steps below hold plain values only.
+struct Decoder {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  const unsigned char* next = nullptr;
+  std::size_t left = 0;
+  png_bytep* rows = nullptr;
+  bool to_rgb = false;
+  char message[160] = "";
+
+  ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void on_error(png_structp png, png_const_charp text) {
+  auto* decoder = static_cast<Decoder*>(png_get_error_ptr(png));
+  std::strncpy(decoder->message, text, sizeof(decoder->message) - 1);
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep out, png_size_t count) {
+  auto* decoder = static_cast<Decoder*>(png_get_io_ptr(png));
+  if (count > decoder->left) png_error(png, "the file ends early");
+  std::memcpy(out, decoder->next, count);
+  decoder->next += count;
+  decoder->left -= count;
+}
+
+bool guarded(Decoder& decoder, void (*step)(Decoder&)) {
+  if (setjmp(png_jmpbuf(decoder.png))) return false;
+  step(decoder);
+  return true;
+}
+
+void read_header(Decoder& decoder) {
+  png_set_user_limits(decoder.png, kMaxSide, kMaxSide);
+  png_set_chunk_malloc_max(decoder.png, 1 << 20);
+  png_read_info(decoder.png, decoder.info);
+}
+
+void set_transforms(Decoder& decoder) {
+  if constexpr (std::endian::native == std::endian::little) {
+    if (!decoder.to_rgb) png_set_swap(decoder.png);
+  }
+  if (decoder.to_rgb) {
+    png_set_expand(decoder.png);
+    png_set_scale_16(decoder.png);
+    png_set_strip_alpha(decoder.png);
+    png_set_gray_to_rgb(decoder.png);
+  }
+  png_set_interlace_handling(decoder.png);
+  png_read_update_info(decoder.png, decoder.info);
+}
+
+void read_rows(Decoder& decoder) {
+  png_read_image(decoder.png, decoder.rows);
+  png_read_end(decoder.png, nullptr);
+}
+
+void require_signature(std::span<const unsigned char> bytes, const std::filesystem::path& path) {
+  if (bytes.size() >= kSignatureBytes && png_sig_cmp(bytes.data(), 0, kSignatureBytes) == 0) return;
+  throw Error(path.string() + ": not a PNG (" +
+              (bytes.empty() ? "an empty file" : "it does not start with the PNG signature") + ")");
+}
+
+int channels_of(int color_type) {
+  switch (color_type) {
+    case PNG_COLOR_TYPE_GRAY:
+      return 1;
+    case PNG_COLOR_TYPE_GRAY_ALPHA:
+      return 2;
+    case PNG_COLOR_TYPE_RGB_ALPHA:
+      return 4;
+    default:
+      return 3;  // RGB, or a palette of it
+  }
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, const Decoder& decoder) {
+  throw Error(path.string() + ": not a readable PNG (" + decoder.message + ")");
+}
+
+/// Throws Error if the bytes do not start as a PNG or its header is damaged.
+PngInfo open(Decoder& decoder,
+             std::span<const unsigned char> bytes,
+             const std::filesystem::path& path) {
+  require_signature(bytes, path);
+  decoder.next = bytes.data();
+  decoder.left = bytes.size();
+  decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
+  if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
+  if (!decoder.info) throw Error(path.string() + ": libpng could not be started");
+  png_set_read_fn(decoder.png, &decoder, on_read);
+  if (!guarded(decoder, read_header)) fail(path, decoder);
+  return {static_cast<int>(png_get_image_width(decoder.png, decoder.info)),
+          static_cast<int>(png_get_image_height(decoder.png, decoder.info)),
+          channels_of(png_get_color_type(decoder.png, decoder.info)),
+          png_get_bit_depth(decoder.png, decoder.info)};
+}
+
+template <typename T>
+Image<T> decode(Decoder& decoder,
+                const PngInfo& info,
+                std::size_t file_bytes,
+                int channels,
+                const std::filesystem::path& path) {
+  const std::uint64_t packed_bits = std::uint64_t(info.width) * info.height * info.bit_depth;
+  if (packed_bits / 8 > file_bytes * kMaxDeflateRatio) {
+    throw Error(path.string() + ": promises " + std::to_string(info.width) + "x" +
+                std::to_string(info.height) + " pixels, more than its " +
+                std::to_string(file_bytes) + " bytes can hold");
+  }
+  if (!guarded(decoder, set_transforms)) fail(path, decoder);
+  Image<T> image(info.width, info.height, channels);
+  const std::size_t row_bytes = sizeof(T) * info.width * channels;
+  if (png_get_rowbytes(decoder.png, decoder.info) != row_bytes) {
+    throw Error(path.string() + ": PNG of an unexpected pixel layout");
+  }
+  std::vector<png_bytep> rows(info.height);
+  for (int y = 0; y < info.height; ++y) {
+    rows[y] = reinterpret_cast<png_bytep>(image.data.data()) + y * row_bytes;
+  }
+  decoder.rows = rows.data();
+  if (!guarded(decoder, read_rows)) fail(path, decoder);
+  return image;
+}
+
+template <typename T>
+Image<T> read_grey(const std::filesystem::path& path) {
+  const auto bytes = read_file_bytes(path);
+  Decoder decoder;
+  const PngInfo info = open(decoder, bytes, path);
+  const int bits = 8 * sizeof(T);
+  if (info.channels != 1 || info.bit_depth != bits) {
+    throw Error(path.string() + ": PNG of " + std::to_string(info.channels) + " channel(s) with " +
+                std::to_string(info.bit_depth) + " bits, expected 1 channel with " +
+                std::to_string(bits) + " bits");
+  }
+  return decode<T>(decoder, info, bytes.size(), 1, path);
+}
+
+}  // namespace
+
+PngInfo png_info(const std::filesystem::path& path) {
+  constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
+  std::array<unsigned char, kHeaderBytes> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  file.read(reinterpret_cast<char*>(head.data()), head.size());
+  const auto size = static_cast<std::size_t>(file.gcount());
+  require_signature(std::span(head).first(size), path);
+  if (size < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
+    throw Error(path.string() + ": not a readable PNG (its header is cut or damaged)");
+  }
+  const auto side = [&](std::size_t at) {
+    return std::uint32_t(head[at]) << 24 | std::uint32_t(head[at + 1]) << 16 |
+           std::uint32_t(head[at + 2]) << 8 | head[at + 3];
+  };
+  const std::uint32_t width = side(16);
+  const std::uint32_t height = side(20);
+  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
+    throw Error(path.string() + ": PNG of " + std::to_string(width) + "x" + std::to_string(height) +
+                " pixels, expected 1 to " + std::to_string(kMaxSide) + " a side");
+  }
+  return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
+}
+
+bool png_is_cut(const std::filesystem::path& path) {
+  constexpr std::streamoff kEndBytes = 12;  // length, "IEND", checksum
+  std::array<char, kEndBytes> tail{};
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (file && file.tellg() >= kEndBytes) {
+    file.seekg(-kEndBytes, std::ios::end);
+    file.read(tail.data(), kEndBytes);
+    if (std::memcmp(&tail[4], "IEND", 4) == 0) return false;
+  }
+  // Some writers leave something behind the end: only decoding can tell.
+  const auto bytes = read_file_bytes(path);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.rfind("IEND") == std::string_view::npos;
+}
+
+Image16 read_png_16(const std::filesystem::path& path) { return read_grey<std::uint16_t>(path); }
+Image8 read_png_grey(const std::filesystem::path& path) { return read_grey<std::uint8_t>(path); }
+
+Image8 read_png_rgb(const std::filesystem::path& path) {
+  const auto bytes = read_file_bytes(path);
+  Decoder decoder;
+  const PngInfo info = open(decoder, bytes, path);
+  decoder.to_rgb = true;
+  return decode<std::uint8_t>(decoder, info, bytes.size(), 3, path);
+}
+
+}  // namespace planescope

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/recording.hpp"
+
+// What the readers of the single formats share. Internal to core/io.
+
+namespace planescope {
+
+/// What lies beside a recording and says what its files cannot: `planescope.json` or
+/// `gravity.json` in a folder, `<file>.planescope.json` beside a single file. All keys optional:
+///   {"schema": "planescope.recording/1",
+///    "intrinsics": {"width", "height", "fx", "fy", "cx", "cy", "distortion": [k1,k2,p1,p2,k3]},
+///    "depth_unit_m": 0.001, "gravity": [x, y, z], "color_aligned": true,
+///    "frames": [{"name": "000000", "timestamp_s": 0.0, "gravity": [x, y, z]}]}
+struct Sidecar {
+  struct FrameFacts {
+    std::string name;  // file stem of the depth image
+    std::optional<double> timestamp_s;
+    std::optional<Vec3d> gravity;  // unit vector
+  };
+  std::filesystem::path path;  // empty where there is none
+  std::optional<Intrinsics> intrinsics;
+  std::optional<double> depth_unit_m;
+  std::optional<Vec3d> gravity;  // unit vector, for all frames that have none of their own
+  std::optional<bool> color_aligned;
+  std::vector<FrameFacts> frames;
+};
+
+/// Reads the sidecar of a recording, an empty one where there is none. Throws Error naming the
+/// sidecar and the key when a value cannot be used.
+Sidecar read_sidecar(const std::filesystem::path& recording);
+/// Puts the sidecar's gravity and timestamp into a frame.
+void apply_sidecar(const Sidecar& sidecar, Frame& frame);
+
+/// What the files of a recording themselves say about the depth camera.
+struct CameraFacts {
+  std::optional<Intrinsics> intrinsics;
+  std::string intrinsics_source;
+  std::optional<double> depth_unit_m;
+  std::string depth_unit_source;
+};
+
+/// Settles intrinsics and depth unit of `info` (path, width and height already set): option, then
+/// sidecar, then file, then the RealSense default for the unit. Throws Error when there are no
+/// intrinsics, naming --intrinsics, or when they are for another image size.
+void settle_camera(const RecordingOptions& options,
+                   const Sidecar& sidecar,
+                   const CameraFacts& facts,
+                   RecordingInfo& info);
+
+/// Sets the distortion from a model's name and its coefficients. Returns false when the model is
+/// not supported although its coefficients are not zero: then none is set.
+bool set_distortion(const std::string& model,
+                    const std::vector<double>& coefficients,
+                    Intrinsics& intrinsics);
+
+std::string sha256_of_depth(const Image16& depth);
+
+// One per format; each throws Error when the path does not hold what it reads.
+std::unique_ptr<Recording> open_bag(const std::filesystem::path& path,
+                                    const RecordingOptions& options);
+std::unique_ptr<Recording> open_image_folder(const std::filesystem::path& path,
+                                             const RecordingOptions& options);
+std::unique_ptr<Recording> open_viewer_raw(const std::filesystem::path& path,
+                                           const RecordingOptions& options);
+std::unique_ptr<Recording> open_clouds(const std::filesystem::path& path,
+                                       const RecordingOptions& options);
+
+}  // namespace planescope

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/frame.hpp"
+
+namespace planescope {
+
+/// What the user says about a recording; wins over what its files say.
+struct RecordingOptions {
+  std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
+  std::optional<double> depth_unit_m;               // metres per count
+  std::string instance_field = {};  // clouds: where plane ids stand, instead of `instance`
+  /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
+  /// long as another one is whole.
+  bool damaged_frames_later = false;
+};
+
+/// Facts about a recording, for `info`, for reports and for the one-line summary on load.
+struct RecordingInfo {
+  std::filesystem::path path;
+  std::string format;         // "RealSense SDK bag", "folder", "RealSense Viewer raw", ...
+  std::string device;         // as the file says, or empty
+  int width = 0, height = 0;  // depth image; 0 for clouds
+  double depth_unit_m = 0;
+  std::string depth_unit_source;  // "bag topic .../Depth Units", "assumed (RealSense default)", ...
+  Intrinsics intrinsics;
+  std::string intrinsics_source;  // file or topic name, "option"
+  bool has_color = false;
+  std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
+  std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts
+};
+
+/// A recording: opened once, frames read at random. Reading is const and thread-safe.
+class Recording {
+ public:
+  virtual ~Recording() = default;
+  virtual const RecordingInfo& info() const = 0;
+  virtual int frame_count() const = 0;
+  /// Throws Error if frame i cannot be read; 0 <= i < frame_count().
+  virtual Frame frame(int i) const = 0;
+  /// Frame::timestamp_s of frame i; readers that know it without reading the frame say so.
+  virtual double timestamp_s(int i) const { return frame(i).timestamp_s; }
+  /// SHA-256 of the raw bytes that make frame i: its depth image as little-endian counts, or the
+  /// cloud's coordinates. Ties labels to the data they were drawn on.
+  virtual std::string frame_hash(int i) const = 0;
+};
+
+/// Opens any format that planescope reads (bag, folder of PNGs, Viewer .raw, .ply/.pcd cloud),
+/// found out from the content. Throws Error with one line on anything else.
+/// A sidecar beside the recording adds what its files cannot say (gravity, intrinsics, unit):
+/// `planescope.json` or `gravity.json` in a folder, `<file>.planescope.json` beside a file; its
+/// keys are listed at `Sidecar` in readers.hpp.
+std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
+                                          const RecordingOptions& options = {});
+
+}  // namespace planescope

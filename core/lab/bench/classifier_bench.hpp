@@ -1,0 +1,42 @@
+#pragma once
+
+// Everything that `planescope bench classifier` measures, as tables and as JSON.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/lab/bench/chain_bench.hpp"
+#include "core/lab/bench/frame_bench.hpp"
+#include "core/lab/bench/label_bench.hpp"
+#include "core/lab/bench/machine.hpp"
+#include "core/lab/bench/speed_bench.hpp"
+#include "core/lab/bench/table.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+
+namespace planescope {
+
+struct ClassifierBench {
+  std::string command;                                          // as it was typed
+  std::vector<std::pair<std::string, WeightsRecord>> networks;  // name in the tables, where from
+
+  LabelBenchOptions labels;
+  bool accuracy = false, gravity = false;  // which of the label rows' figures are asked for
+  std::vector<LabelRow> label_rows;
+  std::vector<ChainRow> chain_rows;
+
+  // What depends on time and machine.
+  Machine machine;
+  SpeedBenchOptions speed_options;
+  std::optional<SpeedBench> speed;
+  std::vector<FrameRow> frame_rows;
+};
+
+/// The same for the same seed and count, on any machine with any number of threads.
+std::vector<Table> result_tables(const ClassifierBench& bench);
+std::string results_json(const ClassifierBench& bench);
+
+std::vector<Table> timing_tables(const ClassifierBench& bench);
+std::string timings_json(const ClassifierBench& bench);
+
+}  // namespace planescope

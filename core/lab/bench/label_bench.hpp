@@ -1,0 +1,46 @@
+#pragma once
+
+// How many labels classifiers get right on clouds that no training has seen.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/evaluate/label_accuracy.hpp"
+
+namespace planescope {
+
+struct NamedClassifier {
+  std::string name;  // in the tables
+  std::shared_ptr<const Classifier> classifier;
+};
+
+struct LabelBenchOptions {
+  std::uint64_t seed = 960001;
+  int count = 100;      // clouds of each set
+  double tilt_deg = 0;  // measured once more on clouds turned by so much off level
+  int threads = 1;
+};
+
+struct LabelRow {
+  std::string set;
+  std::string classifier;
+  LabelAccuracy level;
+  LabelAccuracy tilted;  // with the labels of the level cloud; nothing counted without tilt_deg
+};
+
+/// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed scenes and of
+/// the named ones: a row for each set and classifier. The same for any number of threads.
+/// `progress` as in work_through().
+std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifiers,
+                                     const LabelBenchOptions& options,
+                                     const std::function<void(int, int)>& progress = {});
+
+/// The cloud turned by exactly `angle_deg` about a level axis of random direction.
+LabelledCloud tilted(const LabelledCloud& cloud, double angle_deg, std::uint64_t seed);
+
+}  // namespace planescope

@@ -1,0 +1,71 @@
+#pragma once
+
+// Methods against each other on one frame.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/lab/experiments/results.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/model/work_list.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
+
+namespace planescope {
+
+/// What labels points for ours.
+struct Labellers {
+  std::shared_ptr<const Classifier> gcn, pca;
+};
+
+/// What is true of a frame that has labels, or fields of a cloud.
+SourceTruth truth_of(const EvaluationFrame& frame);
+
+/// One frame and all methods that find planes in it. Points are labelled once for all profiles.
+class Contest {
+ public:
+  /// `truth`: of the frame, for keys with true labels; may be null. `max_range_m`: another one than
+  /// cell_options() has. All of them outlive the contest.
+  Contest(const Frame& frame,
+          const Labellers& labellers,
+          const SourceTruth* truth,
+          std::optional<double> max_range_m = {});
+
+  /// With cell_options(key); all methods but the oracle.
+  FrameResult run(const CellKey& key);
+  /// The frame with labels of "gcn", "pca", "truth" or "none", as profile refined takes it.
+  const PreparedFrame& prepared(const std::string& labels, const CellKey& key);
+
+ private:
+  PipelineOptions options(const CellKey& key) const;
+
+  const Frame& frame_;
+  const Labellers& labellers_;
+  FrameTruth on_points_;
+  std::optional<double> max_range_m_;
+  std::map<std::string, PreparedFrame> prepared_;  // by the source of its labels
+};
+
+/// measure(frame), a value for each method, of all frames; by method, then by frame. The same for
+/// any number of threads. `progress(done, all)` may be empty and may throw to stop.
+template <typename Value>
+std::vector<std::vector<Value>> of_methods(std::size_t methods,
+                                           int frames,
+                                           int threads,
+                                           const std::function<std::vector<Value>(int)>& measure,
+                                           const std::function<void(int, int)>& progress) {
+  std::vector<std::vector<Value>> by_frame(static_cast<std::size_t>(frames));
+  work_through(
+      frames, threads, [&](int i) { by_frame[static_cast<std::size_t>(i)] = measure(i); },
+      progress);
+  std::vector<std::vector<Value>> by_method(methods);
+  for (std::vector<Value>& values : by_frame)
+    for (std::size_t m = 0; m < methods; ++m) by_method[m].push_back(std::move(values[m]));
+  return by_method;
+}
+
+}  // namespace planescope

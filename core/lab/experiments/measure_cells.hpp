@@ -1,0 +1,40 @@
+#pragma once
+
+// Runs and scores the contestants of cells.
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/lab/experiments/contest.hpp"
+#include "core/lab/experiments/results.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+
+namespace planescope {
+
+/// True planes of depth images with fewer voxels are not scored.
+inline constexpr int kMinTruthVoxels = 20;
+
+struct CellTools : Labellers {
+  std::optional<EvaluationFrame> real_labelled;  // where a plan asks for it
+  int threads = 1;                               // over frames
+};
+
+/// Frame `index` of a cell's set.
+EvaluationFrame cell_frame(const CellKey& key, int index, const CellTools& tools);
+
+/// Cells of the same frames, of which there are `frames`: each frame is made once for all. The same
+/// for any number of threads. `progress(done, all)` counts frames; it may be empty and may throw to
+/// stop.
+std::vector<Cell> measure_cells(std::span<const CellKey> keys,
+                                int frames,
+                                const CellTools& tools,
+                                const std::function<void(int, int)>& progress = {});
+
+/// The labelled frame of ICL-NUIM's living room below a folder of recordings, nullopt where it is
+/// not there. Throws Error where it is damaged.
+std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data);
+
+}  // namespace planescope

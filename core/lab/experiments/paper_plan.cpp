@@ -1,0 +1,220 @@
+#include "core/lab/experiments/paper_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr const char* kWithout = "without ";
+constexpr int kPoints = 8192;
+
+const std::vector<std::string> kProfiles = {"paper", "paper-closest", "refined"};
+const std::vector<std::string> kLabels = {"truth", "gcn", "pca"};
+
+bool is_depth(const CellKey& frames) { return frames.points == 0; }
+
+class Plan {
+ public:
+  void add(const CellKey& key) {
+    if (std::ranges::find(keys_, key) == keys_.end()) keys_.push_back(key);
+  }
+  /// What the paper's tables show of ours: every profile with every source of labels, and without.
+  void add_profiles(const CellKey& frames) {
+    for (const std::string& profile : kProfiles) {
+      for (const std::string& labels : kLabels) add(with_ours(frames, profile, labels));
+      add(with_ours(frames, profile, "none"));
+    }
+  }
+  /// What the stricter tables compare.
+  void add_methods(const CellKey& frames) {
+    for (const std::string& labels : kLabels) add(with_ours(frames, "refined", labels));
+    for (const Method method : built_methods()) {
+      if (method == Method::ours) continue;
+      // Organised segmentation is for images.
+      if (method == Method::pcl_multi_plane && !is_depth(frames)) continue;
+      add(with_rival(frames, to_string(method)));
+      if (method == Method::ransac) add(with_rival(frames, to_string(method), kRansacCoarse));
+    }
+    // Where a real frame's planes end is not known.
+    if (frames.seed != 0) add(with_rival(frames, "oracle"));
+  }
+  void add_ablation(const CellKey& frames) {
+    for (const std::string& refinement : refinements())
+      add(with_ours(frames, "refined", "gcn", without(refinement)));
+  }
+  /// What a claim is made of, on the frames that were tuned on.
+  void add_tuned(const CellKey& frames) {
+    add(with_ours(frames, "refined", "gcn"));
+    add(with_rival(frames, "oracle"));
+  }
+  std::vector<CellKey> keys() && { return std::move(keys_); }
+
+ private:
+  std::vector<CellKey> keys_;
+};
+
+}  // namespace
+
+const std::vector<std::string>& hard_sets() {
+  static const std::vector<std::string> sets = {"side_walls", "open_risers", "equal_boxes",
+                                                "ramps",      "kerbs",       "spiral"};
+  return sets;
+}
+
+const std::vector<std::string>& depth_sets() {
+  static const std::vector<std::string> sets = {"depth_stairs", "depth_boxes", "depth_slopes"};
+  return sets;
+}
+
+CellKey stairs_of(std::uint64_t seed, int points, double noise_cm) {
+  CellKey key;
+  key.set = kStairs;
+  key.seed = seed;
+  key.points = points;
+  key.noise_cm = noise_cm;
+  return key;
+}
+
+CellKey clouds_of(const std::string& set, std::uint64_t seed, double noise_cm) {
+  CellKey key = stairs_of(seed, kPoints, noise_cm);
+  key.set = set;
+  return key;
+}
+
+CellKey depth_of(const std::string& set, std::uint64_t seed, const std::string& errors) {
+  CellKey key;
+  key.set = set;
+  key.seed = seed;
+  key.errors = errors;
+  return key;
+}
+
+CellKey with_ours(CellKey frames,
+                  const std::string& profile,
+                  const std::string& classifier,
+                  const std::string& setting) {
+  frames.method = "ours";
+  frames.profile = profile;
+  frames.classifier = classifier;
+  frames.setting = setting;
+  return frames;
+}
+
+CellKey with_rival(CellKey frames, const std::string& method, const std::string& setting) {
+  frames.method = method;
+  frames.setting = setting;
+  return frames;
+}
+
+bool same_frames(const CellKey& a, const CellKey& b) {
+  return a.set == b.set && a.seed == b.seed && a.points == b.points && a.noise_cm == b.noise_cm &&
+         a.errors == b.errors;
+}
+
+const std::vector<std::string>& refinements() {
+  static const std::vector<std::string> names = {
+      "estimate_sigma",     "r1_merge_by_distance", "r2_explain_away",
+      "r3_weak_candidates", "r4_fit_impure_nodes",  "r5_reassign_shared_cells",
+      "r6_refit",           "r7_second_merge",      "r9_join_sheets",
+      "r10_minor",          "r11_pixel_borders",    "r12_part_corners",
+      "split_disconnected"};
+  return names;
+}
+
+std::string without(const std::string& refinement) { return kWithout + refinement; }
+
+std::string frames_name(const CellKey& key) {
+  std::string name = key.set;
+  if (key.points > 0) name += fmt::format(", {} points, {} cm", key.points, key.noise_cm);
+  if (!key.errors.empty()) name += ", " + key.errors;
+  return name;
+}
+
+std::string contestant_name(const CellKey& key) {
+  std::string name = key.method;
+  for (const std::string* part : {&key.profile, &key.classifier, &key.setting})
+    if (!part->empty()) name += " " + *part;
+  return name;
+}
+
+PipelineOptions cell_options(const CellKey& key) {
+  PipelineOptions options;
+  options.threads = 1;
+  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // nothing of it is nearer than 1.5
+  if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
+  if (key.method != "ours") {
+    if (key.points > 0) {
+      options.rivals.pcl_region_growing = kPclRegionGrowingByPoint;
+      options.rivals.cgal_ransac = kCgalRansacByPoint;
+      options.rivals.cgal_region_growing = kCgalRegionGrowingByPoint;
+    }
+    options.method = parse_method(key.method);
+    if (key.setting == kRansacCoarse) options.rivals.ransac.theta_pf_m = 0.02;
+    return options;
+  }
+  options.segment = profile_options(parse_profile(key.profile));
+  options.segment.use_labels = key.classifier != "none";
+  if (key.setting.starts_with(kWithout))
+    set_option(options, key.setting.substr(std::string(kWithout).size()), "off");
+  return options;
+}
+
+std::vector<CellKey> planned_cells(const PaperPlan& plan) {
+  Plan cells;
+  for (const int points : {2048, 4096}) {
+    cells.add_profiles(stairs_of(plan.seed, points, 0));
+    cells.add_methods(stairs_of(plan.seed, points, 0));
+  }
+  for (const double noise_cm : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3}) {
+    cells.add_profiles(stairs_of(plan.seed, kPoints, noise_cm));
+    cells.add_methods(stairs_of(plan.seed, kPoints, noise_cm));
+  }
+  cells.add_ablation(stairs_of(plan.seed, kPoints, 0.3));
+  const std::vector<double> hard_noise_cm =
+      plan.quick ? std::vector<double>{0.2} : std::vector<double>{0, 0.2};
+  for (const std::string& set : hard_sets())
+    for (const double noise_cm : hard_noise_cm)
+      cells.add_methods(clouds_of(set, plan.seed, noise_cm));
+  const std::vector<std::string> errors = plan.quick
+                                              ? std::vector<std::string>{"clean", "d435"}
+                                              : std::vector<std::string>{"clean", "noise", "d435"};
+  for (const std::string& set : depth_sets())
+    for (const std::string& error : errors) {
+      const CellKey frames = depth_of(set, plan.seed, error);
+      if (error == "d435")
+        for (const std::string& profile : kProfiles) cells.add(with_ours(frames, profile, "gcn"));
+      cells.add_methods(frames);
+      if (error == "d435") cells.add_ablation(frames);
+    }
+  if (plan.real_labelled) {
+    CellKey frame;
+    frame.set = kRealLabelled;
+    for (const std::string& profile : kProfiles) cells.add(with_ours(frame, profile, "gcn"));
+    cells.add_methods(frame);
+  }
+  cells.add_tuned(stairs_of(plan.tuning_seed, 2048, 0));
+  for (const double noise_cm : {0.0, 0.1, 0.2, 0.3})
+    cells.add_tuned(stairs_of(plan.tuning_seed, kPoints, noise_cm));
+  for (const std::string& set : depth_sets())
+    cells.add_tuned(depth_of(set, plan.tuning_seed, "d435"));
+  std::vector<CellKey> keys = std::move(cells).keys();
+  if (!plan.sets.empty())
+    std::erase_if(keys, [&](const CellKey& key) {
+      return std::ranges::find(plan.sets, key.set) == plan.sets.end();
+    });
+  return keys;
+}
+
+int planned_frames(const PaperPlan& plan, const std::string& set) {
+  int frames = set == kRealLabelled ? 1 : find_evaluation_set(set).frames;
+  if (plan.quick) frames = std::min(frames, set == kStairs ? 8 : 2);
+  return plan.count > 0 ? std::min(frames, plan.count) : frames;
+}
+
+}  // namespace planescope

@@ -1,0 +1,209 @@
+// Tables I, III, IV and V: the printed value first, then every reading of the text.
+
+#include "core/lab/experiments/paper_tables.hpp"
+
+#include <algorithm>
+
+#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+#include "core/lab/experiments/printed.hpp"
+
+namespace planescope {
+namespace {
+
+const std::vector<std::string> kProfiles = {"paper", "paper-closest", "refined"};
+
+/// The paper's three measures.
+struct Three {
+  double alpha_deg = 0, r_p = 0, r_m = 0;
+  int digits_r_p = 1;  // the paper prints none
+};
+using Row = std::vector<std::optional<Three>>;  // by column of the paper's table
+
+/// One of the paper's tables: its columns are conditions, under each of the three measures.
+class Conditions {
+ public:
+  Conditions(const PaperResults& results, std::string table, std::vector<CellKey> frames)
+      : results_(results), number_(std::move(table)), frames_(std::move(frames)) {}
+
+  Row printed(const std::string& method, bool with_labels) const {
+    Row row(frames_.size());
+    for (std::size_t i = 0; i < frames_.size(); ++i)
+      for (const PrintedCell& cell : printed_cells())
+        if (cell.table == number_ && cell.method == method && cell.with_labels == with_labels &&
+            cell.points == frames_[i].points && cell.noise_cm == frames_[i].noise_cm)
+          row[i] = Three{cell.alpha_deg, cell.r_p, cell.r_m, 0};
+    return row;
+  }
+  Row measured(const CellKey& contestant) const {
+    Row row;
+    for (CellKey key : frames_) {
+      key.method = contestant.method;
+      key.profile = contestant.profile;
+      key.classifier = contestant.classifier;
+      key.setting = contestant.setting;
+      const Cell* cell = results_.find(key);
+      row.push_back(
+          cell ? std::optional(Three{cell->metrics.alpha_deg, cell->metrics.r_p, cell->metrics.r_m})
+               : std::nullopt);
+    }
+    return row;
+  }
+  std::string frames_text() const {
+    for (const CellKey& frames : frames_)
+      for (const Cell& cell : results_.cells)
+        if (same_frames(cell.key, frames))
+          return fmt::format("{} stairs, seed {}", cell.frames, frames.seed);
+    return "";
+  }
+
+ private:
+  const PaperResults& results_;
+  std::string number_;
+  std::vector<CellKey> frames_;
+};
+
+class PaperTable {
+ public:
+  PaperTable(std::string title, std::vector<std::string> names, std::vector<std::string> conditions)
+      : conditions_(conditions.size()) {
+    table_.title = std::move(title);
+    table_.names = names.size();
+    table_.columns = std::move(names);
+    for (const char* measure : {"alpha", "r_p", "r_m"})
+      for (const std::string& condition : conditions)
+        table_.columns.push_back(fmt::format("{} {}", measure, condition));
+  }
+  void add_printed(std::vector<std::string> names, const Row& row) { add(std::move(names), row); }
+  void add_measured(std::vector<std::string> names, const Row& row) {
+    if (std::ranges::none_of(row, [](const auto& three) { return three.has_value(); })) return;
+    add(std::move(names), row);
+    measured_ = true;
+  }
+  /// nullopt where nothing of it was measured.
+  std::optional<Table> table(const std::string& note) && {
+    table_.note = note;
+    return measured_ ? std::optional(std::move(table_)) : std::nullopt;
+  }
+
+ private:
+  void add(std::vector<std::string> cells, const Row& row) {
+    for (int measure = 0; measure < 3; ++measure)
+      for (std::size_t i = 0; i < conditions_; ++i) {
+        if (!row[i]) {
+          cells.push_back("-");
+          continue;
+        }
+        const Three& three = *row[i];
+        cells.push_back(measure == 0   ? fixed(three.alpha_deg, 3)
+                        : measure == 1 ? fixed(three.r_p, three.digits_r_p)
+                                       : fixed(three.r_m, 2));
+      }
+    table_.rows.push_back(std::move(cells));
+  }
+
+  std::size_t conditions_;
+  Table table_;
+  bool measured_ = false;
+};
+
+const char* kMeasures =
+    "alpha: mean angle to the true normals [deg]; r_p: 100 x planes found / true; r_m: % of points "
+    "in no plane.";
+
+/// Tables I and III: ours with and without pointwise classification.
+std::optional<Table> with_and_without(const Conditions& conditions,
+                                      const std::string& title,
+                                      const std::vector<std::string>& columns) {
+  PaperTable table(title, {"", "profile", "labels"}, columns);
+  table.add_printed({"with PC", "printed", ""}, conditions.printed("ours", true));
+  for (const std::string& profile : kProfiles)
+    for (const char* labels : {"truth", "gcn", "pca"})
+      table.add_measured({"with PC", profile, labels},
+                         conditions.measured(with_ours({}, profile, labels)));
+  table.add_printed({"w/o PC", "printed", ""}, conditions.printed("ours", false));
+  for (const std::string& profile : kProfiles)
+    table.add_measured({"w/o PC", profile, "none"},
+                       conditions.measured(with_ours({}, profile, "none")));
+  return std::move(table).table(fmt::format("{} {}.", kMeasures, conditions.frames_text()));
+}
+
+std::optional<Table> table_1(const PaperResults& results) {
+  std::vector<CellKey> frames;
+  for (const int points : {2048, 4096, 8192}) frames.push_back(stairs_of(results.seed, points, 0));
+  return with_and_without({results, "I", frames}, "Table I: number of points",
+                          {"2048", "4096", "8192"});
+}
+
+std::optional<Table> table_3(const PaperResults& results) {
+  std::vector<CellKey> frames;
+  for (const double noise : {0.0, 0.1, 0.2, 0.3})
+    frames.push_back(stairs_of(results.seed, 8192, noise));
+  return with_and_without({results, "III", frames}, "Table III: noise, 8192 points",
+                          {"0.0 cm", "0.1 cm", "0.2 cm", "0.3 cm"});
+}
+
+std::optional<Table> table_5(const PaperResults& results) {
+  std::vector<CellKey> frames;
+  for (const double noise : {0.05, 0.1, 0.15, 0.2})
+    frames.push_back(stairs_of(results.seed, 8192, noise));
+  const Conditions conditions(results, "V", frames);
+  PaperTable table("Table V: comparison, 8192 points", {"method", "profile", "labels"},
+                   {"0.05 cm", "0.10 cm", "0.15 cm", "0.20 cm"});
+  const auto rival = [&](const char* name, const char* method, const char* setting) {
+    table.add_measured({name, "measured", ""},
+                       conditions.measured(with_rival({}, method, setting)));
+  };
+  table.add_printed({"RANSAC 0.01", "printed", ""}, conditions.printed("ransac", true));
+  rival("RANSAC 0.01", "ransac", "");
+  rival("RANSAC 0.02", "ransac", kRansacCoarse);
+  table.add_printed({"region growing", "printed", ""}, conditions.printed("region-growing", true));
+  rival("region growing", "region-growing", "");
+  table.add_printed({"ours", "printed", ""}, conditions.printed("ours", true));
+  for (const std::string& profile : kProfiles)
+    for (const char* labels : {"truth", "gcn", "pca"})
+      table.add_measured({"ours", profile, labels},
+                         conditions.measured(with_ours({}, profile, labels)));
+  return std::move(table).table(
+      fmt::format("{} {}. The paper names two thresholds for RANSAC and prints the one of 0.01 m.",
+                  kMeasures, conditions.frames_text()));
+}
+
+std::optional<Table> table_4(const PaperResults& results) {
+  if (results.real.empty()) return std::nullopt;
+  Table table{
+      "Table IV: sizes of real data",
+      "N_m: points within 1.5 m; N_d: voxels of 2 cm; planes: found by profile refined with "
+      "labels by gcn. Means over the frames. Refused: frames whose gravity nothing tells. "
+      "Times are in a table of their own.",
+      {"recording", "frames", "refused", "N_m", "N_d", "planes"},
+      {},
+      1};
+  for (const PrintedReal& row : printed_real())
+    table.rows.push_back(
+        {"printed, " + row.scene, "-", "-", std::to_string(row.n_m), std::to_string(row.n_d), "-"});
+  for (const RealRow& row : results.real)
+    table.rows.push_back({row.recording, std::to_string(row.frames), std::to_string(row.refused),
+                          fixed(row.n_m, 0), fixed(row.n_d, 0), fixed(row.planes, 1)});
+  return table;
+}
+
+}  // namespace
+
+std::vector<Table> paper_tables(const PaperResults& results) {
+  std::vector<Table> tables;
+  for (const auto make : {table_1, table_3, table_4, table_5})
+    if (std::optional<Table> table = make(results)) tables.push_back(std::move(*table));
+  return tables;
+}
+
+std::string joined(std::span<const Table> tables, std::string (*text)(const Table&)) {
+  std::string all;
+  for (const Table& table : tables) {
+    if (!all.empty()) all += '\n';
+    all += text(table);
+  }
+  return all;
+}
+
+}  // namespace planescope

@@ -1,0 +1,142 @@
+#include "core/lab/experiments/real_summary.hpp"
+
+#include <algorithm>
+
+#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+
+namespace planescope {
+namespace {
+
+double each(int count, int frames) { return static_cast<double>(count) / frames; }
+
+HalfSummary half_summary(Half half, const CellKey& method, std::span<const Metrics> frames) {
+  std::vector<double> iou, pq;
+  for (const Metrics& m : frames) {
+    iou.push_back(m.mean_iou);
+    pq.push_back(m.pq);
+  }
+  return {half,
+          method,
+          static_cast<int>(frames.size()),
+          mean_and_deviation(iou),
+          mean_and_deviation(pq),
+          mean_of(frames)};
+}
+
+/// `of_seeds`: what a method scored on the frames of each seed.
+SetSummary set_summary(const std::vector<std::vector<Metrics>>& of_seeds) {
+  SetSummary summary;
+  summary.seeds = static_cast<int>(of_seeds.size());
+  summary.frames = static_cast<int>(of_seeds[0].size());
+  for (const SeedFigure& figure : seed_figures()) {
+    std::vector<double> values;
+    for (const std::vector<Metrics>& frames : of_seeds)
+      values.push_back(figure.value(mean_of(frames), static_cast<int>(frames.size())));
+    summary.figures.push_back({mean_and_deviation(values), figure.more_is_better
+                                                               ? std::ranges::min(values)
+                                                               : std::ranges::max(values)});
+  }
+  return summary;
+}
+
+/// What a method scored on sets with these errors, by seed; an empty name means all sets.
+std::vector<std::vector<Metrics>> of_seeds(const std::vector<SetScores>& sets,
+                                           const std::string& name,
+                                           const std::string& errors,
+                                           std::size_t method) {
+  std::vector<std::uint64_t> seeds;
+  std::vector<std::vector<Metrics>> scores;
+  for (const SetScores& set : sets) {
+    if (set.frames.errors != errors || (!name.empty() && set.frames.set != name)) continue;
+    const auto at = std::ranges::find(seeds, set.frames.seed) - seeds.begin();
+    if (at == std::ssize(seeds)) {
+      seeds.push_back(set.frames.seed);
+      scores.emplace_back();
+    }
+    const std::vector<Metrics>& more = set.methods[method].of_frames;
+    scores[static_cast<std::size_t>(at)].insert(scores[static_cast<std::size_t>(at)].end(),
+                                                more.begin(), more.end());
+  }
+  return scores;
+}
+
+double median_or_0(const std::vector<double>& values) {
+  return values.empty() ? 0 : median(values);
+}
+
+}  // namespace
+
+std::vector<HalfSummary> half_summaries(const LabelledScores& scores) {
+  std::vector<HalfSummary> summaries;
+  for (const Half half : {Half::tuning, Half::printed})
+    for (const MethodScores& method : scores.methods) {
+      std::vector<Metrics> frames;
+      for (std::size_t i = 0; i < scores.frames.size(); ++i)
+        if (scores.frames[i].half == half) frames.push_back(method.of_frames[i]);
+      if (!frames.empty()) summaries.push_back(half_summary(half, method.method, frames));
+    }
+  return summaries;
+}
+
+const std::vector<SeedFigure>& seed_figures() {
+  static const std::vector<SeedFigure> figures = {
+      {"mean_iou", "IoU", 2, true, [](const Metrics& m, int) { return m.mean_iou; }},
+      {"pq", "PQ", 2, true, [](const Metrics& m, int) { return m.pq; }},
+      {"detected_percent", "det", 1, true,
+       [](const Metrics& m, int) { return percent(m.detected_iou80, m.planes_truth); }},
+      {"noise_per_frame", "noise", 2, false,
+       [](const Metrics& m, int frames) { return each(m.noise, frames); }},
+      {"ghosts_per_frame", "ghosts", 2, false,
+       [](const Metrics& m, int frames) { return each(m.ghosts, frames); }},
+      {"pieces_per_frame", "pieces", 2, false,
+       [](const Metrics& m, int frames) { return each(m.pieces, frames); }},
+      {"alpha_deg", "alpha", 3, false, [](const Metrics& m, int) { return m.alpha_deg; }}};
+  return figures;
+}
+
+std::vector<SetSummary> set_summaries(const std::vector<SetScores>& sets) {
+  std::vector<std::string> names, errors;
+  for (const SetScores& set : sets) {
+    if (std::ranges::find(names, set.frames.set) == names.end()) names.push_back(set.frames.set);
+    if (std::ranges::find(errors, set.frames.errors) == errors.end())
+      errors.push_back(set.frames.errors);
+  }
+  if (!names.empty()) names.emplace_back();  // all
+  std::vector<SetSummary> summaries;
+  for (const std::string& name : names)
+    for (const std::string& error : errors)
+      for (std::size_t m = 0; m < sets[0].methods.size(); ++m) {
+        SetSummary& summary = summaries.emplace_back(set_summary(of_seeds(sets, name, error, m)));
+        summary.set = name;
+        summary.errors = error;
+        summary.method = sets[0].methods[m].method;
+      }
+  return summaries;
+}
+
+std::vector<RepeatSummary> repeat_summaries(const RepeatScores& scores) {
+  std::vector<RepeatSummary> summaries;
+  for (const RepeatScores::OfMethod& method : scores.methods) {
+    RepeatSummary& summary = summaries.emplace_back();
+    summary.method = method.method;
+    std::vector<double> offsets, normals;
+    for (const Neighbours& n : method.neighbours) {
+      summary.planes += n.planes;
+      summary.partners += n.partners;
+      offsets.insert(offsets.end(), n.offset_jumps_m.begin(), n.offset_jumps_m.end());
+      normals.insert(normals.end(), n.normal_jumps_deg.begin(), n.normal_jumps_deg.end());
+    }
+    summary.offset_jump_m = median_or_0(offsets);
+    summary.normal_jump_deg = median_or_0(normals);
+    for (const FloorPieces& floor : method.floor) {
+      summary.floor_pieces += each(floor.pieces, scores.frames);
+      summary.floor_largest += floor.largest / scores.frames;
+      summary.floor_missing += floor.missing / scores.frames;
+      summary.frames_of_one_floor += floor.largest >= kWholeFloor;
+    }
+  }
+  return summaries;
+}
+
+}  // namespace planescope

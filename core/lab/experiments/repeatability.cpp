@@ -1,0 +1,121 @@
+#include "core/lab/experiments/repeatability.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "core/planes/evaluate/plane_match.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kNearM = 0.03;        // at least
+constexpr double kNearPerM2 = 0.01;    // [1/m], times the square of the depth
+constexpr double kHeightStepM = 0.01;  // of the heights' histogram
+constexpr int kFits = 5;
+
+/// The height [m] that most points lie within 3 cm of, of those below the sensor. NaN: none does.
+double most_common_height(const Cloud& cloud) {
+  std::vector<int> bins;  // downwards from the sensor
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const double below = -static_cast<double>(cloud.points[i].z());
+    if (!cloud.kept[i] || below <= 0) continue;
+    const auto bin = static_cast<std::size_t>(below / kHeightStepM);
+    if (bin >= bins.size()) bins.resize(bin + 1, 0);
+    ++bins[bin];
+  }
+  const int last = static_cast<int>(bins.size()) - 1;
+  const int reach = static_cast<int>(std::lround(kNearM / kHeightStepM));
+  int best = -1, most = 0;
+  for (int b = 0; b <= last; ++b) {
+    int sum = 0;
+    for (int near = std::max(0, b - reach); near <= std::min(last, b + reach); ++near)
+      sum += bins[static_cast<std::size_t>(near)];
+    if (sum > most) {
+      most = sum;
+      best = b;
+    }
+  }
+  return best < 0 ? std::nan("") : -(best + 0.5) * kHeightStepM;
+}
+
+double near_m(double depth_m) { return std::max(kNearM, kNearPerM2 * depth_m * depth_m); }
+
+}  // namespace
+
+PixelPlanes pixel_planes(const FrameResult& result) {
+  PixelPlanes planes;
+  planes.plane_of.assign(result.cloud.counts.pixels, 0);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    planes.plane_of[result.cloud.source[i]] = result.plane_of[i];
+  for (const PlaneRegion& plane : result.segmentation.planes) planes.fits.push_back(plane.fit);
+  return planes;
+}
+
+Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next) {
+  assert(first.plane_of.size() == next.plane_of.size());
+  const TruthOverlap overlap = count_truth_overlap(first.plane_of, next.plane_of);
+  const std::vector<int> match = found_of_truth(overlap);
+  Neighbours result;
+  for (int plane = 1; plane <= overlap.truth; ++plane) {
+    if (overlap.truth_size[plane] < kLeastRepeatPixels) continue;
+    ++result.planes;
+    const int partner = match[plane - 1];
+    if (partner == 0 || overlap.iou(plane, partner) < kPartnerIou) continue;
+    ++result.partners;
+    const PlaneFit& a = first.fits[plane - 1];
+    const PlaneFit& b = next.fits[partner - 1];
+    const double cosine = a.normal.dot(b.normal), sign = cosine < 0 ? -1 : 1;
+    result.offset_jumps_m.push_back(std::abs(a.offset_m() - sign * b.offset_m()));
+    result.normal_jumps_deg.push_back(std::acos(std::min(1.0, std::abs(cosine))) * 180 /
+                                      std::numbers::pi);
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> floor_pixels(const PreparedFrame& frame) {
+  const Cloud& cloud = frame.cloud;
+  std::vector<std::uint8_t> floor(cloud.counts.pixels, 0);
+  PlaneFit plane;  // level, through its centroid
+  plane.centroid.z() = most_common_height(cloud);
+  if (std::isnan(plane.centroid.z())) return floor;
+  const Vec3d forward = cloud.T_world_sensor.linear().col(2);
+  const auto is_near = [&](std::size_t i) {
+    const Vec3d p = cloud.points[i].cast<double>();
+    return cloud.kept[i] && std::abs(plane.distance_m(p)) <= near_m(forward.dot(p));
+  };
+  for (int fit = 0; fit < kFits; ++fit) {
+    Moments moments;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      if (is_near(i)) moments.add(cloud.points[i].cast<double>());
+    plane = fit_plane(moments);
+  }
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) floor[cloud.source[i]] = is_near(i);
+  return floor;
+}
+
+FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes& found) {
+  const std::size_t planes = found.fits.size();
+  std::vector<std::uint64_t> all(planes + 1, 0), on_floor(planes + 1, 0);
+  for (std::size_t i = 0; i < floor.size(); ++i) {
+    ++all[found.plane_of[i]];
+    on_floor[found.plane_of[i]] += floor[i];
+  }
+  FloorPieces result;
+  for (const std::uint64_t pixels : on_floor) result.pixels += pixels;
+  std::uint64_t largest = 0;
+  for (std::size_t p = 1; p <= planes; ++p) {
+    if (on_floor[p] < kLeastRepeatPixels || 2 * on_floor[p] < all[p]) continue;
+    ++result.pieces;
+    largest = std::max(largest, on_floor[p]);
+  }
+  const auto percent = [](std::uint64_t part, std::uint64_t whole) {
+    return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 0;
+  };
+  result.largest = percent(largest, result.pixels - on_floor[0]);
+  result.missing = percent(on_floor[0], result.pixels);
+  return result;
+}
+
+}  // namespace planescope

@@ -1,0 +1,98 @@
+#pragma once
+
+// What the experiments measured: cells, from which every table, plot and page follows.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/lab/bench/machine.hpp"
+#include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/report/data/build_info.hpp"
+
+namespace planescope {
+
+/// Which frames were segmented, and how.
+struct CellKey {
+  std::string set;         // of evaluation_sets(), or "icl_nuim"
+  std::uint64_t seed = 0;  // 0: not from a seed
+  int points = 0;          // of clouds
+  double noise_cm = 0;     // of clouds
+  std::string errors;      // of depth images: "clean", "noise", "d435"
+  std::string method;      // "ours", "ransac", ... as --method has it, or "oracle"
+  std::string profile;     // of ours: "paper", "paper-closest", "refined"
+  std::string classifier;  // of ours: "truth", "gcn", "pca", "none" (all points one label)
+  std::string setting;     // what is not as usual: "theta_pf 0.02", "without r6_refit"
+
+  bool operator==(const CellKey&) const = default;
+};
+
+/// The mean over a set's frames. Clouds are scored by point, depth images by voxel.
+struct Cell {
+  CellKey key;
+  int frames = 0;
+  Metrics metrics;
+};
+
+/// Sizes of a real recording's frames, means over them.
+struct RealRow {
+  std::string recording;  // its name in the list, or its folder's or file's
+  int frames = 0;         // that were processed
+  int refused = 0;        // no gravity
+  double n_m = 0, n_d = 0;
+  double planes = 0;  // found by ours
+};
+
+/// All that is the same for the same seeds, options and weights, on any machine.
+struct PaperResults {
+  std::string command;  // that measures the same again, without folders and threads
+  BuildInfo build;
+  WeightsRecord weights;
+  std::uint64_t seed = 1, tuning_seed = 1001;
+  bool quick = false;
+  int count = 0;  // frames of a set at most; 0: all that it has
+  std::vector<Cell> cells;
+  std::vector<RealRow> real;
+
+  /// Null where it was not measured.
+  const Cell* find(const CellKey& key) const;
+};
+
+/// Milliseconds of a frame, medians over a recording's frames; the paper's table IV.
+struct RealTiming {
+  std::string recording;
+  int frames = 0;
+  double t_d_ms = 0, t_c_ms = 0, t_b_ms = 0, t_s_ms = 0, fps = 0;
+};
+struct ClassifierTiming {
+  std::string classifier;  // "gcn", "pca"
+  int points = 0, threads = 0;
+  double median_ms = 0;
+};
+/// Whole frames a second on the stairs of 8192 points.
+struct MethodTiming {
+  CellKey key;
+  double fps = 0;
+};
+struct PaperTimings {
+  std::string command;  // that measures the same again, without folders; threads are below
+  Machine machine;
+  int threads = 1;
+  std::vector<ClassifierTiming> classifiers;  // table II
+  std::vector<RealTiming> real;               // table IV
+  std::vector<MethodTiming> methods;          // table V's frames a second
+};
+
+/// DIR/paper.json and DIR/paper.timings.json. Throw Error naming the file.
+void write_results(const std::filesystem::path& dir, const PaperResults& results);
+void write_timings(const std::filesystem::path& dir, const PaperTimings& timings);
+PaperResults read_results(const std::filesystem::path& dir);
+PaperTimings read_timings(const std::filesystem::path& dir);
+
+/// A cell as one line of JSON, and back, to the same bits. parse_cell() throws Error.
+std::string cell_line(const Cell& cell);
+Cell parse_cell(const std::string& line);
+
+}  // namespace planescope

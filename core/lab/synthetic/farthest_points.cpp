@@ -1,0 +1,117 @@
+#include "core/lab/synthetic/farthest_points.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace planescope {
+namespace {
+
+/// A kd-tree that knows, below every node, the point farthest from all that were chosen. A new
+/// choice changes only what is nearer to it than to any before: a few leaves.
+class FarthestTree {
+ public:
+  explicit FarthestTree(std::span<const Vec3f> points)
+      : order_(points.size()), distance2_(points.size(), kFar) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    nodes_.reserve(2 * points.size() / kLeafPoints + 2);
+    build(points, 0, static_cast<std::uint32_t>(points.size()));
+    sorted_.reserve(points.size());
+    for (const std::uint32_t index : order_) sorted_.push_back(points[index]);
+  }
+
+  std::uint32_t farthest() const { return nodes_[0].farthest; }
+  void choose(const Vec3f& point) { update(0, point); }
+
+ private:
+  static constexpr std::uint32_t kLeafPoints = 32;
+  static constexpr float kFar = std::numeric_limits<float>::max();
+
+  struct Node {
+    Vec3f min, max;                // of its points
+    float distance2 = kFar;        // of its farthest point from the chosen ones
+    std::uint32_t farthest = 0;    // that point, the first of equals
+    std::uint32_t begin = 0, end;  // in sorted_
+    std::uint32_t right = 0;       // the left child follows its parent; 0: a leaf
+  };
+
+  void build(std::span<const Vec3f> points, std::uint32_t begin, std::uint32_t end) {
+    Node node;
+    node.begin = begin;
+    node.end = end;
+    node.min = node.max = points[order_[begin]];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      node.min = node.min.cwiseMin(points[order_[i]]);
+      node.max = node.max.cwiseMax(points[order_[i]]);
+    }
+    const auto first = order_.begin() + begin, last = order_.begin() + end;
+    node.farthest = *std::min_element(first, last);
+    const std::size_t self = nodes_.size();
+    nodes_.push_back(node);
+    if (end - begin <= kLeafPoints) {
+      std::sort(first, last);  // so that the first of equals comes first
+      return;
+    }
+    int axis = 0;
+    (node.max - node.min).maxCoeff(&axis);
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    std::nth_element(first, order_.begin() + middle, last, [&](std::uint32_t a, std::uint32_t b) {
+      return points[a][axis] < points[b][axis];
+    });
+    build(points, begin, middle);
+    nodes_[self].right = static_cast<std::uint32_t>(nodes_.size());
+    build(points, middle, end);
+  }
+
+  /// Rounding never turns an order around: no point of the box comes out nearer than this, and what
+  /// is skipped would not have changed.
+  static float box_distance2(const Node& node, const Vec3f& p) {
+    const Vec3f d = (node.min - p).cwiseMax(p - node.max).cwiseMax(0.f);
+    return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();
+  }
+
+  void update(std::uint32_t index, const Vec3f& p) {
+    Node& node = nodes_[index];
+    if (box_distance2(node, p) >= node.distance2) return;
+    if (node.right == 0) return update_leaf(node, p);
+    update(index + 1, p);
+    update(node.right, p);
+    const Node &a = nodes_[index + 1], &b = nodes_[node.right];
+    const bool left =
+        a.distance2 > b.distance2 || (a.distance2 == b.distance2 && a.farthest < b.farthest);
+    node.distance2 = left ? a.distance2 : b.distance2;
+    node.farthest = left ? a.farthest : b.farthest;
+  }
+
+  void update_leaf(Node& node, const Vec3f& p) {
+    node.distance2 = -1;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const Vec3f d = sorted_[i] - p;
+      distance2_[i] = std::min(distance2_[i], d.x() * d.x() + d.y() * d.y() + d.z() * d.z());
+      if (distance2_[i] <= node.distance2) continue;
+      node.distance2 = distance2_[i];
+      node.farthest = order_[i];
+    }
+  }
+
+  std::vector<std::uint32_t> order_;  // point at each place of sorted_
+  std::vector<Vec3f> sorted_;         // leaf by leaf
+  std::vector<float> distance2_;      // from the nearest chosen point, as sorted_
+  std::vector<Node> nodes_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::size_t count) {
+  std::vector<std::uint32_t> chosen;
+  if (points.empty()) return chosen;
+  FarthestTree tree(points);
+  chosen.reserve(std::min(count, points.size()));
+  while (chosen.size() < std::min(count, points.size())) {
+    chosen.push_back(tree.farthest());
+    tree.choose(points[chosen.back()]);
+  }
+  return chosen;
+}
+
+}  // namespace planescope

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/model/random.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+struct Rectangle {
+  Vec3d corner;
+  Vec3d side_u;
+  Vec3d side_v;
+  Vec3d normal;         // unit, outward
+  bool halved = false;  // a triangle: what lies on the corner's side of the diagonal between sides
+  double area() const {
+    return halved ? side_u.cross(side_v).norm() / 2 : side_u.norm() * side_v.norm();
+  }
+};
+
+struct SurfacePoints {
+  std::vector<Vec3f> points;
+  std::vector<std::uint32_t> rectangle;  // that each point lies on
+};
+
+/// `count` points evenly spread over the surface, turned about the origin: farthest points of a
+/// dense random sampling; 0 = all of that.
+SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
+                             std::size_t count,
+                             const Mat3d& turn,
+                             Random& random);
+
+}  // namespace planescope

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+/// How a surface is painted; colours only, depth does not depend on it.
+enum class Texture : std::uint8_t { plain, concrete, asphalt, planks, cardboard, brick, rubber };
+
+struct Material {
+  Vec3d albedo = Vec3d(0.7, 0.7, 0.7);  // linear RGB, 0..1
+  Texture texture = Texture::plain;
+};
+
+/// A convex planar polygon in the world frame (x forward, y left, z up; metres), its corners
+/// counter-clockwise seen from outside.
+struct Surface {
+  std::vector<Vec3d> corners;
+  Vec3d normal = Vec3d::UnitZ();  // unit, outward
+  int plane = 0;                  // true plane id from 1; 0: part of something curved
+  Material material;
+};
+
+/// Where the camera stands. All angles 0: looking along +x, upright.
+struct CameraPose {
+  Vec3d position = Vec3d(0, 0, 0.8);  // [m]
+  double yaw_deg = 0;                 // to the left
+  double pitch_deg = 0;               // down
+  double roll_deg = 0;                // clockwise, seen from behind the camera
+};
+
+/// A world of polygons. Gravity is -z.
+struct Scene {
+  std::string name;
+  std::vector<Surface> surfaces;
+  int planes = 0;                         // ids in use: 1..planes
+  Vec3d light = Vec3d(-0.4, -0.5, 0.77);  // unit, towards the light
+  CameraPose camera;                      // a pose that sees the scene well
+};
+
+/// Sensor axes: x right, y down, z forward.
+Pose pose_of(const CameraPose& camera);
+
+/// Adds a polygon and returns its plane id: `plane` where it is positive (parts of one plane share
+/// their id), else a new one; `curved` surfaces have none.
+int add_polygon(Scene& scene, std::vector<Vec3d> corners, const Material& material, int plane = 0);
+void add_curved(Scene& scene, std::vector<Vec3d> corners, const Material& material);
+
+/// A box standing on z = base.z(): its four sides and its top, each a plane of its own.
+/// `base` is the centre of its foot, `size` along its own x, y, z, turned by yaw.
+void add_box(
+    Scene& scene, const Vec3d& base, const Vec3d& size, double yaw_deg, const Material& material);
+
+/// An upright cylinder: a curved wall without plane ids, and a flat lid with one.
+void add_cylinder(
+    Scene& scene, const Vec3d& base, double radius_m, double height_m, const Material& material);
+
+}  // namespace planescope

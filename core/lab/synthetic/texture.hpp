@@ -1,0 +1,10 @@
+#pragma once
+
+#include "core/lab/synthetic/scene.hpp"
+
+namespace planescope {
+
+/// Linear albedo of a surface at a point on it: its material's colour with a procedural pattern.
+Vec3d textured_albedo(const Surface& surface, int surface_index, const Vec3d& point);
+
+}  // namespace planescope

@@ -1,0 +1,150 @@
+// A checkpoint is a safetensors file: of each tensor its value and Adam's two moments, the rest as
+// JSON in its metadata.
+
+#include "core/lab/training/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/model/error.hpp"
+#include "core/planes/classify/json_text.hpp"
+#include "core/planes/classify/safetensors.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kFormat = "planescope-training";
+
+struct Group {
+  const char* name;
+  std::vector<std::vector<float>>& tensors;
+};
+std::vector<Group> groups(TrainState& state) {
+  return {{"value", state.weights.tensors}, {"mean", state.mean}, {"variance", state.variance}};
+}
+
+/// What has to be the same for a training to go on.
+Json identity(const TrainOptions& o, const TrainingPurpose& purpose) {
+  Json json = {{"network", o.network.name},
+               {"parameters", parameter_count(o.network)},
+               {"seed", o.seed},
+               {"steps", o.steps},
+               {"batch", o.batch},
+               {"learning rate", o.learning_rate},
+               {"warm-up steps", o.warm_up_steps},
+               {"balance of classes", o.balance_classes},
+               {"edge weight", o.edge_weight},
+               {"steps of an epoch", o.epoch_steps}};
+  for (const auto& [name, value] : purpose) json[name] = value;
+  return json;
+}
+
+void expect_identity(const nlohmann::json& found, const Json& expected, const std::string& what) {
+  const auto shown = [](const auto& json) {
+    return json.is_string() ? json.template get<std::string>() : json.dump();
+  };
+  for (const auto& [name, value] : expected.items()) {
+    const auto there = found.is_object() ? found.find(name) : found.end();
+    if (there == found.end()) throw Error(fmt::format("{}: does not say its {}", what, name));
+    if (const std::string is = shown(*there), wanted = shown(value); is != wanted)
+      throw Error(fmt::format("{}: belongs to another training: {} {}, expected {}", what, name, is,
+                              wanted));
+  }
+}
+
+Json progress_of(const TrainState& state) {
+  Json epochs = Json::array();
+  for (const Epoch& epoch : state.epochs) {
+    Json sets = Json::array();
+    for (const LabelAccuracy& a : epoch.validation)
+      sets.push_back({a.edge_right, a.edge, a.inner_right, a.inner});
+    epochs.push_back({{"step", epoch.step}, {"loss", epoch.train_loss}, {"validation", sets}});
+  }
+  return {{"step", state.step}, {"loss_sum", state.loss_sum}, {"epochs", epochs}};
+}
+
+void read_progress(const nlohmann::json& json, TrainState& state) {
+  state.step = json.at("step").get<int>();
+  state.loss_sum = json.at("loss_sum").get<double>();
+  for (const auto& entry : json.at("epochs")) {
+    Epoch& epoch = state.epochs.emplace_back();
+    epoch.step = entry.at("step").get<int>();
+    epoch.train_loss = entry.at("loss").get<double>();
+    for (const auto& set : entry.at("validation"))
+      epoch.validation.push_back({set.at(0).get<std::uint64_t>(), set.at(1).get<std::uint64_t>(),
+                                  set.at(2).get<std::uint64_t>(), set.at(3).get<std::uint64_t>()});
+  }
+}
+
+/// Whether the counts can be those of a training of so many steps.
+bool is_possible(const TrainState& state, int steps) {
+  int last = 0;
+  for (const Epoch& epoch : state.epochs) {
+    if (epoch.step <= last || epoch.validation.size() != state.epochs[0].validation.size())
+      return false;
+    last = epoch.step;
+  }
+  // A training that has taken all its steps has also ended its last epoch.
+  return last <= state.step && state.step <= steps && (state.step < steps || last == steps);
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path,
+                      const TrainState& state,
+                      const TrainOptions& options,
+                      const TrainingPurpose& purpose) {
+  TensorFile file;
+  file.metadata = {{"format", kFormat},
+                   {"options", identity(options, purpose).dump()},
+                   {"progress", progress_of(state).dump()}};
+  TrainState copy = state;
+  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  for (const Group& group : groups(copy))
+    for (std::size_t t = 0; t < specs.size(); ++t)
+      file.tensors.push_back({fmt::format("{}/{}", group.name, specs[t].name),
+                              {specs[t].shape.begin(), specs[t].shape.end()},
+                              std::move(group.tensors[t])});
+  write_safetensors(path, file);
+}
+
+TrainState read_checkpoint(const std::filesystem::path& path,
+                           const TrainOptions& options,
+                           const TrainingPurpose& purpose) {
+  TensorFile file = read_safetensors(path);
+  if (file.metadata["format"] != kFormat)
+    throw Error(path.string() + ": is no checkpoint of a training");
+  expect_identity(parse_json(file.metadata["options"], path.string()), identity(options, purpose),
+                  path.string());
+  TrainState state = begin_training(options);
+  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  for (const Group& group : groups(state))
+    for (std::size_t t = 0; t < specs.size(); ++t) {
+      const std::string name = fmt::format("{}/{}", group.name, specs[t].name);
+      const auto found = std::find_if(file.tensors.begin(), file.tensors.end(),
+                                      [&](const Tensor& tensor) { return tensor.name == name; });
+      if (found == file.tensors.end() || found->values.size() != group.tensors[t].size())
+        throw Error(
+            fmt::format("{}: tensor {} is missing or of another size", path.string(), name));
+      if (!std::all_of(found->values.begin(), found->values.end(),
+                       [](float value) { return std::isfinite(value); }))
+        throw Error(
+            fmt::format("{}: tensor {} has a value that is not finite", path.string(), name));
+      group.tensors[t] = std::move(found->values);
+    }
+  try {
+    read_progress(parse_json(file.metadata["progress"], path.string()), state);
+  } catch (const nlohmann::json::exception& error) {
+    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
+  }
+  if (!is_possible(state, options.steps))
+    throw Error(fmt::format("{}: its progress is damaged: step {} of {} after {} epochs",
+                            path.string(), state.step, options.steps, state.epochs.size()));
+  return state;
+}
+
+}  // namespace planescope

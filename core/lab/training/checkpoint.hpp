@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "core/lab/training/train.hpp"
+
+namespace planescope {
+
+/// What a training was asked to do beyond its options, by name: it can be resumed only with the
+/// same.
+using TrainingPurpose = std::map<std::string, std::string>;
+
+/// All of a training's state, so that it can go on where it was stopped and end in the same bytes.
+/// Replaces the file as a whole or not at all.
+void write_checkpoint(const std::filesystem::path& path,
+                      const TrainState& state,
+                      const TrainOptions& options,
+                      const TrainingPurpose& purpose);
+
+/// Throws Error where the file is damaged, or belongs to a training with other options or another
+/// purpose: the message names the first that differs.
+TrainState read_checkpoint(const std::filesystem::path& path,
+                           const TrainOptions& options,
+                           const TrainingPurpose& purpose);
+
+}  // namespace planescope

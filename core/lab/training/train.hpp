@@ -1,0 +1,65 @@
+#pragma once
+
+// Training of a 3D-GCN: Adam on a cross-entropy that counts points beside another label more, and
+// if asked both labels alike.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/model/simd.hpp"
+#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/weights.hpp"
+#include "core/planes/evaluate/label_accuracy.hpp"
+
+namespace planescope {
+
+struct TrainOptions {
+  NetworkConfig network;
+  std::uint64_t seed = 1;
+  int steps = 45000;
+  int batch = 4;                // clouds in a step
+  double learning_rate = 2e-3;  // of Adam; warms up, then falls to 0 along a cosine
+  int warm_up_steps = 50;
+  bool balance_classes = false;  // h and v weigh the same in each cloud
+  double edge_weight = 4;        // of a point that has a neighbour of the other label
+  int epoch_steps = 2500;        // steps between validations
+};
+
+struct Epoch {
+  int step = 0;           // steps done
+  double train_loss = 0;  // mean over the epoch's steps, weighted as the training is
+  std::vector<LabelAccuracy> validation;  // by validation set
+};
+
+/// All that a step depends on: continuing from a copy gives what an uninterrupted run gives.
+struct TrainState {
+  NetworkWeights weights;
+  std::vector<std::vector<float>> mean, variance;  // Adam's moments, by tensor
+  int step = 0;
+  double loss_sum = 0;  // since the last validation
+  std::vector<Epoch> epochs;
+};
+
+/// Weights drawn as the official code draws them.
+TrainState begin_training(const TrainOptions& options);
+
+/// `draw(number)`: the cloud of that number; clouds step * batch .. + batch - 1 make a step. Called
+/// from several threads.
+using DrawCloud = std::function<LabelledCloud(std::uint64_t number)>;
+
+/// One step; returns its loss. The same for any thread count and instruction set.
+double train_step(TrainState& state,
+                  const TrainOptions& options,
+                  const DrawCloud& draw,
+                  int threads,
+                  Simd simd = best_simd());
+
+/// Of a network on labelled clouds, over all their points.
+LabelAccuracy score_network(const NetworkWeights& weights,
+                            std::span<const LabelledCloud> clouds,
+                            int threads,
+                            Simd simd = best_simd());
+
+}  // namespace planescope

@@ -1,0 +1,143 @@
+#include "core/labels/edit/edit.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace planescope {
+namespace {
+
+bool same_gravity(const Gravity& a, const Gravity& b) {
+  return a.direction == b.direction && a.source == b.source && a.confidence == b.confidence &&
+         a.note == b.note;
+}
+
+bool same_notes(const LabelNotes& a, const LabelNotes& b) {
+  return same_gravity(a.gravity, b.gravity) && a.annotator == b.annotator &&
+         a.review_state == b.review_state && a.review == b.review;
+}
+
+LabelNotes notes_of(const FrameLabels& labels) {
+  return {labels.gravity, labels.annotator, labels.review_state, labels.review};
+}
+
+void set_notes(FrameLabels& labels, const LabelNotes& notes) {
+  labels.gravity = notes.gravity;
+  labels.annotator = notes.annotator;
+  labels.review_state = notes.review_state;
+  labels.review = notes.review;
+}
+
+std::vector<LabelRun> changed_runs(const FrameLabels& before, const FrameLabels& after) {
+  std::vector<LabelRun> runs;
+  const auto pixels = static_cast<std::uint32_t>(before.plane.data.size());
+  for (std::uint32_t i = 0; i < pixels; ++i) {
+    LabelRun run = {
+        i, 1, before.plane.data[i], after.plane.data[i], before.hv.data[i], after.hv.data[i]};
+    if (run.plane_before == run.plane_after && run.hv_before == run.hv_after) continue;
+    if (!runs.empty() && runs.back().first + runs.back().count == i) {
+      run.first = runs.back().first;
+      run.count = runs.back().count;
+      if (run == runs.back()) {
+        ++runs.back().count;
+        continue;
+      }
+      run.first = i;
+      run.count = 1;
+    }
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+std::vector<LabelPlane> by_id(std::vector<LabelPlane> planes) {
+  const auto less = [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; };
+  if (!std::is_sorted(planes.begin(), planes.end(), less)) {
+    std::sort(planes.begin(), planes.end(), less);
+  }
+  return planes;
+}
+
+std::vector<LabelPlaneChange> changed_planes(const FrameLabels& before, const FrameLabels& after) {
+  const auto old_planes = by_id(before.planes), new_planes = by_id(after.planes);
+  std::vector<LabelPlaneChange> changes;
+  auto a = old_planes.begin();
+  auto b = new_planes.begin();
+  while (a != old_planes.end() || b != new_planes.end()) {
+    LabelPlaneChange change;
+    const bool take_a = b == new_planes.end() || (a != old_planes.end() && a->id <= b->id);
+    const bool take_b = a == old_planes.end() || (b != new_planes.end() && b->id <= a->id);
+    change.id = take_a ? a->id : b->id;
+    if (take_a) change.before = *a++;
+    if (take_b) change.after = *b++;
+    if (change.before != change.after) changes.push_back(std::move(change));
+  }
+  return changes;
+}
+
+void set_plane(FrameLabels& labels, int id, const std::optional<LabelPlane>& plane) {
+  auto& planes = labels.planes;
+  const auto less = [](const LabelPlane& a, int b) { return a.id < b; };
+  const auto at = std::lower_bound(planes.begin(), planes.end(), id, less);
+  const bool is_listed = at != planes.end() && at->id == id;
+  if (is_listed && plane) {
+    *at = *plane;
+  } else if (is_listed) {
+    planes.erase(at);
+  } else if (plane) {
+    planes.insert(at, *plane);
+  }
+}
+
+enum class Direction : std::uint8_t { forwards, backwards };
+
+void put(FrameLabels& labels, const LabelEdit& edit, Direction direction) {
+  const bool forwards = direction == Direction::forwards;
+  labels.planes = by_id(std::move(labels.planes));
+  for (const LabelRun& run : edit.runs) {
+    assert(run.first + run.count <= labels.plane.data.size());
+    const auto plane = labels.plane.data.begin() + run.first;
+    const auto hv = labels.hv.data.begin() + run.first;
+    assert(*plane == (forwards ? run.plane_before : run.plane_after));
+    std::fill_n(plane, run.count, forwards ? run.plane_after : run.plane_before);
+    std::fill_n(hv, run.count, forwards ? run.hv_after : run.hv_before);
+  }
+  for (const LabelPlaneChange& change : edit.planes) {
+    set_plane(labels, change.id, forwards ? change.after : change.before);
+  }
+  if (edit.notes) set_notes(labels, forwards ? edit.notes->after : edit.notes->before);
+}
+
+}  // namespace
+
+std::size_t LabelEdit::changed_pixels() const {
+  std::size_t count = 0;
+  for (const LabelRun& run : runs) count += run.count;
+  return count;
+}
+
+LabelEdit make_edit(int frame,
+                    std::string title,
+                    const FrameLabels& before,
+                    const FrameLabels& after) {
+  assert(before.depth_sha256 == after.depth_sha256);
+  assert(before.plane.width == after.plane.width && before.plane.height == after.plane.height);
+  assert(before.hv.width == after.hv.width && before.hv.height == after.hv.height);
+  LabelEdit edit;
+  edit.frame = frame;
+  edit.title = std::move(title);
+  edit.runs = changed_runs(before, after);
+  edit.planes = changed_planes(before, after);
+  const LabelNotes old_notes = notes_of(before), new_notes = notes_of(after);
+  if (!same_notes(old_notes, new_notes)) edit.notes = NotesChange{old_notes, new_notes};
+  return edit;
+}
+
+void apply_edit(FrameLabels& labels, const LabelEdit& edit) {
+  put(labels, edit, Direction::forwards);
+}
+
+void revert_edit(FrameLabels& labels, const LabelEdit& edit) {
+  put(labels, edit, Direction::backwards);
+}
+
+}  // namespace planescope

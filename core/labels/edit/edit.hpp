@@ -1,0 +1,61 @@
+#pragma once
+
+// What one gesture changed: applied forwards to redo, backwards to undo, written to the journal.
+// Tools are pure functions FrameLabels -> FrameLabels (operations.hpp); the edit is what differs.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/labels/model/label_files.hpp"
+
+namespace planescope {
+
+/// Consecutive pixels that had one label and get one label.
+struct LabelRun {
+  std::uint32_t first = 0, count = 0;
+  std::uint16_t plane_before = 0, plane_after = 0;
+  std::uint8_t hv_before = 0, hv_after = 0;
+
+  bool operator==(const LabelRun&) const = default;
+};
+
+struct LabelPlaneChange {
+  int id = 0;
+  std::optional<LabelPlane> before, after;
+
+  bool operator==(const LabelPlaneChange&) const = default;
+};
+
+/// The rest of FrameLabels that edits change.
+struct LabelNotes {
+  Gravity gravity;
+  std::string annotator;
+  std::string review_state;
+  std::vector<ReviewNote> review;
+};
+struct NotesChange {
+  LabelNotes before, after;
+};
+
+struct LabelEdit {
+  int frame = 0;
+  std::string title;                     // "Brush P3", as the undo list names it
+  std::vector<LabelRun> runs;            // ascending, disjoint
+  std::vector<LabelPlaneChange> planes;  // by id
+  std::optional<NotesChange> notes;
+
+  bool empty() const { return runs.empty() && planes.empty() && !notes; }
+  std::size_t changed_pixels() const;
+};
+
+/// Both of the same frame and size (asserted). Plane lists are kept in order of id.
+LabelEdit make_edit(int frame,
+                    std::string title,
+                    const FrameLabels& before,
+                    const FrameLabels& after);
+void apply_edit(FrameLabels& labels, const LabelEdit& edit);
+void revert_edit(FrameLabels& labels, const LabelEdit& edit);
+
+}  // namespace planescope

@@ -1,0 +1,83 @@
+#pragma once
+
+// What a gesture does to the labels of a frame. Pure functions: labels in, labels out, planes
+// fitted anew where their pixels changed. Locked planes lose and gain no pixel, hidden ones lose
+// none; pixels that were not measured keep no label. A carried plane that is touched is settled:
+// its confidence becomes 1.
+
+#include <array>
+#include <span>
+
+#include "core/labels/model/grid.hpp"
+
+namespace planescope {
+
+/// What a tool paints: a plane (made if it is new), "do not score" (kPlaneIgnore), or nothing (0).
+struct Paint {
+  int plane = 0;
+  Label label = Label::unknown;  // of a new plane; unknown: by its tilt. For plane 0 and not
+                                 // unknown: the class alone, without a plane
+  LabelOrigin origin = LabelOrigin::hand;
+};
+
+enum class PaintMode : std::uint8_t {
+  over,      // whatever was there
+  add,       // only where nothing was
+  subtract,  // takes off the paint's own label, and nothing else
+};
+
+FrameLabels painted(const FrameLabels& labels,
+                    const LabelGrid& grid,
+                    std::span<const std::uint32_t> pixels,
+                    const Paint& paint,
+                    PaintMode mode);
+
+/// Those of the pixels that painted() changes.
+PixelSet changed_by_painting(const FrameLabels& labels,
+                             const LabelGrid& grid,
+                             std::span<const std::uint32_t> pixels,
+                             const Paint& paint,
+                             PaintMode mode);
+
+/// The smallest id that no plane has.
+int free_plane_id(const FrameLabels& labels);
+const LabelPlane* find_plane(const FrameLabels& labels, int id);
+PixelSet pixels_of_plane(const FrameLabels& labels, int id);
+
+// All throw Error where there is no such plane, or it is locked.
+FrameLabels with_class(const FrameLabels& labels, int plane, Label label);
+FrameLabels without_plane(const FrameLabels& labels, const LabelGrid& grid, int plane);
+FrameLabels joined(const FrameLabels& labels, const LabelGrid& grid, int into, int from);
+/// Each connected part (eight neighbours, bridging gaps of up to `gap_px` pixels that were not
+/// measured) of at least `min_area_m2` becomes a plane of its own, the largest keeps the id;
+/// smaller parts go with the part nearest to them.
+FrameLabels split_by_parts(const FrameLabels& labels,
+                           const LabelGrid& grid,
+                           int plane,
+                           double min_area_m2,
+                           int gap_px = 2);
+/// Pixels to the right of the line from -> to become a plane of their own. `side`: per pixel of the
+/// image, > 0 right of it; made by sides_of_line() on the image, from projected points in space.
+/// Nothing changes where all of them are on one side.
+FrameLabels split_by_side(const FrameLabels& labels,
+                          const LabelGrid& grid,
+                          int plane,
+                          std::span<const float> side);
+std::vector<float> sides_of_line(int width, int height, const Vec2f& from, const Vec2f& to);
+
+/// Gravity is known now, or better: planes without a class that are not locked take that of their
+/// tilt.
+FrameLabels with_gravity(const FrameLabels& labels, const Gravity& gravity);
+
+enum class PlaneFlag : std::uint8_t { locked, hidden };
+FrameLabels with_flag(const FrameLabels& labels, int plane, PlaneFlag flag, bool on);
+
+/// First labels from a segmentation: `plane_of` per pixel (0 none), `label_of_plane` by id - 1.
+/// Replaces everything but "do not score" and locked and hidden planes with their pixels; ids that
+/// these have are given others.
+FrameLabels from_segmentation(const FrameLabels& labels,
+                              const LabelGrid& grid,
+                              std::span<const std::int32_t> plane_of,
+                              std::span<const Label> label_of_plane);
+
+}  // namespace planescope

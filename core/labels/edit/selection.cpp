@@ -1,0 +1,167 @@
+#include "core/labels/edit/selection.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace planescope {
+namespace {
+
+constexpr float kNoises = 4;     // behind the surface before it, and still part of it ...
+constexpr float kSplats = 1.5f;  // ... or so many diameters of a splat: surfaces seen at a slant
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// A point as the view draws it.
+struct Splat {
+  Vec2f place;        // [view px]
+  float depth_m = 0;  // along the view
+  float radius_px = 0;
+  float radius_m = 0;
+};
+
+class Projection {
+ public:
+  explicit Projection(const SpaceView& view) : view_(view) {
+    // Depth along the view in metres: w where perspective, the scaled z where orthographic.
+    const int row = view.orthographic ? 2 : 3;
+    const float scale = view.clip_from_sensor.block<1, 3>(row, 0).norm();
+    depth_row_ = view.clip_from_sensor.row(row) / (scale > 0 ? scale : 1.0f);
+  }
+
+  /// False where it is outside of the view.
+  bool project(const Vec3f& point, Splat& splat) const {
+    const Eigen::Vector4f clip = view_.clip_from_sensor * point.homogeneous();
+    const float w = clip.w();
+    if (!(w > 0) ||
+        !(std::abs(clip.x()) <= w && std::abs(clip.y()) <= w && std::abs(clip.z()) <= w))
+      return false;
+    splat.place.x() = (0.5f + 0.5f * clip.x() / w) * static_cast<float>(view_.width);
+    splat.place.y() = (0.5f - 0.5f * clip.y() / w) * static_cast<float>(view_.height);
+    splat.depth_m = depth_row_.dot(point.homogeneous());
+    const float px_per_m =
+        view_.orthographic ? view_.px_per_m : view_.px_per_m / std::max(splat.depth_m, 1e-6f);
+    splat.radius_px = 0.5f * std::clamp(view_.point_size_m * px_per_m, view_.min_px, view_.max_px);
+    splat.radius_m = splat.radius_px / px_per_m;
+    return true;
+  }
+
+ private:
+  const SpaceView& view_;
+  Eigen::RowVector4f depth_row_;
+};
+
+/// The nearest splat on each pixel.
+class DepthBuffer {
+ public:
+  DepthBuffer(int width, int height)
+      : width_(width),
+        height_(height),
+        depth_(static_cast<std::size_t>(width) * height, kNothing) {}
+
+  void draw(const Splat& splat) {
+    const float r = splat.radius_px, x = splat.place.x(), y = splat.place.y();
+    const auto [top, bottom] = covered(y, r, height_);
+    for (int row_index = top; row_index < bottom; ++row_index) {
+      float half = r;
+      if (r > kSquare_px) {
+        const float dy = static_cast<float>(row_index) + 0.5f - y;
+        half = std::sqrt(std::max(0.0f, r * r - dy * dy));
+      }
+      const auto [left, right] = covered(x, half, width_);
+      float* row = depth_.data() + static_cast<std::size_t>(row_index) * width_;
+      for (int i = left; i < right; ++i) row[i] = std::min(row[i], splat.depth_m);
+    }
+  }
+  float nearest_at(const Vec2f& place) const {
+    const int x = std::min(width_ - 1, static_cast<int>(place.x()));
+    const int y = std::min(height_ - 1, static_cast<int>(place.y()));
+    return depth_[static_cast<std::size_t>(y) * width_ + x];
+  }
+
+ private:
+  static constexpr float kSquare_px = 1.5f;  // rounder splats make no difference to so few pixels
+
+  /// Pixels whose centres lie within `reach` of a place: the first and one past the last.
+  static std::pair<int, int> covered(float place, float reach, int size) {
+    return {std::max(0, static_cast<int>(place - reach + 0.5f)),
+            std::min(size, static_cast<int>(place + reach + 0.5f))};
+  }
+
+  int width_, height_;
+  std::vector<float> depth_;
+};
+
+}  // namespace
+
+PixelSet pixels_on_image(const LabelGrid& grid,
+                         const DrawnShape& shape,
+                         std::span<const std::uint8_t> shown) {
+  assert(shown.empty() || shown.size() == grid.pixels());
+  const Image8 mask = mask_of(shape, grid.width, grid.height);
+  PixelSet pixels;
+  for (std::size_t i = 0; i < mask.data.size(); ++i)
+    if (mask.data[i] && grid.measured[i] && (shown.empty() || shown[i]))
+      pixels.push_back(static_cast<std::uint32_t>(i));
+  return pixels;
+}
+
+SeenPoints see(const LabelGrid& grid, const SpaceView& view, std::span<const std::uint8_t> shown) {
+  assert(shown.empty() || shown.size() == grid.pixels());
+  SeenPoints seen;
+  seen.width = view.width;
+  seen.height = view.height;
+  seen.place.resize(grid.pixels(), Vec2f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  seen.visible.resize(grid.pixels(), 0);
+  if (view.width <= 0 || view.height <= 0) return seen;
+  const Projection projection(view);
+  DepthBuffer nearest(view.width, view.height);
+  std::vector<std::uint32_t> inside;
+  std::vector<Splat> splats;
+  inside.reserve(grid.measured_count);
+  splats.reserve(grid.measured_count);
+  Splat splat;
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    if (!grid.measured[i] || (!shown.empty() && !shown[i])) continue;
+    if (!projection.project(grid.points[i], splat)) continue;
+    nearest.draw(splat);
+    seen.place[i] = splat.place;
+    inside.push_back(static_cast<std::uint32_t>(i));
+    splats.push_back(splat);
+  }
+  for (std::size_t k = 0; k < inside.size(); ++k) {
+    const float sigma_m = grid.sigma_m[inside[k]];
+    const float tolerance_m = kNoises * sigma_m + kSplats * 2 * splats[k].radius_m;
+    seen.visible[inside[k]] =
+        splats[k].depth_m <= nearest.nearest_at(splats[k].place) + tolerance_m;
+  }
+  return seen;
+}
+
+SpaceSelection points_in_space(const SeenPoints& seen, const DrawnShape& shape, bool through) {
+  SpaceSelection selection;
+  if (seen.width <= 0 || seen.height <= 0) return selection;
+  const Image8 mask = mask_of(shape, seen.width, seen.height);
+  for (std::size_t i = 0; i < seen.place.size(); ++i) {
+    const Vec2f& place = seen.place[i];
+    if (std::isnan(place.x())) continue;
+    const int x = std::min(seen.width - 1, static_cast<int>(place.x()));
+    const int y = std::min(seen.height - 1, static_cast<int>(place.y()));
+    if (!mask.at(x, y)) continue;
+    if (!seen.visible[i]) ++selection.hidden;
+    if (seen.visible[i] || through) selection.pixels.push_back(static_cast<std::uint32_t>(i));
+  }
+  return selection;
+}
+
+std::vector<std::uint8_t> shown_pixels(const FrameLabels& labels) {
+  std::vector<std::uint8_t> shown_plane(kPlaneIgnore + 1, 1);
+  for (const LabelPlane& plane : labels.planes) shown_plane[plane.id] = !plane.hidden;
+  std::vector<std::uint8_t> shown;
+  shown.reserve(labels.plane.data.size());
+  for (const std::uint16_t id : labels.plane.data) shown.push_back(shown_plane[id]);
+  return shown;
+}
+
+}  // namespace planescope

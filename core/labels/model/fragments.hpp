@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "core/model/image.hpp"
+
+namespace planescope {
+
+/// Connected parts (four neighbours) of every value in an image, by value; as long as the largest
+/// value needs.
+std::vector<int> count_fragments(const Image16& image);
+
+}  // namespace planescope

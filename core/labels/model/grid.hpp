@@ -1,0 +1,72 @@
+#pragma once
+
+// The geometry that labels are drawn on: each measured pixel of a depth frame as a point.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/labels/model/label_files.hpp"
+#include "core/model/frame.hpp"
+#include "core/model/image.hpp"
+
+namespace planescope {
+
+using Vec2f = Eigen::Vector2f;
+
+/// Pixel indices v * width + u, ascending, none twice.
+using PixelSet = std::vector<std::uint32_t>;
+
+struct LabelGrid {
+  int width = 0, height = 0;
+  Intrinsics intrinsics;
+  Gravity gravity;
+  std::vector<std::uint8_t> measured;  // per pixel, 1 where depth is a measurement
+  std::vector<Vec3f> points;           // per pixel, sensor frame [m]; NaN where not measured
+  std::vector<Vec3f> normals;          // unit, towards the sensor; zero where unknown
+  std::vector<float> sigma_m;          // depth noise expected there, along the ray
+  Image8 color;                        // RGB per depth pixel; empty unless aligned
+
+  std::size_t measured_count = 0;
+
+  std::size_t pixels() const { return measured.size(); }
+  /// Area of the surface that a pixel stands for [m2]; 0 where its normal is unknown and
+  /// none is given.
+  double pixel_area_m2(std::uint32_t pixel, const Vec3d* normal = nullptr) const;
+};
+
+/// Throws Error for a cloud: its labels are fields of its own file.
+LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity);
+
+/// No pixel labelled yet.
+FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256);
+
+/// A plane through points by least squares, towards the sensor (offset <= 0); area is that of the
+/// pixels on it.
+struct FittedPlane {
+  Vec3d normal = Vec3d::UnitZ();  // sensor frame
+  double offset_m = 0;            // normal . x = offset
+  Vec3d centroid = Vec3d::Zero();
+  double rms_m = 0;
+  double area_m2 = 0;
+  double tilt_deg = 0;  // normal against up; NaN where gravity is not known
+  std::size_t points = 0;
+
+  double distance_m(const Vec3f& point) const {
+    return normal.dot(point.cast<double>()) - offset_m;
+  }
+};
+/// Fewer than three points, or all in a line: `points` says so, the normal is +z.
+FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixels);
+
+/// The angle between a normal and up, both in the sensor's frame; NaN where gravity is not known.
+double tilt_of(const Vec3d& normal, const Gravity& gravity);
+/// h where the normal is within 45 degrees of up or down, as the paper's classes are meant; unknown
+/// where the tilt is.
+Label class_of_tilt(double tilt_deg);
+
+/// Fits normal, offset, RMS and fragments of these planes anew from their pixels; a plane without
+/// pixels is taken off the list. `ids` empty: of all.
+void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const int> ids = {});
+
+}  // namespace planescope

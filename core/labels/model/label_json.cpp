@@ -1,0 +1,193 @@
+#include "core/labels/model/label_json.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "planescope.labels/1";
+constexpr std::array kLabelNames = {"unknown", "h", "v"};  // by Label
+constexpr std::array kDistortionNames = {"none", "brown_conrady", "inverse_brown_conrady"};
+constexpr std::array kGravitySources = {"option",   "sidecar", "imu", "picked",
+                                        "estimate", "assumed", "none"};  // by GravitySource
+constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "imported"};
+constexpr std::array kDisagreements = {"missed", "invented",   "split",
+                                       "merged", "class_flip", "boundary"};
+constexpr std::array kDecisions = {"keep", "take", "edit", "ignore"};
+
+Json to_json(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Vec3d vector_from(const Json& json) {
+  const auto values = json.get<std::array<double, 3>>();
+  return {values[0], values[1], values[2]};
+}
+
+template <typename Names>
+std::size_t index_of(const Names& names, const std::string& name, const std::string& where) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (name == names[i]) return i;
+  }
+  throw Error(where + ": unknown name \"" + name + "\"");
+}
+
+Json to_json(const Intrinsics& k) {
+  return {{"width", k.width},
+          {"height", k.height},
+          {"fx", k.fx},
+          {"fy", k.fy},
+          {"cx", k.cx},
+          {"cy", k.cy},
+          {"distortion_model", kDistortionNames[static_cast<std::size_t>(k.distortion)]},
+          {"distortion", k.coefficients}};
+}
+
+Intrinsics intrinsics_from(const Json& json, const std::string& where) {
+  Intrinsics k;
+  k.width = json.at("width").get<int>();
+  k.height = json.at("height").get<int>();
+  k.fx = json.at("fx").get<double>();
+  k.fy = json.at("fy").get<double>();
+  k.cx = json.at("cx").get<double>();
+  k.cy = json.at("cy").get<double>();
+  const auto model = json.at("distortion_model").get<std::string>();
+  k.distortion = static_cast<Distortion>(index_of(kDistortionNames, model, where));
+  k.coefficients = json.at("distortion").get<std::array<double, 5>>();
+  return k;
+}
+
+Json to_json(const Gravity& gravity) {
+  return {{"direction", gravity.known() ? to_json(gravity.direction) : Json()},
+          {"source", kGravitySources[static_cast<std::size_t>(gravity.source)]},
+          {"confidence", gravity.confidence},
+          {"note", gravity.note}};
+}
+
+Gravity gravity_from(const Json& json, const std::string& where) {
+  Gravity gravity;
+  const auto source = json.at("source").get<std::string>();
+  gravity.source = static_cast<GravitySource>(index_of(kGravitySources, source, where));
+  if (gravity.known()) gravity.direction = vector_from(json.at("direction"));
+  gravity.confidence = json.at("confidence").get<double>();
+  gravity.note = json.at("note").get<std::string>();
+  return gravity;
+}
+
+/// Values that most planes share are left out.
+Json to_json(const LabelPlane& plane) {
+  Json json = {{"id", plane.id},
+               {"label", kLabelNames[static_cast<std::size_t>(plane.label)]},
+               {"normal", to_json(plane.normal)},
+               {"offset_m", plane.offset_m},
+               {"rms_m", plane.rms_m},
+               {"tolerance_m", plane.tolerance_m},
+               {"fragments", plane.fragments}};
+  const LabelPlane usual;
+  if (plane.origin != usual.origin) {
+    json["origin"] = kOrigins[static_cast<std::size_t>(plane.origin)];
+  }
+  if (plane.confidence != usual.confidence) json["confidence"] = plane.confidence;
+  if (plane.locked) json["locked"] = true;
+  if (plane.hidden) json["hidden"] = true;
+  return json;
+}
+
+LabelPlane plane_from(const Json& json, const std::string& where) {
+  LabelPlane plane;
+  plane.id = json.at("id").get<int>();
+  const auto label = json.at("label").get<std::string>();
+  plane.label = static_cast<Label>(index_of(kLabelNames, label, where));
+  plane.normal = vector_from(json.at("normal"));
+  plane.offset_m = json.at("offset_m").get<double>();
+  plane.rms_m = json.at("rms_m").get<double>();
+  plane.tolerance_m = json.at("tolerance_m").get<double>();
+  plane.fragments = json.at("fragments").get<int>();
+  if (json.contains("origin")) {
+    const auto origin = json.at("origin").get<std::string>();
+    plane.origin = static_cast<LabelOrigin>(index_of(kOrigins, origin, where));
+  }
+  plane.confidence = json.value("confidence", plane.confidence);
+  plane.locked = json.value("locked", plane.locked);
+  plane.hidden = json.value("hidden", plane.hidden);
+  return plane;
+}
+
+Json to_json(const ReviewNote& note) {
+  return {{"kind", kDisagreements[static_cast<std::size_t>(note.kind)]},
+          {"pixel", note.pixel},
+          {"pixels", note.pixels},
+          {"label_plane", note.label_plane},
+          {"other_plane", note.other_plane},
+          {"decision", kDecisions[static_cast<std::size_t>(note.decision)]},
+          {"reviewer", note.reviewer},
+          {"time_s", note.time_s}};
+}
+
+ReviewNote note_from(const Json& json, const std::string& where) {
+  ReviewNote note;
+  const auto kind = json.at("kind").get<std::string>();
+  note.kind = static_cast<DisagreementKind>(index_of(kDisagreements, kind, where));
+  note.pixel = json.at("pixel").get<std::uint32_t>();
+  note.pixels = json.at("pixels").get<std::uint32_t>();
+  note.label_plane = json.at("label_plane").get<int>();
+  note.other_plane = json.at("other_plane").get<int>();
+  const auto decision = json.at("decision").get<std::string>();
+  note.decision = static_cast<ReviewDecision>(index_of(kDecisions, decision, where));
+  note.reviewer = json.at("reviewer").get<std::string>();
+  note.time_s = json.at("time_s").get<std::int64_t>();
+  return note;
+}
+
+FrameLabels labels_from(const Json& json, int frame_index, const std::string& where) {
+  const auto schema = json.at("schema").get<std::string>();
+  if (schema != kSchema) {
+    throw Error(where + ": schema \"" + schema + "\", expected \"" + kSchema + "\"");
+  }
+  if (const int frame = json.at("frame").get<int>(); frame != frame_index) {
+    throw Error(where + ": labels of frame " + std::to_string(frame) + ", expected frame " +
+                std::to_string(frame_index));
+  }
+  FrameLabels labels;
+  labels.depth_sha256 = json.at("depth_sha256").get<std::string>();
+  labels.intrinsics = intrinsics_from(json.at("intrinsics"), where);
+  labels.gravity = gravity_from(json.at("gravity"), where);
+  for (const Json& plane : json.at("planes")) labels.planes.push_back(plane_from(plane, where));
+  labels.annotator = json.at("annotator").get<std::string>();
+  labels.review_state = json.at("review_state").get<std::string>();
+  if (json.contains("review")) {
+    for (const Json& note : json.at("review")) labels.review.push_back(note_from(note, where));
+  }
+  return labels;
+}
+
+}  // namespace
+
+std::string label_json(int frame_index, const FrameLabels& labels) {
+  Json planes = Json::array();
+  for (const LabelPlane& plane : labels.planes) planes.push_back(to_json(plane));
+  Json json = {{"schema", kSchema},
+               {"frame", frame_index},
+               {"depth_sha256", labels.depth_sha256},
+               {"intrinsics", to_json(labels.intrinsics)},
+               {"gravity", to_json(labels.gravity)},
+               {"planes", planes},
+               {"annotator", labels.annotator},
+               {"review_state", labels.review_state}};
+  for (const ReviewNote& note : labels.review) json["review"].push_back(to_json(note));
+  // Text that people typed may hold any bytes: what is not UTF-8 is replaced, not refused.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+FrameLabels parse_label_json(const std::string& text, int frame_index, const std::string& where) {
+  try {
+    return labels_from(Json::parse(text), frame_index, where);
+  } catch (const Json::exception& error) {
+    throw Error(where + ": not a label file of planescope (" + error.what() + ")");
+  }
+}
+
+}  // namespace planescope

@@ -1,0 +1,227 @@
+#include "core/labels/review/audit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <numeric>
+
+#include "core/labels/model/parts.hpp"
+#include "core/labels/model/pixel_depth.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kOutlierSigmas = 4;
+// Strips along the borders of labels are no region: one has a pixel this far from any label.
+constexpr int kStrip_px = 2;
+constexpr std::size_t kSpeck_px = 32;  // what ragged depth leaves of an edge is no part of a plane
+
+[[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
+  char text[160];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+/// In square metres where that is the handier number.
+std::string area_text(double area_m2) {
+  return area_m2 < 0.1 ? text_of("%.0f cm2", 1e4 * area_m2) : text_of("%.2f m2", area_m2);
+}
+
+/// What is known of one plane's pixels.
+struct Surface {
+  const LabelPlane& plane;
+  PixelSet pixels;
+  std::vector<double> distance_m;  // of each pixel from the plane
+  std::vector<double> noise_m;     // expected of it: a good plane's own, and the depth's
+  double mean_range_m = 0, area_m2 = 0;
+};
+
+Surface measure(const LabelPlane& plane,
+                PixelSet pixels,
+                const LabelGrid& grid,
+                const AuditOptions& options) {
+  Surface surface{plane, std::move(pixels), {}, {}};
+  for (const std::uint32_t pixel : surface.pixels) {
+    const Vec3d point = grid.points[pixel].cast<double>();
+    const double range_m = point.norm();
+    // Depth errors act along the ray: a plane seen edge-on is hardly moved by them.
+    const double across = std::abs(plane.normal.dot(point)) / range_m * grid.sigma_m[pixel];
+    surface.distance_m.push_back(std::abs(plane.normal.dot(point) - plane.offset_m));
+    surface.noise_m.push_back(std::hypot(options.max_rms_m / 2, across));
+    surface.mean_range_m += range_m / static_cast<double>(surface.pixels.size());
+    surface.area_m2 += grid.pixel_area_m2(pixel, &plane.normal);
+  }
+  return surface;
+}
+
+double rms(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+class Audit {
+ public:
+  Audit(const FrameLabels& labels, const LabelGrid& grid, const AuditOptions& options)
+      : labels_(labels), grid_(grid), options_(options) {}
+
+  std::vector<Finding> run() {
+    std::vector<PixelSet> pixels(kPlaneIgnore + 1);
+    for (std::uint32_t i = 0; i < grid_.pixels(); ++i)
+      if (grid_.measured[i]) pixels[labels_.plane.data[i]].push_back(i);
+    for (const LabelPlane& plane : labels_.planes) {
+      if (pixels[plane.id].empty()) continue;
+      const Surface surface = measure(plane, std::move(pixels[plane.id]), grid_, options_);
+      check_rms(surface);
+      check_outliers(surface);
+      check_parts(surface);
+      check_area(surface);
+      check_class(surface);
+    }
+    check_unlabelled();
+    std::stable_sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
+      return a.kind != b.kind ? a.kind < b.kind : a.pixels.size() > b.pixels.size();
+    });
+    return std::move(findings_);
+  }
+
+ private:
+  void add(
+      FindingKind kind, int plane, PixelSet pixels, double value, double limit, std::string text) {
+    const std::uint32_t where = deepest_pixel(pixels, grid_.width, grid_.height);
+    if (plane > 0) text = text_of("P%d: ", plane) + text;
+    findings_.push_back({kind, plane, where, std::move(pixels), value, limit, std::move(text)});
+  }
+
+  void check_rms(const Surface& s) {
+    const double value = 1000 * rms(s.distance_m), limit = 1000 * 2 * rms(s.noise_m);
+    if (value <= limit) return;
+    add(FindingKind::rms, s.plane.id, s.pixels, value, limit,
+        text_of("RMS %.1f mm, expected at most %.1f mm at %.1f m", value, limit, s.mean_range_m));
+  }
+
+  void check_outliers(const Surface& s) {
+    PixelSet far;
+    for (std::size_t i = 0; i < s.pixels.size(); ++i)
+      if (s.distance_m[i] > kOutlierSigmas * s.noise_m[i]) far.push_back(s.pixels[i]);
+    const double value =
+        100.0 * static_cast<double>(far.size()) / static_cast<double>(s.pixels.size());
+    const double limit = 100 * options_.max_outlier_share;
+    if (value <= limit) return;
+    add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
+        text_of("%.1f %% of its pixels lie off it, expected at most %.1f %%", value, limit));
+  }
+
+  void check_parts(const Surface& s) {
+    auto parts = parts_apart(s.pixels, grid_.width, grid_.height, options_.gap_px);
+    std::erase_if(parts, [](const PixelSet& part) { return part.size() < kSpeck_px; });
+    if (parts.size() < 2) return;
+    const auto largest =
+        std::max_element(parts.begin(), parts.end(),
+                         [](const PixelSet& a, const PixelSet& b) { return a.size() < b.size(); });
+    const auto value = static_cast<double>(parts.size());
+    parts.erase(largest);
+    PixelSet smaller;
+    for (const PixelSet& part : parts) smaller.insert(smaller.end(), part.begin(), part.end());
+    std::sort(smaller.begin(), smaller.end());
+    const std::size_t pixels = smaller.size();
+    add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
+        text_of("%.0f parts that lie apart, expected 1 (%zu pixels in the smaller ones)", value,
+                pixels));
+  }
+
+  void check_area(const Surface& s) {
+    const double value = 1e4 * s.area_m2, limit = 1e4 * options_.min_area_m2;
+    if (value >= limit) return;
+    add(FindingKind::tiny, s.plane.id, s.pixels, value, limit,
+        text_of("%.1f cm2, expected at least %.1f cm2", value, limit));
+  }
+
+  void check_class(const Surface& s) {
+    if (s.plane.label == Label::unknown || !labels_.gravity.known()) return;
+    const double up = std::abs(s.plane.normal.dot(labels_.gravity.direction));
+    const double tilt_deg = std::acos(std::min(up, 1.0)) * 180 / M_PI;  // 0 level, 90 upright
+    const bool is_h = s.plane.label == Label::h;
+    const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
+    if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
+    add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
+        text_of("labelled %s and tilted %.0f degrees, expected at %s %.0f", is_h ? "h" : "v",
+                tilt_deg, is_h ? "most" : "least", limit));
+  }
+
+  void check_unlabelled() {
+    PixelSet labelled, open;
+    for (std::uint32_t i = 0; i < grid_.pixels(); ++i) {
+      const bool has_label = labels_.plane.data[i] != 0 || labels_.hv.data[i] != 0;
+      if (has_label) labelled.push_back(i);
+    }
+    const auto near = pixels_near(labelled, grid_.width, grid_.height, kStrip_px);
+    for (std::uint32_t i = 0; i < grid_.pixels(); ++i)
+      if (grid_.measured[i] && !near[i]) open.push_back(i);
+    const double limit = 1e4 * options_.unlabelled_area_m2;
+    for (PixelSet& region : connected_parts(grid_, open, 0)) {
+      double value = 0;
+      for (const std::uint32_t pixel : region) value += 1e4 * grid_.pixel_area_m2(pixel);
+      if (value < limit) continue;
+      const std::size_t pixels = region.size();
+      add(FindingKind::unlabelled, 0, std::move(region), value, limit,
+          text_of("%s without a label (%zu pixels), expected less than %s",
+                  area_text(1e-4 * value).c_str(), pixels, area_text(1e-4 * limit).c_str()));
+    }
+  }
+
+  const FrameLabels& labels_;
+  const LabelGrid& grid_;
+  const AuditOptions& options_;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace
+
+const char* to_string(FindingKind kind) {
+  constexpr const char* kNames[] = {"rms",  "outliers",     "parts",
+                                    "tiny", "class_normal", "unlabelled"};
+  return kNames[static_cast<int>(kind)];
+}
+
+bool is_hint(FindingKind kind) {
+  return kind == FindingKind::parts || kind == FindingKind::tiny || kind == FindingKind::unlabelled;
+}
+
+std::vector<Finding> audit_labels(const FrameLabels& labels,
+                                  const LabelGrid& grid,
+                                  const AuditOptions& options) {
+  return Audit(labels, grid, options).run();
+}
+
+LabelStatistics statistics_of(const FrameLabels& labels, const LabelGrid& grid) {
+  std::vector<const LabelPlane*> plane_of(kPlaneIgnore + 1, nullptr);
+  LabelStatistics statistics;
+  for (const LabelPlane& plane : labels.planes) {
+    plane_of[plane.id] = &plane;
+    ++statistics.planes;
+    if (plane.label == Label::h) ++statistics.h;
+    if (plane.label == Label::v) ++statistics.v;
+  }
+  statistics.measured = grid.measured_count;
+  for (std::uint32_t i = 0; i < grid.pixels(); ++i) {
+    if (!grid.measured[i]) continue;
+    const std::uint16_t id = labels.plane.data[i];
+    const std::uint8_t hv = labels.hv.data[i];
+    if (id == kPlaneIgnore || hv == kHvIgnore) {
+      ++statistics.ignored;
+    } else if (id != 0 || hv != 0) {
+      const LabelPlane* plane = plane_of[id];
+      ++statistics.labelled;
+      statistics.hidden += plane && plane->hidden;
+      statistics.labelled_m2 += grid.pixel_area_m2(i, plane ? &plane->normal : nullptr);
+    }
+  }
+  return statistics;
+}
+
+}  // namespace planescope

@@ -1,0 +1,56 @@
+#pragma once
+
+// What looks wrong in a frame's labels.
+
+#include <string>
+#include <vector>
+
+#include "core/labels/model/grid.hpp"
+
+namespace planescope {
+
+enum class FindingKind : std::uint8_t {
+  rms,           // the plane does not fit its pixels
+  outliers,      // some of its pixels lie far off
+  parts,         // it is in several pieces that lie apart
+  tiny,          // smaller than the minimum area
+  class_normal,  // its class and its tilt contradict
+  unlabelled,    // a measured region without a label
+};
+const char* to_string(FindingKind kind);
+/// Hints: labels can be right in spite of these (a plane in parts behind a pole, a small plane, a
+/// remainder that is no plane). The other kinds mean that something is wrong.
+bool is_hint(FindingKind kind);
+
+struct Finding {
+  FindingKind kind = FindingKind::rms;
+  int plane = 0;                // 0 for unlabelled
+  std::uint32_t pixel = 0;      // where to look
+  PixelSet pixels;              // the outliers, the smaller parts, the region
+  double value = 0, limit = 0;  // what was measured against what, in `text`'s unit
+  std::string text;             // "P3: RMS 14 mm, expected at most 8 mm at 1.9 m"
+};
+
+struct AuditOptions {
+  double max_rms_m = 0.006;         // at close range; grows with the noise of the depth
+  double max_outlier_share = 0.02;  // pixels farther than four times the expected noise
+  double min_area_m2 = 0.002;
+  double unlabelled_area_m2 = 0.01;  // a connected region of at least this is named
+  double max_class_tilt_deg = 30;    // an h plane is tilted less, a v plane more than 90 - this
+  int gap_px = 8;                    // parts nearer than this count as one
+};
+
+/// In order of kind, then size. Ignored pixels are in order.
+std::vector<Finding> audit_labels(const FrameLabels& labels,
+                                  const LabelGrid& grid,
+                                  const AuditOptions& options = {});
+
+/// Of one frame.
+struct LabelStatistics {
+  int planes = 0, h = 0, v = 0;
+  std::size_t measured = 0, labelled = 0, ignored = 0, hidden = 0;  // pixels
+  double labelled_m2 = 0;
+};
+LabelStatistics statistics_of(const FrameLabels& labels, const LabelGrid& grid);
+
+}  // namespace planescope

@@ -1,0 +1,253 @@
+#include "core/labels/review/carry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/edit/plane_edit.hpp"
+#include "core/labels/review/registration.hpp"
+#include "core/labels/wand/wand_field.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/cloud/camera.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr double kSameNoises = 4;       // a pixel sees what the other frame saw there ...
+constexpr double kSameLeast_m = 0.015;  // ... this close at least
+constexpr int kRefits = 3;
+constexpr std::size_t kLeastPixels = 25;  // of a plane, to be fitted
+constexpr double kMostTurn_deg = 20;      // by fitting it anew
+constexpr int kExtend_px = 8;
+constexpr double kSamePlane_deg = 10;  // an existing plane of the same number is the same one
+constexpr double kRegistering = 0.7;   // of the whole work
+
+std::string percent(double share) {
+  char text[16];
+  std::snprintf(text, sizeof(text), "%.0f %%", 100 * share);
+  return text;
+}
+
+/// What the other frame's labels say about each pixel of this one.
+struct Expected {
+  std::vector<std::uint16_t> plane;
+  std::vector<std::uint8_t> hv;
+};
+
+Expected warped(const LabelGrid& from,
+                const FrameLabels& labels,
+                const LabelGrid& to,
+                const Pose& T_from_to) {
+  Expected expected{std::vector<std::uint16_t>(to.pixels(), 0),
+                    std::vector<std::uint8_t>(to.pixels(), 0)};
+  for (std::size_t i = 0; i < to.pixels(); ++i) {
+    if (!to.measured[i]) continue;
+    const Vec3d point = T_from_to * to.points[i].cast<double>();
+    if (!(point.z() > 0)) continue;
+    const Vec2d at = ray_to_pixel(from.intrinsics, point.head<2>() / point.z());
+    const double u = std::round(at.x()), v = std::round(at.y());
+    if (!(u >= 0 && v >= 0 && u < from.width && v < from.height)) continue;
+    const std::size_t j = static_cast<std::size_t>(v) * from.width + static_cast<std::size_t>(u);
+    if (!from.measured[j]) continue;
+    const double apart = std::abs(point.norm() - double{from.points[j].norm()});
+    const double noise = std::hypot(from.sigma_m[j], to.sigma_m[i]);
+    if (apart > std::max(kSameLeast_m, kSameNoises * noise)) continue;
+    expected.plane[i] = labels.plane.data[j];
+    expected.hv[i] = labels.hv.data[j];
+  }
+  return expected;
+}
+
+/// The plane where it is expected, fitted to what was measured there; nullopt where there is no
+/// plane.
+std::optional<Sheet> fitted(const WandField& field, const Sheet& start, const PixelSet& pixels) {
+  const float least_cosine = static_cast<float>(std::cos(kMostTurn_deg * std::numbers::pi / 180));
+  Sheet sheet = start;
+  for (int k = 0; k < kRefits; ++k) {
+    Moments moments;
+    for (const std::uint32_t i : pixels)
+      if (field.lies_on(sheet, i, k == 0 ? 2 : 1)) moments.add(field.grid.points[i].cast<double>());
+    if (moments.count < kLeastPixels) return std::nullopt;
+    const auto refitted = sheet_through(moments);
+    if (!refitted) return std::nullopt;
+    // A strip narrower than its noise determines no direction.
+    if (refitted->normal.dot(start.normal) < least_cosine) return start;
+    sheet = *refitted;
+  }
+  return sheet;
+}
+
+Sheet moved(const LabelPlane& plane, const Pose& T_to_from) {
+  const Vec3d normal = T_to_from.linear() * plane.normal;
+  return {normal.cast<float>(),
+          static_cast<float>(plane.offset_m + normal.dot(T_to_from.translation()))};
+}
+
+/// A plane on its way into the new frame.
+struct Carried {
+  int id = 0;  // there
+  Sheet sheet;
+};
+
+class Carrying {
+ public:
+  Carrying(const LabelGrid& to, const FrameLabels& existing)
+      : to_(to), field_(make_wand_field(to, &existing, {})) {
+    result_.labels = existing;
+    result_.doubt.resize(to.pixels(), 0);
+  }
+
+  void carry_plane(const LabelPlane& plane,
+                   const Sheet& start,
+                   const PixelSet& expected,
+                   double min_confidence) {
+    CarriedPlane report;
+    report.id = plane.id;
+    const auto sheet = fitted(field_, start, expected);
+    PixelSet on;
+    for (const std::uint32_t i : expected)
+      if (sheet && field_.lies_on(*sheet, i)) on.push_back(i);
+    report.confidence = static_cast<double>(on.size()) / static_cast<double>(expected.size());
+    const int id = on.empty() || report.confidence < min_confidence
+                       ? 0
+                       : place_for(plane, *sheet, report.confidence);
+    if (id == 0) on.clear();
+    for (const std::uint32_t i : expected) result_.doubt[i] = 1;
+    for (const std::uint32_t i : on) paint(i, id);
+    report.pixels = on.size();
+    report.doubtful = expected.size() - on.size();
+    if (id > 0) {
+      report.id = id;
+      carried_.push_back({id, *sheet});
+    }
+    result_.planes.push_back(report);
+  }
+
+  /// Pixels in no plane: a class alone, or "do not score".
+  void carry_mark(std::uint32_t pixel, std::uint16_t plane, std::uint8_t hv) {
+    result_.labels.plane.data[pixel] = plane;
+    result_.labels.hv.data[pixel] = hv;
+  }
+
+  /// Extends planes by a few pixels into what the other frame did not see.
+  void extend() {
+    std::vector<int> slot(kPlaneIgnore + 1, -1);
+    for (std::size_t k = 0; k < carried_.size(); ++k) slot[carried_[k].id] = static_cast<int>(k);
+    std::vector<std::uint32_t> front, next;
+    for (std::size_t i = 0; i < to_.pixels(); ++i)
+      if (slot[result_.labels.plane.data[i]] >= 0) front.push_back(static_cast<std::uint32_t>(i));
+    for (int step = 0; step < kExtend_px; ++step) {
+      next.clear();
+      for (const std::uint32_t i : front) {
+        const Carried& plane = carried_[slot[result_.labels.plane.data[i]]];
+        for_pixels(to_, box_around(to_, i, 1), [&](std::uint32_t j) {
+          if (!is_free(j) || !field_.lies_on(plane.sheet, j) || !faces(plane.sheet, j)) return;
+          paint(j, plane.id);
+          next.push_back(j);
+        });
+      }
+      front.swap(next);
+    }
+  }
+
+  CarriedLabels finish() {
+    std::vector<int> ids;
+    for (const Carried& plane : carried_) ids.push_back(plane.id);
+    if (!ids.empty()) refit_planes(result_.labels, to_, ids);
+    std::ranges::sort(result_.planes, {}, &CarriedPlane::id);
+    return std::move(result_);
+  }
+
+  bool is_free(std::uint32_t i) const {
+    return field_.allowed[i] && result_.labels.plane.data[i] == 0 && result_.labels.hv.data[i] == 0;
+  }
+
+ private:
+  /// The number a plane gets in the new frame: its own, where that is free or is the same plane
+  /// already. 0: it is locked there.
+  int place_for(const LabelPlane& plane, const Sheet& sheet, double confidence) {
+    LabelPlane copy = plane;
+    if (const LabelPlane* there = find_plane(result_.labels, plane.id)) {
+      const double cosine = there->normal.dot(sheet.normal.cast<double>());
+      const double apart = std::abs(there->offset_m - sheet.offset_m);
+      if (cosine >= std::cos(kSamePlane_deg * std::numbers::pi / 180) &&
+          apart <= 4 * field_.options.tolerance_m)
+        return there->locked ? 0 : plane.id;
+      copy.id = free_plane_id(result_.labels);
+    }
+    copy.origin = LabelOrigin::carried;
+    copy.confidence = confidence;
+    copy.locked = false;
+    add_plane(result_.labels, copy);
+    return copy.id;
+  }
+
+  void paint(std::uint32_t i, int id) {
+    result_.labels.plane.data[i] = static_cast<std::uint16_t>(id);
+    result_.labels.hv.data[i] = static_cast<std::uint8_t>(find_plane(result_.labels, id)->label);
+    result_.doubt[i] = 0;
+  }
+
+  bool faces(const Sheet& sheet, std::uint32_t i) const {
+    const float least =
+        static_cast<float>(std::cos(field_.options.max_angle_deg * std::numbers::pi / 180));
+    return to_.normals[i].isZero(0) || to_.normals[i].dot(sheet.normal) >= least;
+  }
+
+  const LabelGrid& to_;
+  WandField field_;
+  CarriedLabels result_;
+  std::vector<Carried> carried_;
+};
+
+}  // namespace
+
+CarriedLabels carry_labels(const Frame& from_frame,
+                           const LabelGrid& from,
+                           const FrameLabels& labels,
+                           const Frame& to_frame,
+                           const LabelGrid& to,
+                           const FrameLabels& existing,
+                           const CarryOptions& options,
+                           std::stop_token stop,
+                           const std::function<void(double)>& progress) {
+  const Registration motion = register_frames(from, to, stop, [&](double done) {
+    if (progress) progress(kRegistering * done);
+  });
+  if (motion.fitness < options.min_fitness)
+    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " +
+                percent(motion.fitness) + " of the points have a partner, expected at least " +
+                percent(options.min_fitness) + "; they show too little of the same");
+  const Expected expected = warped(from, labels, to, motion.T_to_from.inverse());
+  if (stop.stop_requested()) throw Cancelled();
+
+  Carrying carrying(to, existing);
+  std::vector<PixelSet> pixels(kPlaneIgnore);
+  for (std::size_t i = 0; i < to.pixels(); ++i) {
+    const auto pixel = static_cast<std::uint32_t>(i);
+    const std::uint16_t plane = expected.plane[i];
+    if (!carrying.is_free(pixel)) continue;
+    if (plane == 0 || plane == kPlaneIgnore)
+      carrying.carry_mark(pixel, plane, expected.hv[i]);
+    else
+      pixels[plane].push_back(pixel);
+  }
+  for (const LabelPlane& plane : labels.planes) {
+    if (stop.stop_requested()) throw Cancelled();
+    if (!pixels[plane.id].empty())
+      carrying.carry_plane(plane, moved(plane, motion.T_to_from), pixels[plane.id],
+                           options.min_confidence);
+  }
+  carrying.extend();
+  CarriedLabels result = carrying.finish();
+  result.T_to_from = motion.T_to_from;
+  result.method = motion.used_color ? "RGB-D odometry" : "ICP";
+  result.fitness = motion.fitness;
+  result.rms_m = motion.rms_m;
+  if (progress) progress(1);
+  return result;
+}
+
+}  // namespace planescope

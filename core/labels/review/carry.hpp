@@ -1,0 +1,48 @@
+#pragma once
+
+// Labels carried from one frame to the next: motion by RGB-D odometry or ICP, then each plane is
+// fitted to the new frame's own points.
+
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/labels/model/grid.hpp"
+
+namespace planescope {
+
+struct CarriedPlane {
+  int id = 0;             // in the new frame: another one where its own is taken there
+  double confidence = 0;  // share of the pixels it was expected on that lie on its fitted plane
+  std::size_t pixels = 0, doubtful = 0;
+};
+
+struct CarriedLabels {
+  FrameLabels labels;                 // of the new frame; confidence per plane, origin carried
+  std::vector<std::uint8_t> doubt;    // per pixel: 1 a label was expected, and left to the user
+  std::vector<CarriedPlane> planes;   // by id
+  Pose T_to_from = Pose::Identity();  // sensor frames
+  std::string method;                 // "RGB-D odometry", "ICP"
+  double fitness = 0;                 // share of points with a partner after registration
+  double rms_m = 0;                   // of partners
+};
+
+struct CarryOptions {
+  double min_fitness = 0.3;
+  double min_confidence = 0.3;  // a plane below it is left out, all its pixels doubtful
+};
+
+/// `existing`: the new frame's labels, kept where they are; what is carried fills the rest. Throws
+/// Error where the frames do not overlap, Cancelled when stopped. Repeats bit by bit.
+CarriedLabels carry_labels(const Frame& from_frame,
+                           const LabelGrid& from,
+                           const FrameLabels& labels,
+                           const Frame& to_frame,
+                           const LabelGrid& to,
+                           const FrameLabels& existing,
+                           const CarryOptions& options,
+                           std::stop_token stop,
+                           const std::function<void(double)>& progress = {});
+
+}  // namespace planescope

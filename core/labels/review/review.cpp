@@ -1,0 +1,199 @@
+#include "core/labels/review/review.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <ranges>
+
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/model/plane_overlap.hpp"
+#include "core/labels/review/review_regions.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+/// What is compared, pixel by pixel: planes of the labels, none, or nothing to say.
+std::vector<std::int32_t> compared_planes(const FrameLabels& labels, const LabelGrid& grid) {
+  std::vector<std::int32_t> planes = other_of(labels).plane;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (!grid.measured[i]) planes[i] = -1;
+  }
+  return planes;
+}
+
+/// Which planes of both are meant to be the same, by id; 0: none.
+struct Partners {
+  std::vector<int> of_label, of_other;  // matched one to one
+  std::vector<int> home_of_other;       // the labelled plane that most of it lies on
+
+  Partners(std::span<const std::int32_t> labels, const OtherLabels& other) {
+    const auto size = [](std::span<const std::int32_t> planes) {
+      return planes.empty() ? 1 : std::max(0, *std::max_element(planes.begin(), planes.end())) + 1;
+    };
+    of_label.assign(size(labels), 0);
+    of_other.assign(size(other.plane), 0);
+    home_of_other = of_other;
+    const PlaneOverlap overlap = overlap_of(labels, other.plane);
+    for (const PlanePair& pair : matched_planes(overlap, 0)) {
+      of_label[overlap.ids_a[pair.a]] = overlap.ids_b[pair.b];
+      of_other[overlap.ids_b[pair.b]] = overlap.ids_a[pair.a];
+    }
+    for (std::size_t b = 0; b < overlap.ids_b.size(); ++b) {
+      double most = 0;
+      for (std::size_t a = 0; a < overlap.ids_a.size(); ++a) {
+        if (overlap.at(a, b) <= most) continue;
+        most = overlap.at(a, b);
+        home_of_other[overlap.ids_b[b]] = overlap.ids_a[a];
+      }
+    }
+  }
+};
+
+Label class_of(const OtherLabels& other, int plane) {
+  const auto place = static_cast<std::size_t>(plane) - 1;
+  return plane > 0 && place < other.label.size() ? other.label[place] : Label::unknown;
+}
+
+/// The classes of two planes differ, and both have one.
+bool differ(Label a, Label b) { return a != b && a != Label::unknown && b != Label::unknown; }
+
+DisagreementKind kind_of(int label, int other, const Partners& partners) {
+  if (other == 0) return DisagreementKind::missed;
+  if (label == 0) return DisagreementKind::invented;
+  if (partners.of_label[label] == other) return DisagreementKind::class_flip;
+  return partners.home_of_other[other] == label ? DisagreementKind::split
+                                                : DisagreementKind::merged;
+}
+
+/// A pair of planes that disagree, as one number; 0 where both say the same.
+std::uint64_t pair_key(int label, int other) {
+  return static_cast<std::uint64_t>(label) << 32u | static_cast<std::uint32_t>(other);
+}
+
+std::vector<std::uint64_t> disagreeing_pairs(std::span<const std::int32_t> planes,
+                                             const FrameLabels& labels,
+                                             const OtherLabels& other,
+                                             const Partners& partners) {
+  std::vector<std::uint8_t> flips(partners.of_label.size(), 0);
+  for (const LabelPlane& plane : labels.planes) {
+    const auto id = static_cast<std::size_t>(plane.id);
+    if (id >= flips.size()) continue;
+    flips[id] = differ(plane.label, class_of(other, partners.of_label[id])) ? 1 : 0;
+  }
+  std::vector<std::uint64_t> pairs(planes.size(), 0);
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const int a = planes[i], b = other.plane[i];
+    if (a < 0 || b < 0) continue;
+    const bool same = a == 0 ? b == 0 : partners.of_label[a] == b && b != 0 && !flips[a];
+    if (!same) pairs[i] = pair_key(a, b);
+  }
+  return pairs;
+}
+
+double area_of(const PixelSet& pixels, const LabelGrid& grid, const LabelPlane* plane) {
+  double area = 0;
+  for (const std::uint32_t pixel : pixels) {
+    area += grid.pixel_area_m2(pixel, plane ? &plane->normal : nullptr);
+  }
+  return area;
+}
+
+/// The latest decision about a region of this kind that lay here and was about as large.
+std::optional<ReviewNote> note_about(const Disagreement& region,
+                                     const std::vector<ReviewNote>& notes) {
+  const auto size = static_cast<double>(region.pixels.size());
+  for (const ReviewNote& note : notes | std::views::reverse) {
+    if (note.kind != region.kind || note.pixels > 2 * size || size > 2.0 * note.pixels) continue;
+    if (std::binary_search(region.pixels.begin(), region.pixels.end(), note.pixel)) return note;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
+                                             const OtherLabels& other,
+                                             const LabelGrid& grid,
+                                             const ReviewOptions& options) {
+  assert(labels.plane.pixels() == grid.pixels() && other.plane.size() == grid.pixels());
+  const auto planes = compared_planes(labels, grid);
+  const Partners partners(planes, other);
+  PairRegions regions =
+      regions_of_pairs(disagreeing_pairs(planes, labels, other, partners), grid.width, grid.height);
+
+  std::vector<Disagreement> found;
+  for (std::size_t i = 0; i < regions.pixels.size(); ++i) {
+    Disagreement region;
+    region.label_plane = planes[regions.pixels[i].front()];
+    region.other_plane = other.plane[regions.pixels[i].front()];
+    region.area_m2 = area_of(regions.pixels[i], grid, find_plane(labels, region.label_plane));
+    if (region.area_m2 < options.min_area_m2) continue;
+    region.kind = regions.thickness_px[i] <= options.boundary_px
+                      ? DisagreementKind::boundary
+                      : kind_of(region.label_plane, region.other_plane, partners);
+    region.pixels = std::move(regions.pixels[i]);
+    region.pixel = regions.deepest[i];
+    region.note = note_about(region, labels.review);
+    found.push_back(std::move(region));
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Disagreement& a, const Disagreement& b) {
+    if (a.note.has_value() != b.note.has_value()) return b.note.has_value();
+    return a.area_m2 > b.area_m2;
+  });
+  return found;
+}
+
+namespace {
+
+FrameLabels painted_there(const FrameLabels& labels,
+                          const LabelGrid& grid,
+                          const Disagreement& about,
+                          const Paint& paint) {
+  FrameLabels result = painted(labels, grid, about.pixels, paint, PaintMode::over);
+  if (result.plane.data == labels.plane.data) {
+    throw Error("the region belongs to planes that are locked or hidden");
+  }
+  return result;
+}
+
+/// The region as the other has it: on the labelled plane that is the other's, or on a new one.
+FrameLabels with_other(const FrameLabels& labels,
+                       const LabelGrid& grid,
+                       const Disagreement& about,
+                       const OtherLabels& other) {
+  const int other_plane = about.other_plane;
+  const Partners partners(compared_planes(labels, grid), other);
+  Paint paint;
+  paint.origin = LabelOrigin::algorithm;
+  if (other_plane > 0) {
+    paint.plane = partners.of_other[other_plane];
+    paint.label = class_of(other, other_plane);
+    if (paint.plane > 0 && paint.plane == about.label_plane) {
+      return with_class(labels, paint.plane, paint.label);
+    }
+    if (paint.plane == 0) paint.plane = free_plane_id(labels);
+  }
+  return painted_there(labels, grid, about, paint);
+}
+
+}  // namespace
+
+FrameLabels decided(const FrameLabels& labels,
+                    const LabelGrid& grid,
+                    const Disagreement& about,
+                    const OtherLabels& other,
+                    ReviewDecision decision,
+                    const std::string& reviewer,
+                    std::int64_t time_s) {
+  FrameLabels result = labels;
+  if (decision == ReviewDecision::take) result = with_other(labels, grid, about, other);
+  if (decision == ReviewDecision::ignore) {
+    result = painted_there(labels, grid, about, {.plane = kPlaneIgnore});
+  }
+  if (about.note) std::erase(result.review, *about.note);
+  result.review.push_back({about.kind, about.pixel, static_cast<std::uint32_t>(about.pixels.size()),
+                           about.label_plane, about.other_plane, decision, reviewer, time_s});
+  return result;
+}
+
+}  // namespace planescope

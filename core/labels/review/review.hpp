@@ -1,0 +1,65 @@
+#pragma once
+
+// Where labels and an algorithm, or two annotators, disagree: regions, the largest first.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/labels/model/grid.hpp"
+
+namespace planescope {
+
+/// What labels are compared with, on the same pixels.
+struct OtherLabels {
+  std::vector<std::int32_t> plane;  // per pixel, 0 none, -1 knows nothing here (cropped, ignored)
+  std::vector<Label> label;         // of a plane, by id - 1
+};
+OtherLabels other_of(const FrameLabels& labels);
+
+struct Disagreement {
+  DisagreementKind kind = DisagreementKind::missed;
+  int label_plane = 0, other_plane = 0;  // 0: none
+  PixelSet pixels;                       // connected
+  std::uint32_t pixel = 0;               // deepest inside
+  double area_m2 = 0;
+  std::optional<ReviewNote> note;  // of an earlier decision about this region
+};
+
+struct ReviewOptions {
+  double min_area_m2 = 0.0005;  // smaller regions are no question
+  int boundary_px = 3;          // a region nowhere thicker than this is a boundary
+};
+
+/// missed: labelled, and no plane of the other there. invented: the reverse. split: the other cuts
+/// a labelled plane, this is the smaller part. merged: the other's plane runs on over another
+/// labelled plane. class_flip: matched planes of different class. boundary: a thin strip of any of
+/// these. Unlabelled pixels that are not ignored count as labelled "no plane". Undecided first,
+/// then by area.
+std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
+                                             const OtherLabels& other,
+                                             const LabelGrid& grid,
+                                             const ReviewOptions& options = {});
+
+/// The labels after a decision, the note of it among them: `take` gives the region what the other
+/// says, `ignore` marks it as not scored, `keep` and `edit` leave it.
+FrameLabels decided(const FrameLabels& labels,
+                    const LabelGrid& grid,
+                    const Disagreement& about,
+                    const OtherLabels& other,
+                    ReviewDecision decision,
+                    const std::string& reviewer,
+                    std::int64_t time_s);
+
+/// Agreement of two labelings of the same pixels.
+struct Agreement {
+  double mean_iou = 0;         // of planes matched one to one, over all planes of both
+  double adjusted_rand = 0;    // over pixels that both label with a plane
+  double label_accuracy = 0;   // same h/v, of pixels where both have one
+  double pixel_agreement = 0;  // of labelled by either: same matched plane
+  int planes_a = 0, planes_b = 0, matched = 0;  // matched: IoU of at least 0.5
+  std::size_t pixels = 0;                       // scored: ignored by neither
+};
+Agreement agreement_of(const FrameLabels& a, const FrameLabels& b);
+
+}  // namespace planescope

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/model/file_descriptor.hpp"
+
+namespace planescope {
+
+/// Held by the one instance that may write into a label folder, in DIR/lock. It ends with the
+/// process, however that ends; what the file says is for people only. Letting go removes the file.
+class LabelLock {
+ public:
+  LabelLock() = default;
+  ~LabelLock() { release(); }
+  LabelLock(LabelLock&& other) noexcept = default;
+  LabelLock& operator=(LabelLock&& other) noexcept;
+
+  /// Makes DIR/lock where needed, not DIR.
+  static LabelLock take(const std::filesystem::path& dir, const std::string& user);
+
+  bool is_held() const { return file_.is_open(); }
+  bool is_held_by_other() const { return by_other_; }
+  /// Why it is not held: "held by ann, process 4711 on lab3 since 14:02".
+  const std::string& why_not() const { return why_not_; }
+
+ private:
+  void release();
+
+  std::filesystem::path path_;
+  FileDescriptor file_;
+  bool by_other_ = false;
+  std::string why_not_;
+};
+
+}  // namespace planescope

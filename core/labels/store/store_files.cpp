@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cassert>
+
+#include "core/labels/store/store_state.hpp"
+#include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+void require_same_depth(const FrameLabels& labels,
+                        const FrameLabels& expected,
+                        const std::string& where) {
+  const auto size_of = [](const FrameLabels& of) {
+    return std::to_string(of.plane.width) + "x" + std::to_string(of.plane.height);
+  };
+  if (labels.depth_sha256 != expected.depth_sha256) {
+    throw Error(where + ": labels of a depth image with SHA-256 " +
+                labels.depth_sha256.substr(0, 12) + ", this recording's frame has " +
+                expected.depth_sha256.substr(0, 12));
+  }
+  if (size_of(labels) != size_of(expected)) {
+    throw Error(where + ": labels of " + size_of(labels) + " pixels, the frame has " +
+                size_of(expected));
+  }
+}
+
+std::string digest_of(std::span<const unsigned char> bytes) {
+  return sha256_hex(std::as_bytes(bytes));
+}
+
+std::string name_of(int frame) { return "frame " + std::to_string(frame); }
+
+}  // namespace
+
+LabelDigests LabelStore::State::digests_of_files(int frame) const {
+  const auto paths = label_file_paths(dir, frame);
+  LabelDigests digests;
+  for (std::size_t i = 0; i < kLabelFiles; ++i) {
+    if (is_there(paths[i])) digests[i] = sha256_hex_of_file(paths[i]);
+  }
+  return digests;
+}
+
+/// Whether each of the files is one that we wrote or began with. They need not belong together:
+/// a crash may have come between replacing one and the next.
+bool LabelStore::State::is_ours(int frame, const LabelDigests& digests) const {
+  const auto* track = history.find(frame);
+  const auto is_known = [&](std::size_t i) {
+    if (digests[i].empty() || digests[i] == frames.at(frame).base_files[i]) return true;
+    return track && std::any_of(track->saves.begin(), track->saves.end(),
+                                [&](const auto& save) { return save.digests[i] == digests[i]; });
+  };
+  for (std::size_t i = 0; i < kLabelFiles; ++i) {
+    if (!is_known(i)) return false;
+  }
+  return true;
+}
+
+LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
+                                                             const FrameLabels& blank) const {
+  OpenFrame open;
+  open.in_files = 0;
+  open.base_files = digests_of_files(frame);
+  auto found = read_frame_labels(dir, frame, blank.depth_sha256);
+  if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
+  FrameLabels labels = blank;
+  if (found) labels = std::move(*found);
+  if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
+  std::sort(labels.planes.begin(), labels.planes.end(),
+            [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
+  open.labels = std::make_shared<const FrameLabels>(std::move(labels));
+  return open;
+}
+
+LabelStore::State::OpenFrame& LabelStore::State::open(int frame, const FrameLabels* blank) {
+  if (const auto at = frames.find(frame); at != frames.end()) {
+    if (!blank) return at->second;
+    require_same_depth(*at->second.labels, *blank, dir.string());
+    // Nobody drew on it yet: it is as blank as the one at hand, whose gravity may be a better one.
+    if (!history.find(frame) && at->second.base_files == LabelDigests{}) {
+      const std::uint64_t version = at->second.version;
+      at->second = first_labels(frame, *blank);
+      at->second.version = version + 1;
+    }
+    return at->second;
+  }
+  if (!history.find(frame)) {
+    assert(blank);
+    return frames[frame] = first_labels(frame, *blank);
+  }
+  FrameLabels labels = replay(frame);
+  if (blank) require_same_depth(labels, *blank, journal->path().string());
+  frames[frame].labels = std::make_shared<const FrameLabels>(std::move(labels));
+  try {
+    compare_with_files(frame);
+  } catch (const Error&) {
+    frames.erase(frame);
+    throw;
+  }
+  return frames.at(frame);
+}
+
+void LabelStore::State::compare_with_files(int frame) {
+  OpenFrame& open = frames.at(frame);
+  const auto& saves = history.find(frame)->saves;
+  const LabelDigests digests = digests_of_files(frame);
+  open.in_files.reset();
+  if (!is_ours(frame, digests)) {
+    take_over(frame, digests);
+  } else if (digests == LabelDigests{}) {
+    if (saves.empty()) open.in_files = 0;  // nothing was ever written: a blank frame lacks no file
+  } else {
+    const auto same = std::find_if(saves.rbegin(), saves.rend(),
+                                   [&](const auto& save) { return save.digests == digests; });
+    if (same != saves.rend()) open.in_files = same->mark;
+  }
+}
+
+/// Records what others wrote as an edit, so that both states are kept. False where their files
+/// cannot be read.
+bool LabelStore::State::take_over(int frame, const LabelDigests& digests) {
+  OpenFrame& open = frames.at(frame);
+  std::optional<FrameLabels> files;
+  try {
+    files = read_frame_labels(dir, frame, "");
+  } catch (const Error& error) {
+    notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
+           " are kept, saving sets the files aside");
+    return false;
+  }
+  require_same_depth(*files, *open.labels, label_file_paths(dir, frame).back().string());
+  const LabelEdit edit = make_edit(frame, "changed outside planescope", *open.labels, *files);
+  if (!read_only.empty()) {
+    open.labels = std::make_shared<const FrameLabels>(std::move(*files));
+    open.in_files = mark(frame);
+    return true;
+  }
+  if (!edit.empty()) {
+    commit(edit);
+    notice(dir.string() + ": the label files of " + name_of(frame) +
+           " were changed outside planescope: taken over, undo takes that back");
+  }
+  auto entries = base_entries(frame);
+  entries.push_back(saving(frame, digests));
+  entries.push_back(entry(RecordKind::written, frame));
+  append(entries);
+  open.in_files = mark(frame);
+  return true;
+}
+
+void LabelStore::State::set_files_aside(int frame) const {
+  for (const fs::path& path : label_file_paths(dir, frame)) {
+    if (!is_there(path)) continue;
+    std::error_code error;
+    fs::rename(path, unused_path(path.string() + ".outside-"), error);
+    if (error) throw Error(path.string() + ": cannot be set aside (" + error.message() + ")");
+  }
+}
+
+void LabelStore::State::notice(std::string text) {
+  if (std::find(notices.begin(), notices.end(), text) == notices.end()) {
+    notices.push_back(std::move(text));
+  }
+}
+
+bool LabelStore::State::unsaved(int frame) const {
+  if (const auto at = frames.find(frame); at != frames.end()) {
+    return at->second.in_files != mark(frame);
+  }
+  const auto* track = history.find(frame);
+  return track && track->mark != track->written_mark;
+}
+
+void LabelStore::State::save(int frame) {
+  require_writable();
+  if (!frames.contains(frame) && !history.find(frame)) return;
+  OpenFrame& open = this->open(frame, nullptr);
+  if (const auto digests = digests_of_files(frame); !is_ours(frame, digests)) {
+    const auto ours = open.labels;
+    const bool has_news = unsaved(frame);
+    if (!take_over(frame, digests)) {
+      set_files_aside(frame);
+      open.in_files.reset();
+    } else if (has_news) {
+      // Both states stay in the history: the other's, and on it what is saved now.
+      commit(make_edit(frame, "kept over changes from outside", *open.labels, *ours));
+    }
+  }
+  if (!unsaved(frame)) return;
+
+  const LabelFileBytes bytes = encode_label_files(dir, frame, *open.labels);
+  LabelDigests digests;
+  std::transform(bytes.begin(), bytes.end(), digests.begin(),
+                 [](const auto& file) { return digest_of(file); });
+  // In the journal first: should the process end between two of the files, they are recognised as
+  // ours.
+  auto entries = base_entries(frame);
+  entries.push_back(saving(frame, digests));
+  append(entries);
+  journal->sync();
+  open.in_files.reset();
+  write_label_files(dir, frame, bytes);
+  open.in_files = mark(frame);
+  append({entry(RecordKind::written, frame)});
+}
+
+}  // namespace planescope

@@ -1,0 +1,68 @@
+#pragma once
+
+// What a LabelStore is made of: the journal and what was done (store_state.cpp), the label files
+// beside it (store_files.cpp).
+
+#include <map>
+
+#include "core/labels/edit/label_history.hpp"
+#include "core/labels/store/label_lock.hpp"
+#include "core/labels/store/store.hpp"
+
+namespace planescope {
+
+struct LabelStore::State {
+  struct OpenFrame {
+    std::shared_ptr<const FrameLabels> labels;
+    std::optional<LabelMark> in_files;  // what the label files hold; nullopt: not known or damaged
+    LabelDigests base_files;            // what the base came from, until it is in the journal
+    std::uint64_t version = 1;
+  };
+  struct Entry {
+    RecordHead head;
+    JournalBytes bytes;
+    LabelDigests digests = {};  // of a saving
+  };
+
+  State(std::filesystem::path folder, LabelStoreOptions given);
+
+  void require_writable() const;
+  void sync();
+  void commit(const LabelEdit& edit);
+  void step(RecordKind direction);
+  std::vector<HistoryEntry> latest(std::size_t most) const;
+
+  // The journal.
+  void attach();
+  void create_folder();
+  Entry entry(RecordKind kind, int frame) const;
+  Entry saving(int frame, const LabelDigests& digests) const;
+  /// What the frame was before its first edit, unless the journal has it.
+  std::vector<Entry> base_entries(int frame) const;
+  void append(const std::vector<Entry>& entries);
+  FrameLabels replay(int frame) const;
+  LabelMark mark(int frame) const;
+
+  // The label files.
+  OpenFrame& open(int frame, const FrameLabels* blank);
+  OpenFrame first_labels(int frame, const FrameLabels& blank) const;
+  LabelDigests digests_of_files(int frame) const;
+  bool is_ours(int frame, const LabelDigests& digests) const;
+  void compare_with_files(int frame);
+  bool take_over(int frame, const LabelDigests& digests);
+  void set_files_aside(int frame) const;
+  void notice(std::string text);
+  bool unsaved(int frame) const;
+  void save(int frame);
+
+  std::filesystem::path dir;
+  LabelStoreOptions options;
+  LabelLock lock;
+  std::unique_ptr<Journal> journal;  // null while there is no folder
+  LabelHistory history;
+  std::map<int, OpenFrame> frames;
+  std::string read_only;
+  std::vector<std::string> notices;
+};
+
+}  // namespace planescope

@@ -1,0 +1,195 @@
+// Where two surfaces meet at an angle, both are within tolerance of either plane. Past the end of
+// the region the other surface goes on: its plane is fitted there, tile by tile along the border,
+// and of the pixels near the border each goes to the plane that it is nearer to.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/labels/wand/wand_field.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr int kTile_px = 16;
+constexpr int kLeastWindow_px = 12;  // beyond the tile, to each side
+constexpr int kMostWindow_px = 80;
+constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
+constexpr double kLeastShare = 0.3;          // of what is beyond lies on the other surface
+constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are no creases
+constexpr double kFlatSine = 0.35;      // below it noise decides unless it is averaged over more
+constexpr float kLeaves = 1.8f;         // tolerances from the sheet: a surface, not a bump
+constexpr double kLeastLeaving = 0.2;   // of the other surface's pixels are that far
+constexpr int kLong_px = 60;            // a window so large ...
+constexpr double kLeastLong = 0.3;      // ... is filled by the other surface to this share
+constexpr int kMostSurfaces = 2;        // that meet the region in one tile
+constexpr std::size_t kRemembered = 6;  // surfaces, for the tiles that follow
+
+using Tile = std::vector<std::uint32_t>;
+
+/// Pixels that go on from the region without a step, just out of it.
+std::vector<Tile> contacts_by_tile(const WandField& field,
+                                   const Sheet& sheet,
+                                   const PixelBox& box,
+                                   const std::vector<std::uint8_t>& region) {
+  const LabelGrid& grid = field.grid;
+  const int width = grid.width, height = grid.height;
+  const int across = (width + kTile_px - 1) / kTile_px, down = (height + kTile_px - 1) / kTile_px;
+  std::vector<Tile> tiles(static_cast<std::size_t>(across) * down);
+  for (int v = std::max(box.v0, 1); v < std::min(box.v1, height - 1); ++v)
+    for (int u = std::max(box.u0, 1); u < std::min(box.u1, width - 1); ++u) {
+      const auto i = static_cast<std::uint32_t>(v * width + u);
+      if (region[i] || !grid.measured[i]) continue;
+      if (!region[i - 1] && !region[i + 1] && !region[i - width] && !region[i + width]) continue;
+      if (field.lies_on(sheet, i, 3)) tiles[v / kTile_px * across + u / kTile_px].push_back(i);
+    }
+  return tiles;
+}
+
+class CreaseCut {
+ public:
+  CreaseCut(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region)
+      : field_(field),
+        grid_(field.grid),
+        sheet_(sheet),
+        region_(region),
+        outside_(grid_.pixels(), 0),
+        goes_(grid_.pixels(), 0) {
+    for (std::size_t i = 0; i < outside_.size(); ++i) outside_[i] = grid_.measured[i] && !region[i];
+  }
+
+  void cut_at(const Tile& contacts) {
+    Tile open = contacts;
+    for (int k = 0; k < kMostSurfaces && open.size() >= kLeastContact_px; ++k) {
+      const std::uint32_t middle = open[open.size() / 2];
+      const double tolerance_px = field_.tolerance_m(sheet_, middle) *
+                                  std::abs(grid_.intrinsics.fx) / grid_.points[middle].z();
+      const auto other = surface_beyond(middle, tolerance_px);
+      if (!other) return;
+      Tile front;
+      std::erase_if(open, [&](std::uint32_t i) {
+        const bool on = field_.lies_on(*other, i);
+        if (on) front.push_back(i);
+        return on;
+      });
+      if (front.empty()) return;
+      const double sine = sine_to(*other);
+      const int deep = static_cast<int>(std::min(1.3 * tolerance_px / sine, 60.0)) + 2;
+      take(*other, std::move(front), deep, sine < kFlatSine ? 3 : 1);
+    }
+  }
+
+  void finish() {
+    for (std::size_t i = 0; i < region_.size(); ++i)
+      if (goes_[i]) region_[i] = 0;
+  }
+
+ private:
+  double sine_to(const Sheet& other) const { return other.normal.cross(sheet_.normal).norm(); }
+
+  /// The surface that goes on out of the region at `middle`. The flatter the crease, the farther
+  /// out it must be looked at to tell the two apart.
+  std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
+    for (const double tolerances : {2.0, 5.0}) {
+      const int beyond =
+          std::clamp(static_cast<int>(tolerances * tolerance_px), kLeastWindow_px, kMostWindow_px);
+      const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
+      LocalFitOptions options;
+      options.half_px = beyond;
+      options.samples = 32;
+      options.most_pixels = 144;
+      options.hints = known_;
+      const auto fit = fit_around(field_, outside_, box, middle, options);
+      if (!fit || fit->share < kLeastShare) return std::nullopt;
+      if (sine_to(fit->sheet) < kLeastSine || !is_surface(fit->sheet, box)) continue;
+      remember(fit->sheet);
+      return fit->sheet;
+    }
+    return std::nullopt;
+  }
+
+  void remember(const Sheet& other) {
+    if (std::ranges::any_of(known_, [&](const Sheet& s) {
+          return s.normal == other.normal && s.offset_m == other.offset_m;
+        }))
+      return;
+    if (known_.size() == kRemembered) known_.erase(known_.begin());
+    known_.push_back(other);
+  }
+
+  /// Not a bump in the region's own surface: it departs farther than noise would, or extends far.
+  bool is_surface(const Sheet& other, const PixelBox& box) const {
+    int all = 0, on = 0, far = 0;
+    for (int v = box.v0; v < box.v1; v += 2)
+      for (int u = box.u0; u < box.u1; u += 2) {
+        const auto i = static_cast<std::uint32_t>(v * grid_.width + u);
+        ++all;
+        if (!outside_[i] || !field_.lies_on(other, i)) continue;
+        ++on;
+        far += !field_.lies_on(sheet_, i, kLeaves);
+      }
+    return far > kLeastLeaving * on || (box.u1 - box.u0 > kLong_px && on > kLeastLong * all);
+  }
+
+  /// Into the region from where the other surface touches it, `deep` pixels at most.
+  void take(const Sheet& other, Tile front, int deep, int blur) {
+    Tile next;
+    for (int step = 0; step < deep && !front.empty(); ++step) {
+      next.clear();
+      for (const std::uint32_t i : front)
+        visit_around(i, [&](std::uint32_t j) {
+          if (!region_[j] || goes_[j] || !is_nearer(other, j, blur)) return;
+          goes_[j] = 1;
+          next.push_back(j);
+        });
+      front.swap(next);
+    }
+  }
+
+  template <typename Visit>
+  void visit_around(std::uint32_t i, const Visit& visit) const {
+    const int u = static_cast<int>(i) % grid_.width, v = static_cast<int>(i) / grid_.width;
+    if (u > 0) visit(i - 1);
+    if (u + 1 < grid_.width) visit(i + 1);
+    if (v > 0) visit(i - grid_.width);
+    if (v + 1 < grid_.height) visit(i + grid_.width);
+  }
+
+  /// Nearer to the other plane than to the sheet, by the mean of the pixels around.
+  bool is_nearer(const Sheet& other, std::uint32_t pixel, int blur) const {
+    const float middle = sheet_.distance_m(grid_.points[pixel]);
+    const float most = field_.tolerance_m(sheet_, pixel);
+    float to_sheet = 0, to_other = 0;
+    for_pixels(grid_, box_around(grid_, pixel, blur), [&](std::uint32_t i) {
+      const float d = sheet_.distance_m(grid_.points[i]);
+      if (!(std::abs(d - middle) <= most)) return;  // also where not measured
+      to_sheet += d;
+      to_other += other.distance_m(grid_.points[i]);
+    });
+    return std::abs(to_other) < std::abs(to_sheet);
+  }
+
+  const WandField& field_;
+  const LabelGrid& grid_;
+  const Sheet& sheet_;
+  std::vector<std::uint8_t>& region_;
+  std::vector<std::uint8_t> outside_;  // measured, and none of the region
+  std::vector<std::uint8_t> goes_;     // to another surface
+  std::vector<Sheet> known_;           // other surfaces, met in the last tiles
+};
+
+}  // namespace
+
+void cut_at_creases(const WandField& field,
+                    const Sheet& sheet,
+                    const PixelBox& box,
+                    std::vector<std::uint8_t>& region) {
+  CreaseCut cut(field, sheet, region);
+  for (const Tile& tile : contacts_by_tile(field, sheet, box, region))
+    if (tile.size() >= kLeastContact_px) cut.cut_at(tile);
+  cut.finish();
+}
+
+}  // namespace planescope

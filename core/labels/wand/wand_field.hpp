@@ -1,0 +1,100 @@
+#pragma once
+
+// What the parts of the wand share. Internal to core/labels.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/labels/model/grid.hpp"
+#include "core/labels/wand/wand.hpp"
+#include "core/model/moments.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+/// Part of an image: [u0, u1) x [v0, v1).
+struct PixelBox {
+  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
+};
+inline PixelBox box_around(const LabelGrid& grid, std::uint32_t pixel, int reach) {
+  const int u = static_cast<int>(pixel) % grid.width, v = static_cast<int>(pixel) / grid.width;
+  return {std::max(0, u - reach), std::max(0, v - reach), std::min(grid.width, u + reach + 1),
+          std::min(grid.height, v + reach + 1)};
+}
+/// Calls visit(pixel) row by row.
+template <typename Visit>
+void for_pixels(const LabelGrid& grid, const PixelBox& box, const Visit& visit) {
+  for (int v = box.v0; v < box.v1; ++v)
+    for (int u = box.u0; u < box.u1; ++u) visit(static_cast<std::uint32_t>(v * grid.width + u));
+}
+
+/// normal . x = offset, in floats: it is asked of every pixel.
+struct Sheet {
+  Vec3f normal = Vec3f::UnitZ();
+  float offset_m = 0;
+
+  float distance_m(const Vec3f& point) const { return normal.dot(point) - offset_m; }
+};
+/// nullopt where there are too few points, or all in a line. Moments about the sensor are exact
+/// enough: a few metres in doubles.
+std::optional<Sheet> sheet_through(const Moments& moments);
+
+/// A frame, and how far from a plane its pixels may lie.
+struct WandField {
+  const LabelGrid& grid;
+  WandOptions options;
+  std::vector<float> noise;           // across a sheet at 1 m of offset, per pixel [m]
+  std::vector<std::uint8_t> allowed;  // measured, and free to take
+
+  /// At close range the option itself; where noise is more than it allows for, in that ratio.
+  float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
+    constexpr double kCloseNoise_m = 0.0023;
+    const float tolerance = static_cast<float>(options.tolerance_m);
+    return tolerance * std::max(1.0f, noise[pixel] * std::abs(sheet.offset_m) *
+                                          static_cast<float>(1 / kCloseNoise_m));
+  }
+  bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
+    return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);
+  }
+};
+WandField make_wand_field(const LabelGrid& grid,
+                          const FrameLabels* labels,
+                          const WandOptions& options);
+
+struct LocalFitOptions {
+  double half_px = 4;              // so far from the middle a pixel counts half
+  int samples = 64;                // a fixed series of random ones
+  int most_pixels = 256;           // are looked at, evenly spread
+  std::span<const Sheet> hints{};  // spare the search where one holds most of the pixels
+};
+struct LocalFit {
+  Sheet sheet;
+  double share = 0;  // of the weights, on the sheet
+};
+/// The plane that most of the pixels in `box` lie on, of those where `usable` is not 0; the nearer
+/// to the pixel `middle`, the more they count.
+std::optional<LocalFit> fit_around(const WandField& field,
+                                   const std::vector<std::uint8_t>& usable,
+                                   const PixelBox& box,
+                                   std::uint32_t middle,
+                                   const LocalFitOptions& options = {});
+
+/// Takes pixels off `region` that lie on another surface which meets the sheet at a crease:
+/// `region` is all within tolerance of it, and what runs on beyond tells where the other lies.
+/// `box` holds the region.
+void cut_at_creases(const WandField& field,
+                    const Sheet& sheet,
+                    const PixelBox& box,
+                    std::vector<std::uint8_t>& region);
+
+/// Lets colour decide at the border of the region where depth leaves it open.
+void settle_border_by_color(const WandField& field,
+                            const Sheet& sheet,
+                            const PixelBox& box,
+                            std::vector<std::uint8_t>& region);
+
+}  // namespace planescope

@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/labels/wand/wand_field.hpp"
+#include "core/model/plane.hpp"
+#include "core/model/random.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr std::size_t kLeastPixels = 6;
+constexpr int kRefits = 3;
+constexpr double kHintShare = 0.7;
+constexpr double kLine = 1e-6;  // eigenvalues, the second against the third
+
+struct Weighted {
+  std::uint32_t pixel = 0;
+  float weight = 0;
+};
+
+std::optional<Sheet> sheet_through(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  const Vec3f normal = (b - a).cross(c - a);
+  const float length = normal.norm();
+  if (!(length > 0.05f * (b - a).norm() * (c - a).norm())) return std::nullopt;
+  return Sheet{normal / length, normal.dot(a) / length};
+}
+
+/// Weights of what lies on the sheet, falling with the distance from it.
+float score(const WandField& field, const std::vector<Weighted>& all, const Sheet& sheet) {
+  float sum = 0;
+  for (const auto& [pixel, weight] : all) {
+    const float d = sheet.distance_m(field.grid.points[pixel]) / field.tolerance_m(sheet, pixel);
+    sum += weight * std::max(0.0f, 1 - d * d);
+  }
+  return sum;
+}
+
+std::optional<Sheet> best_of_samples(const WandField& field,
+                                     const std::vector<Weighted>& all,
+                                     int samples) {
+  Random random(1);
+  const int last = static_cast<int>(all.size()) - 1;
+  std::optional<Sheet> best;
+  float best_score = 0;
+  for (int k = 0; k < samples; ++k) {
+    std::array<Vec3f, 3> points;
+    for (Vec3f& point : points) point = field.grid.points[all[random.integer(0, last)].pixel];
+    const auto sheet = sheet_through(points[0], points[1], points[2]);
+    if (!sheet) continue;
+    if (const float s = score(field, all, *sheet); s > best_score) {
+      best_score = s;
+      best = sheet;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<Sheet> sheet_through(const Moments& moments) {
+  if (moments.count < 3) return std::nullopt;
+  const PlaneFit fit = fit_plane(moments);
+  if (!(fit.eigenvalues[1] > kLine * fit.eigenvalues[2])) return std::nullopt;
+  const double sign = fit.offset_m() > 0 ? -1 : 1;  // towards the sensor
+  return Sheet{(sign * fit.normal).cast<float>(), static_cast<float>(sign * fit.offset_m())};
+}
+
+WandField make_wand_field(const LabelGrid& grid,
+                          const FrameLabels* labels,
+                          const WandOptions& options) {
+  WandField field{grid, options, {}, grid.measured};
+  field.noise.resize(grid.pixels(), 0);
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
+  if (!labels) return field;
+  std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, options.take_labelled ? 0 : 1);
+  keeps[0] = 0;
+  for (const LabelPlane& plane : labels->planes)
+    if (plane.locked || plane.hidden) keeps[plane.id] = 1;
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    if (keeps[labels->plane.data[i]]) field.allowed[i] = 0;
+  return field;
+}
+
+std::optional<LocalFit> fit_around(const WandField& field,
+                                   const std::vector<std::uint8_t>& usable,
+                                   const PixelBox& box,
+                                   std::uint32_t middle,
+                                   const LocalFitOptions& options) {
+  const LabelGrid& grid = field.grid;
+  const double area = static_cast<double>(box.u1 - box.u0) * (box.v1 - box.v0);
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / options.most_pixels))));
+  const int middle_u = static_cast<int>(middle) % grid.width;
+  const int middle_v = static_cast<int>(middle) / grid.width;
+  std::vector<Weighted> all;
+  double weights = 0;
+  for (int v = box.v0 + (middle_v - box.v0) % step; v < box.v1; v += step)
+    for (int u = box.u0 + (middle_u - box.u0) % step; u < box.u1; u += step) {
+      const auto pixel = static_cast<std::uint32_t>(v * grid.width + u);
+      if (!usable[pixel]) continue;
+      const double du = (u - middle_u) / options.half_px, dv = (v - middle_v) / options.half_px;
+      all.push_back({pixel, static_cast<float>(1 / (1 + du * du + dv * dv))});
+      weights += all.back().weight;
+    }
+  if (all.size() < kLeastPixels) return std::nullopt;
+
+  const auto share_of = [&](const Sheet& sheet) {
+    double share = 0;
+    for (const auto& [pixel, weight] : all)
+      if (field.lies_on(sheet, pixel)) share += weight;
+    return share / weights;
+  };
+  for (const Sheet& hint : options.hints)
+    if (const double share = share_of(hint); share >= kHintShare) return LocalFit{hint, share};
+
+  std::optional<Sheet> best = best_of_samples(field, all, options.samples);
+  for (int k = 0; k < kRefits && best; ++k) {
+    Moments moments;
+    for (const auto& [pixel, weight] : all)
+      if (field.lies_on(*best, pixel)) moments.add(grid.points[pixel].cast<double>());
+    const auto refitted = sheet_through(moments);
+    if (!refitted) break;
+    best = refitted;
+  }
+  if (!best) return std::nullopt;
+  return LocalFit{*best, share_of(*best)};
+}
+
+}  // namespace planescope

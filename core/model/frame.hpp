@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/image.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+enum class Distortion : std::uint8_t { none, brown_conrady, inverse_brown_conrady };
+
+/// Pinhole camera. Pixel (u, v) looks along ((u-cx)/fx, (v-cy)/fy, 1): x right, y down, z forward.
+/// `brown_conrady` (OpenCV): coefficients k1 k2 p1 p2 k3 take undistorted to distorted.
+struct Intrinsics {
+  int width = 0;
+  int height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // [px]
+  Distortion distortion = Distortion::none;
+  std::array<double, 5> coefficients{};  // k1 k2 p1 p2 k3
+};
+
+/// How far to trust a direction of gravity, best first. `none`: nobody knows it, and no point and
+/// no plane is h or v. Journals keep the number: new sources go to the end.
+enum class GravitySource : std::uint8_t { option, sidecar, imu, picked, estimate, assumed, none };
+const char* to_string(GravitySource source);
+
+/// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame. Where
+/// it is not known, where the camera's own lower edge points: the world's axes follow it all the
+/// same.
+struct Gravity {
+  Vec3d direction = Vec3d(0, 1, 0);
+  GravitySource source = GravitySource::assumed;
+  double confidence = 1;  // 0..1; below 1 only for estimates, 0 where not known
+  std::string note;       // one phrase for people: how it was found
+
+  bool known() const { return source != GravitySource::none; }
+};
+
+/// A point cloud as it came from a file: coordinates about `origin`, in file order.
+struct PointSet {
+  Vec3d origin = Vec3d::Zero();        // added to every point; keeps float exact far from 0
+  std::vector<Vec3f> points;           // [m], NaN and (0,0,0) kept: the cloud stage drops them
+  std::vector<std::uint8_t> rgb;       // 3 per point, or empty
+  std::vector<std::uint8_t> label;     // 0 unknown, 1 h, 2 v per point, or empty
+  std::vector<std::int32_t> instance;  // plane id per point, 0 none, or empty
+};
+
+/// One frame of a recording: either a depth image (with or without colour) or a cloud.
+struct Frame {
+  int index = 0;           // 0-based number of the depth frame in the recording
+  std::string name;        // as the recording calls it: file stem, sequence number
+  double timestamp_s = 0;  // sensor's own clock; 0 where unknown
+
+  Image16 depth;            // counts; 0 = no measurement
+  double depth_unit_m = 0;  // metres per count
+  Intrinsics intrinsics;    // of the depth image
+
+  Image8 color;                 // RGB, empty where none
+  Intrinsics color_intrinsics;  // fx 0 where unknown: colour can be shown, not projected
+  Pose T_color_depth = Pose::Identity();
+  bool color_aligned = false;  // colour is registered pixel by pixel to depth
+
+  std::optional<PointSet> cloud;   // set for cloud recordings; then depth is empty
+  std::optional<Gravity> gravity;  // from the recording itself (IMU, sidecar), sensor frame
+
+  bool is_cloud() const { return cloud.has_value(); }
+};
+
+}  // namespace planescope

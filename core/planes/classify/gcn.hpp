@@ -1,0 +1,36 @@
+#pragma once
+
+// The paper's pointwise classification: a 3D-GCN (Lin et al., CVPR 2020) that labels each point.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/model/simd.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/classify/weights.hpp"
+
+namespace planescope {
+
+/// A network ready to run. Immutable, re-entrant.
+class Gcn {
+ public:
+  explicit Gcn(const NetworkWeights& weights, Simd simd = best_simd());
+  ~Gcn();
+
+  /// Logits [n x 2], h then v, for finite points in any order. The same bits for any thread count
+  /// and instruction set; a permuted cloud gives permuted rows.
+  std::vector<float> forward(std::span<const Vec3f> points, int threads) const;
+
+ private:
+  struct Layers;
+  std::unique_ptr<const Layers> layers_;
+};
+
+/// Labels by the larger logit; margin |p(h) - p(v)|. Points that are not finite are `unknown` and
+/// do not count. `name`: as --classifier called it.
+std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
+                                                const std::string& name = "gcn",
+                                                Simd simd = best_simd());
+
+}  // namespace planescope

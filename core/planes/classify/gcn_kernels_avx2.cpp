@@ -1,0 +1,9 @@
+#define PLANESCOPE_LANES 8
+#define PLANESCOPE_TILE 4
+#include "core/planes/classify/gcn_kernels.inl"
+
+namespace planescope::gcn {
+
+const Kernels kKernelsAvx2{direct, support, product, outer};
+
+}  // namespace planescope::gcn

@@ -1,0 +1,9 @@
+#define PLANESCOPE_LANES 4
+#define PLANESCOPE_TILE 4
+#include "core/planes/classify/gcn_kernels.inl"
+
+namespace planescope::gcn {
+
+const Kernels kKernelsPlain{direct, support, product, outer};
+
+}  // namespace planescope::gcn

@@ -1,0 +1,81 @@
+// Lens distortion as OpenCV (Brown-Conrady: undistorted -> distorted) and librealsense (inverse
+// Brown-Conrady: the same polynomial, distorted -> undistorted) define it.
+
+#include "core/planes/cloud/camera.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace planescope {
+namespace {
+
+struct Polynomial {
+  Vec2d value;
+  Eigen::Matrix2d jacobian;
+};
+
+/// x (1 + k1 r2 + k2 r4 + k3 r6) + tangential terms, with its derivative.
+Polynomial brown_conrady(const std::array<double, 5>& c, const Vec2d& p) {
+  const auto [k1, k2, p1, p2, k3] = c;
+  const double x = p.x(), y = p.y();
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3));  // d radial / d r2, twice
+  Polynomial result;
+  result.value = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+                  y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  const double cross = slope * x * y + 2 * p1 * x + 2 * p2 * y;
+  result.jacobian << radial + slope * x * x + 2 * p1 * y + 6 * p2 * x, cross,  //
+      cross, radial + slope * y * y + 6 * p1 * y + 2 * p2 * x;
+  return result;
+}
+
+/// Solves brown_conrady(c, p) = target by Newton's method from the undistorted guess.
+Vec2d invert(const std::array<double, 5>& c, const Vec2d& target) {
+  constexpr double kTolerance = 1e-12;  // of the ray; a pixel is about 1e-3
+  Vec2d p = target;
+  for (int i = 0; i < 30; ++i) {
+    const Polynomial f = brown_conrady(c, p);
+    const Vec2d error = f.value - target;
+    if (error.squaredNorm() < kTolerance * kTolerance) return p;
+    const double determinant = f.jacobian.determinant();
+    // Past the fold of the polynomial two rays would share a pixel: there is no right answer.
+    if (!(determinant > 1e-3)) break;
+    Eigen::Matrix2d adjugate;
+    adjugate << f.jacobian(1, 1), -f.jacobian(0, 1), -f.jacobian(1, 0), f.jacobian(0, 0);
+    p -= adjugate * error / determinant;
+  }
+  return Vec2d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace
+
+Vec2d pixel_to_ray(const Intrinsics& k, double u, double v) {
+  const Vec2d seen((u - k.cx) / k.fx, (v - k.cy) / k.fy);
+  switch (k.distortion) {
+    case Distortion::none:
+      return seen;
+    case Distortion::brown_conrady:
+      return invert(k.coefficients, seen);
+    case Distortion::inverse_brown_conrady:
+      return brown_conrady(k.coefficients, seen).value;
+  }
+  return seen;
+}
+
+Vec2d ray_to_pixel(const Intrinsics& k, const Vec2d& ray) {
+  Vec2d seen = ray;
+  if (k.distortion == Distortion::brown_conrady) seen = brown_conrady(k.coefficients, ray).value;
+  if (k.distortion == Distortion::inverse_brown_conrady) seen = invert(k.coefficients, ray);
+  return {k.fx * seen.x() + k.cx, k.fy * seen.y() + k.cy};
+}
+
+std::vector<Vec2d> ray_table(const Intrinsics& intrinsics) {
+  std::vector<Vec2d> rays;
+  rays.reserve(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
+  for (int v = 0; v < intrinsics.height; ++v)
+    for (int u = 0; u < intrinsics.width; ++u) rays.push_back(pixel_to_ray(intrinsics, u, v));
+  return rays;
+}
+
+}  // namespace planescope

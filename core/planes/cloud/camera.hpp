@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "core/model/frame.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+/// The ray of pixel (u, v): (x, y) of (x, y, 1), with lens distortion removed. NaN where the
+/// distortion model cannot be inverted, so that no ray leads to the pixel.
+Vec2d pixel_to_ray(const Intrinsics& intrinsics, double u, double v);
+
+/// The pixel where the ray (x, y, 1) lands; the inverse of pixel_to_ray.
+Vec2d ray_to_pixel(const Intrinsics& intrinsics, const Vec2d& ray);
+
+/// pixel_to_ray of every pixel centre, row-major: [height * width].
+std::vector<Vec2d> ray_table(const Intrinsics& intrinsics);
+
+}  // namespace planescope

@@ -1,0 +1,169 @@
+// Sun et al. 2023, Sec. II-A and V: back-projection, range crop and the octree's cube.
+
+#include "core/planes/cloud/cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/model/error.hpp"
+#include "core/planes/cloud/camera.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr std::uint16_t kNoDepth = 0;
+constexpr std::uint16_t kFarOutlier = 65535;  // what RealSense cameras write for nonsense
+constexpr int kDeepestOctree = 21;            // three coordinates of 21 bits make a 64-bit key
+
+void check(const CloudOptions& options) {
+  if (!(options.max_range_m > 0))
+    throw Error("max_range_m is " + std::to_string(options.max_range_m) +
+                ", expected a number above 0");
+  if (!(options.cube_edge_m > 0) || !std::isfinite(options.cube_edge_m))
+    throw Error("cube_edge_m is " + std::to_string(options.cube_edge_m) +
+                ", expected a finite number above 0");
+  if (options.base_depth < 1 || options.base_depth > kDeepestOctree)
+    throw Error("base_depth is " + std::to_string(options.base_depth) + ", expected 1 to 21");
+}
+
+/// The smallest cube_edge * 2^k that holds `extent_m`: the leaf keeps its size.
+Cube make_cube(const Vec3d& center, double extent_m, const CloudOptions& options) {
+  Cube cube;
+  cube.edge_m = options.cube_edge_m;
+  cube.max_depth = options.base_depth;
+  while (cube.edge_m < extent_m) {
+    cube.edge_m *= 2;
+    cube.max_depth = std::min(cube.max_depth + 1, kDeepestOctree);
+  }
+  cube.min_corner = center - Vec3d::Constant(cube.edge_m / 2);
+  return cube;
+}
+
+/// Half-open, so that every kept point has a cell.
+bool inside(const Cube& cube, const Vec3f& point) {
+  const Vec3d offset = point.cast<double>() - cube.min_corner;
+  return offset.minCoeff() >= 0 && offset.maxCoeff() < cube.edge_m;
+}
+
+/// Marks the points that stay and counts all of them.
+void crop(Cloud& cloud, const std::vector<std::uint8_t>& within_range) {
+  cloud.kept.resize(cloud.points.size());
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!within_range[i]) {
+      ++cloud.counts.beyond_range;
+    } else if (!inside(cloud.cube, cloud.points[i])) {
+      ++cloud.counts.outside_cube;
+    } else {
+      cloud.kept[i] = 1;
+      ++cloud.counts.kept;
+    }
+  }
+}
+
+Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
+  const Image16& depth = frame.depth;
+  const Intrinsics& k = frame.intrinsics;
+  if (k.width != depth.width || k.height != depth.height)
+    throw Error("frame " + frame.name + ": depth is " + std::to_string(depth.width) + "x" +
+                std::to_string(depth.height) + ", its intrinsics are for " +
+                std::to_string(k.width) + "x" + std::to_string(k.height));
+  if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
+    throw Error("frame " + frame.name +
+                ": focal length or depth unit is zero, expected both from the recording or from "
+                "--intrinsics and --depth-unit");
+  Cloud cloud;
+  cloud.T_world_sensor = world_from_gravity(gravity.direction, true);
+  cloud.width = depth.width;
+  cloud.height = depth.height;
+  cloud.focal_px = std::sqrt(std::abs(k.fx * k.fy));
+  const Mat3d R = cloud.T_world_sensor.linear();
+  // A depth image holds nothing beyond 65534 counts, however large the range asked for.
+  const double farthest_m = std::min(options.max_range_m, 65534 * frame.depth_unit_m);
+  cloud.cube = make_cube(Vec3d::Zero(), 2 * farthest_m, options);
+  cloud.counts.pixels = depth.pixels();
+  cloud.points.reserve(depth.pixels());
+  cloud.source.reserve(depth.pixels());
+  std::vector<std::uint8_t> within_range;
+  within_range.reserve(depth.pixels());
+
+  const std::vector<Vec2d> rays = ray_table(k);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::uint16_t counts = depth.data[i];
+    if (counts == kNoDepth) {
+      ++cloud.counts.no_measurement;
+    } else if (counts == kFarOutlier || std::isnan(rays[i].x())) {
+      ++cloud.counts.invalid;
+    } else {
+      const double z = counts * frame.depth_unit_m;
+      const Vec3d world = R * Vec3d(rays[i].x() * z, rays[i].y() * z, z);
+      cloud.points.push_back(world.cast<float>());
+      cloud.source.push_back(static_cast<std::uint32_t>(i));
+      within_range.push_back(z <= options.max_range_m);
+    }
+  }
+  crop(cloud, within_range);
+  return cloud;
+}
+
+Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOptions& options) {
+  Cloud cloud;
+  cloud.T_world_sensor = world_from_gravity(gravity.direction, false);
+  const Mat3d R = cloud.T_world_sensor.linear();
+  const double max_range_m =
+      options.range_for_clouds ? options.max_range_m : std::numeric_limits<double>::infinity();
+  cloud.counts.pixels = set.points.size();
+  std::vector<std::uint8_t> within_range;
+  Eigen::AlignedBox3d bounds;  // world, of the points within range
+  for (std::size_t i = 0; i < set.points.size(); ++i) {
+    const Vec3f& p = set.points[i];
+    const Vec3d q = set.origin + p.cast<double>();
+    if (!p.allFinite()) {
+      ++cloud.counts.invalid;
+    } else if (q.isZero(0)) {
+      ++cloud.counts.no_measurement;
+    } else {
+      cloud.source.push_back(static_cast<std::uint32_t>(i));
+      within_range.push_back(q.norm() <= max_range_m);
+      if (within_range.back()) bounds.extend(R * q);
+    }
+  }
+  // Whole metres, so that a small cloud near zero keeps the exact numbers of its file.
+  if (!bounds.isEmpty()) cloud.origin = bounds.center().array().round();
+  cloud.points.reserve(cloud.source.size());
+  for (const std::uint32_t i : cloud.source) {
+    const Vec3d world = R * (set.origin + set.points[i].cast<double>());
+    cloud.points.push_back((world - cloud.origin).cast<float>());
+  }
+  // A little more than the bounds: rounding to float must not push the last point out.
+  const double extent_m = bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff() * (1 + 1e-5) + 1e-5;
+  const Vec3d center = bounds.isEmpty() ? Vec3d::Zero() : Vec3d(bounds.center() - cloud.origin);
+  cloud.cube = make_cube(center, extent_m, options);
+  crop(cloud, within_range);
+  return cloud;
+}
+
+}  // namespace
+
+Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
+  check(options);
+  return frame.is_cloud() ? cloud_of_points(*frame.cloud, gravity, options)
+                          : cloud_of_depth(frame, gravity, options);
+}
+
+Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera) {
+  const Vec3d up = -gravity_sensor.normalized();
+  const auto horizontal = [&](const Vec3d& axis) { return Vec3d(axis - axis.dot(up) * up); };
+  Vec3d forward = horizontal(depth_camera ? Vec3d::UnitZ() : Vec3d::UnitX());
+  // Looking straight up or down, "forward" is where the top of the image (for clouds: y) points.
+  if (forward.norm() < 1e-6)
+    forward = horizontal(depth_camera ? Vec3d(-Vec3d::UnitY()) : Vec3d(Vec3d::UnitY()));
+  forward.normalize();
+  Pose pose = Pose::Identity();
+  pose.linear().row(0) = forward;
+  pose.linear().row(1) = up.cross(forward);
+  pose.linear().row(2) = up;
+  return pose;
+}
+
+}  // namespace planescope

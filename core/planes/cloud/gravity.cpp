@@ -1,0 +1,112 @@
+#include "core/planes/cloud/gravity.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+
+const char* to_string(GravitySource source) {
+  switch (source) {
+    case GravitySource::option:
+      return "option";
+    case GravitySource::sidecar:
+      return "sidecar";
+    case GravitySource::imu:
+      return "imu";
+    case GravitySource::picked:
+      return "picked";
+    case GravitySource::estimate:
+      return "estimate";
+    case GravitySource::assumed:
+      return "assumed";
+    case GravitySource::none:
+      return "none";
+  }
+  return "unknown";
+}
+
+GravityOptions parse_gravity(const std::string& text) {
+  GravityOptions options;
+  if (text == "auto") return options;
+  if (text == "imu") {
+    options.mode = GravityMode::imu;
+    return options;
+  }
+  if (text == "estimate") {
+    options.mode = GravityMode::estimate;
+    return options;
+  }
+  if (text == "none") {
+    options.mode = GravityMode::none;
+    return options;
+  }
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  Vec3d direction;
+  char comma1 = 0, comma2 = 0, rest = 0;
+  in >> direction.x() >> comma1 >> direction.y() >> comma2 >> direction.z();
+  if (in.fail() || comma1 != ',' || comma2 != ',' || in >> rest || !direction.allFinite() ||
+      !(direction.norm() > 0))
+    throw Error("gravity is \"" + text +
+                "\", expected auto, imu, estimate, none or a direction X,Y,Z that is not zero");
+  options.mode = GravityMode::fixed;
+  options.direction = direction;
+  return options;
+}
+
+Gravity unknown_gravity(const Frame& frame, const std::string& why) {
+  Gravity gravity;
+  gravity.direction = frame.is_cloud() ? Vec3d(-Vec3d::UnitZ()) : Vec3d(Vec3d::UnitY());
+  gravity.source = GravitySource::none;
+  gravity.confidence = 0;
+  gravity.note = why;
+  return gravity;
+}
+
+namespace {
+
+/// nullopt, with a phrase why, where nothing tells.
+std::optional<Gravity> found_gravity(const Frame& frame,
+                                     const GravityOptions& options,
+                                     std::string& why_not) {
+  if (options.mode == GravityMode::imu) {
+    if (frame.gravity && frame.gravity->source == GravitySource::imu) return frame.gravity;
+    why_not = "the recording has no accelerometer data";
+    return std::nullopt;
+  }
+  if (options.mode == GravityMode::automatic) {
+    if (frame.gravity) return frame.gravity;
+    if (frame.is_cloud())
+      return Gravity{-Vec3d::UnitZ(), GravitySource::assumed, 1,
+                     "assumed: the cloud's z axis points up"};
+  }
+  why_not = frame.is_cloud() ? "gravity is estimated from depth images only"
+                             : "gravity cannot be told from the scene";
+  return frame.is_cloud() ? std::nullopt : estimate_gravity(frame, options);
+}
+
+}  // namespace
+
+Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
+  if (options.mode == GravityMode::none)
+    return unknown_gravity(frame, "left open by --gravity none");
+  if (options.mode == GravityMode::fixed) {
+    Gravity gravity;
+    // Scaled first: the squares of a tiny direction must not vanish.
+    const Vec3d scaled = options.direction / options.direction.cwiseAbs().maxCoeff();
+    if (!scaled.allFinite()) throw Error("gravity is not a direction: expected X,Y,Z not all zero");
+    gravity.direction = scaled.normalized();
+    gravity.source = GravitySource::option;
+    gravity.note = "given by the user";
+    return gravity;
+  }
+  std::string why_not;
+  if (const auto found = found_gravity(frame, options, why_not)) return *found;
+  if (options.none_where_unknown) return unknown_gravity(frame, why_not);
+  throw Error("frame " + frame.name + ": " + why_not + "; " + kHowToGiveGravity +
+              "; --gravity none finds planes without telling h from v");
+}
+
+}  // namespace planescope

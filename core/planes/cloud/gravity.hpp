@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/model/frame.hpp"
+
+namespace planescope {
+
+enum class GravityMode : std::uint8_t { automatic, fixed, imu, estimate, none };
+
+struct GravityOptions {
+  GravityMode mode = GravityMode::automatic;
+  Vec3d direction = Vec3d(0, 1, 0);  // for `fixed`, sensor frame, any length > 0
+  double max_tilt_deg = 60;  // prior of the estimate: camera tilt (pitch or roll) stays below
+  bool none_where_unknown = false;  // where gravity cannot be told: go without, instead of refusing
+};
+
+/// Parses auto | X,Y,Z | imu | estimate | none. Throws Error on anything else.
+GravityOptions parse_gravity(const std::string& text);
+
+/// Orthogonal-structure vote over plane normals under the camera-tilt prior of `options`
+/// (depth frames only). nullopt where the scene does not tell.
+std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions& options);
+
+/// Takes the first that exists: option; what the frame carries (sidecar, IMU, a floor that was
+/// picked); the estimate, for clouds -z, assumed. Throws Error that says how to give gravity where
+/// even the estimate fails, unless the options go without.
+Gravity resolve_gravity(const Frame& frame, const GravityOptions& options);
+
+/// The direction of a frame whose gravity nobody knows, with source `none`: things are taken to
+/// fall to the lower edge of the image, along -z of a cloud. `why` goes into the note.
+Gravity unknown_gravity(const Frame& frame, const std::string& why);
+
+/// What tells h from v where gravity is not known, as a hint for people.
+inline constexpr const char* kHowToGiveGravity =
+    "give the direction in which things fall, in the sensor's frame, with --gravity X,Y,Z, or "
+    "click "
+    "a floor in planescope view";
+
+}  // namespace planescope

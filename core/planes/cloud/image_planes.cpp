@@ -1,0 +1,234 @@
+// Planes of a depth image, fitted in inverse depth.
+
+#include "core/planes/cloud/image_planes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "core/model/inverse_plane.hpp"
+#include "core/planes/cloud/camera.hpp"
+
+namespace planescope {
+namespace {
+
+constexpr int kPatchesAcross = 40;       // patches of 16 pixels in a 640-pixel image
+constexpr double kMinFill = 0.6;         // of a patch's pixels must be measured
+constexpr double kLeastNoise = 0.003;    // of inverse depth [1/m]: 3 mm at 1 m, 27 mm at 3 m
+constexpr double kMostNoise = 0.012;     // a patch rougher than this is no plane [1/m]
+constexpr double kNoiseLength_px = 5;    // over which stereo noise is correlated
+constexpr double kSystematic_deg = 0.5;  // what calibration leaves of any normal's error
+constexpr double kMinCosine =
+    0.77;  // of the angle (40 deg) between a patch and its plane: bare walls look wavy
+constexpr double kBias = 0.003;  // relative error of a range that no averaging removes
+constexpr int kMinPatches = 6;   // of a plane
+constexpr int kMaxPlanes = 16;
+constexpr double kMaxDepth_m = 10;
+constexpr double kFullWeightDepth_m = 2;  // beyond, a patch's area counts no more than here
+
+/// Of inverse depth: rays have z = 1.
+struct Sums : InverseSums {
+  Vec3d mean_ray() const { return rr.col(2) / count; }
+  double mean_w() const { return rw[2] / count; }
+};
+
+struct Patch {
+  Sums sums;
+  InversePlane plane;
+  bool planar = false;
+};
+
+struct Patches {
+  int across = 0, down = 0;
+  std::vector<Patch> all;
+  double noise = kLeastNoise;  // of inverse depth, typical of this image [1/m]
+};
+
+Patches make_patches(const Frame& frame) {
+  const Image16& depth = frame.depth;
+  const int size = std::max(4, depth.width / kPatchesAcross);
+  Patches patches;
+  patches.across = depth.width / size;
+  patches.down = depth.height / size;
+  patches.all.resize(static_cast<std::size_t>(patches.across) * patches.down);
+  const std::vector<Vec2d> rays = ray_table(frame.intrinsics);
+  for (int v = 0; v < patches.down * size; ++v)
+    for (int u = 0; u < patches.across * size; ++u) {
+      const double z = depth.at(u, v) * frame.depth_unit_m;
+      const Vec2d& ray = rays[static_cast<std::size_t>(v) * depth.width + u];
+      if (z <= 0 || z > kMaxDepth_m || !ray.allFinite()) continue;
+      patches.all[static_cast<std::size_t>(v / size) * patches.across + u / size].sums.add(
+          {ray.x(), ray.y(), 1}, 1 / z);
+    }
+  std::vector<double> roughness;
+  for (Patch& patch : patches.all) {
+    if (patch.sums.count < kMinFill * size * size) continue;
+    patch.plane = patch.sums.fit();
+    patch.planar = patch.plane.rms <= kMostNoise;
+    roughness.push_back(patch.plane.rms);
+  }
+  if (!roughness.empty()) {
+    // Edges roughen about half of the patches; the smoothest third shows the sensor's noise.
+    auto third = roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / 3);
+    std::nth_element(roughness.begin(), third, roughness.end());
+    patches.noise = std::clamp(1.5 * *third, kLeastNoise, kMostNoise);
+  }
+  for (Patch& patch : patches.all)
+    patch.planar = patch.planar && patch.plane.rms <= 2 * patches.noise;
+  return patches;
+}
+
+/// Area that a patch would cover if it lay on the plane: rays dx dy cut out z^3 / distance.
+double area_m2(const Patch& patch,
+               const InversePlane& plane,
+               double pixel_area,
+               double max_depth_m) {
+  const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.sums.mean_ray()));
+  return patch.sums.count * pixel_area * z * z * z * plane.w_of_ray.norm();
+}
+
+class PlaneSearch {
+ public:
+  PlaneSearch(const Patches& patches, const Intrinsics& k)
+      : patches_(patches),
+        pixel_area_(std::abs(1 / (k.fx * k.fy))),
+        tolerance_(2 * patches.noise),
+        free_(patches.all.size()) {
+    for (std::size_t i = 0; i < free_.size(); ++i) free_[i] = patches.all[i].planar;
+  }
+
+  /// The plane of the largest area among the patches that are still free; takes them.
+  std::optional<ImagePlane> next() {
+    double best_area = 0;
+    InversePlane best;
+    for (const int reach : {1, 2, 4}) {
+      for (int y = reach % 2; y < patches_.down; y += 2)
+        for (int x = reach % 2; x < patches_.across; x += 2) {
+          const std::optional<InversePlane> guess = fit_block(x, y, reach);
+          if (!guess) continue;
+          double area = 0;
+          for (std::size_t i = 0; i < free_.size(); ++i)
+            if (free_[i] && lies_on(patches_.all[i], *guess))
+              area += area_m2(patches_.all[i], *guess, pixel_area_, kFullWeightDepth_m);
+          if (area > best_area) {
+            best_area = area;
+            best = *guess;
+          }
+        }
+    }
+    if (best_area == 0) return std::nullopt;
+    std::vector<int> members;
+    for (int round = 0; round < 3; ++round) {
+      members = members_of(best);
+      if (members.size() < kMinPatches) break;
+      best = sum(members).fit();
+    }
+    if (members.size() < kMinPatches) return std::nullopt;
+    for (const int i : members) free_[i] = 0;
+    return describe(members, best);
+  }
+
+ private:
+  bool lies_on(const Patch& patch, const InversePlane& plane) const {
+    const double w = patch.sums.mean_w();
+    const double error = plane.w_of_ray.dot(patch.sums.mean_ray()) - w;
+    return std::abs(error) <= tolerance_ + kBias * w &&
+           patch.plane.normal().dot(plane.normal()) >= kMinCosine;
+  }
+
+  /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
+  std::optional<InversePlane> fit_block(int x, int y, int reach) const {
+    const int center = y * patches_.across + x;
+    if (!free_[center]) return std::nullopt;
+    const InversePlane& hint = patches_.all[center].plane;
+    Sums sums;
+    for (int v = std::max(0, y - reach); v <= std::min(patches_.down - 1, y + reach); ++v)
+      for (int u = std::max(0, x - reach); u <= std::min(patches_.across - 1, x + reach); ++u) {
+        const int i = v * patches_.across + u;
+        if (!free_[i]) continue;
+        const Patch& patch = patches_.all[i];
+        const double error = hint.w_of_ray.dot(patch.sums.mean_ray()) - patch.sums.mean_w();
+        if (patch.plane.normal().dot(hint.normal()) >= kMinCosine &&
+            std::abs(error) <=
+                2 * reach *
+                    (tolerance_ +
+                     kBias * patch.sums.mean_w()))  // the hint is rough, the more so far away
+          sums += patch.sums;
+      }
+    const InversePlane result = sums.fit();
+    if (result.rms > 2 * patches_.noise) return std::nullopt;
+    return result;
+  }
+
+  /// Free patches on the plane that have neighbours on it: a plane that merely cuts through clutter
+  /// picks up isolated ones.
+  std::vector<int> members_of(const InversePlane& plane) const {
+    std::vector<std::uint8_t> on(free_.size(), 0);
+    for (std::size_t i = 0; i < on.size(); ++i) on[i] = free_[i] && lies_on(patches_.all[i], plane);
+    std::vector<int> members;
+    const int across = patches_.across;
+    for (int y = 0; y < patches_.down; ++y)
+      for (int x = 0; x < across; ++x) {
+        const int i = y * across + x;
+        if (!on[i]) continue;
+        const int company = (x > 0 && on[i - 1]) + (x + 1 < across && on[i + 1]) +
+                            (y > 0 && on[i - across]) + (y + 1 < patches_.down && on[i + across]);
+        if (company >= 2) members.push_back(i);
+      }
+    return members;
+  }
+
+  Sums sum(const std::vector<int>& members) const {
+    Sums sums;
+    for (const int i : members) sums += patches_.all[i].sums;
+    return sums;
+  }
+
+  ImagePlane describe(const std::vector<int>& members, const InversePlane& plane_fit) const {
+    const Sums sums = sum(members);
+    ImagePlane plane;
+    plane.normal = plane_fit.normal();
+    plane.pixels = sums.count;
+    const Vec3d ray = sums.mean_ray();
+    plane.centroid = ray / plane_fit.w_of_ray.dot(ray);
+    double nearest_w = 0;
+    for (const int i : members) {
+      plane.area_m2 += area_m2(patches_.all[i], plane_fit, pixel_area_, kFullWeightDepth_m);
+      nearest_w = std::max(nearest_w, patches_.all[i].sums.mean_w());
+    }
+    plane.nearest_m = 1 / nearest_w;
+    // Covariance of (a, b, c), less the part along itself, which is distance and not direction.
+    const double sigma = std::max(patches_.noise, plane_fit.rms) * kNoiseLength_px;
+    const Mat3d covariance = sums.rr.ldlt().solve(Mat3d::Identity()) * (sigma * sigma);
+    const Mat3d across = Mat3d::Identity() - plane.normal * plane.normal.transpose();
+    const double radians =
+        std::sqrt((across * covariance * across).trace()) / plane_fit.w_of_ray.norm();
+    plane.angle_sigma_deg = std::hypot(radians * 180 / std::numbers::pi, kSystematic_deg);
+    return plane;
+  }
+
+  const Patches& patches_;
+  double pixel_area_;
+  double tolerance_;  // of inverse depth [1/m]
+  std::vector<std::uint8_t> free_;
+};
+
+}  // namespace
+
+std::vector<ImagePlane> find_image_planes(const Frame& frame) {
+  const Patches patches = make_patches(frame);
+  PlaneSearch search(patches, frame.intrinsics);
+  std::vector<ImagePlane> planes;
+  while (planes.size() < kMaxPlanes) {
+    const std::optional<ImagePlane> plane = search.next();
+    if (!plane) break;
+    planes.push_back(*plane);
+  }
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const ImagePlane& a, const ImagePlane& b) { return a.area_m2 > b.area_m2; });
+  return planes;
+}
+
+}  // namespace planescope

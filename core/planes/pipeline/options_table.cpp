@@ -1,0 +1,322 @@
+#include "core/planes/pipeline/options_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/option_row.hpp"
+
+namespace planescope {
+namespace {
+
+// The member that a row reads and writes, by its path from PipelineOptions.
+template <typename Stage, typename T>
+auto member(Stage PipelineOptions::*stage, T Stage::*field) {
+  return [=](auto& options) -> auto& { return options.*stage.*field; };
+}
+template <typename T>
+auto in_cloud(T CloudOptions::*field) {
+  return member(&PipelineOptions::cloud, field);
+}
+template <typename T>
+auto in_segment(T SegmentOptions::*field) {
+  return member(&PipelineOptions::segment, field);
+}
+
+std::string gravity_text(const GravityOptions& gravity) {
+  switch (gravity.mode) {
+    case GravityMode::automatic:
+      return "auto";
+    case GravityMode::imu:
+      return "imu";
+    case GravityMode::estimate:
+      return "estimate";
+    case GravityMode::none:
+      return "none";
+    case GravityMode::fixed:
+      break;
+  }
+  const Vec3d& d = gravity.direction;
+  return fmt::format("{},{},{}", d.x(), d.y(), d.z());
+}
+
+/// The paper's symbols, for whoever shows an option beside its equation.
+void name_symbols(std::vector<OptionInfo>& table) {
+  const std::pair<const char*, const char*> symbols[] = {
+      {"theta_n_out", "θ_Nout"}, {"theta_r_out", "θ_rout"},      {"theta_n_in", "θ_Nin"},
+      {"theta_e_n_m2", "θ_en"},  {"theta_coplane", "θ_coplane"}, {"fixed_rms_m", "θ_rms"},
+      {"fixed_tau_m", "τ"}};
+  for (const auto& [name, symbol] : symbols)
+    for (OptionInfo& info : table)
+      if (info.name == name) info.symbol = symbol;
+}
+
+void append_cloud(std::vector<OptionInfo>& table) {
+  const std::string s = "cloud";
+  table.push_back(number(s, "max_range_m", "m",
+                         "depth frames: pixels with depth z beyond this are cropped",
+                         in_cloud(&CloudOptions::max_range_m), {0, 1000, true}));
+  table.push_back(flag(s, "range_for_clouds",
+                       "clouds: crop points farther than max_range_m from the origin",
+                       in_cloud(&CloudOptions::range_for_clouds)));
+  table.push_back(number(s, "cube_edge_m", "m",
+                         "least edge of the octree's cube; doubled until it holds the range",
+                         in_cloud(&CloudOptions::cube_edge_m), {0.01, 10000}));
+  table.push_back(number(s, "voxel_size_m", "m",
+                         "edge of the voxel grid; 0 = every point is a voxel of its own",
+                         in_cloud(&CloudOptions::voxel_size_m), {0, 10}));
+  table.push_back(
+      number(s, "base_depth", "levels",
+             "octree depth of a cube of cube_edge_m: 8 makes leaves of 1.25 cm in 3.2 m",
+             in_cloud(&CloudOptions::base_depth), {1, 16}));
+}
+
+void append_gravity(std::vector<OptionInfo>& table) {
+  const std::string s = "gravity";
+  table.push_back({"gravity", "auto/X,Y,Z/imu/estimate/none",
+                   "direction in which things fall, in the sensor's or cloud's own frame; none: "
+                   "without h and v",
+                   s, [](const PipelineOptions& o) { return gravity_text(o.gravity); },
+                   [](PipelineOptions& o, const std::string& text) {
+                     const GravityOptions parsed = parse_gravity(text);
+                     o.gravity.mode = parsed.mode;
+                     o.gravity.direction = parsed.direction;
+                   }});
+  table.push_back(number(s, "gravity_max_tilt_deg", "deg",
+                         "the estimate takes the camera to be tilted by less than this",
+                         member(&PipelineOptions::gravity, &GravityOptions::max_tilt_deg),
+                         {0, 90, true}));
+}
+
+void append_classifier(std::vector<OptionInfo>& table) {
+  const std::string s = "classifier";
+  table.push_back({"classifier", "gcn/pca/truth/FILE",
+                   "what labels points h or v: a network, PCA normals, or the ground truth", s,
+                   [](const PipelineOptions& o) { return o.classifier; },
+                   [](PipelineOptions& o, const std::string& text) {
+                     if (text != "gcn" && text != "pca" && text != "truth" &&
+                         !names_weights_file(text))
+                       throw Error("classifier '" + text +
+                                   "' does not exist, expected gcn, pca, truth or a weights file");
+                     o.classifier = text;
+                   }});
+  table.push_back(number(s, "pca_neighbours", "points",
+                         "nearest points in each local plane fit, the point itself included",
+                         member(&PipelineOptions::pca, &PcaClassifierOptions::neighbours),
+                         {3, 1000}));
+  table.push_back(number(
+      s, "pca_max_angle_deg", "deg", "Eq. (1): h where the normal is within this angle of gravity",
+      member(&PipelineOptions::pca, &PcaClassifierOptions::max_angle_deg), {0, 90}));
+}
+
+void append_method(std::vector<OptionInfo>& table) {
+  std::vector<std::string> names;
+  for (const Method method : built_methods()) names.push_back(to_string(method));
+  table.push_back(
+      {"method",
+       fmt::format("{}", fmt::join(names, "/")),
+       "what finds the planes: ours, or one of those it is measured against",
+       "method",
+       [](const PipelineOptions& o) { return to_string(o.method); },
+       [](PipelineOptions& o, const std::string& text) { o.method = parse_method(text); },
+       OptionKind::choice,
+       {},
+       names});
+}
+
+void append_criteria(std::vector<OptionInfo>& table) {
+  const std::string s = "criteria";
+  table.push_back({"profile",
+                   "paper/paper-closest/refined",
+                   "sets everything below to the defaults of a profile",
+                   s,
+                   [](const PipelineOptions& o) { return to_string(o.segment.profile); },
+                   [](PipelineOptions& o, const std::string& text) {
+                     o.segment = profile_options(parse_profile(text));
+                   },
+                   OptionKind::choice,
+                   {},
+                   {"paper", "paper-closest", "refined"}});
+  table.push_back(number(s, "theta_n_out", "points",
+                         "Criterion 1: a node has at most this many outliers",
+                         in_segment(&SegmentOptions::theta_n_out)));
+  table.push_back(number(s, "theta_r_out", "share",
+                         "Criterion 1: outliers are at most this share of a node's points",
+                         in_segment(&SegmentOptions::theta_r_out), {0, 1}));
+  table.push_back(number(s, "theta_n_in", "points",
+                         "Criterion 2: a node has at least this many inliers",
+                         in_segment(&SegmentOptions::theta_n_in), {3, 1e9}));
+  table.push_back(number(s, "theta_e_n_m2", "m2",
+                         "Criterion 3: the inliers' plane fit has at most this error e_n",
+                         in_segment(&SegmentOptions::theta_e_n_m2)));
+  table.push_back(choice(s, "mse_normalization", {"scatter", "mean"},
+                         "e_n is the scatter's smallest eigenvalue as printed, or that over N",
+                         in_segment(&SegmentOptions::mse_normalization)));
+  table.push_back(number(s, "theta_coplane", "1",
+                         "Criterion 4: least coplanarity of two candidates that are merged",
+                         in_segment(&SegmentOptions::theta_coplane), {0, 1}));
+  table.push_back(flag(s, "criterion4_n2",
+                       "Criterion 4: also ask its third line, with the candidate's own normal",
+                       in_segment(&SegmentOptions::criterion4_n2)));
+  table.push_back(number(s, "merge_offset_m", "m",
+                         "Criterion 4: also ask |n . dmu| to be at most this; 0 = not asked",
+                         in_segment(&SegmentOptions::merge_offset_m)));
+  table.push_back(choice(s, "merge_partner", {"first", "best"},
+                         "which coplanar plane a candidate joins",
+                         in_segment(&SegmentOptions::merge_partner)));
+  table.push_back(number(s, "leftover_distance_m", "m",
+                         "a leftover point joins a plane at most this far away",
+                         in_segment(&SegmentOptions::leftover_distance_m)));
+  table.push_back(choice(s, "leftover_rule", {"first", "nearest"},
+                         "which plane a leftover point joins",
+                         in_segment(&SegmentOptions::leftover_rule)));
+  table.push_back(flag(s, "use_labels", "off: all points carry one label, the paper's \"w/o PC\"",
+                       in_segment(&SegmentOptions::use_labels)));
+  table.push_back(choice(s, "cube_anchor", {"center", "min_corner"},
+                         "the cube is centred as the cloud stage says, or starts at the points' "
+                         "minimum corner",
+                         in_segment(&SegmentOptions::cube_anchor)));
+}
+
+/// Takes the rows that a stage's options describe.
+template <typename Options>
+class Rows {
+ public:
+  Rows(std::vector<OptionInfo>& table, Options SegmentOptions::*stage, std::string group)
+      : table_(table), stage_(stage), group_(std::move(group)) {}
+
+  /// The numbers that follow mean nothing while this switch is off.
+  void only_with(const char* option) { needs_ = option; }
+  template <typename T>
+  void number(const char* name,
+              const char* unit,
+              const char* meaning,
+              T Options::*field,
+              OptionRange range = {}) {
+    add(planescope::number("refinements", name, unit, meaning, of(field), range));
+  }
+  void flag(const char* name, const char* meaning, bool Options::*field) {
+    add(planescope::flag("refinements", name, meaning, of(field)));
+  }
+  template <typename T>
+  void choice(const char* name,
+              std::vector<std::string> values,
+              const char* meaning,
+              T Options::*field) {
+    add(planescope::choice("refinements", name, std::move(values), meaning, of(field)));
+  }
+
+ private:
+  template <typename T>
+  auto of(T Options::*field) {
+    return [ stage = stage_, field ](auto& o) -> auto& { return o.segment.*stage.*field; };
+  }
+  void add(OptionInfo row) {
+    row.group = group_;
+    if (row.is_number()) row.needs = needs_;
+    table_.push_back(std::move(row));
+  }
+
+  std::vector<OptionInfo>& table_;
+  Options SegmentOptions::*stage_;
+  std::string group_, needs_;
+};
+
+/// "R2: explain away", "split disconnected planes".
+std::string group_of(const RefinementInfo& info) {
+  const bool numbered = info.name[0] == 'R' && std::isdigit(info.name[1]);
+  return numbered ? fmt::format("{}: {}", info.name, info.title) : info.title;
+}
+
+void append_refinements(std::vector<OptionInfo>& table) {
+  Rows noise(table, &SegmentOptions::noise, "Noise, and what follows from it");
+  NoiseOptions::describe(noise);
+#define PLANESCOPE_ROWS(name)                                       \
+  {                                                                 \
+    Rows rows(table, &SegmentOptions::name, group_of(name::kInfo)); \
+    rows.only_with(#name);                                          \
+    name::Options::describe(rows);                                  \
+  }
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
+#undef PLANESCOPE_ROWS
+}
+
+}  // namespace
+
+void check_option_range(double value, const OptionRange& range, const std::string& name) {
+  const bool low = range.min_excluded ? value <= range.min : value < range.min;
+  if (!low && value <= range.max) return;
+  const std::string at_least = fmt::format("{} {}", range.min_excluded ? ">" : ">=", range.min);
+  throw Error(fmt::format(
+      "option {}: {} is out of range, expected {}", name, value,
+      std::isinf(range.max) ? at_least : fmt::format("{} and <= {}", at_least, range.max)));
+}
+
+bool is_idle(const OptionInfo& info, const PipelineOptions& options) {
+  return !info.needs.empty() && find_option(info.needs).get(options) == "off";
+}
+
+const std::vector<OptionInfo>& option_table() {
+  static const std::vector<OptionInfo> table = [] {
+    std::vector<OptionInfo> rows;
+    append_cloud(rows);
+    append_gravity(rows);
+    append_classifier(rows);
+    append_method(rows);
+    append_criteria(rows);
+    append_refinements(rows);
+    for (OptionInfo& row : rows)
+      if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
+    append_rivals(rows);
+    name_symbols(rows);
+    return rows;
+  }();
+  return table;
+}
+
+const OptionInfo& find_option(const std::string& name) {
+  std::vector<std::string> names;
+  for (const OptionInfo& info : option_table()) {
+    if (info.name == name) return info;
+    names.push_back(info.name);
+  }
+  const std::string near = nearest_name(name, names);
+  throw Error("option '" + name + "' is unknown" +
+              (near.empty() ? std::string(", `planescope options` lists what there is")
+                            : ", did you mean '" + near + "'?"));
+}
+
+std::string default_value(const OptionInfo& info, Profile profile) {
+  PipelineOptions options;
+  options.segment = profile_options(profile);
+  return info.get(options);
+}
+
+double number_of(const OptionInfo& info, const PipelineOptions& options) {
+  assert(info.is_number());
+  return parse_number(info.get(options), "option " + info.name);
+}
+
+std::string number_text(const OptionInfo& info, double value) {
+  assert(info.is_number());
+  const OptionRange& range = info.range;
+  value = std::clamp(value, range.min, range.max);
+  if (info.kind == OptionKind::whole)  // whole numbers are int
+    return fmt::format("{}", std::lround(std::min(value, 2147483647.0)));
+  if (range.min_excluded && value <= range.min)
+    value = std::nextafter(range.min, std::numeric_limits<double>::infinity());
+  return fmt::format("{}", value);
+}
+
+void set_option(PipelineOptions& options, const std::string& name, const std::string& value) {
+  find_option(name).set(options, value);
+}
+
+}  // namespace planescope

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/planes/pipeline/pipeline.hpp"
+
+namespace planescope {
+
+/// `on_off` is for switches; `text` for what can be anything, like a file.
+enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
+
+/// One option by its name, as `--set`, `planescope options`, the sliders and the report know it.
+struct OptionInfo {
+  std::string name;     // e.g. "theta_n_out"
+  std::string unit;     // "m", "m2", "deg", "points", "" ...
+  std::string meaning;  // one phrase
+  std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "refinements",
+                        // "rivals"
+  std::function<std::string(const PipelineOptions&)> get;
+  std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
+  OptionKind kind = OptionKind::text;
+  OptionRange range = {};                 // of number and whole
+  std::vector<std::string> choices = {};  // of choice
+  std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
+  std::string group = {};                 // within its section: "R2: explain away"; may be empty
+  std::string needs = {};                 // the switch without which it means nothing; may be empty
+  std::optional<Method> method = {};      // whose option it is; nothing: every method's
+
+  bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
+  bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
+  /// Whether a run with these options reads it: rivals have their own, and what is about h and v
+  /// has no say without gravity.
+  bool matters(const PipelineOptions& o) const {
+    const bool of_labels = section == "classifier" || name == "use_labels";
+    return (!method || *method == o.method) && !(of_labels && o.gravity.mode == GravityMode::none);
+  }
+};
+
+/// Is the switch off that the option needs?
+bool is_idle(const OptionInfo& info, const PipelineOptions& options);
+
+/// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options
+/// to that profile's defaults.
+const std::vector<OptionInfo>& option_table();
+
+/// Throws Error naming the nearest existing name when `name` is unknown.
+const OptionInfo& find_option(const std::string& name);
+
+/// What the option is by default in a profile, as text.
+std::string default_value(const OptionInfo& info, Profile profile);
+
+// Numbers as numbers: of options with is_number() only.
+double number_of(const OptionInfo& info, const PipelineOptions& options);
+/// As `set` takes it; whole numbers are rounded, values out of range moved to its end.
+std::string number_text(const OptionInfo& info, double value);
+
+/// Throws Error naming the nearest existing name when `name` is unknown.
+void set_option(PipelineOptions& options, const std::string& name, const std::string& value);
+
+}  // namespace planescope

@@ -1,0 +1,73 @@
+#include "core/planes/pipeline/truth.hpp"
+
+#include <algorithm>
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+
+SourceTruth truth_of_labels(const FrameLabels& labels) {
+  SourceTruth truth;
+  const std::size_t pixels = labels.plane.pixels();
+  truth.values.label.resize(pixels);
+  truth.values.instance.resize(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint8_t hv = labels.hv.empty() ? std::uint8_t{0} : labels.hv.data[i];
+    truth.values.label[i] = hv <= 2 ? hv : std::uint8_t{0};
+    const std::uint16_t id = labels.plane.data[i];
+    truth.values.instance[i] = id == kPlaneIgnore ? -1 : id;
+  }
+  for (const LabelPlane& plane : labels.planes) {
+    if (plane.id < 1) continue;
+    if (truth.normals.size() < static_cast<std::size_t>(plane.id))
+      truth.normals.resize(static_cast<std::size_t>(plane.id), Vec3d::Zero());
+    truth.normals[static_cast<std::size_t>(plane.id) - 1] = plane.normal;
+  }
+  return truth;
+}
+
+std::optional<SourceTruth> truth_of_cloud(const PointSet& set) {
+  if (set.label.empty() && set.instance.empty()) return std::nullopt;
+  const std::size_t n = set.points.size();
+  SourceTruth truth;
+  truth.values.label = set.label;
+  truth.values.label.resize(n, 0);
+  for (std::uint8_t& label : truth.values.label)
+    if (label > 2) label = 0;
+  truth.values.instance = set.instance;
+  truth.values.instance.resize(n, -1);  // h and v alone say nothing about planes
+  return truth;
+}
+
+std::optional<SourceTruth> frame_truth(const Frame& frame,
+                                       const std::filesystem::path& label_dir,
+                                       const std::string& sha256) {
+  if (!frame.is_cloud() && !label_dir.empty())
+    if (const auto labels = read_frame_labels(label_dir, frame.index, sha256)) {
+      if (labels->plane.width != frame.depth.width || labels->plane.height != frame.depth.height)
+        throw Error(label_dir.string() + ": labels of frame " + std::to_string(frame.index) +
+                    " are " + std::to_string(labels->plane.width) + "x" +
+                    std::to_string(labels->plane.height) + ", its depth is " +
+                    std::to_string(frame.depth.width) + "x" + std::to_string(frame.depth.height));
+      return truth_of_labels(*labels);
+    }
+  if (frame.is_cloud()) return truth_of_cloud(*frame.cloud);
+  return std::nullopt;
+}
+
+FrameTruth truth_on_points(const FrameTruth& truth, std::span<const std::uint32_t> source) {
+  FrameTruth gathered;
+  gathered.label.resize(source.size());
+  gathered.instance.resize(source.size());
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    gathered.label[i] = truth.label[source[i]];
+    gathered.instance[i] = truth.instance[source[i]];
+  }
+  return gathered;
+}
+
+std::vector<std::uint32_t> measured_sources(const Frame& frame) {
+  return make_cloud(frame, Gravity{}, CloudOptions{}).source;
+}
+
+}  // namespace planescope

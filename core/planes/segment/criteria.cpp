@@ -1,0 +1,88 @@
+#include "core/planes/segment/criteria.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace planescope {
+
+Purity purity_of(const OctreeNode& node, bool use_labels, Label one_label) {
+  if (!use_labels) return {one_label, node.size(), 0};
+  const std::uint32_t n_h = node.count_h;
+  const std::uint32_t n_v = node.size() - n_h;
+  return n_h >= n_v ? Purity{Label::h, n_h, n_v} : Purity{Label::v, n_v, n_h};
+}
+
+bool is_pure(const Purity& purity, const SegmentOptions& options) {
+  return purity.n_out <= static_cast<std::uint32_t>(options.theta_n_out) &&
+         purity.r_out() <= options.theta_r_out;
+}
+
+bool has_enough_inliers(std::uint32_t n_in, const SegmentOptions& options) {
+  return n_in >= static_cast<std::uint32_t>(options.theta_n_in);
+}
+
+double normal_error(const PlaneFit& fit, MseNormalization normalization) {
+  return normalization == MseNormalization::scatter ? fit.eigenvalues[0]
+                                                    : fit.eigenvalues[0] / fit.count;
+}
+
+bool is_planar(const PlaneFit& fit, double theta_e_n, MseNormalization normalization) {
+  return normal_error(fit, normalization) <= theta_e_n;
+}
+
+Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate) {
+  const Vec3d dmu = plane.centroid - candidate.centroid;
+  const double length = dmu.norm();
+  Coplanarity terms;
+  terms.normals = std::abs(plane.normal.dot(candidate.normal));
+  terms.offset_m = std::abs(plane.normal.dot(dmu));
+  if (length > 0) {
+    terms.n1_dmu = terms.offset_m / length;
+    terms.n2_dmu = std::abs(candidate.normal.dot(dmu)) / length;
+  }
+  return terms;
+}
+
+bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options) {
+  return terms.normals >= options.theta_coplane && terms.n1_dmu <= 1 - options.theta_coplane &&
+         (!options.criterion4_n2 || terms.n2_dmu <= 1 - options.theta_coplane) &&
+         (options.merge_offset_m <= 0 || terms.offset_m <= options.merge_offset_m);
+}
+
+double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share) {
+  const double least = least_share * sigma_m;
+  const double noise = std::max(fit.eigenvalues[0] / std::max(1.0, fit.count - 3), least * least);
+  if (fit.eigenvalues[1] <= 0) return std::numbers::pi / 2;
+  return std::min(std::numbers::pi / 2, std::sqrt(noise / fit.eigenvalues[1]));
+}
+
+double area_per_point(const PlaneFit& fit) {
+  // A rectangle's variances are its squared sides over 12.
+  return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
+}
+
+PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options) {
+  const double most = std::max(1e-9, 1 - options.theta_coplane);
+  PairStrain strain;
+  strain.angle = std::acos(std::min(1.0, terms.normals)) /
+                 std::max(1e-9, std::acos(std::min(1.0, options.theta_coplane)));
+  strain.distance = terms.n1_dmu / most;
+  strain.worst =
+      std::max(options.theta_coplane / std::max(1e-9, terms.normals), terms.n1_dmu / most);
+  if (options.criterion4_n2) strain.worst = std::max(strain.worst, terms.n2_dmu / most);
+  if (options.merge_offset_m > 0)
+    strain.worst = std::max(strain.worst, terms.offset_m / options.merge_offset_m);
+  return strain;
+}
+
+PairStrain strain_of(const DistanceTerms& terms) {
+  PairStrain strain;
+  strain.angle = terms.angle_deg / terms.max_angle_deg;
+  strain.distance = std::sqrt(terms.offset2_m2 / terms.bound2_m2);
+  strain.worst = std::max({strain.angle, terms.gap_m / terms.max_gap_m, strain.distance,
+                           std::sqrt(std::max(0.0, terms.spread2_m2) / terms.bound2_m2)});
+  return strain;
+}
+
+}  // namespace planescope

@@ -1,0 +1,64 @@
+#pragma once
+
+// Sun et al. 2023, Sec. IV-B and IV-C: Criteria 1-4 as pure functions. The traversal and whoever
+// explains it call the same ones.
+
+#include <cstdint>
+
+#include "core/model/plane.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/segment/octree.hpp"
+#include "core/planes/segment/options.hpp"
+
+namespace planescope {
+
+/// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
+/// Where labels are not used, all points carry `one_label`.
+struct Purity {
+  Label inlier = Label::h;
+  std::uint32_t n_in = 0;
+  std::uint32_t n_out = 0;
+  double r_out() const {
+    return n_in + n_out > 0 ? static_cast<double>(n_out) / (n_in + n_out) : 0;
+  }
+};
+Purity purity_of(const OctreeNode& node, bool use_labels, Label one_label = Label::h);
+
+/// Criterion 1 (purity), Eq. (2).
+bool is_pure(const Purity& purity, const SegmentOptions& options);
+/// Criterion 2 (minimum inlier points), Eq. (3).
+bool has_enough_inliers(std::uint32_t n_in, const SegmentOptions& options);
+
+/// e_n of Criterion 3 in the normalisation asked for.
+double normal_error(const PlaneFit& fit, MseNormalization normalization);
+/// Criterion 3 (plane candidate), Eq. (5) with <=, which the prose needs: e_n <= theta_e_n.
+bool is_planar(const PlaneFit& fit, double theta_e_n, MseNormalization normalization);
+
+/// Criterion 4 (coplanarity), Eq. (6): its three terms, and the offset that `paper-closest` adds.
+struct Coplanarity {
+  double normals = 0;  // |n1 . n2|
+  double n1_dmu = 0;   // |n1 . (mu1 - mu2)| / |mu1 - mu2|, 0 for coincident centroids
+  double n2_dmu = 0;
+  double offset_m = 0;  // |n1 . (mu1 - mu2)|
+};
+Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate);
+bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
+
+/// Standard deviation of a fit's normal direction [rad], from its residuals and its middle extent;
+/// never better than `least_share` of the noise sigma_m would allow.
+double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share);
+
+/// Area of the rectangle with the fit's second moments, per point [m^2]: how thinly points are
+/// spread.
+double area_per_point(const PlaneFit& fit);
+
+/// How far a pair is from passing for one plane: each value over its limit, 1 passes.
+struct PairStrain {
+  double angle = 0;     // between the normals
+  double distance = 0;  // of the other's centroid: its direction in Criterion 4, in R1 its offset
+  double worst = 0;     // of all terms
+};
+PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
+PairStrain strain_of(const DistanceTerms& terms);
+
+}  // namespace planescope

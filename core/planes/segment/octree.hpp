@@ -1,0 +1,67 @@
+#pragma once
+
+// Sun et al. 2023, Sec. IV-A. A linear octree: points sorted by Morton code, a node is a range of
+// them. Nodes are made when their parent is divided, appended in breadth-first order, so that the
+// node array is the paper's queue Q_N itself.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/model/moments.hpp"
+#include "core/model/types.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/cloud/cloud.hpp"
+
+namespace planescope {
+
+/// Case of a node (the paper's figure 4): I impure, II too few inliers, III not planar, IV a plane.
+enum class Case : std::uint8_t { none = 0, I = 1, II = 2, III = 3, IV = 4 };
+const char* to_string(Case c);
+
+struct OctreeNode {
+  std::uint64_t code = 0;   // Morton code of its cell at its own depth
+  std::uint32_t begin = 0;  // its points: Octree::order[begin, end)
+  std::uint32_t end = 0;
+  std::uint32_t count_h = 0;  // points labelled h; the others are v
+  std::int32_t parent = -1;
+  std::int32_t first_child = -1;  // children stand side by side; -1 if never divided
+  std::uint8_t child_count = 0;   // non-empty children only
+  std::uint8_t depth = 0;
+  Case decided = Case::none;
+  bool at_max_depth = false;  // I or III here: its points went to the leftovers (drawn hatched)
+  bool impure_fit = false;    // R4 fitted each label's subset here
+
+  std::uint32_t size() const { return end - begin; }
+};
+
+struct Octree {
+  Cube cube;
+  std::vector<std::uint64_t> keys;      // Morton codes at max depth, ascending
+  std::vector<std::uint32_t> order;     // order[i]: index in the input of the i-th point
+  std::vector<Vec3f> points;            // the points and ...
+  std::vector<Label> labels;            // ... their labels in Morton order
+  std::vector<Spread> spreads;          // likewise; empty where points are taken as they are
+  std::vector<std::uint32_t> h_before;  // points labelled h among the first i; size n + 1
+  std::vector<OctreeNode> nodes;        // breadth-first; nodes[0] is the root
+
+  /// Adds the i-th point, with its spread where it has one.
+  void add_point(Moments& moments, std::uint32_t i) const {
+    if (spreads.empty())
+      moments.add(points[i].cast<double>());
+    else
+      moments.add(points[i].cast<double>(), spreads[i]);
+  }
+
+  Vec3d node_min(const OctreeNode& node) const;      // lower corner, local coordinates [m]
+  double node_edge_m(const OctreeNode& node) const;  // [m]
+};
+
+/// Sorts the points into the cube's cells and makes the root. All points must lie in the cube.
+Octree build_octree(std::span<const Vec3f> points, std::span<const Label> labels, const Cube& cube);
+
+/// Appends the non-empty children of node `index`.
+void divide(Octree& octree, std::int32_t index);
+
+}  // namespace planescope

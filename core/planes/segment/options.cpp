@@ -1,0 +1,64 @@
+#include "core/planes/segment/options.hpp"
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+
+const char* to_string(Profile profile) {
+  switch (profile) {
+    case Profile::paper:
+      return "paper";
+    case Profile::paper_closest:
+      return "paper-closest";
+    case Profile::refined:
+      return "refined";
+  }
+  return "?";
+}
+
+Profile parse_profile(const std::string& text) {
+  for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined})
+    if (text == to_string(p)) return p;
+  throw Error("profile '" + text + "' is unknown, expected paper, paper-closest or refined");
+}
+
+SegmentOptions profile_options(Profile profile) {
+  SegmentOptions o;
+  o.profile = profile;
+  switch (profile) {
+    case Profile::paper:
+      break;  // the struct's own defaults are the text as written
+    case Profile::paper_closest:
+      // The reading that comes closest to the paper's printed noise table.
+      o.cube_anchor = CubeAnchor::min_corner;
+      o.criterion4_n2 = false;
+      o.merge_offset_m = 0.02;
+      o.theta_n_in = 10;
+      o.leftover_distance_m = 0.01;
+      break;
+    case Profile::refined:
+      o.merge_partner = MergePartner::best;
+      o.leftover_rule = LeftoverRule::nearest;
+      o.noise.rms_criterion3 = true;
+      o.noise.estimate_sigma = true;
+      o.noise.sigma_by_range = true;
+#define PLANESCOPE_REFINED(name) o.name = name::kRefined;
+      PLANESCOPE_REFINEMENTS(PLANESCOPE_REFINED)
+#undef PLANESCOPE_REFINED
+      break;
+  }
+  return o;
+}
+
+bool needs_pixels(const SegmentOptions& options) {
+  bool needed = false;
+  const auto look = [&](const RefinementInfo& info, const auto& refinement) {
+    if constexpr (requires { refinement.on; }) needed |= info.on_pixels && refinement.on;
+  };
+#define PLANESCOPE_LOOK(name) look(name::kInfo, options.name);
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_LOOK)
+#undef PLANESCOPE_LOOK
+  return needed;
+}
+
+}  // namespace planescope

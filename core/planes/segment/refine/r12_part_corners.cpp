@@ -1,0 +1,166 @@
+#include "core/planes/segment/refine/r12_part_corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/model/inverse_plane.hpp"
+#include "core/planes/segment/state.hpp"
+
+namespace planescope::r12_part_corners {
+namespace {
+
+constexpr std::size_t kLeastPixels = 80;  // of a plane that is looked at
+constexpr std::size_t kLeastPoints = 4;   // of the smaller; its pixels vouch for it
+constexpr std::size_t kSamples = 1500;    // of them that are looked at, about
+constexpr int kStarts = 8;                // directions of the line that a fit begins with
+constexpr int kRounds = 12;
+
+using Pixels = std::vector<PixelGrid::Seen>;
+
+/// What is measured of a plane, parted by edge . ray > 0.
+struct Sides {
+  Vec3d edge = Vec3d::Zero();
+  InverseSums first = {}, second = {};
+  InversePlane first_fit = {}, second_fit = {};
+  double squares = 0;  // about the two
+};
+
+class Corner {
+ public:
+  Corner(const Pixels& pixels, const Options& options) : pixels_(pixels), options_(options) {
+    for (const auto& [ray, w] : pixels) {
+      all_.add(ray, w);
+      middle_ += ray;
+    }
+    middle_.normalize();
+  }
+
+  /// Where two planes that meet fit much better than one.
+  std::optional<Sides> find() const {
+    std::optional<Sides> best;
+    // Lines through the middle of the picture.
+    const Vec3d u = middle_.unitOrthogonal(), v = middle_.cross(u);
+    for (int k = 0; k < kStarts; ++k) {
+      const double angle = std::numbers::pi * k / kStarts;
+      const auto end = follow(std::cos(angle) * u + std::sin(angle) * v);
+      if (end && (!best || end->squares < best->squares)) best = end;
+    }
+    const double limit = options_.rms_share * all_.rms_about(all_.fit().w_of_ray);
+    if (!best || !(best->squares <= limit * limit * all_.count)) return std::nullopt;
+    const double cosine = best->first_fit.normal().dot(best->second_fit.normal());
+    if (!(cosine <= std::cos(options_.min_angle_deg * std::numbers::pi / 180))) return std::nullopt;
+    return best;
+  }
+
+ private:
+  /// Nothing where one side has too few pixels.
+  std::optional<Sides> part(const Vec3d& edge) const {
+    Sides sides{.edge = edge, .second = all_};
+    for (const auto& [ray, w] : pixels_)
+      if (edge.dot(ray) > 0) sides.first.add(ray, w);
+    sides.second -= sides.first;
+    const int least = std::min(sides.first.count, sides.second.count);
+    if (least < std::max(4.0, options_.least_share * all_.count)) return std::nullopt;
+    for (auto [sums, fit] :
+         {std::pair{&sides.first, &sides.first_fit}, std::pair{&sides.second, &sides.second_fit}}) {
+      *fit = sums->fit();
+      sides.squares += std::pow(sums->rms_about(fit->w_of_ray), 2) * sums->count;
+    }
+    return sides;
+  }
+
+  /// Fits a plane to either side of the line, takes the line in which these meet, and so on.
+  std::optional<Sides> follow(const Vec3d& line) const {
+    std::optional<Sides> sides = part(line);
+    for (int round = 0; sides && round < kRounds; ++round) {
+      // Which of the two is in front where they do not meet, is what the line before tells.
+      Vec3d edge = sides->first_fit.w_of_ray - sides->second_fit.w_of_ray;
+      if (edge.dot(sides->edge) < 0) edge = -edge;
+      const int before = sides->first.count;
+      sides = part(edge);
+      if (sides && sides->first.count == before && round > 0) break;
+    }
+    return sides;
+  }
+
+  const Pixels& pixels_;
+  const Options& options_;
+  InverseSums all_;
+  Vec3d middle_ = Vec3d::Zero();
+};
+
+/// Of each plane, evenly thinned out in both directions.
+std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
+  const PixelGrid& grid = state.more.pixels;
+  const std::vector<std::int32_t> plane = planes_of_pixels(state);
+  std::vector<std::size_t> count(state.planes.size(), 0);
+  for (const std::int32_t k : plane)
+    if (k >= 0) ++count[k];
+  std::vector<Pixels> all(state.planes.size());
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const std::size_t i = grid.at(x, y);
+      if (plane[i] < 0) continue;
+      const auto surplus = static_cast<int>(count[plane[i]] / kSamples);
+      const int rows = std::max(1, static_cast<int>(std::sqrt(surplus)));
+      const int columns = std::max(1, surplus / rows);
+      if (y % rows == 0 && x % columns == 0) all[plane[i]].push_back(grid.seen(i, state.sensor));
+    }
+  return all;
+}
+
+/// Either side of an edge.
+struct Halves {
+  Pixels first_pixels, second_pixels;
+  std::vector<std::uint32_t> first, second;  // points
+};
+
+Halves halve(const SegmentState& state,
+             const Vec3d& edge,
+             const Pixels& pixels,
+             std::span<const std::uint32_t> points) {
+  Halves halves;
+  for (const auto& pixel : pixels)
+    (edge.dot(pixel.ray) > 0 ? halves.first_pixels : halves.second_pixels).push_back(pixel);
+  for (const std::uint32_t i : points)
+    (edge.dot(state.point(i) - state.sensor) > 0 ? halves.first : halves.second).push_back(i);
+  if (halves.first.size() < halves.second.size()) {
+    halves.first.swap(halves.second);
+    halves.first_pixels.swap(halves.second_pixels);
+  }
+  return halves;
+}
+
+/// And what is left of it on either side, for a box may show three faces.
+void part(SegmentState& state,
+          const Options& options,
+          std::int32_t plane,
+          const Pixels& pixels,
+          std::span<const std::uint32_t> points) {
+  if (pixels.size() < kLeastPixels) return;
+  const auto sides = Corner(pixels, options).find();
+  if (!sides) return;
+  const Halves halves = halve(state, sides->edge, pixels, points);
+  if (halves.second.size() < kLeastPoints) return;
+  const std::int32_t other = found_part(state, stage_of(options), plane, halves.second);
+  log_refine(state, options, plane);
+  fit_again(state, plane, moments_of(state, halves.first));
+  part(state, options, plane, halves.first_pixels, halves.first);
+  part(state, options, other, halves.second_pixels, halves.second);
+}
+
+}  // namespace
+
+void run(SegmentState& state, const Options& options) {
+  if (!options.on || state.more.pixels.empty()) return;
+  const std::vector<Pixels> pixels = pixels_of_planes(state);
+  const PlanePoints members = points_by_plane(state);
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k)
+    if (state.planes[k].alive) part(state, options, k, pixels[k], members.of(k));
+}
+
+}  // namespace planescope::r12_part_corners

@@ -1,0 +1,191 @@
+#include "core/planes/segment/refine/r9_join_sheets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+
+#include "core/model/inverse_plane.hpp"
+#include "core/planes/segment/state.hpp"
+
+namespace planescope::r9_join_sheets {
+namespace {
+
+constexpr int kTile = 16;        // the border is cut into stretches of about this length [px]
+constexpr int kBand = 12;        // how far the depth beside a stretch is looked at [px]
+constexpr int kStride = 2;       // of the pixels looked at, along rows and columns
+constexpr int kLeastPixels = 5;  // on either side of it
+constexpr int kLeastContacts = 3;
+
+using PlanePair = std::pair<std::int32_t, std::int32_t>;  // first < second
+
+/// Where two planes touch.
+struct Border {
+  int pixels = 0;   // pairs of neighbouring pixels
+  double step = 0;  // sum of the steps of its stretches, weighted: w of the second's side more
+  double weight = 0;
+
+  void append(const Border& other, bool reversed) {
+    pixels += other.pixels;
+    step += reversed ? -other.step : other.step;
+    weight += other.weight;
+  }
+};
+
+/// A pixel on the first plane's side of a border, the other side's being next to it.
+struct Contact {
+  PlanePair planes;
+  int x = 0, y = 0;
+  auto operator<=>(const Contact&) const = default;
+};
+
+class Sheets {
+ public:
+  Sheets(SegmentState& state, const Options& options)
+      : state_(state),
+        options_(options),
+        pixels_(state.more.pixels),
+        plane_(planes_of_pixels(state)),
+        sums_(state.planes.size()),
+        points_(state.planes.size()) {
+    seen_.resize(plane_.size());
+    for (std::size_t i = 0; i < plane_.size(); ++i) {
+      if (plane_[i] < 0) continue;
+      seen_[i] = pixels_.seen(i, state.sensor);
+      sums_[plane_[i]].add(seen_[i].ray, seen_[i].w);
+    }
+    for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
+      if (state.plane_of[i] >= 0) points_[state.plane_of[i]].push_back(i);
+  }
+
+  void join_all() {
+    find_borders();
+    std::map<PlanePair, std::optional<double>> costs;
+    for (const auto& [planes, border] : borders_) costs[planes] = cost(planes, border);
+    for (;;) {
+      const auto best = std::ranges::min_element(costs, {}, [](const auto& entry) {
+        return entry.second.value_or(std::numeric_limits<double>::infinity());
+      });
+      if (best == costs.end() || !best->second) return;
+      auto [small, large] = best->first;
+      if (sums_[small].count > sums_[large].count) std::swap(small, large);
+      join(small, large);
+      std::erase_if(costs, [&](const auto& entry) { return touches(entry.first, small, large); });
+      for (const auto& [planes, border] : borders_)
+        if (touches(planes, large, large)) costs[planes] = cost(planes, border);
+    }
+  }
+
+ private:
+  static bool touches(const PlanePair& planes, std::int32_t a, std::int32_t b) {
+    return planes.first == a || planes.first == b || planes.second == a || planes.second == b;
+  }
+
+  void find_borders() {
+    for (int y = 0; y < pixels_.height; y += kTile)
+      for (int x = 0; x < pixels_.width; x += kTile)
+        find_stretches(pixels_.around({x, y, x + kTile, y + kTile}, 0));
+  }
+
+  void find_stretches(const Rect& tile) {
+    contacts_.clear();
+    // Two pixels apart as well, over what was not measured between.
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})
+      for (int y = tile.y0; y < std::min(tile.y1, pixels_.height - dy); ++y)
+        for (int x = tile.x0; x < std::min(tile.x1, pixels_.width - dx); ++x) {
+          const std::int32_t a = plane_[pixels_.at(x, y)], b = plane_[pixels_.at(x + dx, y + dy)];
+          if (a == b || a < 0 || b < 0) continue;
+          contacts_.push_back({std::minmax(a, b), a < b ? x : x + dx, a < b ? y : y + dy});
+        }
+    std::ranges::sort(contacts_);
+    for (auto begin = contacts_.begin(); begin != contacts_.end();) {
+      const auto end = std::find_if(begin, contacts_.end(), [&](const Contact& contact) {
+        return contact.planes != begin->planes;
+      });
+      add_stretch({begin, end});
+      begin = end;
+    }
+  }
+
+  /// Fits the depth around the stretch by planes of one direction on both sides.
+  void add_stretch(std::span<const Contact> contacts) {
+    const auto [a, b] = contacts[0].planes;
+    Border& border = borders_[contacts[0].planes];
+    const int length = static_cast<int>(contacts.size());
+    border.pixels += length;
+    if (length < kLeastContacts) return;
+    int x = 0, y = 0;
+    for (const Contact& contact : contacts) x += contact.x, y += contact.y;
+    x /= length, y /= length;
+    Eigen::Matrix4d normal_equations = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    int on_a = 0, on_b = 0;
+    const Rect around = pixels_.around({x, y, x + 1, y + 1}, kBand);
+    for (int v = around.y0; v < around.y1; v += kStride)
+      for (int u = around.x0; u < around.x1; u += kStride) {
+        const std::size_t i = pixels_.at(u, v);
+        if (plane_[i] != a && plane_[i] != b) continue;
+        ++(plane_[i] == a ? on_a : on_b);
+        Eigen::Vector4d row;
+        row << seen_[i].ray, plane_[i] == b;
+        normal_equations += row * row.transpose();
+        right += row * seen_[i].w;
+      }
+    if (on_a < kLeastPixels || on_b < kLeastPixels) return;
+    border.step += length * normal_equations.ldlt().solve(right)[3];
+    border.weight += length;
+  }
+
+  /// How badly the two are one plane [1/m]; nothing where they are not.
+  std::optional<double> cost(const PlanePair& planes, const Border& border) const {
+    if (border.pixels < options_.border_px || border.weight == 0) return std::nullopt;
+    const InverseSums &first = sums_[planes.first], &second = sums_[planes.second];
+    const InverseSums& small = first.count < second.count ? first : second;
+    const InverseSums& large = first.count < second.count ? second : first;
+    const InversePlane plane = large.fit(), other = small.fit();
+    const double own = std::max(plane.rms, other.rms);
+    const double step = std::abs(border.step) / border.weight;
+    const double misfit = small.rms_about(plane.w_of_ray);
+    const double cosine = other.normal().dot(plane.normal());
+    if (!(step <= std::min(options_.step_m, options_.step_own * own)) ||
+        !(misfit <= options_.misfit_m) ||
+        !(cosine >= std::cos(options_.max_angle_deg * std::numbers::pi / 180)))
+      return std::nullopt;
+    return misfit;
+  }
+
+  void join(std::int32_t small, std::int32_t large) {
+    log_refine(state_, options_, small, large);
+    join_planes(state_, small, large, points_[small]);
+    points_[large].insert(points_[large].end(), points_[small].begin(), points_[small].end());
+    sums_[large] += sums_[small];
+    std::map<PlanePair, Border> borders;
+    for (const auto& [planes, border] : borders_) {
+      const auto [a, b] = planes;
+      const std::int32_t c = a == small ? large : a, d = b == small ? large : b;
+      if (c != d) borders[std::minmax(c, d)].append(border, c > d);
+    }
+    borders_ = std::move(borders);
+  }
+
+  SegmentState& state_;
+  const Options& options_;
+  const PixelGrid& pixels_;
+  const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
+  std::vector<PixelGrid::Seen> seen_;      // per pixel of a plane
+  std::vector<InverseSums> sums_;          // per plane
+  std::vector<std::vector<std::uint32_t>> points_;
+  std::map<PlanePair, Border> borders_;
+  std::vector<Contact> contacts_;  // of one tile
+};
+
+}  // namespace
+
+void run(SegmentState& state, const Options& options) {
+  if (!options.on || state.more.pixels.empty()) return;
+  Sheets(state, options).join_all();
+}
+
+}  // namespace planescope::r9_join_sheets

@@ -1,0 +1,212 @@
+#include "core/planes/segment/refine/split_disconnected.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/model/disjoint_sets.hpp"
+#include "core/planes/segment/cells.hpp"
+#include "core/planes/segment/sight.hpp"
+#include "core/planes/segment/state.hpp"
+
+namespace planescope::split_disconnected {
+namespace {
+
+constexpr Stage kStage = Stage::split_disconnected;
+
+using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
+
+/// Finds the parts of one plane after the other.
+class PartFinder {
+ public:
+  PartFinder(const Octree& octree, double gap_m)
+      : octree_(octree),
+        gap_m_(gap_m),
+        levels_(levels_of(octree.cube, gap_m)),
+        grid_(make_cell_grid(octree, levels_)),
+        cell_of_(grid_.size(), -1) {}
+
+  /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
+  std::vector<Part> parts_of(std::span<const std::uint32_t> points) {
+    DisjointSets sets(points.size());
+    gather(points, sets);
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      link(points, cells_[c], cells_[c], sets);
+      cells_[c].whole = is_whole(cells_[c], sets);
+      cell_of_[cells_[c].number] = static_cast<std::int32_t>(c);
+      const std::uint32_t number = cells_[c].number;
+      for (std::uint32_t n = grid_.neighbour_first[number]; n < grid_.neighbour_first[number + 1];
+           ++n)
+        if (const std::int32_t other = cell_of_[grid_.neighbours[n]];
+            other >= 0 && other < static_cast<std::int32_t>(c))
+          link(points, cells_[c], cells_[other], sets);
+    }
+    for (const Cell& cell : cells_) cell_of_[cell.number] = -1;
+    return parts_in(points, sets);
+  }
+
+ private:
+  /// Points are in Morton order, so that those of a cell, and of a clump in it, stand side by side.
+  struct Clump {
+    std::uint32_t begin = 0, end = 0;  // so near each other that they touch
+  };
+  struct Cell {
+    std::uint32_t number = 0, begin = 0, end = 0;  // clumps
+    bool whole = false;                            // linked among themselves
+  };
+
+  /// Cells no smaller than the gap, so that what touches is in touching cells.
+  static int levels_of(const Cube& cube, double gap_m) {
+    const double leaf = cube.edge_m / std::pow(2.0, cube.max_depth);
+    return std::clamp(static_cast<int>(std::ceil(std::log2(gap_m / leaf))), 0, cube.max_depth);
+  }
+
+  void gather(std::span<const std::uint32_t> points, DisjointSets& sets) {
+    constexpr int kClumpLevels = 2;  // a quarter of a cell: its diagonal is less than the gap
+    const int shift = 3 * (levels_ - kClumpLevels);
+    cells_.clear();
+    clumps_.clear();
+    std::uint64_t clump = 0;
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      const std::uint32_t number = grid_.cell_of[points[k]];
+      const auto at = static_cast<std::uint32_t>(clumps_.size());
+      const bool new_cell = cells_.empty() || cells_.back().number != number;
+      if (new_cell) cells_.push_back({number, at, at});
+      const std::uint64_t now = shift >= 0 ? octree_.keys[points[k]] >> shift : k;
+      if (new_cell || now != clump) {
+        clumps_.push_back({k, k});
+        ++cells_.back().end;
+        clump = now;
+      }
+      sets.join(clumps_.back().begin, k);
+      clumps_.back().end = k + 1;
+    }
+  }
+
+  bool is_whole(const Cell& cell, DisjointSets& sets) const {
+    for (std::uint32_t c = cell.begin; c < cell.end; ++c)
+      if (sets.root(clumps_[c].begin) != sets.root(clumps_[cell.begin].begin)) return false;
+    return true;
+  }
+
+  void link(std::span<const std::uint32_t> points,
+            const Cell& a,
+            const Cell& b,
+            DisjointSets& sets) const {
+    if (a.whole && b.whole &&
+        sets.root(clumps_[a.begin].begin) == sets.root(clumps_[b.begin].begin))
+      return;
+    for (std::uint32_t i = a.begin; i < a.end; ++i)
+      for (std::uint32_t j = b.begin; j < b.end; ++j)
+        if (sets.root(clumps_[i].begin) != sets.root(clumps_[j].begin) &&
+            touch(points, clumps_[i], clumps_[j]))
+          sets.join(clumps_[i].begin, clumps_[j].begin);
+  }
+
+  bool touch(std::span<const std::uint32_t> points, const Clump& a, const Clump& b) const {
+    for (std::uint32_t i = a.begin; i < a.end; ++i)
+      for (std::uint32_t j = b.begin; j < b.end; ++j)
+        if ((octree_.points[points[i]] - octree_.points[points[j]]).norm() <= gap_m_) return true;
+    return false;
+  }
+
+  static std::vector<Part> parts_in(std::span<const std::uint32_t> points, DisjointSets& sets) {
+    std::vector<Part> parts;
+    std::vector<std::uint32_t> number(points.size());
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+      const std::uint32_t root = sets.root(k);
+      if (root == k) {
+        number[k] = static_cast<std::uint32_t>(parts.size());
+        parts.emplace_back();
+      }
+      parts[number[root]].push_back(points[k]);
+    }
+    return parts;
+  }
+
+  const Octree& octree_;
+  const double gap_m_;
+  const int levels_;
+  const CellGrid grid_;
+  std::vector<Clump> clumps_;
+  std::vector<Cell> cells_;            // of the plane
+  std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
+};
+
+/// Could the part found a plane? What holds for candidates with uncertain normals holds for it.
+bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
+  const PlaneFit fit = fit_plane(moments_of(state, part));
+  return r3_weak_candidates::can_found(fit, state.sigma_ang(fit), state.options.r3_weak_candidates);
+}
+
+/// Joins the parts between which the sensor did not look through the plane: what hides the gap may
+/// hide a connection. Without rays nothing is known to hide anything. Parts too small for planes of
+/// their own stay with the first.
+std::vector<Part> parts_seen_apart(const SegmentState& state,
+                                   std::int32_t plane,
+                                   double spacing_m,
+                                   std::vector<Part> parts) {
+  const auto scraps = std::stable_partition(parts.begin() + 1, parts.end(), [&](const Part& part) {
+    return is_plane_of_its_own(state, part);
+  });
+  const auto count = static_cast<std::uint32_t>(scraps - parts.begin());
+  DisjointSets sets(parts.size());
+  for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
+  if (count > 1 && state.more.rays) {
+    const Sight sight(state, plane, spacing_m);
+    for (std::uint32_t a = 0; a < count; ++a)
+      for (std::uint32_t b = a + 1; b < count; ++b)
+        if (sets.root(a) != sets.root(b) && !sight.is_open_between(parts[a], parts[b]))
+          sets.join(a, b);
+  }
+  std::vector<Part> result(parts.size());
+  for (std::uint32_t k = 0; k < parts.size(); ++k) {
+    Part& whole = result[sets.root(k)];
+    whole.insert(whole.end(), parts[k].begin(), parts[k].end());
+  }
+  std::erase_if(result, [](const Part& part) { return part.empty(); });
+  for (Part& part : result) std::sort(part.begin(), part.end());
+  return result;
+}
+
+/// The plane that keeps the largest part is fitted anew.
+void shrink(SegmentState& state, std::int32_t plane, const Part& kept) {
+  log_refine(state, state.options.split_disconnected, plane);
+  fit_again(state, plane, moments_of(state, kept));
+}
+
+/// A part too small to be a candidate is none.
+void drop(SegmentState& state, std::int32_t plane, const Part& points) {
+  log(state, {.type = EventType::leave, .stage = kStage, .plane = plane});
+  drop_plane(state, plane, points);
+}
+
+}  // namespace
+
+void run(SegmentState& state, const Options& options) {
+  if (options.rule == SplitRule::off) return;
+  const auto least = static_cast<std::size_t>(std::max(3, state.options.theta_n_in));
+  const bool seen = options.rule == SplitRule::seen;
+  const double spacing_m = std::sqrt(typical_area_per_point(state));
+  PartFinder finder(state.octree, seen ? std::max(options.gap_m, options.gap_spacings * spacing_m)
+                                       : options.gap_m);
+  const PlanePoints members = points_by_plane(state);
+  const auto founded = static_cast<std::int32_t>(state.planes.size());
+  for (std::int32_t plane = 0; plane < founded; ++plane) {
+    if (!state.planes[plane].alive) continue;
+    std::vector<Part> parts = finder.parts_of(members.of(plane));
+    if (parts.size() < 2) continue;
+    // The largest keeps the plane, the others found their own.
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const Part& a, const Part& b) { return a.size() > b.size(); });
+    if (seen) parts = parts_seen_apart(state, plane, spacing_m, std::move(parts));
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      const std::int32_t part = found_part(state, kStage, plane, parts[p]);
+      if (parts[p].size() < least) drop(state, part, parts[p]);
+    }
+    if (parts.size() < 2) continue;
+    shrink(state, plane, parts[0]);
+    if (parts[0].size() < least) drop(state, plane, parts[0]);
+  }
+}
+
+}  // namespace planescope::split_disconnected

@@ -1,0 +1,121 @@
+#pragma once
+
+// What the segmentation decided and what followed from it, step by step.
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/model/plane.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/segment/refinements.hpp"
+
+namespace planescope {
+
+enum class EventType : std::uint8_t {
+  visit,   // node dequeued
+  decide,  // node settled: value = e_n where computed
+  found,   // node's candidate founds a new plane; without a node: a part that splits off `other`
+  merge,   // node's candidate joins `plane`; value = |n . dmu| [m]
+  assign,  // leftover `point` goes to `plane`; value = distance [m]
+  drop,    // leftover `point` stays without a plane
+  refine,  // a refinement changed `plane` (`other`: the plane it went into) or `point`
+  wait,    // R3: node's candidate waits for the sure ones; value = sigma_ang [rad]
+  leave,   // points go back to the leftovers: R3's, node's candidate with value = sigma_ang [rad],
+           // or all that are left of `plane`, a part too small after the split
+};
+
+/// What decided: a stage of the paper, or a refinement, by the name of its file.
+enum class Stage : std::uint8_t {
+  criteria,  // Criteria 1-3, in the traversal
+  merge,     // Criterion 4
+  assign,    // of the leftovers
+#define PLANESCOPE_STAGE(name) name,
+  PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)
+#undef PLANESCOPE_STAGE
+};
+/// "criteria", "merge", "assign", or what the refinement calls itself: "R1" ... "split".
+const char* to_string(Stage stage);
+/// Null for a stage of the paper.
+const RefinementInfo* refinement_of(Stage stage);
+/// The option that switches the refinement on, which is the name of its file.
+const char* switch_of(Stage stage);
+/// All of them, in their order.
+const std::vector<Stage>& stages();
+/// Of the refinement that has these options.
+#define PLANESCOPE_STAGE_OF(name) \
+  constexpr Stage stage_of(const name::Options&) { return Stage::name; }
+PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE_OF)
+#undef PLANESCOPE_STAGE_OF
+
+/// One decision, fixed size, logged before anything that follows from it. Features are recomputed
+/// by whoever shows them; -1 where not applicable.
+struct TraceEvent {
+  EventType type = EventType::visit;
+  std::uint8_t node_case = 0;  // Case for `decide`
+  Stage stage = Stage::criteria;
+  Label label = Label::unknown;  // of the candidate: R4 makes two of one node
+  std::int32_t node = -1;
+  std::int32_t plane = -1;  // index of the candidate plane, in order of founding
+  std::int32_t other = -1;
+  std::int32_t point = -1;  // index into the points given to segment()
+  float value = 0;
+};
+
+/// A plane while it is being put together: moments, so that joining two never touches points.
+struct GrowingPlane {
+  Label label = Label::h;
+  Moments moments;  // of what it was fitted to
+  PlaneFit fit;
+  double sigma_ang = 0;  // [rad]
+  Bounds bounds;
+  bool alive = true;       // false: merged into another or pruned
+  std::int32_t into = -1;  // where not alive: the plane that it was merged into, -1 if dropped
+};
+
+// Step k is the state after the first k events. A change belongs to the event logged last: it holds
+// from that event's step on.
+inline constexpr std::int32_t kNever = std::numeric_limits<std::int32_t>::max();
+
+/// A point's plane, or that it was left over, from a step on.
+struct PointChange {
+  std::int32_t step = 0;
+  std::int32_t plane = -1;  // plane of the trace, -1 none
+  bool leftover = false;    // on the list of leftovers
+};
+
+/// A plane from a step on.
+struct PlaneChange : GrowingPlane {
+  std::int32_t step = 0;
+};
+
+/// Values over their limits: up to 1 they pass. For histograms.
+struct Strains {
+  std::vector<float> planarity;  // Criterion 3, each time it was asked
+  /// Criterion 4, or R1 in its place: of a candidate and the plane that it joined or, where it
+  /// founded one, that it came nearest to joining.
+  std::vector<float> angle, distance;
+};
+
+struct Trace {
+  std::vector<TraceEvent> events;
+
+  // All changes, in the order of their steps.
+  std::vector<std::int32_t> queued_at, visited_at, decided_at;  // per node, from which step on
+  struct Point {
+    std::uint32_t point;  // Morton position
+    PointChange change;
+  };
+  std::vector<Point> points;
+  struct Plane {
+    std::int32_t plane;
+    PlaneChange change;
+  };
+  std::vector<Plane> planes;
+
+  Strains strains;
+
+  std::int32_t steps() const { return static_cast<std::int32_t>(events.size()); }
+};
+
+}  // namespace planescope

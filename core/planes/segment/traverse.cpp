@@ -1,0 +1,112 @@
+// Sun et al. 2023, Sec. IV-B (cases I-IV) and IV-C (traversal).
+
+#include <optional>
+
+#include "core/planes/segment/state.hpp"
+
+namespace planescope {
+namespace {
+
+/// Criterion 3.
+bool planar(const SegmentState& state, const Candidate& candidate) {
+  const double range = state.range(candidate.fit.centroid);
+  const Planarity asked = planarity(candidate.fit, state.noise, range, state.options);
+  if (state.trace)
+    state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
+  return asked.passes;
+}
+
+void leave_over(SegmentState& state, std::int32_t index, std::optional<Label> except = {}) {
+  const OctreeNode& node = state.octree.nodes[index];
+  for (std::uint32_t i = node.begin; i < node.end; ++i)
+    if (!except || !state.has_label(i, *except)) leave_point(state, i);
+}
+
+void settle(SegmentState& state, std::int32_t index, Case decided, double e_n) {
+  log(state, {.type = EventType::decide,
+              .node_case = static_cast<std::uint8_t>(decided),
+              .node = index,
+              .value = static_cast<float>(e_n)});
+  settle_node(state, index, decided);
+}
+
+void divide_or_leave(SegmentState& state, std::int32_t index) {
+  OctreeNode& node = state.octree.nodes[index];
+  if (node.depth < state.octree.cube.max_depth) {
+    divide_node(state, index);
+  } else {
+    node.at_max_depth = true;
+    leave_over(state, index);
+  }
+}
+
+void accept(SegmentState& state, const Candidate& candidate) {
+  ++state.counts.candidates;
+  if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
+    log(state, {.type = EventType::wait,
+                .stage = Stage::r3_weak_candidates,
+                .label = candidate.label,
+                .node = candidate.node,
+                .value = static_cast<float>(candidate.sigma_ang)});
+    state.weak.push_back(candidate);
+  } else {
+    conquer(state, candidate);
+  }
+}
+
+/// R4: an impure node whose labels are each planar (or too few to matter) is conquered label by
+/// label instead of being divided down to where the labels part.
+bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
+  if (!has_enough_inliers(purity.n_in, state.options)) return false;
+  Candidate inliers = candidate_of(state, index, purity.inlier);
+  if (!planar(state, inliers)) return false;
+  const Label outlier = purity.inlier == Label::h ? Label::v : Label::h;
+  const bool both = has_enough_inliers(purity.n_out, state.options);
+  Candidate outliers;
+  if (both) {
+    outliers = candidate_of(state, index, outlier);
+    if (!planar(state, outliers)) return false;
+  }
+  state.octree.nodes[index].impure_fit = true;
+  if (!both) leave_over(state, index, purity.inlier);
+  accept(state, inliers);
+  if (both) accept(state, outliers);
+  return true;
+}
+
+void visit(SegmentState& state, std::int32_t index) {
+  visit_node(state, index);
+  const Purity purity =
+      purity_of(state.octree.nodes[index], state.options.use_labels, state.options.one_label);
+
+  if (!is_pure(purity, state.options)) {  // Case I
+    settle(state, index, Case::I, 0);
+    if (state.options.r4_fit_impure_nodes.on && conquer_by_label(state, index, purity)) return;
+    divide_or_leave(state, index);
+    return;
+  }
+  if (!has_enough_inliers(purity.n_in, state.options)) {  // Case II
+    settle(state, index, Case::II, 0);
+    leave_over(state, index);
+    return;
+  }
+  Candidate candidate = candidate_of(state, index, purity.inlier);
+  const bool is_plane = planar(state, candidate);
+  settle(state, index, is_plane ? Case::IV : Case::III, candidate.fit.eigenvalues[0]);
+  if (!is_plane) {  // Case III
+    divide_or_leave(state, index);
+    return;
+  }
+  leave_over(state, index, purity.inlier);  // Case IV
+  accept(state, candidate);
+}
+
+}  // namespace
+
+void traverse(SegmentState& state) {
+  // The node array grows as nodes are divided: it is the queue Q_N.
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(state.octree.nodes.size()); ++i)
+    visit(state, i);
+}
+
+}  // namespace planescope

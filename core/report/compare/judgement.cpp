@@ -1,0 +1,140 @@
+#include "core/report/compare/judgement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/file_descriptor.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string where(const Breach& breach) {
+  if (breach.recording.empty()) return "all frames";
+  if (breach.frame < 0) return breach.recording;
+  return fmt::format("{} frame {}", breach.recording, breach.frame);
+}
+
+/// Of each recording the frames that the baseline has not.
+std::vector<std::string> added_frames(const ReportComparison& comparison) {
+  struct Count {
+    std::string recording;
+    int added = 0, all = 0;
+  };
+  std::vector<Count> counts;
+  for (const FrameComparison& frame : comparison.frames) {
+    auto count = std::ranges::find(counts, frame.recording, &Count::recording);
+    if (count == counts.end()) count = counts.insert(count, {frame.recording});
+    ++count->all;
+    count->added += frame.fate == FrameFate::added;
+  }
+  std::vector<std::string> lines;
+  for (const Count& count : counts)
+    if (count.added > 0)
+      lines.push_back(fmt::format("{}: {} not in the baseline", count.recording,
+                                  count.added == count.all ? "is" : counted(count.added, "frame")));
+  return lines;
+}
+
+}  // namespace
+
+int Judgement::errors() const {
+  return static_cast<int>(std::ranges::count(
+      breaches, RuleLevel::error, [](const Breach& breach) { return breach.rule.level; }));
+}
+
+int Judgement::warnings() const {
+  return static_cast<int>(breaches.size() + idle.size() + added.size()) - errors();
+}
+
+std::vector<std::string> Judgement::unguarded() const {
+  std::vector<std::string> lines;
+  for (const IdleRule& rule : idle) lines.push_back(rule.text());
+  lines.insert(lines.end(), added.begin(), added.end());
+  return lines;
+}
+
+std::vector<std::string> Judgement::differences() const {
+  return baseline ? comparison.differences : std::vector<std::string>();
+}
+
+std::string Judgement::text() const {
+  constexpr std::size_t kMostLines = 20;
+  std::string text;
+  for (const std::string& difference : differences()) text += "differs: " + difference + "\n";
+  for (std::size_t i = 0; i < std::min(breaches.size(), kMostLines); ++i)
+    text += fmt::format("{:5}  {}: {}\n", to_string(breaches[i].rule.level), where(breaches[i]),
+                        breaches[i].text());
+  if (breaches.size() > kMostLines)
+    text += fmt::format("... and {} more\n", breaches.size() - kMostLines);
+  const std::vector<std::string> lines = unguarded();
+  for (std::size_t i = 0; i < std::min(lines.size(), kMostLines); ++i)
+    text.append("warn   ").append(lines[i]).append("\n");
+  if (lines.size() > kMostLines)
+    text += fmt::format("... and {} more\n", lines.size() - kMostLines);
+  const std::string against = baseline ? " against " + baseline_file : "";
+  return text + fmt::format("{}, {}{}\n", counted(errors(), "error"),
+                            counted(warnings(), "warning"), against);
+}
+
+Json judgement_json(const Judgement& judgement) {
+  Json json = {{"baseline", judgement.baseline ? Json(judgement.baseline_file) : Json()},
+               {"differences", judgement.differences()},
+               {"errors", judgement.errors()},
+               {"warnings", judgement.warnings()},
+               {"unguarded", judgement.unguarded()},
+               {"breaches", Json::array()}};
+  for (const Breach& breach : judgement.breaches)
+    json["breaches"].push_back(
+        {{"level", to_string(breach.rule.level)},
+         {"metric", breach.rule.metric},
+         {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
+         {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
+         {"value", breach.value},
+         {"message", breach.text()}});
+  return json;
+}
+
+ReportGuard::ReportGuard(std::filesystem::path baseline,
+                         const std::filesystem::path& rules,
+                         bool may_be_first)
+    : baseline_file_(std::move(baseline)) {
+  is_first_ = may_be_first && !std::filesystem::exists(baseline_file_);
+  if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
+  if (baseline_ && baseline_->partial)
+    throw Error(baseline_file_.string() +
+                ": is of a run that was stopped, expected a whole report");
+  if (!rules.empty())
+    rules_ = read_rules(rules);
+  else if (baseline_)
+    rules_ = built_in_rules();
+}
+
+std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
+  if (!is_on()) return nullptr;
+  const auto judgement = std::make_shared<Judgement>();
+  judgement->baseline_file = baseline_file_.string();
+  judgement->baseline = std::move(baseline_);
+  judgement->now = recorded(report);
+  judgement->rules = rules_;
+  const RecordedReport none;
+  judgement->comparison =
+      compare_reports(judgement->baseline ? *judgement->baseline : none, judgement->now);
+  judgement->breaches = broken_rules(rules_, judgement->comparison);
+  const bool has_baseline = judgement->baseline.has_value();
+  if (!is_first_) judgement->idle = idle_rules(rules_, judgement->comparison, has_baseline);
+  if (has_baseline) judgement->added = added_frames(judgement->comparison);
+  return judgement;
+}
+
+void ReportGuard::approve(const std::filesystem::path& report_json) const {
+  replace_file(baseline_file_, read_file_bytes(report_json));
+}
+
+}  // namespace planescope

@@ -1,0 +1,11 @@
+#include "core/report/data/build_info.hpp"
+
+#include "planescope_build_info.h"  // written by cmake/BuildInfo.cmake at every build
+
+namespace planescope {
+
+BuildInfo build_info() {
+  return {PLANESCOPE_BUILD_VERSION, PLANESCOPE_BUILD_COMMIT, PLANESCOPE_BUILD_MODIFIED};
+}
+
+}  // namespace planescope

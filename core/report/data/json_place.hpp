@@ -1,0 +1,71 @@
+#pragma once
+
+// JSON that somebody else may have written. Internal to core/report.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "core/model/error.hpp"
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+/// A place in a file, to read from; what is not as expected is an Error that names the place. The
+/// JSON must live as long.
+class JsonPlace {
+ public:
+  explicit JsonPlace(const nlohmann::ordered_json& json, std::string where = "");
+
+  JsonPlace at(const char* key) const;
+  bool has(const char* key) const;  // and is not null
+  /// Throws Error on any other key: a misspelt one must not pass unnoticed.
+  void has_only(std::initializer_list<std::string_view> keys) const;
+  void each(const std::function<void(const JsonPlace&)>& visit) const;
+
+  std::string text() const;
+  bool boolean() const;
+  double number() const;
+  int whole(int low, int high = std::numeric_limits<int>::max()) const;
+  std::uint64_t count() const;
+  Vec3d vector() const;
+  const nlohmann::ordered_json& json() const { return *json_; }
+
+  [[noreturn]] void fail_kind(const std::string& expected) const;
+
+ private:
+  JsonPlace maybe(const char* key) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  const nlohmann::ordered_json* json_;
+  std::string where_;
+};
+
+/// Throws Error naming the file where it is no JSON.
+nlohmann::ordered_json read_json(const std::filesystem::path& file,
+                                 std::uintmax_t max_bytes = std::uintmax_t{1} << 26);
+
+/// What `read` makes of it; its Errors name the file.
+template <typename Read>
+auto read_place(const std::filesystem::path& file,
+                const nlohmann::ordered_json& json,
+                Read&& read) {
+  try {
+    return read(JsonPlace(json));
+  } catch (const Error& error) {
+    throw Error(file.string() + ": " + error.what());
+  }
+}
+
+/// A report.json without its frames, which need not fit into memory: each is passed to `on_frame`
+/// with its recording's and its own position as it is read, and then dropped.
+nlohmann::ordered_json read_report_json(
+    const std::filesystem::path& file,
+    const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame);
+
+}  // namespace planescope

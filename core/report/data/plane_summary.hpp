@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/planes/pipeline/pipeline.hpp"
+
+namespace planescope {
+
+/// What planes.json, the report and eval say about one plane. World frame: z up, metres.
+struct PlaneSummary {
+  int id = 0;  // from 1
+  Label label = Label::unknown;
+  Vec3d normal = Vec3d::UnitZ();  // unit
+  Vec3d centroid = Vec3d::Zero();
+  double offset_m = 0;  // normal . x = offset
+  double tilt_deg = 0;  // against the horizontal: 0 a floor, 90 a wall; NaN: gravity is unknown
+  std::uint64_t points = 0;  // input points
+  std::uint64_t voxels = 0;
+  double rms_m = 0;  // distance of its input points from the plane, root mean square
+  // Area covered by points: occupied cells of a grid in the plane, as wide as a voxel (2 cm where
+  // there is no voxel grid). Unlike the hull's area it does not count holes and bays.
+  double area_m2 = 0;
+  std::vector<Vec3d> hull;  // convex hull of its points on the plane, counter-clockwise seen from
+                            // where the normal points
+};
+
+/// One entry per plane, by id - 1.
+std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double voxel_size_m);
+
+}  // namespace planescope

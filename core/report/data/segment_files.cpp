@@ -1,0 +1,242 @@
+#include "core/report/data/segment_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "core/report/data/plane_summary.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A nanometre is far below what any sensor tells, and keeps the files short.
+double rounded(double value) {
+  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
+}
+
+Json to_json(const Vec3d& v) {
+  return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
+}
+
+Json to_json(const Pose& pose) {
+  Json rows = Json::array();
+  for (int r = 0; r < 4; ++r) {
+    Json row = Json::array();
+    for (int c = 0; c < 4; ++c) row.push_back(rounded(pose.matrix()(r, c)));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+const char* text_of(Label label) {
+  return label == Label::h ? "h" : label == Label::v ? "v" : "unknown";
+}
+
+Json options_json(const PipelineOptions& options) {
+  Json json = Json::object();
+  for (const OptionInfo& info : option_table()) {
+    if (!info.matters(options)) continue;
+    const std::string text = info.get(options);
+    if (text == "on" || text == "off") {
+      json[info.name] = text == "on";
+      continue;
+    }
+    const Json value = Json::parse(text, nullptr, false);
+    if (value.is_number())
+      json[info.name] = value;
+    else
+      json[info.name] = text;
+  }
+  return json;
+}
+
+/// What our own steps count.
+void add_steps(const SegmentCounts& segment, Json& json) {
+  json["nodes_visited"] = segment.nodes_visited;
+  for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
+    json["nodes_case_" + std::string(to_string(c))] =
+        segment.nodes_per_case[static_cast<std::size_t>(c)];
+  json["candidates"] = segment.candidates;
+  json["merges"] = segment.merges;
+  json["leftovers"] = segment.leftovers;
+  json["assigned"] = segment.assigned;
+}
+
+Json counts_json(const FrameResult& result, bool ours) {
+  const CloudCounts& cloud = result.cloud.counts;
+  const SegmentCounts& segment = result.segmentation.counts;
+  Json json;
+  json["pixels"] = cloud.pixels;
+  json["no_measurement"] = cloud.no_measurement;
+  json["invalid"] = cloud.invalid;
+  json["beyond_range"] = cloud.beyond_range;
+  json["outside_cube"] = cloud.outside_cube;
+  json["kept"] = cloud.kept;
+  json["voxels"] = result.voxels.points.size();
+  if (ours) add_steps(segment, json);
+  json["unassigned"] = segment.unassigned;
+  return json;
+}
+
+// The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
+Json noise_json(const NoiseModel& noise) {
+  Json json;
+  json["estimated"] = noise.estimated;
+  json["by_range"] = noise.by_range;
+  json["sigma_at_1m_m"] = rounded(noise.sigma(1));
+  json["theta_rms_at_1m_m"] = rounded(noise.theta_rms(1));
+  json["tau_at_1m_m"] = rounded(noise.tau(1));
+  return json;
+}
+
+// One line per field, but vectors, hull corners and matrix rows on one line each.
+void print(std::string& out, const Json& json, const std::string& indent) {
+  const bool has_parts = json.is_structured() && !json.empty();
+  const bool is_row =
+      json.is_array() && (json.empty() || std::none_of(json.begin(), json.end(), [](const Json& j) {
+                            return j.is_structured();
+                          }));
+  if (!has_parts || is_row) {
+    out += json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return;
+  }
+  const std::string inner = indent + "  ";
+  const char* separator = "\n";
+  out += json.is_object() ? '{' : '[';
+  for (const auto& [key, value] : json.items()) {
+    out += separator + inner;
+    if (json.is_object()) out += Json(key).dump() + ": ";
+    print(out, value, inner);
+    separator = ",\n";
+  }
+  out += "\n" + indent + (json.is_object() ? '}' : ']');
+}
+
+std::string printed(const Json& json) {
+  std::string text;
+  print(text, json, "");
+  return text + "\n";
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+}
+
+}  // namespace
+
+std::filesystem::path frame_folder(int frame_index) {
+  return std::filesystem::path("frames") / fmt::format("{:06}", frame_index);
+}
+
+std::string planes_json(const Frame& frame,
+                        const FrameResult& result,
+                        const PipelineOptions& options) {
+  Json json;
+  json["schema"] = "planescope.planes/1";
+  json["frame"] = {
+      {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
+  json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
+  const bool known = result.gravity.known();
+  json["gravity"] = {{"direction", known ? to_json(result.gravity.direction) : Json()},
+                     {"source", to_string(result.gravity.source)},
+                     {"confidence", rounded(result.gravity.confidence)},
+                     {"note", result.gravity.note}};
+  json["options"] = options_json(options);
+  const bool ours = options.method == Method::ours;
+  json["counts"] = counts_json(result, ours);
+  if (ours) json["noise"] = noise_json(result.segmentation.noise);
+  json["planes"] = Json::array();
+  for (const PlaneSummary& s : summarize_planes(result, options.cloud.voxel_size_m)) {
+    Json plane;
+    plane["id"] = s.id;
+    plane["label"] = text_of(s.label);
+    plane["normal"] = to_json(s.normal);
+    plane["centroid"] = to_json(s.centroid);
+    plane["offset_m"] = rounded(s.offset_m);
+    plane["points"] = s.points;
+    plane["voxels"] = s.voxels;
+    plane["rms_m"] = rounded(s.rms_m);
+    plane["area_m2"] = rounded(s.area_m2);
+    plane["hull"] = Json::array();
+    for (const Vec3d& corner : s.hull) plane["hull"].push_back(to_json(corner));
+    json["planes"].push_back(plane);
+  }
+  if (!result.from_cloud && ours) {
+    json["minor_planes"] = Json::array();
+    for (const PlaneRegion& minor : result.segmentation.minor)
+      json["minor_planes"].push_back(
+          {{"label", text_of(minor.label)},
+           {"normal", to_json(minor.fit.normal)},
+           {"centroid", to_json(Vec3d(result.cloud.origin + minor.fit.centroid))},
+           {"voxels", minor.points},
+           {"rms_m", rounded(minor.fit.rms_m())}});
+  }
+  return printed(json);
+}
+
+std::string timings_json(const FrameTimings& t) {
+  Json json;
+  json["schema"] = "planescope.timings/1";
+  json["load_ms"] = t.load_ms;
+  json["cloud_ms"] = t.cloud_ms;
+  json["t_d_ms"] = t.t_d_ms;
+  json["t_c_ms"] = t.t_c_ms;
+  json["t_b_ms"] = t.t_b_ms;
+  json["t_s_ms"] = t.t_s_ms;
+  json["total_ms"] = total_ms(t);
+  return printed(json);
+}
+
+Image16 plane_image(const Frame& frame, const FrameResult& result) {
+  Image16 image(frame.depth.width, frame.depth.height);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    image.data[result.cloud.source[i]] =
+        static_cast<std::uint16_t>(std::min(result.plane_of[i], 65535));
+  return image;
+}
+
+PointSet labelled_cloud(const Frame& frame, const FrameResult& result) {
+  const Cloud& cloud = result.cloud;
+  const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
+  // World coordinates close to zero fit a float; an origin far away is written as doubles.
+  const bool far_away = cloud.origin.norm() > 100;
+  PointSet set;
+  if (far_away) set.origin = cloud.origin;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  set.points.assign(n, Vec3f(kNan, kNan, kNan));  // what was no measurement stays none
+  set.label.assign(n, 0);
+  set.instance.assign(n, 0);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const std::size_t at = frame.is_cloud() ? cloud.source[i] : i;
+    set.points[at] = far_away
+                         ? cloud.points[i]
+                         : Vec3f((cloud.points[i].cast<double>() + cloud.origin).cast<float>());
+    const std::uint32_t voxel = result.voxels.voxel_of[i];
+    if (voxel != kNoVoxel)
+      set.label[at] = static_cast<std::uint8_t>(result.classification.labels[voxel]);
+    set.instance[at] = result.plane_of[i];
+  }
+  return set;
+}
+
+void write_segment_files(const std::filesystem::path& dir,
+                         const Frame& frame,
+                         const FrameResult& result,
+                         const PipelineOptions& options) {
+  write_text(dir / "timings.json", timings_json(result.timings));
+  write_text(dir / "planes.json", planes_json(frame, result, options));
+  if (!frame.is_cloud()) write_png(dir / "planes.png", plane_image(frame, result));
+  write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
+}
+
+}  // namespace planescope

@@ -1,0 +1,261 @@
+#include "core/report/rules/rules.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+#include <set>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/report/data/json_place.hpp"
+#include "core/report/rules/rule_metrics.hpp"
+
+namespace planescope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "planescope.rules/1";
+constexpr std::uintmax_t kMostBytes = 1 << 20;
+
+/// Of a frame, a recording, or all.
+struct Group {
+  std::string recording;
+  int frame = -1;
+  std::vector<double> values;  // of its frames
+
+  double folded(RuleFold fold) const {
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    switch (fold) {
+      case RuleFold::largest:
+        return *std::ranges::max_element(values);
+      case RuleFold::sum:
+        return sum;
+      case RuleFold::mean:
+        break;
+    }
+    return sum / static_cast<double>(values.size());
+  }
+};
+
+bool is_of(const Rule& rule, const FrameComparison& frame) {
+  return (rule.recording.empty() || rule.recording == frame.recording) &&
+         (rule.frame < 0 || rule.frame == frame.index);
+}
+
+void apply(const Rule& rule, const ReportComparison& comparison, std::vector<Breach>& breaches) {
+  const Metric& metric = find_metric(rule.metric);
+  std::vector<Group> groups;
+  for (const FrameComparison& frame : comparison.frames) {
+    const std::optional<double> value = is_of(rule, frame) ? metric.value(frame) : std::nullopt;
+    if (!value) continue;
+    const std::string recording = rule.scope == RuleScope::all ? "" : frame.recording;
+    auto group = std::ranges::find(groups, recording, &Group::recording);
+    if (rule.scope == RuleScope::frame || group == groups.end())
+      group = groups.insert(groups.end(),
+                            {recording, rule.scope == RuleScope::frame ? frame.index : -1, {}});
+    group->values.push_back(*value);
+  }
+  for (const Group& group : groups)
+    if (const double value = group.folded(metric.metric.fold);
+        value < rule.at_least || value > rule.at_most)
+      breaches.push_back({rule, group.recording, group.frame, value});
+}
+
+template <typename Enum>
+Enum parsed(const JsonPlace& place, std::initializer_list<Enum> values) {
+  const std::string text = place.text();
+  std::string known;
+  for (const Enum value : values) {
+    if (text == to_string(value)) return value;
+    known += (known.empty() ? "" : ", ") + std::string(to_string(value));
+  }
+  place.fail_kind("one of " + known);
+}
+
+Rule rule_of(const JsonPlace& place) {
+  place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
+  Rule rule;
+  rule.metric = place.at("metric").text();
+  if (std::ranges::none_of(metrics(),
+                           [&](const Metric& m) { return m.metric.name == rule.metric; })) {
+    std::vector<std::string_view> names;
+    for (const Metric& metric : metrics()) names.push_back(metric.metric.name);
+    place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
+  }
+  if (place.has("scope"))
+    rule.scope =
+        parsed(place.at("scope"), {RuleScope::frame, RuleScope::recording, RuleScope::all});
+  if (place.has("recording")) rule.recording = place.at("recording").text();
+  if (place.has("frame")) rule.frame = place.at("frame").whole(0);
+  if (place.has("at_least")) rule.at_least = place.at("at_least").number();
+  if (place.has("at_most")) rule.at_most = place.at("at_most").number();
+  if (!place.has("at_least") && !place.has("at_most"))
+    place.fail_kind("a rule with \"at_least\" or \"at_most\"");
+  if (rule.at_least > rule.at_most)
+    place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
+                                rule.at_least, rule.at_most));
+  if (place.has("level"))
+    rule.level = parsed(place.at("level"), {RuleLevel::off, RuleLevel::warn, RuleLevel::error});
+  else if (find_metric(rule.metric).metric.is_timing)
+    rule.level = RuleLevel::warn;
+  if (find_metric(rule.metric).metric.is_timing && rule.level == RuleLevel::error)
+    place.at("level").fail_kind("warn or off for " + rule.metric +
+                                ", which depends on the machine");
+  return rule;
+}
+
+/// How far the value is past its limit, of the limit.
+double excess_of(const Breach& breach) {
+  const bool low = breach.value < breach.rule.at_least;
+  const double limit = low ? breach.rule.at_least : breach.rule.at_most;
+  const double excess = std::abs(breach.value - limit) / std::max(1.0, std::abs(limit));
+  return std::isfinite(excess) ? excess : 0;
+}
+
+/// Why the rule holds nothing; empty: it holds something, or there is nothing yet that it is about.
+std::string why_idle(const Rule& rule, const ReportComparison& comparison, bool has_baseline) {
+  const Metric& metric = find_metric(rule.metric);
+  if (metric.metric.needs_baseline && !has_baseline) return "it needs a baseline";
+  bool has_recording = rule.recording.empty(), has_frame = false, has_value = false;
+  for (const FrameComparison& frame : comparison.frames) {
+    if (!frame.now && !metric.metric.needs_baseline) continue;
+    has_recording |= frame.recording == rule.recording;
+    if (!is_of(rule, frame)) continue;
+    has_frame = true;
+    has_value |= metric.value(frame).has_value();
+  }
+  if (!has_recording) return "there is no recording of this name";
+  if (!has_frame) return "there is no such frame";
+  // A rule on a change since the baseline may wait for a baseline, unless it names its frames.
+  const bool by_name = !rule.recording.empty() || rule.frame >= 0;
+  if (has_value || (metric.metric.needs_baseline && !by_name)) return "";
+  return metric.metric.needs_truth ? "no such frame has labels" : "no such frame has a value of it";
+}
+
+}  // namespace
+
+const char* to_string(RuleLevel level) {
+  return level == RuleLevel::off ? "off" : level == RuleLevel::warn ? "warn" : "error";
+}
+
+const char* to_string(RuleScope scope) {
+  return scope == RuleScope::frame ? "frame" : scope == RuleScope::recording ? "recording" : "all";
+}
+
+std::vector<Rule> built_in_rules() {
+  std::vector<Rule> rules;
+  const auto at_most = [&rules](const char* metric, double limit, RuleLevel level) {
+    rules.emplace_back();
+    rules.back().metric = metric;
+    rules.back().at_most = limit;
+    rules.back().level = level;
+  };
+  for (const char* metric : {"frames_missing", "frames_refused", "labels_missing", "planes_lost",
+                             "planes_gained", "planes_merged", "planes_split"})
+    at_most(metric, 0, RuleLevel::error);
+  at_most("offset_mm", 5, RuleLevel::error);
+  at_most("angle_deg", 1, RuleLevel::error);
+  at_most("planes_resized", 0, RuleLevel::warn);
+  at_most("inputs_changed", 0, RuleLevel::warn);
+  rules.emplace_back();
+  rules.back().metric = "mean_iou_change";
+  rules.back().at_least = -1;
+  at_most("time_growth", 2, RuleLevel::warn);
+  rules.back().scope = RuleScope::all;
+  return rules;
+}
+
+std::vector<Rule> read_rules(const std::filesystem::path& file) {
+  const auto bytes = read_file_bytes(file, kMostBytes);
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+      twice = value.get<std::string>();
+    return true;
+  };
+  const Json json = Json::parse(bytes.begin(), bytes.end(), watch, false);
+  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  if (!twice.empty()) throw Error(file.string() + ": has \"" + twice + "\" twice in one object");
+  try {
+    const JsonPlace place(json);
+    if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
+    place.has_only({"schema", "rules"});
+    std::vector<Rule> rules;
+    place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
+    return rules;
+  } catch (const Error& error) {
+    throw Error(file.string() + ": " + error.what());
+  }
+}
+
+std::string rules_json(const std::vector<Rule>& rules) {
+  Json json = {{"schema", kSchema}, {"rules", Json::array()}};
+  for (const Rule& rule : rules) {
+    Json one = {{"metric", rule.metric}, {"scope", to_string(rule.scope)}};
+    if (!rule.recording.empty()) one["recording"] = rule.recording;
+    if (rule.frame >= 0) one["frame"] = rule.frame;
+    if (!std::isinf(rule.at_least)) one["at_least"] = rule.at_least;
+    if (!std::isinf(rule.at_most)) one["at_most"] = rule.at_most;
+    one["level"] = to_string(rule.level);
+    json["rules"].push_back(one);
+  }
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string Breach::text() const {
+  const RuleMetric& metric = find_metric(rule.metric).metric;
+  const bool low = value < rule.at_least;
+  return fmt::format("{} is {:.6g}, {} {:.6g} {}", metric.name, value, low ? "at least" : "at most",
+                     low ? rule.at_least : rule.at_most, metric.unit);
+}
+
+std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison) {
+  std::vector<Breach> breaches;
+  for (const Rule& rule : rules)
+    if (rule.level != RuleLevel::off) apply(rule, comparison, breaches);
+  // Frames that break most rules first; of those that break as many, the one that breaks them most.
+  std::map<std::pair<std::string, int>, std::pair<int, double>> weights;
+  for (const Breach& breach : breaches) {
+    auto& [errors, excess] = weights[{breach.recording, breach.frame}];
+    if (breach.rule.level != RuleLevel::error) continue;
+    ++errors;
+    excess += excess_of(breach);
+  }
+  std::ranges::stable_sort(breaches, [&](const Breach& a, const Breach& b) {
+    if (a.rule.level != b.rule.level) return a.rule.level > b.rule.level;
+    return weights[{a.recording, a.frame}] > weights[{b.recording, b.frame}];
+  });
+  return breaches;
+}
+
+std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison,
+                                 bool has_baseline) {
+  std::vector<IdleRule> idle;
+  for (const Rule& rule : rules) {
+    if (rule.level == RuleLevel::off) continue;
+    if (std::string why = why_idle(rule, comparison, has_baseline); !why.empty())
+      idle.push_back({rule, std::move(why)});
+  }
+  return idle;
+}
+
+std::string IdleRule::text() const {
+  std::string text = rule.metric;
+  if (!rule.recording.empty()) text.append(" of ").append(rule.recording);
+  if (rule.frame >= 0) text += fmt::format(" frame {}", rule.frame);
+  return text + ": this rule holds nothing, " + why;
+}
+
+}  // namespace planescope

@@ -1,0 +1,125 @@
+#include "core/debug/explain/fix.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/planes/pipeline/options_table.hpp"
+#include "runs.hpp"
+
+namespace planescope {
+namespace {
+
+double iou_with(const Run& run, const std::string& option, const std::string& value, int truth) {
+  PipelineOptions options = run.options;
+  set_option(options, option, value);
+  const auto changed = make_run(run.subject, options);
+  for (const TruthMatch& match :
+       quick_score(changed->segmentation.plane_of, run.subject->voxel_truth).planes)
+    if (match.truth == truth) return match.iou;
+  return 0;
+}
+
+/// A tread (the planes labelled h) that is lost.
+std::int32_t lost_tread(const Run& run) {
+  const VoxelTruth& truth = run.subject->voxel_truth;
+  for (const TruthMatch& match : quick_score(run.segmentation.plane_of, truth).planes)
+    for (std::size_t i = 0; i < truth.plane.size(); ++i)
+      if (match.iou < 0.8 && truth.plane[i] == match.truth && truth.label[i] == 1)
+        return match.truth;
+  return 0;
+}
+
+// A change is a ratio: of the value, or of the odds of a share.
+double position(const OptionInfo& info, double value) {
+  return std::log(info.range.max <= 1 ? value / (1 - value) : value);
+}
+std::string value_at(const OptionInfo& info, double position) {
+  const double e = std::exp(position);
+  return number_text(info, info.range.max <= 1 ? e / (1 + e) : e);
+}
+
+TEST(Fix, ALostTreadComesBackWithTheSmallestChangeAndWithNoLess) {
+  int numbers = 0;
+  for (int index = 0; index < 10; ++index) {
+    const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003, index);
+    const std::int32_t tread = lost_tread(*run);
+    if (tread == 0) continue;
+    SCOPED_TRACE(index);
+    const std::vector<Fix> fixes = find_fixes(*run, target_of_truth(*run, tread), {});
+    ASSERT_FALSE(fixes.empty());
+    EXPECT_TRUE(std::is_sorted(fixes.begin(), fixes.end(),
+                               [](const Fix& a, const Fix& b) { return a.change < b.change; }));
+    for (const Fix& fix : fixes) {
+      SCOPED_TRACE(fix.option + ": " + fix.before + " -> " + fix.after);
+      EXPECT_GE(iou_with(*run, fix.option, fix.after, tread), 0.8);
+      EXPECT_DOUBLE_EQ(iou_with(*run, fix.option, fix.after, tread), fix.iou);
+      const OptionInfo& info = find_option(fix.option);
+      if (info.kind != OptionKind::number || fix.before == "0") continue;
+      const double before = position(info, number_of(info, run->options));
+      const double change = position(info, std::stod(fix.after)) - before;
+      EXPECT_NEAR(fix.change, std::abs(change), 1e-4);
+      const std::string less = value_at(info, before + 0.98 * change);
+      EXPECT_LT(iou_with(*run, fix.option, less, tread), 0.8) << "with " << less;
+      ++numbers;
+    }
+  }
+  EXPECT_GT(numbers, 0);
+}
+
+TEST(Fix, WhatIsDetectedNeedsNone) {
+  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  EXPECT_TRUE(find_fixes(*run, target_of_truth(*run, 1), {}).empty());
+}
+
+TEST(Fix, VoxelsThatTheFrameDoesNotHaveAreNotSought) {
+  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  EXPECT_TRUE(find_fixes(*run, {{1u << 30}, "marked region"}, {}).empty());
+}
+
+TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
+  int index = 0;
+  auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003, index);
+  while (lost_tread(*run) == 0)
+    run = test::run_of_stairs(profile_options(Profile::paper), 0.003, ++index);
+  std::stop_source stop;
+  int calls = 0;
+  find_fixes(*run, target_of_truth(*run, lost_tread(*run)), stop.get_token(), [&](int, int) {
+    ++calls;
+    stop.request_stop();
+  });
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(Fix, TheEffectNamesWhatComesAndGoes) {
+  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
+  PipelineOptions refined = run->options;
+  refined.segment = profile_options(Profile::refined);
+  const FixEffect effect = effect_of(*run, refined);
+  EXPECT_EQ(effect.detected_after - effect.detected_before,
+            static_cast<int>(effect.recovered.size()) - static_cast<int>(effect.broken.size()));
+  EXPECT_GT(effect.recovered.size(), 0u);
+  EXPECT_GT(effect.iou_after, effect.iou_before);
+  EXPECT_TRUE(effect_of(*run, run->options).recovered.empty());
+}
+
+TEST(Sensitivity, TheCurrentValueIsAmongAscendingOnes) {
+  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.002);
+  for (const char* option : {"theta_e_n_m2", "theta_n_in", "theta_coplane"}) {
+    SCOPED_TRACE(option);
+    const Sensitivity strip = sensitivity_of(*run, option, {});
+    ASSERT_GT(strip.values.size(), 10u);
+    EXPECT_EQ(strip.values.size(), strip.scores.size());
+    EXPECT_TRUE(std::is_sorted(strip.values.begin(), strip.values.end()));
+    const auto current = std::find(strip.values.begin(), strip.values.end(),
+                                   number_of(find_option(option), run->options));
+    ASSERT_NE(current, strip.values.end());
+    const double score =
+        quick_score(run->segmentation.plane_of, run->subject->voxel_truth).mean_iou;
+    EXPECT_EQ(strip.scores[current - strip.values.begin()], score);
+  }
+}
+
+}  // namespace
+}  // namespace planescope

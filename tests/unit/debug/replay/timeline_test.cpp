@@ -1,0 +1,311 @@
+#include "core/debug/replay/timeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <ostream>
+#include <set>
+
+#include "core/planes/segment/criteria.hpp"
+#include "support/scenes.hpp"
+
+namespace planescope {
+namespace {
+
+const Vec3d kSensor(-1.5, 0, 1);
+constexpr std::uint64_t kClouds = 12;
+
+struct NamedOptions {
+  const char* name;
+  SegmentOptions options;
+};
+void PrintTo(const NamedOptions& named, std::ostream* out) { *out << named.name; }
+
+SegmentOptions split_options() {
+  SegmentOptions options = profile_options(Profile::refined);
+  options.split_disconnected.rule = SplitRule::on;
+  options.split_disconnected.gap_m =
+      0.025;  // finer than the clouds are sampled: many parts, many too small
+  return options;
+}
+
+SegmentOptions without_labels() {
+  SegmentOptions options = profile_options(Profile::paper);
+  options.use_labels = false;
+  return options;
+}
+
+SegmentOptions with_spreads() {
+  SegmentOptions options = profile_options(Profile::refined);
+  options.r8_voxel_spread.on = true;
+  return options;
+}
+
+/// Planes cut across edges.
+SegmentOptions with_corners() {
+  SegmentOptions options = profile_options(Profile::refined);
+  options.use_labels = options.noise.estimate_sigma = false;
+  options.noise.fixed_rms_m = 0.05;
+  return options;
+}
+
+Measurements more_of(const test::LabelledCloud& cloud, const SegmentOptions& options) {
+  Measurements more;
+  if (options.r8_voxel_spread.on)
+    more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .zz = 1e-5f});
+  if (needs_pixels(options)) more.pixels = test::picture_of(cloud.points, kSensor);
+  return more;
+}
+
+struct Traced {
+  Trace trace;
+  Segmentation segmentation;
+  Timeline timeline;
+};
+
+Traced traced(const test::LabelledCloud& cloud, const SegmentOptions& options) {
+  Traced result;
+  result.segmentation = segment(cloud.points, cloud.labels, cloud.cube, kSensor, options,
+                                &result.trace, more_of(cloud, options));
+  result.timeline = Timeline(result.trace, result.segmentation);
+  return result;
+}
+
+/// What one event changed: points, and where they went, and planes.
+struct Changes {
+  std::map<std::int32_t, std::int32_t> plane_of;  // by point; -1 left over
+  std::set<std::int32_t> planes;
+};
+
+/// Of each step; of step 0 nothing.
+std::vector<Changes> changes_by_step(const Traced& run, std::size_t points) {
+  std::vector<Changes> changes(static_cast<std::size_t>(run.timeline.steps()) + 1);
+  for (std::int32_t p = 0; p < static_cast<std::int32_t>(points); ++p)
+    for (const PointChange& change : run.timeline.changes_of_point(p)) {
+      EXPECT_EQ(change.leftover, change.plane < 0);
+      EXPECT_TRUE(changes[change.step].plane_of.emplace(p, change.plane).second);
+    }
+  for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
+    for (const PlaneChange& change : run.timeline.changes_of_plane(k))
+      changes[change.step].planes.insert(k);
+  return changes;
+}
+
+/// What an event must change, told by the octree, the labels and where the points were before.
+class Expected {
+ public:
+  Expected(const Traced& run, const SegmentOptions& options)
+      : run_(run), octree_(run.segmentation.octree), options_(options) {}
+
+  Changes of(const TraceEvent& event, std::int32_t step) const {
+    using enum EventType;
+    const bool of_node = event.node >= 0;
+    switch (event.type) {
+      case visit:
+      case drop:
+      case wait:
+        return {};
+      case decide:
+        return {left_over_by(octree_.nodes[event.node]), {}};
+      case found:
+        if (!of_node) return {part_of(event.plane, step), {event.plane}};
+        [[fallthrough]];
+      case merge:
+        return {candidate_of(event, event.plane), {event.plane}};
+      case assign:
+        return {{{event.point, event.plane}}, {}};
+      case leave:
+        if (of_node) return {candidate_of(event, -1), {}};
+        return {points_of(event.plane, step - 1, -1), {event.plane}};
+      case refine:
+        break;
+    }
+    switch (event.stage) {
+      case Stage::r2_explain_away:
+      case Stage::r10_minor:
+        return {points_of(event.plane, step - 1, -1), {event.plane}};
+      case Stage::r5_reassign_shared_cells:
+      case Stage::r11_pixel_borders:
+        return {{{event.point, event.other}}, {}};
+      case Stage::r7_second_merge:
+      case Stage::r9_join_sheets:
+        return {points_of(event.plane, step - 1, event.other), {event.plane, event.other}};
+      default:  // fitted anew
+        return {{}, {event.plane}};
+    }
+  }
+
+  /// The points that a plane has at a step, and where they go.
+  std::map<std::int32_t, std::int32_t> points_of(std::int32_t plane,
+                                                 std::int32_t step,
+                                                 std::int32_t to) const {
+    std::map<std::int32_t, std::int32_t> points;
+    for (const std::uint32_t p : octree_.order)
+      if (run_.timeline.point_at(static_cast<std::int32_t>(p), step).plane == plane)
+        points[static_cast<std::int32_t>(p)] = to;
+    return points;
+  }
+
+ private:
+  std::map<std::int32_t, std::int32_t> part_of(std::int32_t plane, std::int32_t step) const {
+    return points_of(plane, step, plane);
+  }
+
+  template <typename Wanted>
+  std::map<std::int32_t, std::int32_t> in_node(const OctreeNode& node,
+                                               std::int32_t to,
+                                               Wanted wanted) const {
+    std::map<std::int32_t, std::int32_t> points;
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      if (wanted(octree_.labels[i])) points[static_cast<std::int32_t>(octree_.order[i])] = to;
+    return points;
+  }
+
+  std::map<std::int32_t, std::int32_t> candidate_of(const TraceEvent& event,
+                                                    std::int32_t to) const {
+    return in_node(octree_.nodes[event.node], to,
+                   [&](Label label) { return !options_.use_labels || label == event.label; });
+  }
+
+  std::map<std::int32_t, std::int32_t> left_over_by(const OctreeNode& node) const {
+    const Purity purity = purity_of(node, options_.use_labels);
+    const bool all = node.decided == Case::II || node.at_max_depth;
+    const bool outliers = node.decided == Case::IV ||
+                          (node.impure_fit && !has_enough_inliers(purity.n_out, options_));
+    return in_node(node, -1, [&](Label label) {
+      return all || (outliers && options_.use_labels && label != purity.inlier);
+    });
+  }
+
+  const Traced& run_;
+  const Octree& octree_;
+  const SegmentOptions& options_;
+};
+
+class Replay : public testing::TestWithParam<NamedOptions> {};
+
+TEST_P(Replay, EachEventChangesWhatItSaysAndNothingElse) {
+  const SegmentOptions& options = GetParam().options;
+  for (std::uint64_t seed = 1; seed <= kClouds && !HasFailure(); ++seed) {
+    const test::LabelledCloud cloud = test::random_cloud(seed);
+    const Traced run = traced(cloud, options);
+    ASSERT_EQ(run.timeline.steps(), static_cast<std::int32_t>(run.trace.events.size()));
+    const Expected expected(run, options);
+    const std::vector<Changes> changes = changes_by_step(run, cloud.points.size());
+    for (std::int32_t step = 1; step <= run.timeline.steps(); ++step) {
+      const TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
+      const Changes should = expected.of(event, step);
+      ASSERT_EQ(changes[step].plane_of, should.plane_of) << "cloud " << seed << ", step " << step;
+      ASSERT_EQ(changes[step].planes, should.planes) << "cloud " << seed << ", step " << step;
+    }
+  }
+}
+
+TEST_P(Replay, NodesAreQueuedVisitedAndSettledByTheirEvents) {
+  const Traced run = traced(test::random_cloud(5), GetParam().options);
+  const std::vector<OctreeNode>& nodes = run.segmentation.octree.nodes;
+  for (std::int32_t step = 1; step <= run.timeline.steps(); ++step) {
+    const TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
+    if (event.type == EventType::visit) {
+      EXPECT_EQ(run.timeline.visited_at()[event.node], step);
+    } else if (event.type == EventType::decide) {
+      EXPECT_EQ(run.timeline.decided_at()[event.node], step);
+    }
+  }
+  EXPECT_EQ(run.timeline.queued_at()[0], 0);
+  for (std::size_t n = 1; n < nodes.size(); ++n) {
+    const std::int32_t queued = run.timeline.decided_at()[nodes[n].parent];
+    const auto node = static_cast<std::int32_t>(n);
+    EXPECT_EQ(run.timeline.queued_at()[n], queued);
+    EXPECT_EQ(run.timeline.node_state(node, queued - 1), NodeState::unborn);
+    EXPECT_EQ(run.timeline.node_state(node, queued), NodeState::queued);
+    EXPECT_EQ(run.timeline.node_state(node, run.timeline.visited_at()[n]), NodeState::visited);
+    EXPECT_EQ(run.timeline.node_state(node, run.timeline.decided_at()[n]), NodeState::settled);
+  }
+}
+
+TEST_P(Replay, PlanesAreFittedToThePointsThatTheyHaveUntilLeftoversJoin) {
+  const SegmentOptions& options = GetParam().options;
+  for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
+    const test::LabelledCloud cloud = test::random_cloud(seed);
+    const Traced run = traced(cloud, options);
+    const Expected at(run, options);
+    for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
+      for (const PlaneChange& change : run.timeline.changes_of_plane(k)) {
+        const TraceEvent& event = run.trace.events[static_cast<std::size_t>(change.step) - 1];
+        const bool later = event.stage == Stage::r6_refit || event.stage == Stage::r9_join_sheets;
+        if (!change.alive || later) continue;
+        const auto points = at.points_of(k, change.step, k);
+        EXPECT_EQ(change.moments.count, static_cast<double>(points.size()));
+        EXPECT_EQ(change.fit.count, change.moments.count);
+        Vec3d sum = Vec3d::Zero();
+        for (const auto& [p, plane] : points) sum += cloud.points[p].cast<double>();
+        EXPECT_LT((change.fit.centroid - sum / change.fit.count).norm(), 1e-9);
+      }
+  }
+}
+
+TEST_P(Replay, TheLastStepIsTheResult) {
+  const SegmentOptions& options = GetParam().options;
+  const test::LabelledCloud cloud = test::random_cloud(31);
+  const Traced run = traced(cloud, options);
+  const Segmentation& s = run.segmentation;
+  const Timeline& timeline = run.timeline;
+  for (std::int32_t p = 0; p < static_cast<std::int32_t>(s.plane_of.size()); ++p) {
+    const PointChange last = timeline.point_at(p, timeline.steps());
+    EXPECT_EQ(last.plane < 0 ? 0 : timeline.result_of_plane(last.plane), s.plane_of[p]);
+    EXPECT_EQ(last.leftover, s.plane_of[p] == 0);
+    const std::vector<std::int32_t> path = timeline.path_of_point(p);
+    EXPECT_EQ(path.front(), 0);
+    EXPECT_EQ(path.back(), timeline.node_of_point(p, timeline.steps()));
+  }
+}
+
+TEST(ReplayInputs, HoldEveryKindOfEventAndStage) {
+  std::set<std::pair<EventType, Stage>> seen;
+  for (std::uint64_t seed = 1; seed <= kClouds; ++seed)
+    for (const SegmentOptions& options : {split_options(), with_corners()})
+      for (const TraceEvent& event : traced(test::random_cloud(seed), options).trace.events)
+        seen.emplace(event.type, event.stage);
+  using enum EventType;
+  for (const auto& [type, stage] :
+       std::set<std::pair<EventType, Stage>>{{visit, Stage::criteria},
+                                             {decide, Stage::criteria},
+                                             {found, Stage::r1_merge_by_distance},
+                                             {merge, Stage::r1_merge_by_distance},
+                                             {wait, Stage::r3_weak_candidates},
+                                             {found, Stage::r3_weak_candidates},
+                                             {merge, Stage::r3_weak_candidates},
+                                             {leave, Stage::r3_weak_candidates},
+                                             {assign, Stage::assign},
+                                             {drop, Stage::assign},
+                                             {refine, Stage::r2_explain_away},
+                                             {refine, Stage::r5_reassign_shared_cells},
+                                             {refine, Stage::r6_refit},
+                                             {refine, Stage::r7_second_merge},
+                                             {refine, Stage::r9_join_sheets},
+                                             {refine, Stage::r10_minor},
+                                             {assign, Stage::r11_pixel_borders},
+                                             {refine, Stage::r11_pixel_borders},
+                                             {found, Stage::r12_part_corners},
+                                             {refine, Stage::r12_part_corners},
+                                             {found, Stage::split_disconnected},
+                                             {refine, Stage::split_disconnected},
+                                             {leave, Stage::split_disconnected}})
+    EXPECT_TRUE(seen.contains({type, stage})) << static_cast<int>(type) << ", " << to_string(stage);
+}
+
+INSTANTIATE_TEST_SUITE_P(Profiles,
+                         Replay,
+                         testing::Values(NamedOptions{"paper", profile_options(Profile::paper)},
+                                         NamedOptions{"paper_closest",
+                                                      profile_options(Profile::paper_closest)},
+                                         NamedOptions{"refined", profile_options(Profile::refined)},
+                                         NamedOptions{"refined_split", split_options()},
+                                         NamedOptions{"refined_spreads", with_spreads()},
+                                         NamedOptions{"refined_corners", with_corners()},
+                                         NamedOptions{"paper_without_labels", without_labels()}),
+                         [](const auto& named) { return named.param.name; });
+
+}  // namespace
+}  // namespace planescope

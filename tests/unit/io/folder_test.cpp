@@ -1,0 +1,342 @@
+#include "core/io/folder/folder_layout.hpp"
+#include "core/io/image/png.hpp"
+#include "unit/io/support.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kW = 12;
+constexpr int kH = 8;
+constexpr const char* kOpen3dJson =
+    R"({"width": 12, "height": 8, "intrinsic_matrix": [10, 0, 0, 0, 11, 0, 6, 4, 1]})";
+
+void write_depth(const fs::path& path, std::uint16_t count, int width = kW, int height = kH) {
+  fs::create_directories(path.parent_path());
+  write_png(path, Image16(width, height, 1, count));
+}
+
+void write_color(const fs::path& path, std::uint8_t red, int width = kW, int height = kH) {
+  fs::create_directories(path.parent_path());
+  Image8 image(width, height, 3);
+  for (std::size_t i = 0; i < image.data.size(); i += 3) image.data[i] = red;
+  write_png(path, image);
+}
+
+/// depth/ and color/ with three frames 1, 2, 10, counts 1001, 1002, 1010, red 1, 2, 10.
+fs::path sample_folder() {
+  const fs::path folder = temp_folder();
+  for (const int i : {1, 2, 10}) {
+    write_depth(folder / "depth" / (std::to_string(i) + ".png"),
+                static_cast<std::uint16_t>(1000 + i));
+    write_color(folder / "color" / (std::to_string(i) + ".png"), static_cast<std::uint8_t>(i));
+  }
+  return folder;
+}
+
+TEST(Folder, FramesAreInTheOrderOfTheirNumbersWithTheirColour) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "camera_intrinsic.json", kOpen3dJson);
+  const auto recording = open_recording(folder);
+  ASSERT_EQ(recording->frame_count(), 3);
+  int i = 0;
+  for (const int number : {1, 2, 10}) {
+    const Frame frame = recording->frame(i++);
+    EXPECT_EQ(frame.name, std::to_string(number));
+    EXPECT_EQ(frame.depth.at(3, 3), 1000 + number);
+    EXPECT_EQ(frame.color.at(3, 3, 0), number);
+    EXPECT_TRUE(frame.color_aligned);
+    EXPECT_EQ(frame.intrinsics.fx, 10);
+    EXPECT_EQ(frame.intrinsics.fy, 11);
+    EXPECT_EQ(frame.intrinsics.cx, 6);
+    EXPECT_EQ(frame.intrinsics.cy, 4);
+  }
+  EXPECT_EQ(recording->info().depth_unit_m, 0.001);
+  EXPECT_EQ(recording->info().depth_unit_source, "assumed (RealSense default)");
+}
+
+TEST(Folder, EveryWayToWriteIntrinsicsIsUnderstood) {
+  const std::pair<const char*, const char*> files[] = {
+      {"intrinsic.json", R"({"intrinsic_matrix": [[10, 0, 6], [0, 11, 4], [0, 0, 1]]})"},
+      {"my_camera.json", R"({"fx": 10, "fy": 11, "ppx": 6, "ppy": 4, "other": []})"},
+      {"calibration.json",
+       R"({"intrinsic": {"width": 12, "height": 8, "intrinsic_matrix": [10,0,0,0,11,0,6,4,1]}})"},
+      {"camera.txt", "10 11 6 4\n"},
+      {"camera.txt", "# fx, fy, cx, cy\n10., 11., 6., 4.\n"},
+      {"ICL.K", "10. 0. 6.\n0. -11.0 4.\n0. 0. 1."},
+      {"intrinsic_depth.txt", "10 0 6 0\n0 11 4 0\n0 0 1 0\n0 0 0 1\n"},
+      {"calib.xml",
+       R"(<opencv_storage><camera_matrix type_id="opencv-matrix"><rows>3</rows><cols>3</cols>
+          <dt>d</dt><data>10. 0. 6. 0. 11. 4. 0. 0. 1.</data></camera_matrix></opencv_storage>)"}};
+  for (const auto& [name, text] : files) {
+    SCOPED_TRACE(name);
+    const fs::path folder = sample_folder();
+    write_text(folder / name, text);
+    const RecordingInfo info = open_recording(folder)->info();
+    EXPECT_EQ(info.intrinsics_source, name);
+    EXPECT_EQ(info.intrinsics.fx, 10);
+    EXPECT_EQ(info.intrinsics.fy, 11);
+    EXPECT_EQ(info.intrinsics.cx, 6);
+    EXPECT_EQ(info.intrinsics.cy, 4);
+  }
+}
+
+TEST(Folder, DepthScaleIsReadInEitherConvention) {
+  for (const auto& [text, unit_m] :
+       {std::pair("1000.0", 0.001), std::pair("5000", 0.0002), std::pair("0.00025", 0.00025)}) {
+    const fs::path folder = sample_folder();
+    write_text(
+        folder / "intrinsic.json",
+        std::string(R"({"intrinsic_matrix": [10,0,0,0,11,0,6,4,1], "depth_scale": )") + text + "}");
+    const RecordingInfo info = open_recording(folder)->info();
+    EXPECT_EQ(info.depth_unit_m, unit_m);
+    EXPECT_NE(info.depth_unit_source.find("intrinsic.json depth_scale"), std::string::npos);
+  }
+}
+
+TEST(Folder, OptionsWinOverFiles) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "intrinsic.json",
+             R"({"intrinsic_matrix": [10,0,0,0,11,0,6,4,1], "depth_scale": 1000})");
+  RecordingOptions options = with_intrinsics(20, 21, 5, 3);
+  options.depth_unit_m = 0.0005;
+  const RecordingInfo info = open_recording(folder, options)->info();
+  EXPECT_EQ(info.intrinsics.fy, 21);
+  EXPECT_EQ(info.intrinsics_source, "option --intrinsics");
+  EXPECT_EQ(info.depth_unit_m, 0.0005);
+}
+
+TEST(Folder, SeparateIntrinsicsForColourMeanThatItIsNotAligned) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "color_intrinsics.json", R"({"fx": 20, "fy": 20, "cx": 6, "cy": 4})");
+  write_text(folder / "depth_intrinsics.json", R"({"fx": 10, "fy": 11, "cx": 6, "cy": 4})");
+  const auto recording = open_recording(folder);
+  EXPECT_EQ(recording->info().intrinsics.fx, 10);
+  EXPECT_FALSE(recording->frame(0).color_aligned);
+  EXPECT_FALSE(recording->frame(0).color.empty());
+}
+
+TEST(Folder, ColourOfAnotherSizeIsShownOnly) {
+  const fs::path folder = temp_folder();
+  write_depth(folder / "0000_depth.png", 1000);
+  write_color(folder / "0000_color.png", 7, 48, 27);
+  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  const Frame frame = recording->frame(0);
+  EXPECT_EQ(frame.color.width, 48);
+  EXPECT_FALSE(frame.color_aligned);
+  EXPECT_EQ(frame.color_intrinsics.fx, 0);
+  EXPECT_NE(recording->info().color_note.find("48x27"), std::string::npos);
+}
+
+TEST(Folder, FlatFoldersPairNamesAndIgnoreOtherPictures) {
+  const fs::path folder = temp_folder();
+  for (const int i : {0, 1}) {
+    const std::string number = std::to_string(i);
+    write_depth(folder / ("depth_" + number + ".png"), static_cast<std::uint16_t>(500 + i));
+    write_color(folder / ("rgb_" + number + ".png"), static_cast<std::uint8_t>(40 + i));
+  }
+  write_color(folder / "result.png", 1);
+  write_depth(folder / "labels.png", 3);
+  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  ASSERT_EQ(recording->frame_count(), 2);
+  EXPECT_EQ(recording->frame(1).depth.at(0, 0), 501);
+  EXPECT_EQ(recording->frame(1).color.at(0, 0, 0), 41);
+}
+
+TEST(Folder, ColourIsPairedByTheTimesInItsNames) {
+  const fs::path folder = temp_folder();
+  for (const char* name : {"1305031102.160", "1305031102.194", "1305031102.226"}) {
+    write_depth(folder / "depth" / (std::string(name) + ".png"), 5000);
+  }
+  write_color(folder / "rgb" / "1305031102.158.png", 1);
+  write_color(folder / "rgb" / "1305031102.232.png", 2);
+  write_text(folder / "depth.txt", "# depth maps\n");
+  write_text(folder / "rgb.txt", "# color images\n");
+  const auto recording = open_recording(folder);
+  EXPECT_EQ(recording->info().depth_unit_m, 0.0002);
+  EXPECT_EQ(recording->info().intrinsics.fx, 525);
+  EXPECT_EQ(recording->info().intrinsics_source, "assumed (TUM RGB-D default)");
+  EXPECT_NEAR(recording->frame(1).timestamp_s, 1305031102.194, 1e-6);
+  EXPECT_EQ(recording->frame(0).color.at(0, 0, 0), 1);
+  EXPECT_EQ(recording->frame(1).color.at(0, 0, 0), 1);
+  EXPECT_EQ(recording->frame(2).color.at(0, 0, 0), 2);
+}
+
+TEST(Folder, TimesInNamesAreSecondsWhateverTheirUnit) {
+  EXPECT_NEAR(*timestamp_in_name("0003_1580908153638.png"), 1580908153.638, 1e-6);
+  EXPECT_NEAR(*timestamp_in_name("1305031102.160.png"), 1305031102.160, 1e-6);
+  EXPECT_NEAR(*timestamp_in_name("1580908153638000000.png"), 1580908153.638, 1e-3);
+  EXPECT_FALSE(timestamp_in_name("000123.png"));
+  EXPECT_FALSE(timestamp_in_name("depth.png"));
+}
+
+TEST(Folder, MissingColourImagesAreCounted) {
+  const fs::path folder = sample_folder();
+  fs::remove(folder / "color" / "2.png");
+  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  ASSERT_EQ(recording->info().warnings.size(), 1u);
+  expect_one_line_with(recording->info().warnings[0], {"1 of 3 depth images have no colour"});
+  EXPECT_TRUE(recording->frame(1).color.empty());
+  EXPECT_FALSE(recording->frame(2).color.empty());
+}
+
+TEST(Folder, TheSidecarGivesWhatTheSampleWriterWrites) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "planescope.json", R"({
+    "schema": "planescope.recording/1",
+    "intrinsics": {"width": 12, "height": 8, "fx": 10, "fy": 11, "cx": 6, "cy": 4,
+                   "distortion": [0.1, 0, 0, 0, 0]},
+    "depth_unit_m": 0.0005, "gravity": [0, 2, 0], "color_aligned": true,
+    "frames": [{"name": "1", "timestamp_s": 1.5},
+               {"name": "2", "timestamp_s": 2.5, "gravity": [0, 0, 1]}]})");
+  const auto recording = open_recording(folder);
+  EXPECT_EQ(recording->info().depth_unit_m, 0.0005);
+  EXPECT_EQ(recording->info().depth_unit_source, "planescope.json");
+  EXPECT_EQ(recording->info().intrinsics.distortion, Distortion::brown_conrady);
+  EXPECT_EQ(recording->info().color_note, "aligned");
+  const Frame first = recording->frame(0);
+  EXPECT_EQ(first.timestamp_s, 1.5);
+  ASSERT_TRUE(first.gravity);
+  EXPECT_EQ(first.gravity->source, GravitySource::sidecar);
+  EXPECT_EQ(first.gravity->direction, Vec3d(0, 1, 0));
+  EXPECT_EQ(recording->frame(1).gravity->direction, Vec3d(0, 0, 1));
+  EXPECT_EQ(recording->frame(2).gravity->direction, Vec3d(0, 1, 0));
+}
+
+TEST(Folder, AGravityFileAloneIsEnough) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "gravity.json", R"({"gravity": [0.5, 0.5, 0]})");
+  const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+  EXPECT_NEAR(recording->frame(0).gravity->direction.x(), std::sqrt(0.5), 1e-12);
+}
+
+TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"{\"gravity\": [0, 0, 0]}", "\"gravity\""},
+      {"{\"gravity\": [1, 2]}", "\"gravity\""},
+      {"{\"gravity\": \"down\"}", "\"gravity\""},
+      {"{\"depth_unit_m\": -1}", "\"depth_unit_m\""},
+      {"{\"intrinsics\": {\"fx\": 1}}", "\"fy\""},
+      {"{\"intrinsics\": 3}", "\"intrinsics\""},
+      {"{\"schema\": \"other/2\"}", "\"schema\""},
+      {"{\"frames\": [3]}", "\"frames\""},
+      {"{\"color_aligned\": 1}", "\"color_aligned\""},
+      {"[1, 2]", "object"},
+      {"{\"gravity\"", "JSON"}};
+  for (const auto& [text, part] : cases) {
+    const fs::path folder = sample_folder();
+    write_text(folder / "planescope.json", text);
+    expect_one_line_with(error_of([&] { open_recording(folder, with_intrinsics(9, 9, 6, 4)); }),
+                         {"planescope.json", part});
+  }
+}
+
+TEST(Folder, PicturesOfDepthAreRefused) {
+  const fs::path eight = sample_folder();
+  write_png(eight / "depth" / "2.png", Image8(kW, kH));
+  expect_one_line_with(error_of([&] { open_recording(eight, with_intrinsics(9, 9, 6, 4)); }),
+                       {"2.png", "1 channel(s) with 8 bits", "16 bits"});
+  const fs::path three = sample_folder();
+  write_color(three / "depth" / "10.png", 1);
+  expect_one_line_with(error_of([&] { open_recording(three, with_intrinsics(9, 9, 6, 4)); }),
+                       {"10.png", "3 channel(s) with 8 bits"});
+}
+
+TEST(Folder, SizesThatDoNotAgreeAreRefused) {
+  const fs::path folder = sample_folder();
+  write_text(folder / "camera_intrinsic.json",
+             R"({"width": 640, "height": 480, "intrinsic_matrix": [10,0,0,0,11,0,6,4,1]})");
+  expect_one_line_with(error_of([&] { open_recording(folder); }),
+                       {"12x8", "640x480", "camera_intrinsic.json"});
+  const fs::path mixed = sample_folder();
+  write_depth(mixed / "depth" / "2.png", 5, 14, 8);
+  expect_one_line_with(error_of([&] { open_recording(mixed, with_intrinsics(9, 9, 6, 4)); }),
+                       {"2.png", "14x8", "12x8"});
+}
+
+TEST(Folder, APngCutInHalfIsNoticedOnOpening) {
+  for (const char* name : {"depth/2.png", "color/10.png"}) {
+    const fs::path folder = sample_folder();
+    auto bytes = read_file_bytes(folder / name);
+    bytes.resize(bytes.size() / 2);
+    write_file_bytes(folder / name, bytes);
+    expect_one_line_with(error_of([&] { open_recording(folder, with_intrinsics(9, 9, 6, 4)); }),
+                         {fs::path(name).filename().c_str(), "cut"});
+  }
+}
+
+TEST(Folder, WithoutIntrinsicsTheOptionIsNamed) {
+  expect_one_line_with(error_of([&] { open_recording(sample_folder()); }),
+                       {"intrinsics", "--intrinsics FX,FY,CX,CY"});
+}
+
+TEST(Folder, UnusableIntrinsicsAreRefused) {
+  expect_one_line_with(
+      error_of([&] { open_recording(sample_folder(), with_intrinsics(0, 10, 6, 4)); }), {"fx 0"});
+  const fs::path folder = sample_folder();
+  write_text(folder / "intrinsic.json", R"({"intrinsic_matrix": [10, 0, 0]})");
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"intrinsic.json", "expected 9"});
+  write_text(folder / "intrinsic.json", "{\"intrinsic_matrix\": [10,");
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"intrinsic.json", "JSON"});
+}
+
+TEST(Folder, ASingleDepthImageOpensWithIntrinsicsAndItsColour) {
+  const fs::path folder = sample_folder();
+  const auto recording = open_recording(folder / "depth" / "10.png", with_intrinsics(9, 9, 6, 4));
+  ASSERT_EQ(recording->frame_count(), 1);
+  EXPECT_EQ(recording->frame(0).depth.at(0, 0), 1010);
+  EXPECT_EQ(recording->frame(0).color.at(0, 0, 0), 10);
+  expect_one_line_with(error_of([&] { open_recording(folder / "depth" / "10.png"); }),
+                       {"10.png", "--intrinsics"});
+}
+
+TEST(Folder, HashesAreOfTheCounts) {
+  const fs::path folder = temp_folder();
+  write_depth(folder / "depth" / "a.png", 0x0201, 2, 1);
+  const auto recording = open_recording(folder, with_intrinsics(9, 9, 6, 4));
+  // SHA-256 of the bytes 01 02 01 02.
+  EXPECT_EQ(recording->frame_hash(0),
+            "30ace33963fd17c4816fce834fd7f47ea5ffb8235734f58e2ed78422bb24436f");
+}
+
+TEST(Open, WhatIsNoRecordingGetsOneLineThatSaysWhatWasFound) {
+  const fs::path folder = temp_folder();
+  expect_one_line_with(error_of([&] { open_recording(folder / "nothing"); }),
+                       {"nothing", "no such file or folder"});
+  expect_one_line_with(error_of([&] { open_recording(folder); }),
+                       {folder.c_str(), "no files", "expected a RealSense .bag"});
+  write_text(folder / "notes.txt", "hello");
+  write_text(folder / "more.txt", "hello");
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"2 .txt"});
+  expect_one_line_with(error_of([&] { open_recording(folder / "notes.txt"); }),
+                       {"notes.txt", "not a recording"});
+  fs::create_directories(folder / "depth");
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"no recording"});
+}
+
+TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
+  const fs::path folder = temp_folder();
+  const std::string csv =
+      "Frame Info: \nType,Depth\nFormat,Z16\nFrame Number,531\nTimestamp (ms),1000.5\n"
+      "Resolution x,4\nResolution y,2\nBytes per pixel,2\n\nIntrinsic:,\nFx,10\nFy,11\nPPx,2\n"
+      "PPy,1\nDistorsion,Brown Conrady\n";
+  write_text(folder / "a_metadata.csv", csv);
+  write_text(folder / "a.raw", std::string("\x01\x00\x02\x01", 4) + std::string(12, '\0'));
+  const auto recording = open_recording(folder);
+  const Frame frame = recording->frame(0);
+  EXPECT_EQ(frame.depth.at(0, 0), 1);
+  EXPECT_EQ(frame.depth.at(1, 0), 0x0102);
+  EXPECT_EQ(frame.timestamp_s, 1.0005);
+  EXPECT_EQ(recording->info().intrinsics.fy, 11);
+  write_text(folder / "a.raw", std::string(15, '\0'));
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"a.raw", "15 bytes", "4x2"});
+  write_text(folder / "a_metadata.csv", "Type,Depth\nFormat,Z16\nResolution x,wide\n");
+  expect_one_line_with(error_of([&] { open_recording(folder); }), {"Resolution x", "wide"});
+  fs::remove(folder / "a_metadata.csv");
+  expect_one_line_with(error_of([&] { open_recording(folder / "a.raw"); }),
+                       {"a.raw", "_metadata.csv"});
+}
+
+}  // namespace
+}  // namespace planescope

@@ -1,0 +1,125 @@
+#include "core/io/picked_gravity.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Four frames of depth; one carries an IMU's gravity.
+class Frames : public Recording {
+ public:
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return 4; }
+  Frame frame(int i) const override {
+    Frame frame;
+    frame.index = i;
+    if (i == 3) frame.gravity = Gravity{Vec3d::UnitX(), GravitySource::imu, 1, "imu"};
+    return frame;
+  }
+  std::string frame_hash(int i) const override {
+    if (i == damaged) throw Error("frame " + std::to_string(i) + " is damaged");
+    return salt + std::to_string(i);
+  }
+  std::string salt = "hash";
+  int damaged = -1;
+
+ private:
+  RecordingInfo info_;
+};
+
+struct Picked : testing::Test {
+  const fs::path dir =
+      fs::path(testing::TempDir()) /
+      (std::string("picked.") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  Frames recording;
+
+  void SetUp() override { fs::remove_all(dir); }
+  PickedDirection direction(int frame, const Vec3d& down) const {
+    return {down, {}, frame, "hash" + std::to_string(frame), "picked: a floor"};
+  }
+  void write(const std::string& text) const {
+    fs::create_directories(dir);
+    std::ofstream(dir / "gravity.json") << text;
+  }
+  std::string refusal() const {
+    try {
+      read_picked_gravity(dir, recording);
+      return "";
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
+};
+
+TEST_F(Picked, ComesBackAsItWasWritten) {
+  PickedGravity picked;
+  picked.recording = direction(1, Vec3d(0, 0.6, 0.8));
+  picked.recording->walls = {Vec3d::UnitX(), Vec3d(0, 0.8, -0.6)};
+  picked.frames[2] = direction(2, Vec3d::UnitY());
+  write_picked_gravity(dir, picked);
+  EXPECT_EQ(read_picked_gravity(dir, recording), picked);
+  write_picked_gravity(dir, {});
+  EXPECT_FALSE(fs::exists(dir / "gravity.json")) << "nothing is picked any more";
+  EXPECT_TRUE(read_picked_gravity(dir, recording).empty());
+  write_picked_gravity(dir, {});  // nothing to remove
+}
+
+TEST_F(Picked, HoldsForItsFrameFirstAndNeverBeforeTheRecordingsOwn) {
+  PickedGravity picked;
+  picked.recording = direction(0, Vec3d(0, 0.6, 0.8));
+  picked.frames[2] = direction(2, Vec3d(0, 0.8, 0.6));
+  const auto with = with_picked_gravity(std::make_unique<Frames>(), picked);
+  EXPECT_EQ(with->frame(1).gravity->direction, Vec3d(0, 0.6, 0.8));
+  EXPECT_EQ(with->frame(1).gravity->source, GravitySource::picked);
+  EXPECT_EQ(with->frame(2).gravity->direction, Vec3d(0, 0.8, 0.6));
+  EXPECT_EQ(with->frame(3).gravity->source, GravitySource::imu);
+  EXPECT_EQ(with->frame_hash(2), "hash2");
+}
+
+TEST_F(Picked, OnAnotherRecordingIsRefused) {
+  PickedGravity picked;
+  picked.recording = direction(1, Vec3d::UnitY());
+  write_picked_gravity(dir, picked);
+  recording.salt = "other";
+  EXPECT_NE(refusal().find("gravity.json: was picked on another recording"), std::string::npos)
+      << refusal();
+  recording.salt = "hash";
+  recording.damaged = 1;
+  EXPECT_EQ(refusal(), "") << "a damaged frame is told of where it is read";
+  picked.recording->frame = 9;
+  write_picked_gravity(dir, picked);
+  EXPECT_NE(refusal().find("another recording"), std::string::npos);
+}
+
+TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
+  const std::string one =
+      R"({"direction": [0,1,0], "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""})";
+  for (const std::string& text :
+       {std::string("{"), std::string("[]"), std::string("{}"), std::string("null"),
+        R"({"schema": "planescope.gravity/2", "recording": null, "frames": []})" + std::string(),
+        R"({"schema": "planescope.gravity/1", "recording": 7, "frames": []})" + std::string(),
+        R"({"schema": "planescope.gravity/1", "recording": null, "frames": 7})" + std::string(),
+        R"({"schema": "planescope.gravity/1", "recording": null, "frames": [)" + one + ", {}]}",
+        R"({"schema": "planescope.gravity/1", "frames": [], "recording": {"direction": [0,0,0],)"
+        R"( "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""}})" +
+            std::string(),
+        R"({"schema": "planescope.gravity/1", "frames": [], "recording": {"direction": [0,1],)"
+        R"( "walls": [], "frame": 1, "frame_sha256": "hash1", "note": ""}})" +
+            std::string()}) {
+    write(text);
+    EXPECT_EQ(refusal().find((dir / "gravity.json").string()), 0u) << text << ": " << refusal();
+    EXPECT_EQ(refusal().find('\n'), std::string::npos) << refusal();
+  }
+  write(R"({"schema": "planescope.gravity/1", "recording": null, "frames": [)" + one + "]}");
+  EXPECT_EQ(refusal(), "");
+}
+
+}  // namespace
+}  // namespace planescope

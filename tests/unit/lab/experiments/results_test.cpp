@@ -1,0 +1,79 @@
+#include "core/lab/experiments/results.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "support/refusal.hpp"
+#include "unit/lab/experiments/made_up_results.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path fresh_dir() {
+  const fs::path dir =
+      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  return dir;
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+TEST(PaperResults, ComeBackFromTheirFileToTheSameBytes) {
+  PaperResults results = made_up_results();
+  results.cells[0].metrics.alpha_deg = 1.0 / 3;
+  results.cells[0].key.setting = "without r6_refit";
+  const fs::path once = fresh_dir(), again = once / "again";
+  fs::create_directories(again);
+  write_results(once, results);
+  const PaperResults read = read_results(once);
+  write_results(again, read);
+  EXPECT_EQ(text_of(once / "paper.json"), text_of(again / "paper.json"));
+  ASSERT_EQ(read.cells.size(), results.cells.size());
+  EXPECT_EQ(read.cells[0].key, results.cells[0].key);
+  EXPECT_EQ(read.cells[0].metrics.alpha_deg, 1.0 / 3);
+  EXPECT_EQ(read.real[0].n_m, 100000.5);
+}
+
+TEST(PaperResults, OfADepthSetKnowTheirErrorsAndNoPoints) {
+  const Cell cell = made_up_cell(with_rival(depth_of("depth_boxes", 7, "d435"), "ransac"), 1);
+  EXPECT_EQ(parse_cell(cell_line(cell)).key, cell.key);
+  EXPECT_EQ(cell_line(cell).find("noise_cm"), std::string::npos);
+}
+
+TEST(PaperResults, FindsACellByItsWholeKey) {
+  const PaperResults results = made_up_results();
+  const CellKey key = with_ours(stairs_of(1, 8192, 0.2), "refined", "gcn");
+  ASSERT_NE(results.find(key), nullptr);
+  EXPECT_EQ(results.find(key)->metrics.alpha_deg, 0.2);
+  EXPECT_EQ(results.find(with_ours(stairs_of(2, 8192, 0.2), "refined", "gcn")), nullptr);
+}
+
+TEST(PaperResults, ThatAreDamagedAreRefusedByTheirFilesName) {
+  const fs::path dir = fresh_dir();
+  std::ofstream(dir / "paper.json") << R"({"schema": "planescope.paper/1"})";
+  expect_refused([&] { read_results(dir); }, "paper.json");
+  std::ofstream(dir / "paper.json") << R"({"schema": "other"})";
+  expect_refused([&] { read_results(dir); }, "expected 'planescope.paper/1'");
+}
+
+TEST(PaperTimings, ComeBackFromTheirFileToTheSameBytes) {
+  const fs::path once = fresh_dir(), again = once / "again";
+  fs::create_directories(again);
+  write_timings(once, made_up_timings());
+  write_timings(again, read_timings(once));
+  EXPECT_EQ(text_of(once / "paper.timings.json"), text_of(again / "paper.timings.json"));
+}
+
+}  // namespace
+}  // namespace planescope

@@ -1,0 +1,194 @@
+#include "core/lab/synthetic/evaluation_sets.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+EvaluationOptions small() {
+  EvaluationOptions options;
+  options.points = 1000;
+  return options;
+}
+
+EvaluationFrame make(const std::string& set, int index, const EvaluationOptions& options) {
+  return make_evaluation_frame(find_evaluation_set(set), index, options);
+}
+
+std::vector<std::string> names(bool depth) {
+  std::vector<std::string> names;
+  for (const EvaluationSet& set : evaluation_sets())
+    if (set.depth == depth) names.push_back(set.name);
+  return names;
+}
+
+int largest_plane(const EvaluationFrame& frame) {
+  int largest = 0;
+  for (const TruePolygon& polygon : frame.polygons) largest = std::max(largest, polygon.plane);
+  return largest;
+}
+
+/// Distance of a point to the nearest part of its plane; `but`: of any other instead.
+double distance_to_plane(const EvaluationFrame& frame,
+                         int plane,
+                         const Vec3f& p,
+                         bool but = false) {
+  double nearest = 1e300;
+  for (const TruePolygon& polygon : frame.polygons)
+    if ((polygon.plane == plane) != but)
+      nearest = std::min(nearest, distance_m(polygon, p.cast<double>()));
+  return nearest;
+}
+
+TEST(EvaluationSets, UnknownOnesAreRefusedWithTheNamesOfThoseThereAre) {
+  try {
+    find_evaluation_set("cookies");
+    FAIL();
+  } catch (const Error& error) {
+    const std::string line = error.what();
+    for (const EvaluationSet& set : evaluation_sets())
+      EXPECT_NE(line.find(set.name), std::string::npos) << line;
+  }
+  EXPECT_THROW(parse_depth_errors("much"), Error);
+  EXPECT_EQ(parse_depth_errors("d435"), DepthErrors::d435);
+}
+
+TEST(EvaluationSets, StairsAreThoseOfThePaper) {
+  EvaluationOptions options = small();
+  options.seed = 7;
+  options.noise_m = 0.01;
+  StairsOptions same;
+  same.seed = 7;
+  same.points = options.points;
+  same.noise_m = 0.01;
+  const Stairs stairs = make_stairs(5, same);
+  const EvaluationFrame frame = make("stairs", 5, options);
+  EXPECT_EQ(frame.name, "stairs_005");
+  EXPECT_EQ(frame.frame.cloud->points, stairs.cloud.points);
+  EXPECT_EQ(frame.frame.cloud->instance, stairs.cloud.instance);
+  EXPECT_EQ(frame.normals, stairs.normals);
+  EXPECT_EQ(largest_plane(frame), 2 * stairs.steps);
+}
+
+class EveryCloudSet : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(EvaluationSets,
+                         EveryCloudSet,
+                         testing::ValuesIn(names(false)),
+                         [](const auto& set) { return set.param; });
+
+TEST_P(EveryCloudSet, HasTheSamePointsWhateverWasAskedForBefore) {
+  const EvaluationFrame alone = make(GetParam(), 2, small());
+  make(GetParam(), 0, small());
+  make(GetParam(), 1, small());
+  const EvaluationFrame again = make(GetParam(), 2, small());
+  EXPECT_EQ(alone.frame.cloud->points, again.frame.cloud->points);
+  EXPECT_EQ(alone.frame.cloud->instance, again.frame.cloud->instance);
+  EXPECT_NE(alone.frame.cloud->points, make(GetParam(), 3, small()).frame.cloud->points);
+}
+
+TEST_P(EveryCloudSet, PutsPointsWithoutNoiseOnAPolygonOfTheirPlane) {
+  for (int index = 0; index < 6; ++index) {
+    const EvaluationFrame frame = make(GetParam(), index, small());
+    const PointSet& cloud = *frame.frame.cloud;
+    ASSERT_EQ(cloud.points.size(), 1000U);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      EXPECT_LT(distance_to_plane(frame, cloud.instance[i], cloud.points[i]), 1e-6);
+  }
+}
+
+TEST_P(EveryCloudSet, IsSolvedByTheOracleAwayFromEdges) {
+  for (int index = 0; index < 6; ++index) {
+    const EvaluationFrame frame = make(GetParam(), index, small());
+    const PointSet& cloud = *frame.frame.cloud;
+    const std::vector<std::int32_t> planes = oracle_planes(cloud.points, frame.polygons);
+    int compared = 0;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (distance_to_plane(frame, cloud.instance[i], cloud.points[i], true) < 1e-4) continue;
+      EXPECT_EQ(planes[i], cloud.instance[i]);
+      ++compared;
+    }
+    EXPECT_GT(compared, 900);
+  }
+}
+
+TEST_P(EveryCloudSet, KnowsThePlanesItCountsTheirNormalsAndGravity) {
+  for (int index = 0; index < 12; ++index) {
+    const EvaluationFrame frame = make(GetParam(), index, small());
+    const int planes = largest_plane(frame);
+    EXPECT_EQ(static_cast<int>(frame.normals.size()), planes);
+    std::set<int> seen;
+    for (const std::int32_t plane : frame.frame.cloud->instance)
+      if (plane > 0) seen.insert(plane);
+    EXPECT_EQ(static_cast<int>(seen.size()), planes) << "every plane has points";
+    for (const TruePolygon& polygon : frame.polygons) {
+      if (polygon.plane == 0) continue;
+      const Vec3d& normal = frame.normals[polygon.plane - 1];
+      EXPECT_NEAR(normal.norm(), 1, 1e-9);
+      for (const Vec3d& corner : polygon.corners)
+        EXPECT_NEAR(normal.dot(corner - polygon.corners[0]), 0, 1e-9);
+    }
+    ASSERT_TRUE(frame.frame.gravity);
+    EXPECT_EQ(frame.frame.gravity->direction, Vec3d(0, 0, -1));
+  }
+}
+
+TEST_P(EveryCloudSet, KeepsItsGeometryUnderNoise) {
+  EvaluationOptions noisy = small();
+  noisy.noise_m = 0.01;
+  const EvaluationFrame clean = make(GetParam(), 0, small());
+  const EvaluationFrame frame = make(GetParam(), 0, noisy);
+  EXPECT_EQ(frame.frame.cloud->instance, clean.frame.cloud->instance);
+  EXPECT_EQ(frame.normals, clean.normals);
+  double squares = 0;
+  for (std::size_t i = 0; i < frame.frame.cloud->points.size(); ++i)
+    squares += (frame.frame.cloud->points[i] - clean.frame.cloud->points[i]).squaredNorm();
+  EXPECT_NEAR(std::sqrt(squares / 3000), 0.01, 0.001);
+}
+
+struct PlaneCount {
+  const char* set;
+  int fewest, most;
+};
+TEST(EvaluationSets, ObjectsHaveThePlanesTheirDescriptionsPromise) {
+  for (const PlaneCount& expected :
+       {PlaneCount{"side_walls", 6, 13},    // ground, 2 to 5 steps, one or two walls
+        PlaneCount{"open_risers", 16, 31},  // ground, five faces a slab
+        PlaneCount{"equal_boxes", 16, 41},  // ground, five faces a box
+        PlaneCount{"ramps", 5, 6}, PlaneCount{"kerbs", 3, 4}, PlaneCount{"spiral", 8, 16}}) {
+    std::set<int> counts;
+    for (int index = 0; index < find_evaluation_set(expected.set).frames; ++index) {
+      const int planes = largest_plane(make(expected.set, index, small()));
+      EXPECT_GE(planes, expected.fewest) << expected.set;
+      EXPECT_LE(planes, expected.most) << expected.set;
+      counts.insert(planes);
+    }
+    EXPECT_GT(counts.size(), 1U) << expected.set;
+  }
+}
+
+TEST(EvaluationSets, TopsOfEqualBoxesShareTheirHeightAndCountEachForItself) {
+  const EvaluationFrame frame = make("equal_boxes", 0, small());
+  std::set<int> tops;
+  double height = 0;
+  for (const TruePolygon& polygon : frame.polygons) {
+    if (frame.normals[polygon.plane - 1].z() < 0.9 || polygon.corners[0].z() == 0) continue;
+    if (tops.empty()) height = polygon.corners[0].z();
+    EXPECT_EQ(polygon.corners[0].z(), height);
+    tops.insert(polygon.plane);
+  }
+  EXPECT_GE(tops.size(), 3U);
+}
+
+TEST(EvaluationSets, ThePoleOfASpiralIsNoPlane) {
+  const PointSet cloud = *make("spiral", 0, small()).frame.cloud;
+  EXPECT_GT(std::count(cloud.instance.begin(), cloud.instance.end(), 0), 10);
+}
+
+}  // namespace
+}  // namespace planescope

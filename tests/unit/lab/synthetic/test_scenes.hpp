@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/lab/synthetic/d435.hpp"
+#include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/scene.hpp"
+
+namespace planescope::synthetic_test {
+
+/// A wall at right angles to the view of a level camera at the origin, `z_m` away.
+inline Scene wall_at(double z_m) {
+  Scene scene;
+  scene.camera.position = Vec3d::Zero();
+  add_polygon(scene, {{z_m, 20, -20}, {z_m, -20, -20}, {z_m, -20, 20}, {z_m, 20, 20}}, {});
+  return scene;
+}
+
+inline D435Model without_color(int width = 640, int height = 480) {
+  D435Model model;
+  model.intrinsics = d435_intrinsics(width, height);
+  model.color = false;
+  return model;
+}
+
+inline Frame seen(const Scene& scene, const D435Model& model, FrameLabels* truth = nullptr) {
+  return render_scene(scene, scene.camera, model, 11, truth);
+}
+
+/// Share of pixels without a measurement in a part of the image.
+inline double hole_share(const Image16& depth, int x0, int x1, int y0, int y1) {
+  int holes = 0;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) holes += depth.at(x, y) == 0;
+  return static_cast<double>(holes) / ((x1 - x0) * (y1 - y0));
+}
+
+}  // namespace planescope::synthetic_test

@@ -1,0 +1,147 @@
+#include "core/lab/training/train.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "core/lab/synthetic/counter_random.hpp"
+#include "core/lab/training/checkpoint.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+/// A floor that meets a wall at x = 0, turned about z.
+LabelledCloud corner(std::uint64_t number) {
+  LabelledCloud cloud;
+  const double yaw = 6.28 * random_uniform(1, number, 0);
+  for (std::uint64_t i = 1; i <= 400; ++i) {
+    const double u = random_uniform(2, number, 2 * i), v = random_uniform(2, number, 2 * i + 1);
+    const bool wall = i % 2 == 0;
+    const double x = wall ? 0 : u, z = wall ? u : 0;
+    cloud.points.push_back(
+        Vec3d(std::cos(yaw) * x - std::sin(yaw) * v, std::sin(yaw) * x + std::cos(yaw) * v, z)
+            .cast<float>());
+    cloud.labels.push_back(wall ? Label::v : Label::h);
+  }
+  return cloud;
+}
+
+TrainOptions quick_options() {
+  TrainOptions options;
+  options.network.levels = {{8, 8}, {16}};
+  options.network.head = {16};
+  options.steps = 60;
+  options.warm_up_steps = 5;
+  options.learning_rate = 1e-2;
+  options.batch = 3;
+  return options;
+}
+
+TrainState train(const TrainOptions& options, int steps, int threads, Simd simd = best_simd()) {
+  TrainState state = begin_training(options);
+  while (state.step < steps) train_step(state, options, corner, threads, simd);
+  return state;
+}
+
+std::filesystem::path temporary_file(const std::string& name) {
+  return std::filesystem::temp_directory_path() / ("planescope_train_" + name);
+}
+
+TEST(Training, LearnsToTellAFloorFromAWall) {
+  const TrainOptions options = quick_options();
+  const std::vector<LabelledCloud> unseen = {corner(1000001), corner(1000002), corner(1000003)};
+  const LabelAccuracy before = score_network(begin_training(options).weights, unseen, 1);
+  const LabelAccuracy after = score_network(train(options, options.steps, 2).weights, unseen, 1);
+  EXPECT_LT(before.inner_percent(), 90);
+  EXPECT_GT(after.inner_percent(), 99);
+  EXPECT_GT(after.edge_percent(), 75);
+}
+
+TEST(Training, GivesTheSameWeightsWithEveryThreadCountAndInstructionSet) {
+  const TrainOptions options = quick_options();
+  const TrainState expected = train(options, 10, 1, Simd::plain);
+  for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512}) {
+    if (simd > best_simd()) continue;
+    for (const int threads : {1, 2, 7})
+      EXPECT_EQ(train(options, 10, threads, simd).weights.tensors, expected.weights.tensors)
+          << to_string(simd) << ", " << threads << " threads";
+  }
+}
+
+TEST(Training, ResumedFromACheckpointEndsInTheSameWeights) {
+  const TrainOptions options = quick_options();
+  const auto path = temporary_file("resume");
+  TrainState first = train(options, 7, 2);
+  first.epochs.push_back({.step = 7, .train_loss = 1.0 / 3, .validation = {{1, 2, 3, 4}}});
+  write_checkpoint(path, first, options, {{"recipe", "a test"}});
+  TrainState resumed = read_checkpoint(path, options, {{"recipe", "a test"}});
+  EXPECT_EQ(resumed.step, 7);
+  EXPECT_EQ(resumed.loss_sum, first.loss_sum);
+  ASSERT_EQ(resumed.epochs.size(), 1u);
+  EXPECT_EQ(resumed.epochs[0].train_loss, 1.0 / 3);
+  EXPECT_EQ(resumed.epochs[0].validation[0].inner, 4u);
+  while (resumed.step < 20) train_step(resumed, options, corner, 1);
+  const TrainState whole = train(options, 20, 2);
+  EXPECT_EQ(resumed.weights.tensors, whole.weights.tensors);
+  EXPECT_EQ(resumed.loss_sum, whole.loss_sum);
+}
+
+TEST(Training, RefusesTheCheckpointOfAnotherTraining) {
+  const auto path = temporary_file("other");
+  const TrainOptions options = quick_options();
+  const TrainingPurpose purpose = {{"recipe", "a test"}};
+  write_checkpoint(path, begin_training(options), options, purpose);
+  const auto message = [&](const TrainOptions& wanted, const TrainingPurpose& wanted_purpose) {
+    try {
+      read_checkpoint(path, wanted, wanted_purpose);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("was taken");
+  };
+  EXPECT_EQ(message(options, purpose), "was taken");
+  TrainOptions longer = options;
+  longer.steps = 61;
+  EXPECT_EQ(message(longer, purpose),
+            path.string() + ": belongs to another training: steps 60, expected 61");
+  EXPECT_EQ(message(options, {{"recipe", "another"}}),
+            path.string() + ": belongs to another training: recipe a test, expected another");
+}
+
+TEST(Training, RefusesADamagedCheckpoint) {
+  const auto path = temporary_file("damaged");
+  const TrainOptions options = quick_options();
+  EXPECT_THROW(read_checkpoint(temporary_file("nowhere"), options, {}), Error);
+  TrainState state = begin_training(options);
+  state.step = options.steps + 1;
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "more steps than there are";
+  state.step = 2;
+  state.epochs = {{.step = 1, .train_loss = 1, .validation = {{}}},
+                  {.step = 2, .train_loss = 1, .validation = {}}};
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not all epochs have the same sets";
+  state.epochs.clear();
+  state.mean[0][0] = std::numeric_limits<float>::infinity();
+  write_checkpoint(path, state, options, {});
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not finite";
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 5);
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "cut";
+}
+
+TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
+  const TrainOptions options = quick_options();
+  const auto unknown = [](std::uint64_t number) {
+    LabelledCloud cloud = corner(number);
+    cloud.labels.assign(cloud.points.size(), Label::unknown);
+    return cloud;
+  };
+  TrainState state = begin_training(options);
+  EXPECT_EQ(train_step(state, options, unknown, 1), 0);
+  EXPECT_EQ(state.weights.tensors, begin_training(options).weights.tensors);
+}
+
+}  // namespace
+}  // namespace planescope

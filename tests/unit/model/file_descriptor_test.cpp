@@ -1,0 +1,55 @@
+#include "core/model/file_descriptor.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path fresh_folder(const std::string& name) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("replace_file_" + name);
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+TEST(ReplaceFile, PutsTheNewBytesInPlaceAndLeavesNothingBeside) {
+  const fs::path folder = fresh_folder("new");
+  const std::vector<unsigned char> first = {1, 2, 3}, second = {4};
+  replace_file(folder / "a", first);
+  EXPECT_EQ(read_file_bytes(folder / "a"), first);
+  replace_file(folder / "a", second);
+  EXPECT_EQ(read_file_bytes(folder / "a"), second);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(ReplaceFile, KeepsWhatWasThereWhereItCannotReplaceIt) {
+  const fs::path folder = fresh_folder("blocked");
+  fs::create_directories(folder / "a" / "in the way");
+  try {
+    replace_file(folder / "a", std::vector<unsigned char>{1});
+    FAIL() << "a folder was replaced by a file";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find((folder / "a").string()), std::string::npos);
+  }
+  EXPECT_TRUE(fs::exists(folder / "a" / "in the way"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(FileDescriptors, AMissingFolderAndAFullDeviceAreToldByTheirErrno) {
+  EXPECT_EQ(sync_folder("/nonexistent/folder"), ENOENT);
+  const FileDescriptor full = open_file("/dev/full", O_WRONLY);
+  if (!full.is_open()) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_EQ(write_fully(full, std::vector<unsigned char>{1, 2}, 0), ENOSPC);
+  EXPECT_EQ(error_text(ENOSPC), "No space left on device");
+}
+
+}  // namespace
+}  // namespace planescope

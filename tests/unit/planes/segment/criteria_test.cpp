@@ -1,0 +1,173 @@
+#include "core/planes/segment/criteria.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope {
+namespace {
+
+OctreeNode node_with(std::uint32_t n_h, std::uint32_t n_v) {
+  OctreeNode node;
+  node.end = n_h + n_v;
+  node.count_h = n_h;
+  return node;
+}
+
+PlaneFit plane_at(const Vec3d& centroid, const Vec3d& normal) {
+  PlaneFit fit;
+  fit.count = 10;
+  fit.centroid = centroid;
+  fit.normal = normal.normalized();
+  return fit;
+}
+
+TEST(Criterion1, NeedsBothFewAndRelativelyFewOutliers) {
+  const SegmentOptions options = profile_options(Profile::paper);
+  EXPECT_TRUE(is_pure(purity_of(node_with(95, 5), true), options));    // 5 outliers, 5 %
+  EXPECT_FALSE(is_pure(purity_of(node_with(94, 5), true), options));   // 5 outliers, over 5 %
+  EXPECT_FALSE(is_pure(purity_of(node_with(194, 6), true), options));  // 3 %, but 6 outliers
+  EXPECT_TRUE(is_pure(purity_of(node_with(0, 7), true), options));
+}
+
+TEST(Criterion1, InliersAreTheMajorityLabel) {
+  EXPECT_EQ(purity_of(node_with(3, 8), true).inlier, Label::v);
+  EXPECT_EQ(purity_of(node_with(3, 8), true).n_out, 3u);
+  EXPECT_EQ(purity_of(node_with(4, 4), true).inlier, Label::h);
+}
+
+TEST(Criterion1, WithoutLabelsEveryNodeIsPure) {
+  EXPECT_TRUE(is_pure(purity_of(node_with(50, 50), false), profile_options(Profile::paper)));
+}
+
+TEST(Criterion2, NeedsThetaInliersAndNoMore) {
+  const SegmentOptions options = profile_options(Profile::paper);
+  EXPECT_FALSE(has_enough_inliers(4, options));
+  EXPECT_TRUE(has_enough_inliers(5, options));
+}
+
+TEST(Criterion3, IsTheScatterAsPrintedOrItsMean) {
+  PlaneFit fit;
+  fit.count = 100;
+  fit.eigenvalues = {0.004, 1, 1};
+  EXPECT_TRUE(is_planar(fit, 0.005, MseNormalization::scatter));
+  EXPECT_FALSE(is_planar(fit, 0.003, MseNormalization::scatter));
+  EXPECT_TRUE(is_planar(fit, 0.00005, MseNormalization::mean));
+  EXPECT_FALSE(is_planar(fit, 0.00003, MseNormalization::mean));
+}
+
+TEST(Criterion4, AcceptsTwoPatchesOfOneFloor) {
+  const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}), plane_at({1, 0, 0}, {0, 0, -1}));
+  EXPECT_DOUBLE_EQ(terms.normals, 1);
+  EXPECT_DOUBLE_EQ(terms.offset_m, 0);
+  EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
+}
+
+TEST(Criterion4, ComparesDirectionsSoThatAFarStepPasses) {
+  // A kerb 12 cm high, centroids 1 m apart: 0.12 / 1.007 = 0.119 <= 0.15. The paper's criterion
+  // takes it for the floor; the offset that paper-closest adds does not.
+  const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}), plane_at({1, 0, 0.12}, {0, 0, 1}));
+  EXPECT_NEAR(terms.n1_dmu, 0.12 / std::sqrt(1 + 0.12 * 0.12), 1e-12);
+  EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
+  EXPECT_FALSE(is_coplanar(terms, profile_options(Profile::paper_closest)));
+}
+
+TEST(Criterion4, ItsThirdLineLooksAtTheCandidatesOwnNormal) {
+  // The candidate's normal is 10 degrees off: |n2 . dmu| / |dmu| = sin 10 = 0.174 > 0.15.
+  const double a = 10 * M_PI / 180;
+  const auto terms = coplanarity(plane_at({0, 0, 0}, {0, 0, 1}),
+                                 plane_at({1, 0, 0}, {std::sin(a), 0, std::cos(a)}));
+  SegmentOptions options = profile_options(Profile::paper);
+  EXPECT_FALSE(is_coplanar(terms, options));
+  options.criterion4_n2 = false;
+  EXPECT_TRUE(is_coplanar(terms, options));
+}
+
+TEST(Criterion4, CoincidentCentroidsHaveNoDirectionToCompare) {
+  const auto terms = coplanarity(plane_at({1, 1, 1}, {0, 0, 1}), plane_at({1, 1, 1}, {0, 0, 1}));
+  EXPECT_EQ(terms.n1_dmu, 0);
+  EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
+}
+
+Moments patch(const Vec3d& centre, double edge) {
+  Moments m;
+  for (const double u : {-0.5, 0.0, 0.5})
+    for (const double v : {-0.5, 0.0, 0.5}) m.add(centre + edge * Vec3d(u, v, 0));
+  return m;
+}
+
+DistanceTerms terms_of(const MeasuredPlane& a, const MeasuredPlane& b) {
+  return distance_terms(a, b, r1_merge_by_distance::kRefined);
+}
+
+TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
+  const Moments floor = patch({0, 0, 0}, 0.5), kerb = patch({3, 0, 0.12}, 0.5),
+                flat = patch({3, 0, 0}, 0.5);
+  const auto measured = [](const Moments& m, PlaneFit& fit) {
+    fit = fit_plane(m);
+    return MeasuredPlane{fit, m, 0.001, 0.01, {}};
+  };
+  PlaneFit a, b, c;
+  const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
+  EXPECT_FALSE(terms_of(f, k).passes());
+  EXPECT_TRUE(terms_of(f, g).passes());
+  EXPECT_NEAR(terms_of(f, k).offset2_m2, 0.12 * 0.12, 1e-12);
+  // Which of the two comes first does not matter.
+  EXPECT_DOUBLE_EQ(terms_of(f, k).offset2_m2, terms_of(k, f).offset2_m2);
+}
+
+TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
+  const Moments near = patch({0.2, 0, 0}, 0.05), far = patch({0.5, 0, 0}, 0.05),
+                farther = patch({2, 0, 0}, 0.05);
+  const Moments own = patch({0, 0, 0}, 0.05);
+  const auto bound = [&](const Moments& other) {
+    const PlaneFit a = fit_plane(own), b = fit_plane(other);
+    return terms_of({a, own, 0.02, 0.01, {}}, {b, other, 0.05, 0.01, {}}).bound2_m2;
+  };
+  EXPECT_NEAR(bound(near), 1e-4 + 9 * 4e-4 * 0.04, 1e-9);
+  EXPECT_LT(bound(near), bound(far));
+  EXPECT_NEAR(bound(far), bound(farther), 1e-12);
+}
+
+TEST(DistanceMerge, ReachesOverAGapOnlyAsFarAsTheNormalIsKnown) {
+  // Two treads' noses lie on one slope, 30 cm apart: nothing but chance makes them coplanar.
+  const Moments a = patch({0, 0, 0}, 0.05), b = patch({0.3, 0, 0}, 0.05);
+  const PlaneFit fit_a = fit_plane(a), fit_b = fit_plane(b);
+  const auto terms = [&](double sigma_ang, double gap) {
+    Bounds here, there;
+    here.add({0, 0, 0});
+    there.add({gap, 0, 0});
+    return terms_of({fit_a, a, 0.001, 0.01, here}, {fit_b, b, sigma_ang, 0.01, there});
+  };
+  EXPECT_TRUE(terms(0.05, 0.05).passes()) << "neighbours may be unsure";
+  EXPECT_FALSE(terms(0.05, 0.25).passes()) << "3 * 0.05 * 0.25 m = 37 mm, more than tau";
+  EXPECT_TRUE(terms(0.005, 0.25).passes()) << "3 * 0.005 * 0.25 m = 4 mm, within tau";
+}
+
+TEST(Profiles, AreNamedAndUnknownNamesRefused) {
+  for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined}) {
+    EXPECT_EQ(parse_profile(to_string(p)), p);
+    EXPECT_EQ(profile_options(p).profile, p);
+  }
+  EXPECT_THROW(parse_profile("papers"), Error);
+}
+
+TEST(Profiles, PaperHasThePapersParameters) {
+  const SegmentOptions o = profile_options(Profile::paper);
+  EXPECT_EQ(o.theta_n_out, 5);
+  EXPECT_EQ(o.theta_r_out, 0.05);
+  EXPECT_EQ(o.theta_n_in, 5);
+  EXPECT_EQ(o.theta_e_n_m2, 0.005);
+  EXPECT_EQ(o.theta_coplane, 0.85);
+  EXPECT_EQ(o.leftover_distance_m, 0.005);
+  for (const OptionInfo& info : option_table())
+    if (info.section == "refinements" && info.kind == OptionKind::on_off) {
+      EXPECT_EQ(default_value(info, Profile::paper), "off") << info.name;
+    }
+}
+
+}  // namespace
+}  // namespace planescope
