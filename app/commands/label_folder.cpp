@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope {

@@ -17,7 +17,7 @@ std::string name_of(int plane) { return fmt::format("P{}", plane); }
 
 /// Of the active plane; where there is none, of what is painted next.
 void set_class(State& state, const std::string& text, Label label) {
-  const char* name = label == Label::h ? "h" : "v";
+  const char* name = to_string(label);
   LabelView& view = state.view.label;
   const LabelWork work = label_work(state);
   if (text.empty() && !find_plane(*work.labels, view.plane)) {

@@ -19,7 +19,7 @@ bool takes_off(const Paint& paint, PaintMode mode) {
 std::string name_of_paint(const Paint& paint) {
   if (paint.plane == kPlaneIgnore) return "ignore";
   if (paint.plane > 0) return fmt::format("P{}", paint.plane);
-  return paint.label == Label::h ? "h" : paint.label == Label::v ? "v" : "nothing";
+  return to_string(paint.label, "nothing");
 }
 
 Paint paint_in_hand(const State& state) {

@@ -12,6 +12,7 @@
 #include "app/desktop/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
+#include "core/labels/model/frame_truth.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace planescope::desktop {

@@ -22,10 +22,6 @@ const char* to_string(LabelOrigin origin) {
   return kNames[static_cast<std::size_t>(origin)];
 }
 
-const char* class_text(Label label) {
-  return label == Label::h ? "h" : label == Label::v ? "v" : "?";
-}
-
 void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts) {
   const LabelStatistics& s = facts.statistics;
   const double share =
@@ -94,7 +90,7 @@ void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, 
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(text.c_str());
   };
-  cell(class_text(plane.label));
+  cell(to_string(plane.label, "?"));
   cell(area_text(facts.area_m2));
   cell(fmt::format("{:.1f}", 1000 * plane.rms_m));
   cell(std::to_string(plane.fragments));
@@ -184,7 +180,7 @@ void draw_wand(const Ui& ui) {
     paragraph(
         ui.colors.accent,
         fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {} pixels",
-                    class_text(view.wand.found->label), area_text(plane.area_m2),
+                    to_string(view.wand.found->label, "?"), area_text(plane.area_m2),
                     1000 * plane.rms_m, tilt_text(plane.tilt_deg), view.wand.found->pixels.size()));
     ui.name("planes.wand");
   } else if (!view.wand.why_not.empty()) {

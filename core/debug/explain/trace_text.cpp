@@ -185,9 +185,7 @@ std::string exact(const PlaneFit& fit) {
                      exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
 }
 
-const char* letter_of(Label label) {
-  return label == Label::h ? "h" : label == Label::v ? "v" : "?";
-}
+const char* letter_of(Label label) { return to_string(label, "?"); }
 
 std::string plane_or_none(std::int32_t plane) { return plane < 0 ? "-" : plane_name(plane); }
 

@@ -10,8 +10,6 @@ namespace {
 constexpr double kMm = 1e3;
 constexpr double kDegrees = 57.29577951308232;  // per radian
 
-const char* letter(Label label) { return label == Label::h ? "h" : label == Label::v ? "v" : "?"; }
-
 std::string decision(const Run& run, const TraceEvent& event) {
   const NodeFacts& facts = run.facts[event.node];
   const SegmentOptions& options = run.segment_options;
@@ -45,7 +43,7 @@ std::string candidate(const Run& run, const TraceEvent& event) {
   if (event.label == Label::unknown)  // nobody knows gravity: all of the node's points
     return fmt::format("node {} ({} points)", event.node, node.size());
   const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
-  return fmt::format("node {} ({}, {} points)", event.node, letter(event.label),
+  return fmt::format("node {} ({}, {} points)", event.node, to_string(event.label, "?"),
                      event.label == Label::h ? h : node.size() - h);
 }
 

@@ -1,25 +1,14 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <memory>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/model/label.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope {
-
-/// Local surface inclination against gravity (Sec. III): h where the angle between the local normal
-/// and gravity is at most 45 degrees, v otherwise.
-enum class Label : std::uint8_t { unknown = 0, h = 1, v = 2 };
-
-/// Eq. (1), of a unit normal, world frame.
-inline Label label_of_normal(const Vec3d& normal) {
-  return std::abs(normal.z()) >= std::numbers::sqrt2 / 2 ? Label::h : Label::v;
-}
 
 /// One value per point. The margin says how sure: 0 on the boundary, 1 certain.
 struct Classification {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/model/error.hpp"
-
 namespace planescope {
 
 SourceTruth truth_of_labels(const FrameLabels& labels) {
@@ -37,22 +35,6 @@ std::optional<SourceTruth> truth_of_cloud(const PointSet& set) {
   truth.values.instance = set.instance;
   truth.values.instance.resize(n, -1);  // h and v alone say nothing about planes
   return truth;
-}
-
-std::optional<SourceTruth> frame_truth(const Frame& frame,
-                                       const std::filesystem::path& label_dir,
-                                       const std::string& sha256) {
-  if (!frame.is_cloud() && !label_dir.empty())
-    if (const auto labels = read_frame_labels(label_dir, frame.index, sha256)) {
-      if (labels->plane.width != frame.depth.width || labels->plane.height != frame.depth.height)
-        throw Error(label_dir.string() + ": labels of frame " + std::to_string(frame.index) +
-                    " are " + std::to_string(labels->plane.width) + "x" +
-                    std::to_string(labels->plane.height) + ", its depth is " +
-                    std::to_string(frame.depth.width) + "x" + std::to_string(frame.depth.height));
-      return truth_of_labels(*labels);
-    }
-  if (frame.is_cloud()) return truth_of_cloud(*frame.cloud);
-  return std::nullopt;
 }
 
 FrameTruth truth_on_points(const FrameTruth& truth, std::span<const std::uint32_t> source) {

@@ -1,15 +1,14 @@
 #pragma once
 
-// Ground truth of a frame, from its label files or from a cloud's own fields.
+// Ground truth of a frame, from its labels or from a cloud's own fields.
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
+#include "core/model/frame_labels.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope {
@@ -24,12 +23,6 @@ struct SourceTruth {
 SourceTruth truth_of_labels(const FrameLabels& labels);
 /// nullopt where the cloud has neither label nor instance.
 std::optional<SourceTruth> truth_of_cloud(const PointSet& set);
-
-/// From `label_dir` where that holds labels of the frame (`sha256` must match where it is not
-/// empty), otherwise from the frame's own cloud fields, otherwise nullopt.
-std::optional<SourceTruth> frame_truth(const Frame& frame,
-                                       const std::filesystem::path& label_dir,
-                                       const std::string& sha256);
 
 /// Gathers truth onto the points of a cloud: `source` is Cloud::source.
 FrameTruth truth_on_points(const FrameTruth& truth, std::span<const std::uint32_t> source);

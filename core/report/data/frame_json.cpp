@@ -19,16 +19,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kMostSamples = 1 << 22;
 constexpr int kDepths = 22;  // of the octree
 
-Json to_json(const Vec3d& v) {
-  return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
-}
-
-const char* text_of(Label label) {
-  return label == Label::h ? "h" : label == Label::v ? "v" : "unknown";
-}
-
 Json to_json(const Gravity& gravity) {
-  return {{"direction", gravity.known() ? to_json(gravity.direction) : Json()},
+  return {{"direction", gravity.known() ? vector_json(gravity.direction) : Json()},
           {"source", to_string(gravity.source)},
           {"confidence", rounded(gravity.confidence)},
           {"note", gravity.note}};
@@ -37,10 +29,10 @@ Json to_json(const Gravity& gravity) {
 Json to_json(const ReportPlane& plane) {
   const PlaneSummary& s = plane.summary;
   return {{"id", s.id},
-          {"label", text_of(s.label)},
+          {"label", to_string(s.label)},
           {"color", plane.color},
-          {"normal", to_json(s.normal)},
-          {"centroid", to_json(s.centroid)},
+          {"normal", vector_json(s.normal)},
+          {"centroid", vector_json(s.centroid)},
           {"offset_m", rounded(s.offset_m)},
           {"tilt_deg", std::isnan(s.tilt_deg) ? Json() : Json(rounded(s.tilt_deg))},
           {"rms_m", rounded(s.rms_m)},
@@ -192,6 +184,10 @@ ReportPicture read_picture(const JsonPlace& place) {
 
 double rounded(double value) {
   return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
+}
+
+Json vector_json(const Vec3d& v) {
+  return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
 }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }

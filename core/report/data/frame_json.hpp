@@ -11,6 +11,7 @@ namespace planescope {
 
 /// To a nanometre, which is far below what any sensor tells; never minus zero.
 double rounded(double value);
+nlohmann::ordered_json vector_json(const Vec3d& v);  // rounded
 nlohmann::ordered_json text_or_null(const std::string& text);
 
 /// All of it but its timings. `ours`: with what the octree's traversal tells.

@@ -12,21 +12,13 @@
 #include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/frame_times.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/report/data/frame_json.hpp"
 #include "core/report/data/plane_summary.hpp"
 
 namespace planescope {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// A nanometre is far below what any sensor tells, and keeps the files short.
-double rounded(double value) {
-  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero
-}
-
-Json to_json(const Vec3d& v) {
-  return Json::array({rounded(v.x()), rounded(v.y()), rounded(v.z())});
-}
 
 Json to_json(const Pose& pose) {
   Json rows = Json::array();
@@ -36,10 +28,6 @@ Json to_json(const Pose& pose) {
     rows.push_back(row);
   }
   return rows;
-}
-
-const char* text_of(Label label) {
-  return label == Label::h ? "h" : label == Label::v ? "v" : "unknown";
 }
 
 Json options_json(const PipelineOptions& options) {
@@ -147,7 +135,7 @@ std::string planes_json(const Frame& frame,
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
   const bool known = result.gravity.known();
-  json["gravity"] = {{"direction", known ? to_json(result.gravity.direction) : Json()},
+  json["gravity"] = {{"direction", known ? vector_json(result.gravity.direction) : Json()},
                      {"source", to_string(result.gravity.source)},
                      {"confidence", rounded(result.gravity.confidence)},
                      {"note", result.gravity.note}};
@@ -159,25 +147,25 @@ std::string planes_json(const Frame& frame,
   for (const PlaneSummary& s : summarize_planes(result, options.cloud.voxel_size_m)) {
     Json plane;
     plane["id"] = s.id;
-    plane["label"] = text_of(s.label);
-    plane["normal"] = to_json(s.normal);
-    plane["centroid"] = to_json(s.centroid);
+    plane["label"] = to_string(s.label);
+    plane["normal"] = vector_json(s.normal);
+    plane["centroid"] = vector_json(s.centroid);
     plane["offset_m"] = rounded(s.offset_m);
     plane["points"] = s.points;
     plane["voxels"] = s.voxels;
     plane["rms_m"] = rounded(s.rms_m);
     plane["area_m2"] = rounded(s.area_m2);
     plane["hull"] = Json::array();
-    for (const Vec3d& corner : s.hull) plane["hull"].push_back(to_json(corner));
+    for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
     json["planes"].push_back(plane);
   }
   if (!result.from_cloud && ours) {
     json["minor_planes"] = Json::array();
     for (const PlaneRegion& minor : result.segmentation.minor)
       json["minor_planes"].push_back(
-          {{"label", text_of(minor.label)},
-           {"normal", to_json(minor.fit.normal)},
-           {"centroid", to_json(Vec3d(result.cloud.origin + minor.fit.centroid))},
+          {{"label", to_string(minor.label)},
+           {"normal", vector_json(minor.fit.normal)},
+           {"centroid", vector_json(Vec3d(result.cloud.origin + minor.fit.centroid))},
            {"voxels", minor.points},
            {"rms_m", rounded(minor.fit.rms_m())}});
   }

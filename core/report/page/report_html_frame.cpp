@@ -51,7 +51,7 @@ Data planes_data(const PageFrame& frame) {
     data.set("id", std::to_string(s.id));
     data.set("plane_anchor", fmt::format("{}/p{}", frame.anchor, s.id));
     data.set("color", safe_color(plane.color));
-    data.set("label", s.label == Label::h ? "h" : s.label == Label::v ? "v" : "\u2013");
+    data.set("label", to_string(s.label, "\u2013"));
     data.set("area", fmt::format("{:.3f}", s.area_m2));
     data.set("points", grouped(s.points));
     data.set("voxels", grouped(s.voxels));

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "core/model/types.hpp"
+
+namespace planescope {
+
+/// Local surface inclination against gravity (Sec. III): h where the angle between the local normal
+/// and gravity is at most 45 degrees, v otherwise.
+enum class Label : std::uint8_t { unknown = 0, h = 1, v = 2 };
+
+/// `unknown`: what is said of neither.
+inline const char* to_string(Label label, const char* unknown = "unknown") {
+  return label == Label::h ? "h" : label == Label::v ? "v" : unknown;
+}
+
+/// Eq. (1), of a unit normal, world frame.
+inline Label label_of_normal(const Vec3d& normal) {
+  return std::abs(normal.z()) >= std::numbers::sqrt2 / 2 ? Label::h : Label::v;
+}
+
+}  // namespace planescope
