@@ -6,8 +6,8 @@
 #include <exception>
 #include <string>
 
-#include "app/cli.hpp"
-#include "app/interrupt.hpp"
+#include "app/cli/cli.hpp"
+#include "app/cli/interrupt.hpp"
 #include "core/model/error.hpp"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/progress.hpp"
 #include "app/commands/predictions.hpp"
-#include "app/progress.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/evaluate/metrics_values.hpp"
 #include "core/planes/pipeline/score.hpp"

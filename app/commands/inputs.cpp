@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "app/assets.hpp"
+#include "app/cli/assets.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/labels/model/frame_truth.hpp"
 #include "core/labels/model/label_files.hpp"

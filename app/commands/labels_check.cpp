@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/cli/progress.hpp"
 #include "app/commands/label_folder.hpp"
-#include "app/progress.hpp"
 #include "core/labels/review/audit.hpp"
 #include "core/model/error.hpp"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/progress.hpp"
 #include "app/commands/label_folder.hpp"
-#include "app/progress.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/model/error.hpp"
 

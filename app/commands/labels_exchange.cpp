@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "app/commands/label_folder.hpp"
-#include "app/output.hpp"
-#include "app/progress.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"

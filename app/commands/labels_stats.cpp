@@ -3,8 +3,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/progress.hpp"
 #include "app/commands/label_folder.hpp"
-#include "app/progress.hpp"
 #include "core/labels/review/audit.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/output.hpp"
+#include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"

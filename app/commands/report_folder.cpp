@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/output.hpp"
+#include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/report/data/segment_files.hpp"
 

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/cli/progress.hpp"
 #include "app/commands/report_pictures.hpp"
-#include "app/progress.hpp"
 #include "core/model/random.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/output.hpp"
-#include "app/progress.hpp"
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "core/model/error.hpp"
 #include "core/report/data/segment_files.hpp"
 

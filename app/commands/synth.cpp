@@ -5,8 +5,8 @@
 #include <atomic>
 #include <functional>
 
-#include "app/output.hpp"
-#include "app/progress.hpp"
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/lab/synthetic/sample_folder.hpp"
 #include "core/labels/model/label_files.hpp"

@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "app/commands/recipe_json.hpp"
-#include "app/output.hpp"
-#include "app/progress.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

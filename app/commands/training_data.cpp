@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "app/progress.hpp"
+#include "app/cli/progress.hpp"
 #include "core/lab/synthetic/counter_random.hpp"
 #include "core/labels/model/frame_truth.hpp"
 #include "core/model/error.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/commands/inputs.hpp"
-#include "app/desktop/state.hpp"
+#include "app/desktop/state/state.hpp"
 
 namespace planescope {
 

@@ -2,7 +2,7 @@
 
 // The 3D view's camera: presets and what the mouse does to it. Pure functions.
 
-#include "app/desktop/state.hpp"
+#include "app/desktop/state/state.hpp"
 
 namespace planescope::desktop {
 

@@ -3,7 +3,7 @@
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/canvas.hpp"
-#include "app/desktop/label_state.hpp"
+#include "app/desktop/state/label_state.hpp"
 #include "core/labels/edit/selection.hpp"
 #include "render/image_texture.hpp"
 #include "render/renderer.hpp"

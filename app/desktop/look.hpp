@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/desktop/state.hpp"
+#include "app/desktop/state/state.hpp"
 
 namespace planescope::desktop {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/desktop/session_json.hpp"
-#include "app/desktop/state_facts.hpp"
+#include "app/desktop/state/session_json.hpp"
+#include "app/desktop/state/state_facts.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"

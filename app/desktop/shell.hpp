@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/desktop/input.hpp"
-#include "app/desktop/jobs.hpp"
+#include "app/desktop/jobs/jobs.hpp"
 #include "app/desktop/ui.hpp"
 
 struct ImGuiContext;

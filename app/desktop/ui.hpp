@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "app/desktop/actions.hpp"
+#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/canvas.hpp"
-#include "app/desktop/label_facts.hpp"
+#include "app/desktop/labeling/label_facts.hpp"
 #include "core/debug/explain/provenance.hpp"
 
 namespace planescope::desktop {

@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "app/desktop/camera.hpp"
-#include "app/desktop/state_facts.hpp"
+#include "app/desktop/state/state_facts.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "render/context.hpp"

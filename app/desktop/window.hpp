@@ -8,7 +8,7 @@
 #include <stop_token>
 
 #include "app/desktop/script.hpp"
-#include "app/desktop/settings.hpp"
+#include "app/desktop/state/settings.hpp"
 
 namespace planescope::desktop {
 

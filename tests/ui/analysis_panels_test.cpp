@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "app/desktop/histogram_axis.hpp"
+#include "app/desktop/debugger/histogram_axis.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "app/desktop/actions.hpp"
+#include "app/desktop/actions/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
 #include "core/labels/model/frame_truth.hpp"

@@ -1,6 +1,6 @@
 // Review, checks and statistics of the label mode.
 
-#include "app/desktop/label_review.hpp"
+#include "app/desktop/labeling/label_review.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // What is labelled is written, or said not to be.
 
-#include "app/desktop/session.hpp"
-#include "app/desktop/settings.hpp"
+#include "app/desktop/state/session.hpp"
+#include "app/desktop/state/settings.hpp"
 #include "core/model/error.hpp"
 #include "label_desktop.hpp"
 

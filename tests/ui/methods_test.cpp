@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/state_facts.hpp"
+#include "app/desktop/state/state_facts.hpp"
 #include "label_desktop.hpp"
 
 namespace planescope::desktop {

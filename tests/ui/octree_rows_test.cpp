@@ -1,4 +1,4 @@
-#include "app/desktop/octree_rows.hpp"
+#include "app/desktop/debugger/octree_rows.hpp"
 
 #include <algorithm>
 #include <set>

@@ -1,8 +1,8 @@
-#include "app/desktop/session.hpp"
+#include "app/desktop/state/session.hpp"
 
 #include <fstream>
 
-#include "app/desktop/settings.hpp"
+#include "app/desktop/state/settings.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 

@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include "app/desktop/camera.hpp"
+#include "app/desktop/debugger/timeline_columns.hpp"
 #include "app/desktop/look.hpp"
-#include "app/desktop/timeline_columns.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {

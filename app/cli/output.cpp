@@ -1,0 +1,83 @@
+#include "app/cli/output.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path without_trailing_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+}  // namespace
+
+void check_output_dir(const fs::path& dir) {
+  if (dir.empty()) throw Error("output: the folder's name is empty");
+  std::error_code ignored;
+  fs::path existing = fs::absolute(without_trailing_slash(dir));
+  while (!fs::exists(existing, ignored) && existing.has_relative_path())
+    existing = existing.parent_path();
+  if (!fs::is_directory(existing, ignored))
+    throw Error("output " + dir.string() + ": " + existing.string() + " is not a folder");
+  if (access(existing.c_str(), W_OK | X_OK) != 0)
+    throw Error("output " + dir.string() + ": " + existing.string() + " cannot be written to");
+}
+
+void make_output_dir(const fs::path& dir) {
+  std::error_code failed;
+  fs::create_directories(dir, failed);
+  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
+}
+
+StagedOutput::StagedOutput(fs::path dir) : dir_(without_trailing_slash(dir)) {
+  check_output_dir(dir);
+}
+
+StagedOutput::~StagedOutput() {
+  std::error_code ignored;
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);
+  // Removes empty folders only: after a commit, or with other files in them, they stay.
+  for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
+}
+
+fs::path StagedOutput::add(const fs::path& relative) {
+  try {
+    if (staging_.empty()) {
+      std::vector<fs::path> missing;
+      for (fs::path d = fs::absolute(dir_); !fs::exists(d); d = d.parent_path())
+        missing.push_back(d);
+      std::reverse(missing.begin(), missing.end());
+      made_dirs_ = missing;
+      fs::create_directories(dir_);
+      staging_ = dir_ / (".partial-" + std::to_string(getpid()));
+      fs::remove_all(staging_);
+    }
+    fs::create_directories(staging_ / relative);
+  } catch (const fs::filesystem_error& error) {
+    throw Error("output " + dir_.string() + ": " + error.code().message());
+  }
+  added_.push_back(relative);
+  return staging_ / relative;
+}
+
+void StagedOutput::commit() {
+  try {
+    for (const fs::path& relative : added_) {
+      const fs::path target = dir_ / relative;
+      fs::create_directories(target.parent_path());
+      fs::remove_all(target);
+      fs::rename(staging_ / relative, target);
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw Error("output " + dir_.string() + ": " + error.code().message());
+  }
+  added_.clear();
+}
+
+}  // namespace planescope

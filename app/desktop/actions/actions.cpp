@@ -1,0 +1,180 @@
+#include "app/desktop/actions/actions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/debug/explain/compare.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+
+const std::vector<Action>& action_table() {
+  static const std::vector<Action> table = [] {
+    std::vector<Action> all;
+    const auto add = [&all](std::vector<Action> part, KeyMode mode) {
+      for (Action& action : part) {
+        action.mode = mode;
+        all.push_back(std::move(action));
+      }
+    };
+    for (auto part : {document_actions, label_mode_actions, view_actions})
+      for (Action& action : part()) all.push_back(std::move(action));
+    for (auto part :
+         {step_actions, search_actions, selection_actions, option_actions, compare_actions})
+      add(part(), KeyMode::debugger);
+    for (auto part : {label_tool_actions, label_draw_actions, label_wand_actions,
+                      label_plane_actions, label_review_actions})
+      add(part(), KeyMode::labels);
+    add(gravity_actions(), KeyMode::anywhere);
+    return all;
+  }();
+  return table;
+}
+
+bool has_run(const State& state) { return state.run() != nullptr; }
+
+const Action& find_action(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Action& action : action_table()) {
+    if (action.name == name) return action;
+    names.push_back(action.name);
+  }
+  const std::string near = nearest_name(name, names);
+  throw Error("action '" + name + "' does not exist" +
+              (near.empty() ? std::string(", `planescope view --actions` lists what there is")
+                            : ", did you mean '" + near + "'?"));
+}
+
+bool needs_argument(const Action& action) {
+  return !action.takes.empty() && action.takes[0] != '[';
+}
+
+bool fits(const Action& action, Mode mode) {
+  return action.mode == KeyMode::anywhere ||
+         (action.mode == KeyMode::labels) == (mode == Mode::labels);
+}
+
+const Action* action_of_key(const std::string& key, Mode mode) {
+  const Action* anywhere = nullptr;
+  for (const Action& action : action_table()) {
+    if (!fits(action, mode)) continue;
+    for (const std::string& one : split(action.keys, ' ')) {
+      if (one != key) continue;
+      if (action.mode != KeyMode::anywhere) return &action;
+      anywhere = &action;
+    }
+  }
+  return anywhere;
+}
+
+void apply(State& state, const Command& command) {
+  const Action& action = find_action(command.action);
+  if (action.takes.empty() && !command.argument.empty())
+    throw Error(fmt::format("action {}: takes no argument, but '{}' was given", action.name,
+                            command.argument));
+  if (action.enabled && !action.enabled(state))
+    throw Error(fmt::format("action {}: there is nothing that it could act on now", action.name));
+  action.run(state, command.argument);
+}
+
+std::vector<const Action*> matching_actions(const std::string& typed, Mode mode) {
+  std::string wanted;
+  for (const char c : typed)
+    if (c != ' ') wanted += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::vector<std::pair<int, const Action*>> found;
+  for (const Action& action : action_table()) {
+    if (!fits(action, mode)) continue;
+    int score = 0;
+    std::size_t next = 0;
+    char before = ' ';
+    bool run = false;  // the letter before matched too
+    for (const char raw : action.title + "  " + action.name) {
+      const char c = static_cast<char>(std::tolower(static_cast<unsigned char>(raw)));
+      const bool hit = next < wanted.size() && c == wanted[next];
+      if (hit) {
+        const bool word = before == ' ' || before == '.' || before == '_';
+        score += word ? 8 : run ? 4 : 1;
+        ++next;
+      }
+      run = hit;
+      before = c;
+    }
+    if (next == wanted.size()) found.emplace_back(score, &action);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<const Action*> actions;
+  for (const auto& [score, action] : found) actions.push_back(action);
+  return actions;
+}
+
+void say(State& state, std::string message, bool is_error) {
+  state.view.message = std::move(message);
+  state.view.message_is_error = is_error;
+}
+
+namespace {
+/// The root; -1 where a frame without points has none.
+std::int32_t root_of(const Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
+}  // namespace
+
+void go_to_step(State& state, std::int32_t step) {
+  const Run* run = state.run();
+  if (!run) return;
+  state.view.step = std::clamp(step, 0, run->steps());
+  const TraceEvent* event = state.event();
+  Selection selected;
+  if (event) {
+    selected.node = event->node;
+    selected.plane = event->plane;
+    selected.voxel = event->point;
+    if (selected.node < 0 && event->point >= 0)
+      selected.node = run->timeline.node_of_point(event->point, state.view.step);
+  } else {
+    selected.node = root_of(*run);
+  }
+  state.view.selected = selected;
+}
+
+void unflash(State& state) {
+  if (!state.view.flash) return;
+  const std::shared_ptr<const RunView> before = state.results.pinned;
+  state.view.flash = false;
+  if (before) follow_run(state, *before->run);
+}
+
+void refresh_matches(State& state) {
+  Search& search = state.view.search;
+  search.matches.clear();
+  if (search.filter && state.run()) search.matches = search.filter->matching(*state.run());
+}
+
+void follow_run(State& state, const Run& before) {
+  const Run* now = state.run();
+  if (!now || now == &before) return;
+  Selection& selected = state.view.selected;
+  const bool at_end = state.view.step == before.steps();
+  state.view.step = at_end ? now->steps() : same_step(before, state.view.step, *now);
+  selected.plane = -1;
+  if (selected.node >= 0) selected.node = same_node(before, selected.node, *now);
+  if (selected.node < 0) selected.node = root_of(*now);
+  if (selected.voxel >= 0 && now->subject != before.subject) {
+    const std::size_t source =
+        selected.source >= 0
+            ? static_cast<std::size_t>(selected.source)
+            : source_of_voxel(*before.subject, static_cast<std::uint32_t>(selected.voxel));
+    const std::uint32_t voxel = now->subject->frame.index == before.subject->frame.index
+                                    ? now->subject->voxel_of_source(source)
+                                    : kNoVoxel;
+    selected.voxel = voxel == kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
+  }
+  if (const TraceEvent* event = state.event(); event && event->node == selected.node)
+    selected.plane = event->plane;
+  refresh_matches(state);
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,109 @@
+#pragma once
+
+// Every action of the desktop: its name, its key, its place in the menu, and what it does. Panels,
+// keys, menus, the palette and scripts all speak in commands.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// "step.next", or "filter.set" with "case==III".
+struct Command {
+  std::string action;
+  std::string argument;
+};
+
+/// Where an action's key holds. A label key stands before one that holds anywhere.
+enum class KeyMode : std::uint8_t { anywhere, debugger, labels };
+
+struct Action {
+  std::string name;   // "step.next"
+  std::string title;  // "Step forward"
+  std::string menu;   // "Step"; empty: in no menu
+  std::string keys;   // "Right", "Shift+F5"; several apart by spaces; empty: none
+  std::string takes;  // what the argument is, in brackets where it may be left out; empty: none
+  std::function<void(State&, const std::string&)> run;
+  std::function<bool(const State&)> enabled;  // empty: always
+  std::function<bool(const State&)> checked;  // empty: not a switch
+  KeyMode mode = KeyMode::anywhere;
+  bool key_is_argument = false;  // "3" runs it with "3"
+};
+
+const std::vector<Action>& action_table();
+/// What most actions of the debugger need: a frame was segmented.
+bool has_run(const State& state);
+/// Throws Error naming the nearest existing action.
+const Action& find_action(const std::string& name);
+/// Whether a key or menu must ask for its argument first.
+bool needs_argument(const Action& action);
+/// Null where no action has this key ("Ctrl+P") in that mode.
+const Action* action_of_key(const std::string& key, Mode mode);
+/// The action belongs to what the window is for in that mode.
+bool fits(const Action& action, Mode mode);
+
+/// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
+/// unchanged.
+void apply(State& state, const Command& command);
+
+/// The commands whose titles fit what was typed, best first: letters in order, starts of words
+/// count more.
+std::vector<const Action*> matching_actions(const std::string& typed, Mode mode);
+
+// Tables by subject; action_table() is all of them.
+std::vector<Action> step_actions();
+std::vector<Action> search_actions();
+std::vector<Action> selection_actions();
+std::vector<Action> option_actions();
+std::vector<Action> compare_actions();
+std::vector<Action> view_actions();
+std::vector<Action> document_actions();
+std::vector<Action> gravity_actions();       // floors and walls that are clicked
+std::vector<Action> label_mode_actions();    // in and out, history, saving
+std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
+std::vector<Action> label_draw_actions();    // strokes, areas, cuts
+std::vector<Action> label_wand_actions();    // the wand; accepting and leaving what is shown
+std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
+std::vector<Action> label_review_actions();  // queue, checks
+
+// What several of them share.
+
+/// Moves the cursor, and selects what its event is about.
+void go_to_step(State& state, std::int32_t step);
+/// Evaluates the search on the run that is shown.
+void refresh_matches(State& state);
+/// What a breakpoint stops at, in the language of filters.
+std::string filter_of(const Breakpoint& breakpoint);
+/// Every step at which a breakpoint stops, ascending.
+std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document);
+/// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
+void follow_run(State& state, const Run& before);
+/// Shows B again where A is flashed.
+void unflash(State& state);
+/// Throws Error where the recording has no such frame, the state unchanged.
+void go_to_bookmark(State& state, const Bookmark& bookmark);
+/// New options as an undo step of their own.
+void change_options(State& state, const PipelineOptions& after);
+/// Reads what was picked for a recording that is being opened; a file that cannot be used is told
+/// of, and the recording opens without.
+void read_picked(State& state, OpenRecording& open);
+/// Puts down what is picked for a recording of the list, in its folder and in the document. Throws
+/// Error, nothing changed, where it cannot be written.
+void keep_picked(State& state, const std::filesystem::path& recording, const PickedGravity& picked);
+/// What was drawn on the frame so far, but is no label yet.
+void let_go(LabelView& view);
+/// Into the journal and onto the screen, or an Error.
+void commit_labels(State& state, const std::string& title, const FrameLabels& after);
+/// Of the recording looked at, for the label mode. Throws Error where its folder cannot be used.
+void open_labels(State& state);
+/// Writes the label files where something is not written yet. Throws Error where that fails.
+void save_labels(State& state);
+/// The same where leaving must not be blocked: a failure is reported, and the journal has
+/// everything.
+void save_labels_if_possible(State& state);
+void say(State& state, std::string message, bool is_error = false);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,186 @@
+// A/B, and what would fix this.
+
+#include <fmt/format.h>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+bool has_current(const State& state) { return state.results.current != nullptr; }
+bool has_pinned(const State& state) { return state.results.pinned != nullptr; }
+bool has_truth(const State& state) {
+  return has_current(state) && state.results.current->run->subject->voxel_truth.known();
+}
+
+void pin(State& state) {
+  unflash(state);
+  state.results.pinned = state.results.current;
+  state.view.against = Against::pinned;
+  state.view.tool_tab = "compare";
+  say(state, "A pinned: change an option to make B");
+}
+
+void flash(State& state) {
+  const Run* before = state.run();
+  state.view.flash = !state.view.flash;
+  if (before) follow_run(state, *before);
+}
+
+void search_fix(State& state) {
+  FixSearch& fix = state.results.fix;
+  const Run& run = *state.results.current->run;
+  if (!run.is_ours()) return say(state, "fixes are sought among the options of method ours");
+  FixSearch begun;
+  begun.target = state.view.truth_plane > 0
+                     ? target_of_truth(run, state.view.truth_plane)
+                     : FixTarget{state.document.marked, "marked region", false};
+  if (begun.target.voxels.empty())
+    return say(state, "nothing to recover: choose a plane of the ground truth, or mark a region");
+  begun.running = true;
+  fix = begun;
+  state.view.tool_tab = "fix";
+}
+
+const Fix& fix_at(const State& state, const char* action, const std::string& text) {
+  const auto& fixes = state.results.fix.fixes;
+  return fixes[static_cast<std::size_t>(
+      whole_argument(action, text, 0, static_cast<int>(fixes.size()) - 1))];
+}
+
+}  // namespace
+
+std::vector<Action> compare_actions() {
+  const std::string menu = "Compare";
+  return {
+      {"run.pin",
+       "Pin this run as A",
+       menu,
+       "A",
+       "",
+       [](State& s, const std::string&) { pin(s); },
+       has_current,
+       {}},
+      {"run.unpin",
+       "Let go of A",
+       menu,
+       "Shift+A",
+       "",
+       [](State& s, const std::string&) {
+         unflash(s);
+         s.results.pinned = nullptr;
+         if (s.view.against == Against::pinned) s.view.against = Against::nothing;
+       },
+       has_pinned,
+       {}},
+      {"run.flash", "Flash between A and B", menu, "Space", "",
+       [](State& s, const std::string&) { flash(s); }, has_pinned,
+       [](const State& s) { return s.view.flash; }},
+      {"run.restore",
+       "Back to the options of A",
+       menu,
+       "Ctrl+Shift+A",
+       "",
+       [](State& s, const std::string&) { change_options(s, s.results.pinned->run->options); },
+       has_pinned,
+       {}},
+      {"compare.against",
+       "Compare with",
+       menu,
+       "C",
+       "nothing|pinned|truth",
+       [](State& s, const std::string& text) {
+         s.view.against = static_cast<Against>(
+             choice_argument("compare.against", text, {"nothing", "pinned", "truth"}));
+         s.view.tool_tab = "compare";
+       },
+       {},
+       {}},
+      {"compare.diverging",
+       "To the first diverging event",
+       menu,
+       "D",
+       "",
+       [](State& s, const std::string&) {
+         if (!s.results.comparison || !s.results.pinned)
+           return say(s, "nothing to compare with: pin a run as A, then change an option");
+         const auto& c = *s.results.comparison;
+         const std::int32_t step = s.view.flash ? c.diverging_step_a : c.diverging_step_b;
+         if (step == kNever) return say(s, "A and B decide alike from the first event to the last");
+         go_to_step(s, step);
+       },
+       has_current,
+       {}},
+      {"fix.plane",
+       "What would recover a plane of the ground truth",
+       menu,
+       "Ctrl+X",
+       "TRUTH_PLANE",
+       [](State& s, const std::string& text) {
+         const int planes = s.results.current->run->subject->voxel_truth.plane_count;
+         s.view.truth_plane = whole_argument("fix.plane", text, 0, planes);
+         search_fix(s);
+       },
+       has_truth,
+       {}},
+      {"fix.search",
+       "What would fix this?",
+       menu,
+       "X",
+       "",
+       [](State& s, const std::string&) { search_fix(s); },
+       has_current,
+       {}},
+      {"fix.marked",
+       "What would make the marked region one plane?",
+       menu,
+       "Shift+X",
+       "",
+       [](State& s, const std::string&) {
+         s.view.truth_plane = 0;
+         search_fix(s);
+       },
+       has_current,
+       {}},
+      {"fix.cancel",
+       "Stop searching for fixes",
+       menu,
+       "Shift+K",
+       "",
+       [](State& s, const std::string&) { s.results.fix.running = false; },
+       [](const State& s) { return s.results.fix.running; },
+       {}},
+      {"fix.check",
+       "What a fix does to all labelled frames",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         FixSearch& fix = s.results.fix;
+         fix.checked = static_cast<int>(&fix_at(s, "fix.check", text) - fix.fixes.data());
+         fix.check_begun = false;
+         fix.effects.clear();
+       },
+       {},
+       {}},
+      {"fix.apply",
+       "Apply a fix",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         const Fix fix = fix_at(s, "fix.apply", text);
+         PipelineOptions after = s.document.options;
+         set_option(after, fix.option, fix.after);
+         change_options(s, after);
+         say(s, fmt::format("{} = {} (was {}); Ctrl+Z takes it back", fix.option, fix.after,
+                            fix.before));
+       },
+       {},
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,259 @@
+// Recordings, frames, bookmarks and session files.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "app/desktop/camera.hpp"
+#include "app/desktop/state/report_open.hpp"
+#include "app/desktop/state/session.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+bool has_recording(const State& state) { return state.document.current() != nullptr; }
+
+/// What belonged to the frame before is let go of; the view stays.
+void leave_frame(State& state) {
+  save_labels_if_possible(state);
+  unflash(state);  // the selection is A's
+  state.document.marked.clear();
+  state.results.pinned = nullptr;
+  state.results.comparison = nullptr;
+  state.results.fix = {};
+  state.results.sensitivity.clear();
+  state.view.arrival.reset();
+  state.view.report_place.reset();
+  state.view.truth_plane = 0;
+  state.view.playing.direction = 0;
+  state.view.gravity_click = GravityClick::none;
+  LabelView& label = state.view.label;
+  let_go(label);
+  label.plane = 0;
+  label.hover = -1;
+  label.review_item = label.finding = -1;
+  LabelResults& found = state.results.label;
+  found.review = nullptr;
+  found.review_refusal.clear();
+  found.audit = nullptr;
+  found.carry = {};
+  if (state.view.against == Against::pinned) state.view.against = Against::nothing;
+}
+
+void show_recording(State& state, int index) {
+  if (index == state.document.recording) return;
+  leave_frame(state);
+  state.document.recording = index;
+  state.document.frame = 0;
+  state.view.camera.reset();
+  state.results.strip.clear();
+  if (state.view.mode != Mode::labels) return;
+  try {
+    open_labels(state);
+  } catch (const Error& error) {
+    apply(state, {"label.mode", ""});
+    say(state, error.what(), true);
+  }
+}
+
+void show_frame(State& state, int frame) {
+  const int count = state.document.current()->recording->frame_count();
+  const int wanted = std::clamp(frame, 0, count - 1);
+  if (wanted == state.document.frame) return;
+  leave_frame(state);
+  state.document.frame = wanted;
+}
+
+void open(State& state, const std::string& text) {
+  if (text.empty()) throw Error("action recording.open: a path is missing");
+  Document& document = state.document;
+  const std::filesystem::path path = text;
+  for (std::size_t i = 0; i < document.recordings.size(); ++i)
+    if (document.recordings[i].path == path) return show_recording(state, static_cast<int>(i));
+  document.recordings.push_back(
+      {path, open_recording(path, document.recording_options), default_label_dir(path)});
+  read_picked(state, document.recordings.back());
+  show_recording(state, static_cast<int>(document.recordings.size()) - 1);
+}
+
+void add_bookmark(State& state, const std::string& name) {
+  const ViewState& view = state.view;
+  Bookmark bookmark;
+  bookmark.name =
+      name.empty() ? fmt::format("frame {} step {}", state.document.frame, view.step) : name;
+  bookmark.frame = state.document.frame;
+  bookmark.step = view.step;
+  bookmark.node = view.selected.node;
+  bookmark.plane = view.selected.plane;
+  bookmark.voxel = view.selected.voxel;
+  bookmark.filter = view.search.text;
+  bookmark.camera = camera_of(state);
+  state.document.bookmarks.push_back(bookmark);
+  state.view.inspector_tab = "bookmarks";
+}
+
+Bookmark& bookmark_at(State& state, const char* action, const std::string& text) {
+  auto& all = state.document.bookmarks;
+  for (Bookmark& bookmark : all)
+    if (bookmark.name == text) return bookmark;
+  return all[static_cast<std::size_t>(
+      whole_argument(action, text, 0, static_cast<int>(all.size()) - 1))];
+}
+
+}  // namespace
+
+void go_to_bookmark(State& state, const Bookmark& bookmark) {
+  const OpenRecording* open = state.document.current();
+  const int count = open ? open->recording->frame_count() : 0;
+  if (bookmark.frame < 0 || bookmark.frame >= count)
+    throw Error(fmt::format("bookmark '{}' is on frame {}, but the recording has {}", bookmark.name,
+                            bookmark.frame, count));
+  const bool other_frame = bookmark.frame != state.document.frame;
+  if (other_frame) show_frame(state, bookmark.frame);
+  state.view.camera = bookmark.camera;
+  apply(state, {"filter.set", bookmark.filter});
+  if (!other_frame && state.run()) {
+    go_to_step(state, bookmark.step);
+    const int nodes = static_cast<int>(state.run()->octree().nodes.size());
+    const int voxels = static_cast<int>(state.run()->subject->voxel_count());
+    const int planes = state.run()->timeline.plane_count();
+    const auto known = [](std::int32_t index, int size) {
+      return index >= 0 && index < size ? index : -1;
+    };
+    state.view.selected = {.node = known(bookmark.node, nodes),
+                           .plane = known(bookmark.plane, planes),
+                           .voxel = known(bookmark.voxel, voxels)};
+  } else {
+    state.view.arrival = bookmark;
+  }
+}
+
+std::vector<Action> document_actions() {
+  const std::string file = "File";
+  return {
+      {"recording.open", "Open a recording", file, "Ctrl+O", "PATH", open, {}, {}},
+      {"recording.show",
+       "Show a recording of the list",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         const auto count = static_cast<int>(s.document.recordings.size());
+         show_recording(s, whole_argument("recording.show", text, 0, count - 1));
+       },
+       has_recording,
+       {}},
+      {"frame.show",
+       "Show a frame",
+       file,
+       "Ctrl+G",
+       "FRAME",
+       [](State& s, const std::string& text) {
+         const int count = s.document.current()->recording->frame_count();
+         show_frame(s, whole_argument("frame.show", text, 0, count - 1));
+       },
+       has_recording,
+       {}},
+      {"frame.next",
+       "Next frame",
+       file,
+       "PageDown",
+       "",
+       [](State& s, const std::string&) { show_frame(s, s.document.frame + 1); },
+       has_recording,
+       {}},
+      {"frame.previous",
+       "Previous frame",
+       file,
+       "PageUp",
+       "",
+       [](State& s, const std::string&) { show_frame(s, s.document.frame - 1); },
+       has_recording,
+       {}},
+      {"strip.cancel",
+       "Stop filling the frame strip",
+       file,
+       "Ctrl+K",
+       "",
+       [](State& s, const std::string&) { s.view.strip_stopped = true; },
+       [](const State& s) {
+         return s.results.strip_done < static_cast<int>(s.results.strip.size()) &&
+                !s.view.strip_stopped;
+       },
+       {}},
+      {"bookmark.add", "Bookmark this place", file, "Ctrl+D", "[NAME]", add_bookmark, has_run, {}},
+      {"bookmark.go",
+       "Go to a bookmark",
+       file,
+       "Ctrl+B",
+       "NUMBER or NAME",
+       [](State& s, const std::string& text) {
+         go_to_bookmark(s, Bookmark(bookmark_at(s, "bookmark.go", text)));
+       },
+       {},
+       {}},
+      {"bookmark.note",
+       "Write a note to a bookmark",
+       "",
+       "",
+       "NUMBER TEXT",
+       [](State& s, const std::string& text) {
+         const std::size_t at = text.find(' ');
+         bookmark_at(s, "bookmark.note", text.substr(0, at)).note =
+             at == std::string::npos ? "" : text.substr(at + 1);
+       },
+       {},
+       {}},
+      {"bookmark.remove",
+       "Remove a bookmark",
+       "",
+       "",
+       "NUMBER or NAME",
+       [](State& s, const std::string& text) {
+         auto& all = s.document.bookmarks;
+         const Bookmark& one = bookmark_at(s, "bookmark.remove", text);
+         all.erase(all.begin() + (&one - all.data()));
+       },
+       {},
+       {}},
+      {"session.save",
+       "Save the session",
+       file,
+       "Ctrl+S",
+       "PATH",
+       [](State& s, const std::string& text) {
+         save_session(s, text);
+         s.document.session = text;
+         say(s, "session written to " + text);
+       },
+       has_recording,
+       {}},
+      {"session.open",
+       "Open a session or a report",
+       file,
+       "Ctrl+Shift+O",
+       "PATH[#BOOKMARK]",
+       [](State& s, const std::string& text) {
+         if (is_report(text))
+           open_report(s, {text, {}, {}, false});
+         else
+           open_session(s, text);
+       },
+       {},
+       {}},
+      {"quit",
+       "Quit",
+       file,
+       "Ctrl+Q",
+       "",
+       [](State& s, const std::string&) { s.view.quit = true; },
+       {},
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,315 @@
+// Floors and walls that are clicked, and so where things fall.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/labels/wand/wand.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/cloud/gravity_pick.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr const char* kClickTakes = "U,V | voxel N | plane N";
+constexpr double kLeastArea_m2 = 0.01;  // smaller surfaces do not tell a direction to a degree ...
+constexpr double kMostRoughness =
+    0.04;                             // ... nor do those whose RMS is more than this of their size
+constexpr double kMostTilt_deg = 60;  // a floor that is tilted more is worth a word
+
+/// A surface that was clicked; its normal is unit, faces the sensor and is in the sensor's frame.
+struct ClickedSurface {
+  Vec3d normal;
+  double area_m2 = 0;  // 0: not known
+  double rms_m = 0;
+};
+
+const Subject& subject_of(const State& state) { return *state.results.current->run->subject; }
+
+OpenRecording& current(State& state) {
+  return state.document.recordings[static_cast<std::size_t>(state.document.recording)];
+}
+
+/// The surface around a pixel as the plane wand finds it: robustly, at any distance.
+ClickedSurface surface_at_pixel(const Subject& subject, std::uint32_t pixel) {
+  const LabelGrid grid = make_label_grid(subject.frame, subject.prepared.gravity);
+  std::string why_not;
+  const std::uint32_t seeds[] = {pixel};
+  const auto found = grow_plane(grid, nullptr, seeds, {}, &why_not);
+  if (!found) throw Error(why_not);
+  const FittedPlane& plane = found->plane;
+  if (plane.area_m2 < kLeastArea_m2 || plane.rms_m > kMostRoughness * std::sqrt(plane.area_m2))
+    throw Error(
+        fmt::format("the surface there is too small or too rough to tell a direction "
+                    "({:.0f} cm2, RMS {:.1f} mm)",
+                    1e4 * plane.area_m2, 1000 * plane.rms_m));
+  return {plane.normal, plane.area_m2, plane.rms_m};
+}
+
+ClickedSurface surface_of_plane(const State& state, std::int32_t plane) {
+  const Run& run = *state.run();
+  const PlaneChange* now = run.timeline.plane_at(plane, state.view.step);
+  if (!now || !now->alive) throw Error("no plane there");
+  const PreparedFrame& prepared = run.subject->prepared;
+  Vec3d normal = now->fit.normal;
+  if (normal.dot(prepared.sensor() - now->fit.centroid) < 0) normal = -normal;
+  return {prepared.cloud.T_world_sensor.linear().transpose() * normal, 0, now->fit.rms_m()};
+}
+
+ClickedSurface surface_at_voxel(const State& state, int voxel) {
+  const Subject& subject = *state.run()->subject;
+  if (!subject.frame.is_cloud())
+    return surface_at_pixel(subject, static_cast<std::uint32_t>(source_of_voxel(
+                                         subject, static_cast<std::uint32_t>(voxel))));
+  const std::int32_t plane = state.run()->timeline.point_at(voxel, state.view.step).plane;
+  if (plane < 0) throw Error("no plane there");
+  return surface_of_plane(state, plane);
+}
+
+int number_after(const std::string& action, const std::string& text, const char* word, int most) {
+  return whole_argument(action, text.substr(std::string(word).size()), 0, most);
+}
+
+/// What the argument means. Throws Error with a phrase why there is no surface.
+ClickedSurface clicked_surface(const State& state,
+                               const std::string& action,
+                               const std::string& text) {
+  const Subject& subject = *state.run()->subject;
+  if (text == "nothing") throw Error("nothing was measured there");
+  if (text.starts_with("voxel "))
+    return surface_at_voxel(
+        state, number_after(action, text, "voxel ", static_cast<int>(subject.voxel_count()) - 1));
+  if (text.starts_with("plane "))
+    return surface_of_plane(
+        state, number_after(action, text, "plane ", state.run()->timeline.plane_count()) - 1);
+  const std::vector<double> uv = numbers_argument(action, text, 2);
+  const Image16& depth = subject.frame.depth;
+  if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
+  if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
+    throw Error(fmt::format("{} is outside the {} x {} image", text, depth.width, depth.height));
+  return surface_at_pixel(
+      subject, static_cast<std::uint32_t>(uv[1]) * depth.width + static_cast<std::uint32_t>(uv[0]));
+}
+
+std::string surface_text(const ClickedSurface& surface) {
+  if (surface.area_m2 <= 0) return fmt::format("RMS {:.1f} mm", 1000 * surface.rms_m);
+  return fmt::format("{:.2f} m2, RMS {:.1f} mm", surface.area_m2, 1000 * surface.rms_m);
+}
+
+/// A file that could not be read is not replaced, and what goes before a pick would hide it: that
+/// is said instead.
+void expect_effect(const State& state) {
+  if (const std::string& why = state.document.current()->picked_refused; !why.empty())
+    throw Error(why + "; move the file away first");
+  const std::optional<Gravity>& own = subject_of(state).frame.gravity;
+  if (!own || own->source == GravitySource::picked) return;
+  const char* who = own->source == GravitySource::imu ? "IMU" : "sidecar";
+  throw Error(
+      fmt::format("the recording's {} tells gravity and goes before a click; --gravity "
+                  "X,Y,Z, or the option gravity, goes before both",
+                  who));
+}
+
+/// What was picked before, where the next click is to hold.
+const PickedDirection* picked_before(const State& state) {
+  const PickedGravity& picked = state.document.current()->picked;
+  if (state.view.gravity_of_recording) return picked.recording ? &*picked.recording : nullptr;
+  const auto own = picked.frames.find(state.document.frame);
+  return own == picked.frames.end() ? nullptr : &own->second;
+}
+
+/// An undo step: what is picked, and the options with it.
+void change_picked(State& state, const PickedGravity& after, const PipelineOptions& options) {
+  const OpenRecording& open = current(state);
+  OptionChange change{state.document.options, options, "", {}};
+  change.gravity = GravityChange{open.path, open.picked, after};
+  keep_picked(state, open.path, after);
+  state.undo.push_back(std::move(change));
+  state.redo.clear();
+  state.document.options = options;
+}
+
+/// Labels that were drawn while nobody knew gravity get their classes, as one step of their own.
+void tell_labels(State& state, const Gravity& gravity) {
+  const LabelStore* store = current(state).labels.get();
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  if (state.view.mode != Mode::labels || !labels || !store->read_only().empty()) return;
+  if (!labels->planes.empty()) commit_labels(state, "Gravity", with_gravity(*labels, gravity));
+}
+
+void keep_direction(State& state, PickedDirection picked, const std::string& said) {
+  const OpenRecording& open = current(state);
+  const int frame = state.document.frame;
+  picked.frame = frame;
+  picked.frame_sha256 = open.recording->frame_hash(frame);
+  PickedGravity after = open.picked;
+  const bool all = state.view.gravity_of_recording;
+  if (all) {
+    after.recording = picked;
+    after.frames.erase(frame);  // this frame is one of all
+  } else {
+    after.frames[frame] = picked;
+  }
+  PipelineOptions options = state.document.options;
+  options.gravity.mode = GravityMode::automatic;  // a direction that they give would hide it
+  change_picked(state, after, options);
+  state.view.gravity_click = GravityClick::none;
+  std::string text = said;
+  if (!subject_of(state).frame.is_cloud()) {
+    const double tilt_deg =
+        std::acos(std::clamp(picked.direction.y(), -1.0, 1.0)) * 180 / std::numbers::pi;
+    text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
+    if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
+  }
+  say(state,
+      fmt::format("gravity {} {}: kept in {}", text, all ? "for all frames" : "for this frame",
+                  (open.label_dir / "gravity.json").string()));
+  try {
+    tell_labels(state, {picked.direction, GravitySource::picked, 1, picked.note});
+  } catch (const Error& error) {  // gravity is picked all the same
+    say(state, error.what(), true);
+  }
+}
+
+void pick_floor(State& state, const std::string& text) {
+  expect_effect(state);
+  const ClickedSurface surface = clicked_surface(state, "gravity.floor", text);
+  PickedDirection picked;
+  picked.direction = gravity_of_floor(surface.normal);
+  picked.note = "picked: a floor of " + surface_text(surface);
+  keep_direction(state, picked, "from a floor of " + surface_text(surface));
+}
+
+void pick_wall(State& state, const std::string& text) {
+  expect_effect(state);
+  const ClickedSurface surface = clicked_surface(state, "gravity.wall", text);
+  PickedDirection picked;
+  if (const PickedDirection* before = picked_before(state)) picked.walls = before->walls;
+  picked.walls.push_back(surface.normal);
+  // Known so far, or where the camera's own lower edge points.
+  const Vec3d before = subject_of(state).prepared.gravity.direction;
+  std::string why_not;
+  const auto direction = gravity_of_walls(picked.walls, before, &why_not);
+  if (!direction) throw Error(why_not);
+  picked.direction = *direction;
+  const std::size_t walls = picked.walls.size();
+  const std::string what = walls == 1 ? "one wall" : fmt::format("{} walls", walls);
+  picked.note = "picked: " + what;
+  const char* open_angle = " (a floor, or a wall across, would settle the angle along it)";
+  keep_direction(state, picked, "from " + what + (walls == 1 ? open_angle : ""));
+}
+
+/// A click on nothing changes nothing and says so; the next one may be better.
+template <void (*pick)(State&, const std::string&)>
+void try_pick(State& state, const std::string& text) {
+  try {
+    pick(state, text);
+  } catch (const Error& error) {
+    say(state, fmt::format("gravity is as it was: {}", error.what()), true);
+  }
+}
+
+void forget(State& state) {
+  const OpenRecording& open = current(state);
+  PickedGravity after = open.picked;
+  const bool own = after.frames.erase(state.document.frame) > 0;
+  if (!own) after.recording.reset();
+  change_picked(state, after, state.document.options);
+  say(state, own ? "this frame's picked gravity is forgotten"
+                 : "the recording's picked gravity is forgotten");
+}
+
+bool has_pick(const State& state) {
+  const OpenRecording* open = state.document.current();
+  return open && open->picked.of(state.document.frame) != nullptr;
+}
+
+Action click_action(const char* name, const char* title, const char* key, GravityClick what) {
+  return {name,
+          title,
+          "Gravity",
+          key,
+          "",
+          [what](State& s, const std::string&) {
+            const bool leaves = s.view.gravity_click == what;
+            s.view.gravity_click = leaves ? GravityClick::none : what;
+            s.view.marking = false;
+          },
+          has_run,
+          [what](const State& s) { return s.view.gravity_click == what; }};
+}
+
+}  // namespace
+
+void read_picked(State& state, OpenRecording& open) {
+  try {
+    open.picked = read_picked_gravity(open.label_dir, *open.recording);
+  } catch (const Error& error) {
+    open.picked = {};
+    open.picked_refused = error.what();
+    say(state, error.what(), true);
+  }
+}
+
+void keep_picked(State& state,
+                 const std::filesystem::path& recording,
+                 const PickedGravity& picked) {
+  auto& all = state.document.recordings;
+  const auto open = std::ranges::find(all, recording, &OpenRecording::path);
+  if (open == all.end()) return;
+  write_picked_gravity(open->label_dir, picked);
+  open->picked = picked;
+  state.view.camera.reset();  // it stands in a world that turns
+}
+
+std::vector<Action> gravity_actions() {
+  const std::string menu = "Gravity";
+  return {
+      click_action("gravity.click.floor", "Click a floor: it lies level", "Shift+G",
+                   GravityClick::floor),
+      click_action("gravity.click.wall", "Click a wall: it stands upright", "Shift+W",
+                   GravityClick::wall),
+      {"gravity.all_frames",
+       "What is clicked holds for all frames",
+       menu,
+       "Ctrl+Shift+W",
+       "",
+       [](State& s, const std::string&) {
+         s.view.gravity_of_recording = !s.view.gravity_of_recording;
+       },
+       {},
+       [](const State& s) { return s.view.gravity_of_recording; }},
+      {"gravity.forget",
+       "Forget what was clicked",
+       menu,
+       "Ctrl+Shift+G",
+       "",
+       [](State& s, const std::string&) { forget(s); },
+       has_pick,
+       {}},
+      {"gravity.floor",
+       "This surface is a floor",
+       "",
+       "",
+       kClickTakes,
+       try_pick<pick_floor>,
+       has_run,
+       {}},
+      {"gravity.wall",
+       "This surface is a wall",
+       "",
+       "",
+       kClickTakes,
+       try_pick<pick_wall>,
+       has_run,
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

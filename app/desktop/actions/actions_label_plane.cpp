@@ -1,0 +1,189 @@
+// The planes of the label mode: the active one's class, locks, joins and splits, first labels from
+// the algorithm, labels for the next frame.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/labeling/label_work.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+std::string name_of(int plane) { return fmt::format("P{}", plane); }
+
+/// Of the active plane; where there is none, of what is painted next.
+void set_class(State& state, const std::string& text, Label label) {
+  const char* name = to_string(label);
+  LabelView& view = state.view.label;
+  const LabelWork work = label_work(state);
+  if (text.empty() && !find_plane(*work.labels, view.plane)) {
+    const Paints wanted = label == Label::h ? Paints::h_only : Paints::v_only;
+    view.paints = view.paints == wanted ? Paints::plane : wanted;
+    return say(state, view.paints == wanted ? fmt::format("strokes mark {}, without a plane", name)
+                                            : "strokes mark planes");
+  }
+  const int plane = plane_argument(state, "label.class", text);
+  commit_and_say(state, fmt::format("Make {} {}", name_of(plane), name),
+                 with_class(*work.labels, plane, label),
+                 fmt::format("{} is {} already", name_of(plane), name));
+}
+
+void join(State& state, const std::string& text) {
+  const LabelWork work = label_work(state);
+  const int into = plane_argument(state, "label.join", "");
+  int from = 0;
+  if (!text.empty())
+    from = plane_argument(state, "label.join", text);
+  else if (state.view.label.hover >= 0)
+    from = work.labels->plane.data[static_cast<std::size_t>(state.view.label.hover)];
+  if (!find_plane(*work.labels, from))
+    throw Error(
+        fmt::format("no plane is under the mouse that could be joined into {}", name_of(into)));
+  if (from == into) throw Error(fmt::format("{} is under the mouse itself", name_of(into)));
+  commit_and_say(state, fmt::format("Join {} into {}", name_of(from), name_of(into)),
+                 joined(*work.labels, work.frame.grid, into, from), "");
+}
+
+void split(State& state, const std::string& text) {
+  const LabelWork work = label_work(state);
+  const int plane = plane_argument(state, "label.split", text);
+  const FrameLabels after =
+      split_by_parts(*work.labels, work.frame.grid, plane, AuditOptions{}.min_area_m2);
+  const std::size_t parts = 1 + after.planes.size() - work.labels->planes.size();
+  commit_and_say(state, fmt::format("Split {} into its {} parts", name_of(plane), parts), after,
+                 fmt::format("{} is in one part; Shift+S cuts it along a line", name_of(plane)));
+}
+
+void toggle(State& state, const std::string& text, PlaneFlag flag) {
+  const LabelWork work = label_work(state);
+  const int id =
+      plane_argument(state, flag == PlaneFlag::locked ? "label.lock" : "label.hide", text);
+  const LabelPlane& plane = *find_plane(*work.labels, id);
+  const bool on = flag == PlaneFlag::locked ? !plane.locked : !plane.hidden;
+  const char* verb = flag == PlaneFlag::locked ? (on ? "Lock" : "Unlock") : (on ? "Hide" : "Show");
+  commit_and_say(state, fmt::format("{} {}", verb, name_of(id)),
+                 with_flag(*work.labels, id, flag, on), "");
+}
+
+void show_all(State& state) {
+  FrameLabels after = *label_work(state).labels;
+  for (LabelPlane& plane : after.planes) plane.hidden = false;
+  commit_and_say(state, "Show all planes", after, "no plane is hidden");
+}
+
+void remove(State& state, const std::string& text) {
+  const LabelWork work = label_work(state);
+  const int plane = plane_argument(state, "label.remove", text);
+  commit_and_say(state, fmt::format("Remove {}", name_of(plane)),
+                 without_plane(*work.labels, work.frame.grid, plane), "");
+  if (state.view.label.plane == plane) state.view.label.plane = 0;
+}
+
+void look(State& state, const std::string& text) {
+  const LabelWork work = label_work(state);
+  const int plane = plane_argument(state, "label.look", text);
+  state.view.label.plane = plane;
+  look_at_pixels(state, pixels_of_plane(*work.labels, plane));
+}
+
+/// The run of the frame looked at; null while it is made.
+const Run* run_of_frame(const State& state) {
+  const Run* run = state.run();
+  return run && run->subject->frame.index == state.document.frame ? run : nullptr;
+}
+
+/// How much of the frame the algorithm was not shown: labels there have to be drawn.
+std::string beyond_text(const Run& run, const LabelGrid& grid) {
+  const double range_m = run.options.cloud.max_range_m;
+  std::size_t beyond = 0;
+  for (std::size_t i = 0; i < grid.pixels(); ++i)
+    if (grid.points[i].z() > range_m && run.subject->voxel_of_source(i) == kNoVoxel) ++beyond;
+  const double share = static_cast<double>(beyond) /
+                       static_cast<double>(std::max<std::size_t>(grid.measured_count, 1));
+  if (share < 0.05) return "";
+  return fmt::format(": {:.0f} % of the pixels lie beyond its --max-range of {:g} m", 100 * share,
+                     range_m);
+}
+
+void take(State& state) {
+  const LabelWork work = label_work(state);
+  const Run* run = run_of_frame(state);
+  if (!run) throw Error("the algorithm has not come to this frame yet");
+  const OtherLabels found = labels_of_run(*run, work.frame.grid);
+  const char* name =
+      run->is_ours() ? to_string(run->segment_options.profile) : to_string(run->options.method);
+  const std::string title = fmt::format("Start from the algorithm ({})", name);
+  const std::string beyond = beyond_text(*run, work.frame.grid);
+  commit_and_say(state, title,
+                 from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
+                 "the labels are the algorithm's already" + beyond);
+  if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);
+  state.view.label.wand = {};
+}
+
+void carry(State& state) {
+  const LabelWork work = label_work(state);
+  const int frame = state.document.frame;
+  const OpenRecording& open = *state.document.current();
+  if (work.labels->planes.empty())
+    throw Error(fmt::format("frame {} has no planes that could be carried on", frame));
+  if (frame + 1 >= open.recording->frame_count())
+    throw Error(fmt::format("frame {} is the last one", frame));
+  if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
+  CarryJob job;
+  job.running = true;
+  job.from = frame;
+  job.from_frame = state.results.label.frame;
+  job.from_labels = work.labels;
+  apply(state, {"frame.show", std::to_string(frame + 1)});
+  state.results.label.carry = std::move(job);
+}
+
+/// On the active plane, unless it is told which.
+Action on_plane(const std::string& name,
+                const std::string& title,
+                const std::string& key,
+                std::function<void(State&, const std::string&)> run) {
+  return {name, title, "Planes", key, "[PLANE]", std::move(run), can_label, {}};
+}
+
+Action on_frame(const std::string& name,
+                const std::string& title,
+                const std::string& key,
+                void (*run)(State&)) {
+  return {name,      title, "Planes", key, "", [run](State& s, const std::string&) { run(s); },
+          can_label, {}};
+}
+
+}  // namespace
+
+std::vector<Action> label_plane_actions() {
+  const auto class_action = [](const char* name, const char* title, const char* key, Label label) {
+    return on_plane(name, title, key,
+                    [label](State& s, const std::string& text) { set_class(s, text, label); });
+  };
+  const auto flag_action = [](const char* name, const char* title, const char* key,
+                              PlaneFlag flag) {
+    return on_plane(name, title, key,
+                    [flag](State& s, const std::string& text) { toggle(s, text, flag); });
+  };
+  return {
+      on_frame("label.take", "Start from the algorithm", "T", take),
+      on_frame("label.carry", "Carry the labels to the next frame", ".", carry),
+      class_action("label.class.h", "Horizontal", "H", Label::h),
+      class_action("label.class.v", "Vertical", "V", Label::v),
+      on_plane("label.join", "Join the plane under the mouse into the active one", "J", join),
+      on_plane("label.split", "Split by connected parts", "S", split),
+      flag_action("label.lock", "Lock or unlock", "K", PlaneFlag::locked),
+      flag_action("label.hide", "Hide or show", "O", PlaneFlag::hidden),
+      on_frame("label.show_all", "Show all planes", "Shift+O", show_all),
+      on_plane("label.remove", "Remove the plane", "Delete", remove),
+      on_plane("label.look", "Look at the plane", "F", look),
+  };
+}
+
+}  // namespace planescope::desktop

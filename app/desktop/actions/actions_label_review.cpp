@@ -1,0 +1,194 @@
+// The review's queue and the checks.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "app/desktop/labeling/label_review.hpp"
+#include "app/desktop/labeling/label_work.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+int item_count(const State& state) {
+  const ReviewQueue* queue = state.results.label.review.get();
+  return queue ? static_cast<int>(queue->items.size()) : 0;
+}
+int finding_count(const State& state) {
+  const Audit* audit = state.results.label.audit.get();
+  return audit ? static_cast<int>(audit->findings.size()) : 0;
+}
+
+void start(State& state) {
+  state.view.label.tab = "review";
+  const ReviewQueue* queue = state.results.label.review.get();
+  if (queue && state.view.label.review_item < 0 && queue->undecided() > 0) choose_item(state, 0);
+}
+
+void step_item(State& state, int by) {
+  const int count = item_count(state), now = state.view.label.review_item;
+  choose_item(state, now < 0 ? (by > 0 ? 0 : count - 1) : std::clamp(now + by, 0, count - 1));
+}
+
+void decide_told(State& state,
+                 const std::string& action,
+                 ReviewDecision decision,
+                 const std::string& text) {
+  if (!text.empty())
+    state.view.label.review_item = whole_argument(action, text, 0, item_count(state) - 1);
+  decide(state, decision);
+}
+
+void edit(State& state, const std::string& text) {
+  decide_told(state, "review.edit", ReviewDecision::edit, text);
+  LabelView& view = state.view.label;
+  const Disagreement& item =
+      state.results.label.review->items[static_cast<std::size_t>(view.review_item)];
+  view.tool = LabelTool::brush;
+  view.paints = Paints::plane;
+  view.plane = item.label_plane;
+}
+
+void finish(State& state) {
+  const LabelWork work = label_work(state);
+  FrameLabels after = *work.labels;
+  const bool reviewed = after.review_state == "reviewed";
+  const ReviewQueue* queue = state.results.label.review.get();
+  if (!reviewed && (!queue || queue->labels != work.labels))
+    throw Error("what differs is not known yet: D opens the review");
+  if (!reviewed && queue->undecided() > 0)
+    throw Error(fmt::format("{} of {} regions are not decided yet", queue->undecided(),
+                            queue->undecided() + after.review.size()));
+  after.review_state = reviewed ? "unreviewed" : "reviewed";
+  commit_and_say(state, reviewed ? "Not reviewed" : "Reviewed", after, "");
+}
+
+void compare_with(State& state, const std::string& folder) {
+  const LabelWork work = label_work(state);
+  if (!folder.empty()) {  // so that a folder that cannot be compared with is refused at once
+    const auto other = read_frame_labels(folder, work.frame.frame, work.frame.sha256);
+    if (!other) throw Error(fmt::format("{}: has no labels of frame {}", folder, work.frame.frame));
+  }
+  LabelView& view = state.view.label;
+  view.tab = "review";
+  if (view.compare_with == folder) return;
+  view.compare_with = folder;
+  view.review_item = -1;
+  state.results.label.review = nullptr;
+  state.results.label.review_refusal.clear();
+}
+
+void show_finding(State& state, int index) {
+  LabelView& view = state.view.label;
+  view.tab = "checks";
+  view.finding = index;
+  if (index >= finding_count(state)) return;  // shown when the checks are done
+  const Finding& finding = state.results.label.audit->findings[static_cast<std::size_t>(index)];
+  view.plane = finding.plane;
+  const PixelSet place{finding.pixel};
+  look_at_pixels(state, finding.pixels.empty() ? place : finding.pixels);
+  say(state, finding.text);
+}
+
+void step_finding(State& state, int by) {
+  const int count = finding_count(state), now = state.view.label.finding;
+  if (state.results.label.audit && count == 0) {
+    state.view.label.tab = "checks";
+    return say(state, "nothing looks wrong");
+  }
+  show_finding(state, count == 0 || now < 0 ? 0 : (now + by + count) % count);
+}
+
+Action on_frame(const char* name, const char* title, const char* key, void (*run)(State&)) {
+  return {name,      title, "Review", key, "", [run](State& s, const std::string&) { run(s); },
+          can_label, {}};
+}
+
+Action on_item(const char* name, const char* title, const char* key, ReviewDecision decision) {
+  return {
+      name,
+      title,
+      "Review",
+      key,
+      "[NUMBER]",
+      [name, decision](State& s, const std::string& text) { decide_told(s, name, decision, text); },
+      can_label,
+      {}};
+}
+
+Action step_action(const char* name, const char* title, const char* key, int by) {
+  return {name,
+          title,
+          "Review",
+          key,
+          "",
+          [by](State& s, const std::string&) { step_item(s, by); },
+          [](const State& s) { return can_label(s) && item_count(s) > 0; },
+          {}};
+}
+
+}  // namespace
+
+std::vector<Action> label_review_actions() {
+  return {
+      on_frame("review.start", "Review: what differs from the algorithm", "D", start),
+      step_action("review.next", "Next region", "Down", 1),
+      step_action("review.previous", "Previous region", "Up", -1),
+      on_item("review.keep", "Keep the labels", "", ReviewDecision::keep),
+      on_item("review.take", "Take the other side's", "A", ReviewDecision::take),
+      {"review.edit", "Edit the labels there", "Review", "E", "[NUMBER]", edit, can_label, {}},
+      on_item("review.ignore", "Do not score the region", "G", ReviewDecision::ignore),
+      {"review.item",
+       "Choose a region",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         choose_item(s, whole_argument("review.item", text, 0, item_count(s) - 1));
+       },
+       can_label,
+       {}},
+      {"review.against",
+       "Compare with another annotator's labels",
+       "",
+       "",
+       "[FOLDER]",
+       compare_with,
+       can_label,
+       {}},
+      {"review.done", "The frame is reviewed", "Review", "Shift+D", "",
+       [](State& s, const std::string&) { finish(s); }, can_label,
+       [](const State& s) { return can_label(s) && s.labels()->review_state == "reviewed"; }},
+      {"check.next",
+       "Next finding of the checks",
+       "Review",
+       "F4",
+       "",
+       [](State& s, const std::string&) { step_finding(s, 1); },
+       can_label,
+       {}},
+      {"check.previous",
+       "Previous finding of the checks",
+       "Review",
+       "Shift+F4",
+       "",
+       [](State& s, const std::string&) { step_finding(s, -1); },
+       can_label,
+       {}},
+      {"check.show",
+       "Show a finding of the checks",
+       "",
+       "",
+       "NUMBER",
+       [](State& s, const std::string& text) {
+         show_finding(s, whole_argument("check.show", text, 0, finding_count(s) - 1));
+       },
+       can_label,
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,193 @@
+// Selecting nodes, planes and points, in whichever panel.
+
+#include <fmt/format.h>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+int node_count(const Run& run) { return static_cast<int>(run.octree().nodes.size()); }
+
+void select_node(State& state, std::int32_t node) {
+  state.view.selected = {};
+  state.view.selected.node = node;
+}
+
+void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
+  const Timeline& timeline = state.run()->timeline;
+  Selection& selected = state.view.selected;
+  selected.voxel = voxel;
+  selected.source = source;
+  selected.node = timeline.node_of_point(voxel, state.view.step);
+  selected.plane = timeline.point_at(voxel, state.view.step).plane;
+}
+
+void select_pixel(State& state, double u, double v) {
+  const Subject& subject = *state.run()->subject;
+  const Image16& depth = subject.frame.depth;
+  if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height))
+    throw Error(fmt::format("action select.pixel: {},{} is outside the {} x {} image", u, v,
+                            depth.width, depth.height));
+  const std::int64_t source = static_cast<std::int64_t>(v) * depth.width + static_cast<int>(u);
+  const std::uint32_t voxel = subject.voxel_of_source(static_cast<std::size_t>(source));
+  if (voxel != kNoVoxel) return select_voxel(state, static_cast<std::int32_t>(voxel), source);
+  state.view.selected = {};
+  state.view.selected.source = source;
+}
+
+void mark_pixels(State& state, const std::vector<double>& box) {
+  const Subject& subject = *state.run()->subject;
+  const Image16& depth = subject.frame.depth;
+  if (depth.empty()) throw Error("action mark.pixels: a cloud has no image to mark");
+  std::vector<std::uint8_t> seen(subject.voxel_count(), 0);
+  std::vector<std::uint32_t>& marked = state.document.marked;
+  for (const std::uint32_t voxel : marked)
+    if (voxel < seen.size()) seen[voxel] = 1;
+  const auto inside = [](double value, int size) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
+  };
+  for (int v = inside(std::min(box[1], box[3]), depth.height);
+       v < inside(std::max(box[1], box[3]), depth.height); ++v)
+    for (int u = inside(std::min(box[0], box[2]), depth.width);
+         u < inside(std::max(box[0], box[2]), depth.width); ++u) {
+      const std::uint32_t voxel =
+          subject.voxel_of_source(static_cast<std::size_t>(v) * depth.width + u);
+      if (voxel == kNoVoxel || seen[voxel]) continue;
+      seen[voxel] = 1;
+      marked.push_back(voxel);
+    }
+  say(state, fmt::format("{} voxels marked", marked.size()));
+}
+
+void show_point(State& state) {
+  if (state.view.selected.voxel < 0 && state.view.selected.source < 0)
+    return say(state, "no point is selected: click one in the image or in space");
+  state.view.inspector_tab = "point";
+}
+
+}  // namespace
+
+std::vector<Action> selection_actions() {
+  const std::string menu = "Select";
+  return {
+      {"select.node",
+       "Select a node",
+       menu,
+       "Ctrl+N",
+       "NODE",
+       [](State& s, const std::string& text) {
+         select_node(s, whole_argument("select.node", text, 0, node_count(*s.run()) - 1));
+       },
+       has_run,
+       {}},
+      {"select.plane",
+       "Select a plane",
+       menu,
+       "Ctrl+Shift+P",
+       "PLANE",
+       [](State& s, const std::string& text) {
+         const std::string digits = text.starts_with("P") ? text.substr(1) : text;
+         s.view.selected = {};
+         s.view.selected.plane =
+             whole_argument("select.plane", digits, 1, s.run()->timeline.plane_count()) - 1;
+       },
+       has_run,
+       {}},
+      {"select.voxel",
+       "Select a point by its voxel",
+       menu,
+       "Ctrl+Shift+U",
+       "VOXEL",
+       [](State& s, const std::string& text) {
+         const auto voxels = static_cast<int>(s.run()->subject->voxel_count());
+         select_voxel(s, whole_argument("select.voxel", text, 0, voxels - 1), -1);
+       },
+       has_run,
+       {}},
+      {"select.pixel",
+       "Select a point by its depth pixel",
+       menu,
+       "Ctrl+U",
+       "U,V",
+       [](State& s, const std::string& text) {
+         const auto uv = numbers_argument("select.pixel", text, 2);
+         select_pixel(s, uv[0], uv[1]);
+       },
+       has_run,
+       {}},
+      {"select.parent",
+       "Select the parent node",
+       menu,
+       "Up",
+       "",
+       [](State& s, const std::string&) {
+         const std::int32_t node = s.view.selected.node;
+         if (node > 0)
+           select_node(s, s.run()->octree().nodes[static_cast<std::size_t>(node)].parent);
+       },
+       has_run,
+       {}},
+      {"select.child",
+       "Select the first child node",
+       menu,
+       "Down",
+       "",
+       [](State& s, const std::string&) {
+         const std::int32_t node = s.view.selected.node;
+         if (node < 0) return;
+         const std::int32_t child =
+             s.run()->octree().nodes[static_cast<std::size_t>(node)].first_child;
+         if (child >= 0 &&
+             s.run()->timeline.queued_at()[static_cast<std::size_t>(child)] <= s.view.step)
+           select_node(s, child);
+       },
+       has_run,
+       {}},
+      {"select.none",
+       "Select nothing",
+       menu,
+       "Escape",
+       "",
+       [](State& s, const std::string&) {
+         s.view.selected = {};
+         s.view.marking = false;
+         s.view.gravity_click = GravityClick::none;
+       },
+       {},
+       {}},
+      {"point.life",
+       "The point's whole life",
+       menu,
+       "P",
+       "",
+       [](State& s, const std::string&) { show_point(s); },
+       has_run,
+       {}},
+      {"mark.toggle", "Mark a region in the image", menu, "M", "",
+       [](State& s, const std::string&) { s.view.marking = !s.view.marking; }, has_run,
+       [](const State& s) { return s.view.marking; }},
+      {"mark.pixels",
+       "Mark the pixels of a rectangle",
+       "",
+       "",
+       "U0,V0,U1,V1",
+       [](State& s, const std::string& text) {
+         mark_pixels(s, numbers_argument("mark.pixels", text, 4));
+       },
+       has_run,
+       {}},
+      {"mark.clear",
+       "Clear the marked region",
+       menu,
+       "Shift+M",
+       "",
+       [](State& s, const std::string&) { s.document.marked.clear(); },
+       {},
+       {}},
+  };
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,315 @@
+// What is shown, and how.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/actions/arguments.hpp"
+#include "app/desktop/camera.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+const std::vector<std::string> kColorNames = {"cases",   "planes", "labels",
+                                              "margins", "truth",  "camera"};
+
+Action color_action(ColorBy by, const std::string& title, const std::string& key) {
+  const std::string name = kColorNames[static_cast<std::size_t>(by)];
+  return {"color." + name,
+          title,
+          "View",
+          key,
+          "",
+          [by](State& s, const std::string&) { s.view.color_by = by; },
+          {},
+          [by](const State& s) { return s.view.color_by == by; }};
+}
+
+Action toggle(const std::string& name,
+              const std::string& title,
+              const std::string& key,
+              bool ViewState::*flag) {
+  Action action = {name,   title,
+                   "View", key,
+                   "",     [flag](State& s, const std::string&) { s.view.*flag = !(s.view.*flag); },
+                   {},     [flag](const State& s) { return s.view.*flag; }};
+  action.mode = KeyMode::debugger;  // what they show is drawn there alone
+  return action;
+}
+
+Action preset(const std::string& name,
+              const std::string& title,
+              const std::string& key,
+              CameraPreset which) {
+  return {name,
+          title,
+          "View",
+          key,
+          "",
+          [which](State& s, const std::string&) {
+            s.view.camera = preset_camera(s.run_view()->home, which);
+          },
+          has_run,
+          {}};
+}
+
+double* layout_share(Layout& layout, const std::string& name) {
+  if (name == "left") return &layout.left;
+  if (name == "right") return &layout.right;
+  if (name == "bottom") return &layout.bottom;
+  if (name == "image") return &layout.image;
+  if (name == "octree") return &layout.octree;
+  if (name == "tools") return &layout.tools;
+  return nullptr;
+}
+
+void set_layout(State& state, const std::string& text) {
+  const std::size_t at = text.find('=');
+  const std::string name = text.substr(0, at);
+  double* share = layout_share(state.view.layout, name);
+  if (!share || at == std::string::npos)
+    choice_argument("layout.set", name, {"left", "right", "bottom", "image", "octree", "tools"});
+  else
+    *share = std::clamp(number_argument("layout.set", text.substr(at + 1)), 0.0, 0.9);
+}
+
+void set_zoom(State& state, double zoom) {
+  state.view.zoom = std::clamp(zoom, 0.6, 3.0);
+  say(state, fmt::format("zoom {:.0f} %", 100 * state.view.zoom));
+}
+
+}  // namespace
+
+std::vector<Action> view_actions() {
+  const std::string menu = "View";
+  std::vector<Action> actions = {
+      color_action(ColorBy::cases, "Colour by case", "1"),
+      color_action(ColorBy::planes, "Colour by plane", "2"),
+      color_action(ColorBy::labels, "Colour by h and v", "3"),
+      color_action(ColorBy::margins, "Colour by how sure the label is", "4"),
+      color_action(ColorBy::truth, "Colour by ground truth", "5"),
+      color_action(ColorBy::camera, "Colour as the camera saw it", "6"),
+      toggle("show.queue", "Nodes in the queue", "Q", &ViewState::show_queue),
+      toggle("show.settled", "Boxes of settled nodes", "B", &ViewState::show_settled),
+      toggle("show.planes", "Planes", "O", &ViewState::show_planes),
+      {"image.backdrop",
+       "Colour or depth behind the image",
+       menu,
+       "I Shift+I",
+       "",
+       [](State& s, const std::string&) {
+         s.view.backdrop = s.view.backdrop == Backdrop::color ? Backdrop::depth : Backdrop::color;
+       },
+       {},
+       {}},
+      {"image.opacity",
+       "Strength of the image's overlay",
+       "",
+       "",
+       "SHARE",
+       [](State& s, const std::string& text) {
+         s.view.overlay_opacity = std::clamp(number_argument("image.opacity", text), 0.0, 1.0);
+       },
+       {},
+       {}},
+      {"image.view",
+       "Part of the image that is shown",
+       "",
+       "",
+       "ZOOM,X,Y",
+       [](State& s, const std::string& text) {
+         const auto v = numbers_argument("image.view", text, 3);
+         s.view.image_zoom = std::clamp(v[0], 1.0, 64.0);
+         s.view.image_center = Vec2d(std::clamp(v[1], 0.0, 1.0), std::clamp(v[2], 0.0, 1.0));
+       },
+       {},
+       {}},
+      preset("camera.home", "Look as the camera did", "H", CameraPreset::home),
+      preset("camera.top", "Look from above", "T", CameraPreset::top),
+      preset("camera.side", "Look from the side", "S", CameraPreset::side),
+      preset("camera.front", "Look from the front", "Shift+S", CameraPreset::front),
+      {"camera.node",
+       "Look at the selected node",
+       menu,
+       "F",
+       "",
+       [](State& s, const std::string&) {
+         if (s.view.selected.node < 0) return say(s, "no node is selected");
+         s.view.camera = camera_on_node(*s.run(), s.view.selected.node, camera_of(s));
+       },
+       has_run,
+       {}},
+      {"camera.set",
+       "Place the camera",
+       "",
+       "",
+       "EYE_XYZ,TARGET_XYZ",
+       [](State& s, const std::string& text) {
+         const auto v = numbers_argument("camera.set", text, 6);
+         Camera camera = camera_of(s);
+         camera.eye = Vec3d(v[0], v[1], v[2]);
+         camera.target = Vec3d(v[3], v[4], v[5]);
+         if ((camera.eye - camera.target).norm() < 1e-6)
+           throw Error("action camera.set: the camera stands on its target");
+         s.view.camera = camera;
+       },
+       has_run,
+       {}},
+      {"camera.orbit",
+       "Turn the camera about its target",
+       "",
+       "",
+       "DEGREES_RIGHT,DEGREES_UP",
+       [](State& s, const std::string& text) {
+         const auto v = numbers_argument("camera.orbit", text, 2);
+         s.view.camera = orbited(camera_of(s), v[0], v[1]);
+       },
+       has_run,
+       {}},
+      {"camera.pan",
+       "Move the camera sideways",
+       "",
+       "",
+       "RIGHT,UP in heights of the view",
+       [](State& s, const std::string& text) {
+         const auto v = numbers_argument("camera.pan", text, 2);
+         s.view.camera = panned(camera_of(s), v[0], v[1]);
+       },
+       has_run,
+       {}},
+      {"camera.zoom",
+       "Move the camera nearer",
+       "",
+       "",
+       "FACTOR",
+       [](State& s, const std::string& text) {
+         s.view.camera = zoomed(camera_of(s), number_argument("camera.zoom", text));
+       },
+       has_run,
+       {}},
+      {"theme.toggle",
+       "Light or dark",
+       menu,
+       "Ctrl+T",
+       "",
+       [](State& s, const std::string&) {
+         s.view.theme = s.view.theme == Theme::dark ? Theme::light : Theme::dark;
+       },
+       {},
+       {}},
+      {"theme.set",
+       "Theme",
+       "",
+       "",
+       "light|dark",
+       [](State& s, const std::string& text) {
+         s.view.theme = choice_argument("theme.set", text, {"light", "dark"}) == 0 ? Theme::light
+                                                                                   : Theme::dark;
+       },
+       {},
+       {}},
+      {"zoom.in",
+       "Larger text",
+       menu,
+       "Ctrl+=",
+       "",
+       [](State& s, const std::string&) { set_zoom(s, s.view.zoom + 0.1); },
+       {},
+       {}},
+      {"zoom.out",
+       "Smaller text",
+       menu,
+       "Ctrl+-",
+       "",
+       [](State& s, const std::string&) { set_zoom(s, s.view.zoom - 0.1); },
+       {},
+       {}},
+      {"zoom.set",
+       "Size of text",
+       "",
+       "",
+       "FACTOR",
+       [](State& s, const std::string& text) { set_zoom(s, number_argument("zoom.set", text)); },
+       {},
+       {}},
+      {"tab.inspector",
+       "Upper right tab",
+       "",
+       "",
+       "inspector|point|bookmarks",
+       [](State& s, const std::string& text) {
+         choice_argument("tab.inspector", text, {"inspector", "point", "bookmarks"});
+         s.view.inspector_tab = text;
+       },
+       {},
+       {}},
+      {"tab.tool",
+       "Lower right tab",
+       "",
+       "",
+       "criteria|histograms|compare|fix",
+       [](State& s, const std::string& text) {
+         choice_argument("tab.tool", text, {"criteria", "histograms", "compare", "fix"});
+         s.view.tool_tab = text;
+       },
+       {},
+       {}},
+      {"tab.label",
+       "Tab of the label mode",
+       "",
+       "",
+       "planes|review|checks|statistics",
+       [](State& s, const std::string& text) {
+         choice_argument("tab.label", text, {"planes", "review", "checks", "statistics"});
+         s.view.label.tab = text;
+       },
+       {},
+       {}},
+      {"octree.search",
+       "Search the octree view",
+       "",
+       "",
+       "[FILTER]",
+       [](State& s, const std::string& text) { s.view.octree_search = text; },
+       {},
+       {}},
+      {"layout.set", "Place a splitter", "", "", "NAME=SHARE", set_layout, {}, {}},
+      {"layout.reset",
+       "Reset the layout",
+       menu,
+       "Ctrl+Shift+L",
+       "",
+       [](State& s, const std::string&) { s.view.layout = {}; },
+       {},
+       {}},
+      {"palette",
+       "Find an action by name",
+       menu,
+       "Ctrl+P",
+       "",
+       [](State& s, const std::string&) {
+         s.view.show_palette = !s.view.show_palette;
+         s.view.palette_asks.clear();
+       },
+       {},
+       [](const State& s) { return s.view.show_palette; }},
+      {"palette.ask",
+       "Type the argument of an action",
+       "",
+       "",
+       "ACTION",
+       [](State& s, const std::string& text) {
+         s.view.palette_asks = find_action(text).name;
+         s.view.show_palette = true;
+       },
+       {},
+       {}},
+      toggle("keys", "Keys", "?", &ViewState::show_keys),
+      toggle("timing", "Frame times", "F12", &ViewState::show_timing),
+  };
+  return actions;
+}
+
+}  // namespace planescope::desktop

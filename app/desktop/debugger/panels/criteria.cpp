@@ -1,0 +1,242 @@
+// Every option as a slider with typed entry, unit, default and reset; under it how the score would
+// follow.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/desktop/debugger/slider_scale.hpp"
+#include "app/desktop/math_text.hpp"
+#include "app/desktop/panels.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct Row {
+  const OptionInfo& info;
+  std::string value, reset;
+  std::string widget;
+};
+
+/// As an engineer writes it; shares and cosines have none.
+std::string unit_text(const std::string& unit) {
+  if (unit == "m2") return "m²";
+  if (unit == "deg") return "°";
+  return unit == "1" || unit == "share" ? "" : unit;
+}
+
+/// The curve of a sensitivity over the slider's own scale.
+void draw_strip(
+    const Ui& ui, const Sensitivity& strip, const SliderScale& scale, ImVec2 min, ImVec2 max) {
+  if (strip.values.size() < 2) return;
+  const auto [low, high] = std::minmax_element(strip.scores.begin(), strip.scores.end());
+  const double span = std::max(*high - *low, 1e-9);
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  ImVec2 before;
+  for (std::size_t i = 0; i < strip.values.size(); ++i) {
+    const float x = min.x + static_cast<float>(scale.share(strip.values[i])) * (max.x - min.x);
+    // A flat line runs through the middle.
+    const double share = *high > *low ? (strip.scores[i] - *low) / span : 0.5;
+    const float y = max.y - ui.px(2) - static_cast<float>(share) * (max.y - min.y - ui.px(4));
+    if (i > 0) draw->AddLine(before, ImVec2(x, y), ui.colors.accent, ui.px(1.3f));
+    before = ImVec2(x, y);
+  }
+}
+
+void draw_slider(const Ui& ui, const Row& row, double value) {
+  const SliderScale scale = slider_scale(row.info, ui.state.document.options.segment.profile);
+  const ImVec2 size(ImGui::GetContentRegionAvail().x, ui.px(22));
+  const ImVec2 min = ImGui::GetCursorScreenPos();
+  const ImVec2 max(min.x + size.x, min.y + size.y);
+  ImGui::InvisibleButton("slider", size);
+  ui.name(row.widget + ".slider");
+  const bool hot = ImGui::IsItemHovered() || ImGui::IsItemActive();
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(
+      min, max, ImGui::GetColorU32(hot ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg), ui.px(3));
+  const auto x_of = [&](double v) { return min.x + static_cast<float>(scale.share(v)) * size.x; };
+  const auto strip = ui.state.results.sensitivity.find(row.info.name);
+  const bool known = strip != ui.state.results.sensitivity.end();
+  if (known) draw_strip(ui, strip->second, scale, min, max);
+  const float at_default = x_of(scale.standard);
+  draw->AddLine(ImVec2(at_default, min.y), ImVec2(at_default, max.y), ui.colors.muted, ui.px(1));
+  const float at = std::clamp(x_of(value), min.x + ui.px(2), max.x - ui.px(2));
+  draw->AddRectFilled(ImVec2(at - ui.px(2.5f), min.y), ImVec2(at + ui.px(2.5f), max.y),
+                      hot ? ui.colors.text : ui.colors.accent, ui.px(2));
+  if (ImGui::IsItemHovered() && !ImGui::IsItemActive()) {
+    const char* curve = !known ? ""
+                        : strip->second.against_truth
+                            ? "\ncurve: mean IoU over the values; line: the default"
+                            : "\ncurve: planes found over the values; line: the default";
+    ImGui::SetTooltip("%s\ndefault %s %s%s", row.info.meaning.c_str(), row.reset.c_str(),
+                      unit_text(row.info.unit).c_str(), curve);
+  }
+  if (ImGui::IsItemActive()) {
+    const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
+    const std::string text = number_text(row.info, scale.value(share));
+    if (text != row.value) ui.emit("option.drag", row.info.name + "=" + text);
+  }
+  if (ImGui::IsItemDeactivated()) ui.emit("option.drop");
+}
+
+/// A box to type in: what is typed is the panel's until Enter.
+void draw_entry(const Ui& ui, const Row& row, float width) {
+  std::string& text = ui.memory.texts[row.widget];
+  double& editing = ui.memory.numbers[row.widget];
+  if (editing == 0) text = row.value;
+  ImGui::SetNextItemWidth(width);
+  const bool entered = ImGui::InputText(
+      "##entry", &text, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  ui.name(row.widget);
+  const bool left = ImGui::IsItemDeactivatedAfterEdit();
+  editing = ImGui::IsItemActive() ? 1 : 0;
+  if ((entered || left) && text != row.value) ui.emit("option.set", row.info.name + "=" + text);
+}
+
+void draw_reset(const Ui& ui, const Row& row) {
+  if (row.value == row.reset) return;
+  ImGui::SameLine();
+  if (ImGui::SmallButton("reset")) ui.emit("option.reset", row.info.name);
+  ui.name(row.widget + ".reset");
+}
+
+void draw_number(const Ui& ui, const Row& row) {
+  const float width = ui.px(74);
+  const std::string& symbol = row.info.symbol;
+  ImGui::AlignTextToFramePadding();
+  if (symbol.empty())
+    ImGui::TextUnformatted(row.info.name.c_str());
+  else
+    math_text(ui, ui.colors.text, symbol);
+  if (!symbol.empty()) {
+    ImGui::SameLine();
+    ImGui::PushFont(ui.small);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("%s", row.info.name.c_str());
+    ImGui::PopFont();
+  }
+  draw_reset(ui, row);
+  const float unit = ImGui::CalcTextSize("points").x + ui.px(6);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - width - unit);
+  draw_entry(ui, row, width);
+  ImGui::SameLine(0, ui.px(6));
+  ImGui::TextDisabled("%s", unit_text(row.info.unit).c_str());
+  draw_slider(ui, row, number_of(row.info, ui.state.document.options));
+}
+
+void draw_other(const Ui& ui, const Row& row) {
+  const OptionInfo& info = row.info;
+  if (info.kind == OptionKind::on_off) {
+    bool on = row.value == "on";
+    if (ImGui::Checkbox(info.name.c_str(), &on))
+      ui.emit("option.set", info.name + (on ? "=on" : "=off"));
+    ui.name(row.widget);
+  } else {
+    std::vector<std::string> choices = info.choices;
+    if (info.name == "classifier") choices = {"gcn", "pca", "truth"};
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(info.name.c_str());
+    ImGui::SameLine(0, ui.px(10));
+    const float width = std::min(ui.px(160), ImGui::GetContentRegionAvail().x);
+    ImGui::SetCursorPosX(ImGui::GetWindowContentRegionMax().x - width);
+    if (choices.empty()) {
+      draw_entry(ui, row, width);
+    } else {
+      ImGui::SetNextItemWidth(width);
+      const bool open = ImGui::BeginCombo("##choice", row.value.c_str());
+      ui.name(row.widget);
+      if (open) {
+        for (const std::string& choice : choices) {
+          if (ImGui::Selectable(choice.c_str(), choice == row.value))
+            ui.emit("option.set", info.name + "=" + choice);
+          ui.name(row.widget + "." + choice);
+        }
+        ImGui::EndCombo();
+      }
+    }
+  }
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", info.meaning.c_str());
+  draw_reset(ui, row);
+}
+
+const char* title_of(const std::string& section) {
+  if (section == "criteria") return "Criteria 1-4, and what goes with them";
+  if (section == "refinements") return "Refinements";
+  if (section == "classifier") return "Classifier";
+  if (section == "gravity") return "Gravity";
+  if (section == "method") return "Method";
+  if (section == "rivals") return "What steers it";
+  return "Cloud and octree";
+}
+
+/// What can be set comes first; the method last where it is ours, as it is nearly always.
+std::vector<const char*> sections_of(Method method) {
+  if (method == Method::ours)
+    return {"criteria", "refinements", "classifier", "cloud", "gravity", "method"};
+  return {"method", "rivals", "cloud", "gravity"};
+}
+
+void draw_row(const Ui& ui, const Row& row) {
+  ImGui::PushID(row.info.name.c_str());
+  if (ui.state.view.focus == row.widget) ImGui::SetScrollHereY(0.2f);
+  if (row.info.is_number())
+    draw_number(ui, row);
+  else
+    draw_other(ui, row);
+  ImGui::PopID();
+}
+
+/// A group shows its switches and what is not its default; its other numbers unfold.
+void draw_group(const Ui& ui, const std::string& name, const std::vector<Row>& rows) {
+  for (const Row& row : rows)
+    if (!row.info.is_number()) draw_row(ui, row);
+  const bool numbers =
+      std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.info.is_number(); });
+  if (!numbers) return;
+  const bool unfolded = ui.state.view.unfolded.contains(name);
+  ImGui::SetNextItemOpen(unfolded);
+  const bool open = ImGui::TreeNodeEx(name.c_str(), ImGuiTreeNodeFlags_NoTreePushOnOpen,
+                                      "%s, in numbers", name.c_str());
+  ui.name("criteria.group." + rows.front().info.name);
+  if (open != unfolded) ui.emit("option.unfold", name);
+  for (const Row& row : rows)
+    if (row.info.is_number() && !is_folded(ui.state, row.info)) draw_row(ui, row);
+}
+
+}  // namespace
+
+void draw_criteria(const Ui& ui) {
+  const PipelineOptions& options = ui.state.document.options;
+  PipelineOptions defaults;
+  defaults.segment = profile_options(options.segment.profile);
+  for (const char* section : sections_of(options.method)) {
+    const std::string focused = ui.state.view.focus;
+    const bool sought =
+        focused.starts_with("criteria.") && find_option(focused.substr(9)).section == section;
+    if (sought) ImGui::SetNextItemOpen(true);
+    const bool open = ImGui::CollapsingHeader(
+        title_of(section), section == std::string("criteria") || options.method != Method::ours
+                               ? ImGuiTreeNodeFlags_DefaultOpen
+                               : 0);
+    ui.name(std::string("criteria.section.") + section);
+    if (!open) continue;
+    if (section == std::string("gravity")) draw_gravity(ui);
+    std::vector<std::pair<std::string, std::vector<Row>>> groups;
+    for (const OptionInfo& info : option_table()) {
+      if (info.section != section || !info.matters(options)) continue;
+      if (groups.empty() || groups.back().first != info.group) groups.push_back({info.group, {}});
+      groups.back().second.push_back(
+          {info, info.get(options), info.get(defaults), "criteria." + info.name});
+    }
+    for (const auto& [group, rows] : groups) {
+      if (!group.empty())
+        draw_group(ui, group, rows);
+      else
+        for (const Row& row : rows) draw_row(ui, row);
+    }
+  }
+}
+
+}  // namespace planescope::desktop

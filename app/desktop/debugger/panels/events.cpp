@@ -1,0 +1,242 @@
+// The event list: what was decided, step by step, with the filter and breakpoints.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/debugger/filter_box.hpp"
+#include "app/desktop/debugger/panels/breakpoints.hpp"
+#include "app/desktop/math_text.hpp"
+#include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// A sign for a kind of event; decisions have their case's badge instead.
+std::string sign_of(const TraceEvent& event) {
+  switch (event.type) {
+    case EventType::visit:
+      return "○";
+    case EventType::decide:
+      return to_string(static_cast<Case>(event.node_case));
+    case EventType::found:
+      return "★";
+    case EventType::merge:
+      return "⊕";
+    case EventType::assign:
+      return "→";
+    case EventType::drop:
+      return "✗";
+    case EventType::refine:
+      return event.stage == Stage::split_disconnected ? "÷" : to_string(event.stage);
+    case EventType::wait:
+      return "…";
+    case EventType::leave:
+      return "↩";
+  }
+  return {};
+}
+
+bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
+
+/// 12 345
+std::string thousands(std::size_t number) {
+  if (number < 1000) return std::to_string(number);
+  return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
+}
+
+/// One line: what is wrong with the filter, or how much it finds.
+void draw_findings(const Ui& ui, const Run& run) {
+  const Search& search = ui.state.view.search;
+  if (!search.problem.message.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
+    ImGui::TextUnformatted(search.problem.message.c_str());
+    ImGui::PopStyleColor();
+  } else if (!search.filter) {
+    ImGui::TextDisabled("%s events", thousands(run.trace.events.size()).c_str());
+  } else {
+    const auto& matches = search.matches;
+    const auto at = std::lower_bound(matches.begin(), matches.end(), ui.state.view.step);
+    const bool on_one = at != matches.end() && *at == ui.state.view.step;
+    const auto number = static_cast<std::size_t>(at - matches.begin()) + 1;
+    const std::string place = on_one ? fmt::format("{} of ", thousands(number)) : std::string();
+    ImGui::TextDisabled("%s%s matches among %s events", place.c_str(),
+                        thousands(matches.size()).c_str(),
+                        thousands(run.trace.events.size()).c_str());
+  }
+  ui.name("events.findings");
+}
+
+bool tool(const Ui& ui, const char* label, const char* widget, const char* help, bool pressed) {
+  if (pressed)
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  const bool clicked = ImGui::Button(label);
+  if (pressed) ImGui::PopStyleColor();
+  ui.name(widget);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", help);
+  return clicked;
+}
+
+void draw_search(const Ui& ui) {
+  const ViewState& view = ui.state.view;
+  const float gap = ui.px(3);
+  const auto width_of = [&](const char* label) {
+    return ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x + gap;
+  };
+  const float tools = width_of("◀") + width_of("▶") + width_of("only") + width_of("●") + gap;
+  draw_filter_box(ui,
+                  {.widget = "events.filter",
+                   .hint = "filter: case==III && depth>=5",
+                   .text = view.search.text,
+                   .problem = &view.search.problem,
+                   .action = "filter.set",
+                   .on_enter = "filter.next"},
+                  std::max(ui.px(80), ImGui::GetContentRegionAvail().x - tools));
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "◀", "events.previous", "Previous match (Shift+N)", false))
+    ui.emit("filter.previous");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.emit("filter.next");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "only", "events.only", "Show matching events only (Ctrl+Shift+F)",
+           view.only_matches))
+    ui.emit("filter.only");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "●", "events.break", "Breakpoint on this filter (Shift+F9)", false))
+    ui.emit("break.filter");
+}
+
+/// Places of a row's parts, from its left.
+struct Columns {
+  float dot, step_right, sign, text;
+};
+
+Columns columns_of(const Ui& ui, const Run& run) {
+  const float line = ImGui::GetTextLineHeight();
+  const float step = ImGui::CalcTextSize(std::to_string(run.steps()).c_str()).x;
+  Columns columns{};
+  columns.dot = line * 0.6f;
+  columns.step_right = line * 1.2f + std::max(step, 2 * line);
+  columns.sign = columns.step_right + ui.px(8);
+  columns.text = columns.sign + line * 1.5f + ui.px(8);
+  return columns;
+}
+
+void draw_sign(const Ui& ui, const TraceEvent& event, ImVec2 at, ImU32 color) {
+  const float width = ImGui::GetTextLineHeight() * 1.5f;
+  if (event.type == EventType::decide) {
+    ImGui::SetCursorScreenPos(at);
+    return case_badge(ui, static_cast<Case>(event.node_case));
+  }
+  const std::string sign = sign_of(event);
+  const float extent = ImGui::CalcTextSize(sign.c_str()).x;
+  ImGui::GetWindowDrawList()->AddText(ImVec2(at.x + (width - extent) / 2, at.y), color,
+                                      sign.c_str());
+}
+
+void draw_row(const Ui& ui,
+              const Run& run,
+              std::int32_t step,
+              const Columns& columns,
+              const BreakpointMarks& breakpoints) {
+  const ViewState& view = ui.state.view;
+  const TraceEvent& event = *run.event_at(step);
+  const float line = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::PushID(step);
+  const bool clicked =
+      ImGui::Selectable("##event", step == view.step, ImGuiSelectableFlags_None, ImVec2(0, line));
+  ImGui::PopID();
+  const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
+  const float gutter = at.x + line * 1.2f;
+  ui.name(fmt::format("events.step.{}", step), ImVec2(gutter, min.y), max);
+  ui.name(fmt::format("events.break.{}", step), min, ImVec2(gutter, max.y));
+  const bool in_gutter = ImGui::GetIO().MousePos.x < gutter;
+  if (clicked && in_gutter)
+    toggle_breakpoint(ui, event);
+  else if (clicked)
+    ui.emit("step.goto", std::to_string(step));
+
+  const std::string text = describe_event(run, step);
+  const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s%s", in_gutter ? "Breakpoint on what this event is about" : text.c_str(),
+                      wrong && !in_gutter ? "\ndisagrees with ground truth" : "");
+
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const auto& matches = view.search.matches;
+  if (view.search.filter && std::binary_search(matches.begin(), matches.end(), step))
+    draw->AddRectFilled(ImVec2(at.x + columns.sign - ui.px(5), min.y),
+                        ImVec2(at.x + columns.sign - ui.px(2), max.y), ui.colors.accent);
+  const auto mark = breakpoints.of(run, step);
+  draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2), mark);
+  if (mark == BreakpointMarks::Mark::none && in_gutter && ImGui::IsItemHovered())
+    draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2),
+                        BreakpointMarks::Mark::off);
+
+  // What is still to come stands back.
+  const ImU32 color = step <= view.step ? ui.colors.text : ui.colors.muted;
+  const std::string number = std::to_string(step);
+  draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
+                ui.colors.muted, number.c_str());
+  draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, text);
+  if (wrong)
+    draw->AddText(ImVec2(at.x + columns.text + math_width(ui, text) + ui.px(8), at.y),
+                  ui.colors.bad, "≠ truth");
+  const ImVec2 below = ImGui::GetCursorScreenPos();
+  draw_sign(ui, event, ImVec2(at.x + columns.sign, at.y), color);
+  ImGui::SetCursorScreenPos(below);
+}
+
+/// Scrolls when the cursor has moved out of sight; otherwise the wheel decides.
+void keep_in_sight(const Ui& ui, int row, float row_height) {
+  if (ui.memory.events_scrolled_to == ui.state.view.step) return;
+  ui.memory.events_scrolled_to = ui.state.view.step;
+  const float top = static_cast<float>(row) * row_height;
+  const float height = ImGui::GetWindowHeight();
+  if (top < ImGui::GetScrollY() || top + row_height > ImGui::GetScrollY() + height)
+    ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
+}
+
+void draw_list(const Ui& ui, const Run& run) {
+  const ViewState& view = ui.state.view;
+  const bool some = shows_matches_only(view);
+  const auto& matches = view.search.matches;
+  const int rows = some ? static_cast<int>(matches.size()) : run.steps();
+  const Columns columns = columns_of(ui, run);
+  const BreakpointMarks breakpoints(ui.state.document);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, ui.px(3)));
+  const float row_height = ImGui::GetTextLineHeightWithSpacing();
+  const int row =
+      some ? static_cast<int>(std::lower_bound(matches.begin(), matches.end(), view.step) -
+                              matches.begin())
+           : view.step - 1;
+  keep_in_sight(ui, row, row_height);
+  ImGuiListClipper clipper;
+  clipper.Begin(rows, row_height);
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
+      draw_row(ui, run, some ? matches[static_cast<std::size_t>(i)] : i + 1, columns, breakpoints);
+  ImGui::PopStyleVar();
+  if (rows > 0) return;
+  if (!run.is_ours()) return paragraph(ui.colors.muted, describe_event(run, 0));
+  ImGui::TextDisabled(some ? "No event matches this filter."
+                           : "Nothing was decided on this frame.");
+}
+
+}  // namespace
+
+void draw_events(const Ui& ui) {
+  draw_search(ui);
+  const Run* run = ui.state.run();
+  if (!run)
+    return paragraph(ui.colors.muted, "What is decided on a frame, step by step, comes here.");
+  draw_findings(ui, *run);
+  draw_breakpoints(ui);
+  ImGui::BeginChild("##events");
+  draw_list(ui, *run);
+  ImGui::EndChild();
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,65 @@
+#pragma once
+
+// What jobs do to a frame: reading, preparing and running it, for the views and for the strip.
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// Classifiers that were made, by name: a network is read from its file once. Any thread.
+class Classifiers {
+ public:
+  /// Null: the labels of the ground truth, or a method that needs none.
+  std::shared_ptr<const Classifier> get(const PipelineOptions& options);
+
+ private:
+  std::mutex mutex_;
+  std::string key_;
+  std::shared_ptr<const Classifier> chosen_;
+};
+
+/// What is wanted of a frame.
+struct Wanted {
+  std::shared_ptr<const Recording> recording;
+  std::filesystem::path label_dir;
+  int frame = 0;
+  PipelineOptions options;
+  PickedGravity picked = {};
+  int labels_version = 0;                // truth is read from label files
+  std::string prepare_key, segment_key;  // of the options: equal texts, equal results
+
+  bool same_subject(const Wanted& other) const {
+    return recording == other.recording && frame == other.frame &&
+           labels_version == other.labels_version && prepare_key == other.prepare_key &&
+           picked == other.picked;
+  }
+  bool operator==(const Wanted& other) const {
+    return same_subject(other) && segment_key == other.segment_key;
+  }
+  /// The frame is still looked at: a result of another one must not take its place.
+  bool is_shown(const Document& document) const {
+    return document.current() && document.current()->recording == recording &&
+           document.frame == frame;
+  }
+};
+Wanted wanted_of(const Document& document, int frame);
+Wanted with_options(Wanted wanted, const PipelineOptions& options);
+
+// All throw what reading and preparing throw.
+/// A frame whose gravity cannot be told is prepared without h and v.
+/// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
+/// where it is null, that is thrown.
+std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
+                                            Classifiers& classifiers,
+                                            std::string* refused_labels = nullptr);
+std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home);
+Camera home_of(const Run& run);
+/// A frame that cannot be run says why.
+Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,402 @@
+#include "app/desktop/jobs/jobs.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/debugger/slider_scale.hpp"
+#include "app/desktop/jobs/frame_work.hpp"
+#include "app/desktop/jobs/label_jobs.hpp"
+#include "app/desktop/jobs/report_arrival.hpp"
+#include "app/desktop/jobs/worker.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+// Options must stay the same for this long before all frames are run with them: that must not
+// compete with a slider being dragged.
+constexpr std::chrono::milliseconds kStripDelay{300};
+
+/// What the analysis worker does: one of these at a time, the later in place of the earlier.
+enum class Analysis : std::uint8_t { none, search, check, sensitivity };
+
+/// Nodes and voxels are other ones in a world that was turned: none of them can be found again.
+bool same_world(const Subject& a, const Subject& b) {
+  return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
+}
+
+void show_arrival(State& state, const ReportArrival& arrival) {
+  state.view.flash = arrival.in_a;
+  if (arrival.step >= 0) go_to_step(state, arrival.step);
+  Selection& selected = state.view.selected;
+  if (arrival.plane >= 0) selected.plane = arrival.plane;
+  if (arrival.voxel >= 0) {
+    selected.voxel = arrival.voxel;
+    if (selected.node < 0)
+      selected.node = state.run()->timeline.node_of_point(arrival.voxel, state.view.step);
+  }
+  state.document.marked = arrival.marked;
+  if (!arrival.message.empty()) say(state, arrival.message);
+}
+
+}  // namespace
+
+struct Jobs::Impl {
+  std::function<void()> wake;
+  std::mutex mutex;
+  std::vector<Delivery> deliveries;
+  Classifiers classifiers;
+
+  // What was asked for last; touched by the window's thread only.
+  std::optional<Wanted> run_wanted;
+  std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
+  std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
+  std::shared_ptr<const Recording> strip_of;
+  std::chrono::steady_clock::time_point strip_due;
+  bool strip_waits = false;
+  int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
+  std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
+  std::set<std::string> sensitivity_unfolded;
+  Against compared_against = Against::nothing;
+  Analysis analysing = Analysis::none;
+  int analysis_number = 0;  // as strip_number
+
+  // Touched by the run worker's thread only.
+  std::optional<Wanted> loaded;
+  std::shared_ptr<const Subject> subject;
+  Camera home;
+
+  // Last: their threads use the above. One that comes to rest may be what another waits for.
+  Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
+      analysis{[this] { wake(); }};
+  LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
+
+  void deliver(Delivery delivery) {
+    {
+      const std::lock_guard lock(mutex);
+      deliveries.push_back(std::move(delivery));
+    }
+    wake();
+  }
+
+  std::shared_ptr<const RunView> view_of(const Wanted& wanted, std::string& refused_labels);
+  void run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place);
+  std::shared_ptr<const RunView> run_a(const Wanted& wanted, std::string& problems);
+  void show_run(State& state, const std::shared_ptr<const RunView>& view);
+  void stop_strip();
+  void stop_analysis();
+  void analyse(Analysis what, std::function<void(std::stop_token, int number)> work);
+  void deliver_analysis(int number, Delivery delivery);
+  void pursue_run(State& state);
+  void pursue_comparison(State& state);
+  void pursue_strip(State& state);
+  void pursue_fix(State& state);
+  void pursue_sensitivity(State& state);
+};
+
+std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
+                                                   std::string& refused_labels) {
+  const bool fresh = !subject || !loaded || !loaded->same_subject(wanted);
+  if (fresh) {
+    subject = nullptr;
+    subject = load_subject(wanted, classifiers, &refused_labels);
+    loaded = wanted;
+  }
+  auto run = make_run(subject, wanted.options);
+  if (fresh) home = home_of(*run);
+  return view_run(std::move(run), home);
+}
+
+/// Null where these options refuse the frame, which `problems` tells: B is there all the same.
+std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
+  try {
+    const auto view = view_of(wanted, problems);
+    deliver([wanted, view](State& state) {
+      if (wanted.is_shown(state.document)) state.results.pinned = view;
+    });
+    return view;
+  } catch (const std::exception& error) {
+    problems = fmt::format("no A: {}", error.what());
+    return nullptr;
+  }
+}
+
+/// `place`: where the window is to stand then, null to leave that to the view.
+void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const ReportPlace>& place) {
+  try {
+    std::string problems;
+    std::shared_ptr<const RunView> a;
+    if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
+    const auto view = view_of(wanted, problems);
+    std::optional<ReportArrival> arrival;
+    if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
+    deliver([this, wanted, view, arrival, problems](State& state) {
+      if (!wanted.is_shown(state.document)) return;
+      show_run(state, view);
+      if (arrival) show_arrival(state, *arrival);
+      const bool both = arrival && !problems.empty() && !arrival->message.empty();
+      if (!problems.empty()) say(state, both ? problems + "; " + arrival->message : problems, true);
+    });
+  } catch (const std::exception& error) {
+    deliver([wanted, message = std::string(error.what())](State& state) {
+      if (!wanted.is_shown(state.document)) return;
+      state.results.current = nullptr;
+      state.results.loading = false;
+      state.results.refusal = message;
+      state.view.selected = {};
+      state.view.step = 0;
+      refresh_matches(state);
+    });
+  }
+}
+
+void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& view) {
+  const std::shared_ptr<const RunView> before = state.results.current;
+  const bool other_frame = !before ||
+                           before->run->subject->frame.index != view->run->subject->frame.index ||
+                           state.results.loading;
+  const bool turned = !other_frame && !same_world(*before->run->subject, *view->run->subject);
+  state.results.current = view;
+  state.results.loading = false;
+  state.results.refusal.clear();
+  state.results.sensitivity.clear();
+  // Voxels are numbered anew with every subject.
+  if (before && before->run->subject != view->run->subject) state.document.marked.clear();
+  std::erase_if(state.document.marked,
+                [&](std::uint32_t voxel) { return voxel >= view->run->subject->voxel_count(); });
+  if (state.view.arrival) {
+    const Bookmark arrival = *state.view.arrival;
+    state.view.arrival.reset();
+    go_to_bookmark(state, arrival);
+  } else if (other_frame || (turned && !state.view.flash)) {
+    go_to_step(state, view->run->steps());
+    refresh_matches(state);
+  } else if (!state.view.flash) {
+    follow_run(state, *before->run);
+  }
+}
+
+void Jobs::Impl::pursue_run(State& state) {
+  if (!state.document.current()) return;
+  const Wanted wanted = wanted_of(state.document, state.document.frame);
+  if (run_wanted && *run_wanted == wanted) return;
+  if (!run_wanted || run_wanted->recording != wanted.recording ||
+      run_wanted->frame != wanted.frame) {
+    state.results.loading = true;
+    state.results.current = nullptr;
+  }
+  run_wanted = wanted;
+  runs.replace([this, wanted, place = std::exchange(state.view.report_place, nullptr)](
+                   std::stop_token) { run_frame(wanted, place); });
+}
+
+void Jobs::Impl::pursue_comparison(State& state) {
+  const Against against = state.view.against;
+  const auto a = against == Against::pinned ? state.results.pinned : nullptr;
+  const auto b = against == Against::nothing ? nullptr : state.results.current;
+  if (a == compared_a && b == compared_b && against == compared_against) return;
+  compared_a = a;
+  compared_b = b;
+  compared_against = against;
+  if (!b || (against == Against::pinned && !a)) {
+    state.results.comparison = nullptr;
+    return;
+  }
+  compares.replace([this, a, b, against](std::stop_token) {
+    const auto comparison = std::make_shared<const Comparison>(a ? compare_runs(*a->run, *b->run)
+                                                                 : compare_with_truth(*b->run));
+    deliver([this, a, b, against, comparison](State& s) {
+      if (a != compared_a || b != compared_b || against != compared_against) return;
+      s.results.comparison = comparison;
+      s.results.compared_a = a;
+      s.results.compared_b = b;
+    });
+  });
+}
+
+void Jobs::Impl::stop_strip() {
+  strip.cancel();
+  strip_wanted.reset();
+  ++strip_number;
+}
+
+void Jobs::Impl::pursue_strip(State& state) {
+  strip_waits = false;
+  if (!state.document.current() || state.results.loading || runs.busy()) return;
+  Wanted wanted = wanted_of(state.document, 0);
+  const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
+  const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
+  if (same_recording && strip_next && *strip_next == wanted) {
+    if (strip_wanted && state.view.strip_stopped) strip.cancel();
+    if (strip_wanted) return;
+  } else {
+    stop_strip();
+    strip_next = wanted;
+    strip_due = std::chrono::steady_clock::now() + kStripDelay;
+  }
+  strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
+  if (strip_waits) return;
+  strip_wanted = wanted;
+  strip_of = wanted.recording;
+  state.view.strip_stopped = false;
+  if (!same_recording) state.results.strip.assign(count, {});
+  state.results.strip_done = 0;
+  const int first = state.document.frame, number = ++strip_number;
+  strip.replace([this, wanted, first, count, number](std::stop_token stop) mutable {
+    for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
+      wanted.frame = static_cast<int>((static_cast<std::size_t>(first) + i) % count);
+      if (stop.stop_requested()) return;
+      Thumbnail thumbnail = thumbnail_of(wanted, classifiers);
+      if (stop.stop_requested()) return;
+      deliver([this, thumbnail = std::move(thumbnail), frame = wanted.frame, number](State& s) {
+        const auto index = static_cast<std::size_t>(frame);
+        if (number != strip_number || index >= s.results.strip.size()) return;
+        s.results.strip[index] = thumbnail;
+        ++s.results.strip_done;
+      });
+    }
+  });
+}
+
+void Jobs::Impl::stop_analysis() {
+  analysis.cancel();
+  if (analysing == Analysis::sensitivity) sensitivity_of_run = nullptr;  // to be begun again
+  analysing = Analysis::none;
+  ++analysis_number;
+}
+
+void Jobs::Impl::analyse(Analysis what, std::function<void(std::stop_token, int)> work) {
+  stop_analysis();
+  analysing = what;
+  analysis.replace([this, work = std::move(work), number = analysis_number](std::stop_token stop) {
+    work(stop, number);
+    deliver_analysis(number, [this](State&) { analysing = Analysis::none; });
+  });
+}
+
+void Jobs::Impl::deliver_analysis(int number, Delivery delivery) {
+  deliver([this, number, delivery = std::move(delivery)](State& state) {
+    if (number == analysis_number) delivery(state);
+  });
+}
+
+void Jobs::Impl::pursue_fix(State& state) {
+  FixSearch& fix = state.results.fix;
+  const bool searches = fix.running && fix.begun, checks = fix.checked >= 0 && fix.check_begun;
+  if (analysing == Analysis::search && !searches) stop_analysis();
+  if (analysing == Analysis::check && !checks) stop_analysis();
+  if (fix.running && !fix.begun && state.results.current) {
+    fix.begun = true;
+    analyse(Analysis::search, [this, target = fix.target, view = state.results.current](
+                                  std::stop_token stop, int number) {
+      const auto found = find_fixes(*view->run, target, stop, [&](int done, int total) {
+        deliver_analysis(number, [done, total](State& s) {
+          s.results.fix.done = done;
+          s.results.fix.total = total;
+        });
+      });
+      deliver_analysis(number, [found](State& s) {
+        s.results.fix.running = false;
+        s.results.fix.finished = true;
+        s.results.fix.fixes = found;
+      });
+    });
+  }
+  if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
+    fix.check_begun = true;
+    const Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+    analyse(Analysis::check, [this, wanted = wanted_of(state.document, 0), chosen](
+                                 std::stop_token stop, int number) mutable {
+      PipelineOptions after = wanted.options;
+      set_option(after, chosen.option, chosen.after);
+      for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
+        wanted.frame = i;
+        try {
+          const auto with = load_subject(wanted, classifiers);
+          if (!with->voxel_truth.known()) continue;
+          FixEffect effect = effect_of(*make_run(with, wanted.options), after);
+          effect.frame = i;
+          deliver_analysis(number, [effect](State& s) { s.results.fix.effects.push_back(effect); });
+        } catch (const std::exception&) {
+          // A frame that cannot be run has nothing to break; its own place in the strip says why.
+        }
+      }
+    });
+  }
+}
+
+void Jobs::Impl::pursue_sensitivity(State& state) {
+  const auto& view = state.results.current;
+  const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
+  const bool done = view == sensitivity_of_run && state.view.unfolded == sensitivity_unfolded;
+  if (state.view.mode == Mode::labels) {  // shows no sliders
+    if (analysing == Analysis::sensitivity) stop_analysis();
+    return;
+  }
+  if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
+  sensitivity_unfolded = state.view.unfolded;
+  if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
+    stop_analysis();
+    sensitivity_of_run = view;
+    return;
+  }
+  std::vector<std::string> shown;
+  for (const OptionInfo& info : option_table())
+    if (info.is_number() && info.steers_segmentation() && !is_folded(state, info) &&
+        !state.results.sensitivity.contains(info.name))
+      shown.push_back(info.name);
+  analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {
+    for (const std::string& name : shown) {
+      const Sensitivity sensitivity = sensitivity_of(*view->run, name, stop);
+      if (stop.stop_requested()) return;
+      deliver_analysis(number, [sensitivity, view](State& s) {
+        if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;
+      });
+    }
+  });
+  sensitivity_of_run = view;
+}
+
+Jobs::Jobs(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
+  impl_->wake = std::move(wake);
+}
+Jobs::~Jobs() {
+  for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
+    worker->cancel();
+}
+
+void Jobs::pursue(State& state) {
+  impl_->pursue_run(state);
+  impl_->pursue_comparison(state);
+  impl_->pursue_strip(state);
+  impl_->pursue_fix(state);
+  impl_->pursue_sensitivity(state);
+  impl_->labels.pursue(state);
+}
+
+bool Jobs::collect(State& state) {
+  std::vector<Delivery> deliveries;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    deliveries.swap(impl_->deliveries);
+  }
+  for (const Delivery& delivery : deliveries) delivery(state);
+  return !deliveries.empty();
+}
+
+bool Jobs::busy(bool background) const {
+  if (impl_->runs.busy() || impl_->compares.busy()) return true;
+  if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
+  const bool sweeps = impl_->analysing == Analysis::sensitivity;
+  if (impl_->analysis.busy() && (background || !sweeps)) return true;
+  if (impl_->labels.busy()) return true;
+  const std::lock_guard lock(impl_->mutex);
+  return !impl_->deliveries.empty();
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,199 @@
+#include "app/desktop/jobs/label_jobs.hpp"
+
+#include <algorithm>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/labeling/label_marks.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const Recording> recording,
+                                                   const Subject& subject) {
+  auto made = std::make_shared<LabelFrame>();
+  made->frame = subject.frame.index;
+  made->sha256 = recording->frame_hash(made->frame);
+  made->grid = make_label_grid(subject.frame, subject.prepared.gravity);
+  made->T_world_sensor = subject.prepared.cloud.T_world_sensor;
+  const Eigen::Isometry3f T = made->T_world_sensor.cast<float>();
+  made->world.reserve(made->grid.pixels());
+  for (const Vec3f& point : made->grid.points) made->world.push_back(T * point);
+  made->recording = std::move(recording);
+  return made;
+}
+
+/// The store may refuse what is there; the frame is shown all the same.
+void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
+  const OpenRecording* open = state.document.current();
+  if (!open || open->recording != made->recording || state.document.frame != made->frame) return;
+  LabelResults& label = state.results.label;
+  label.refusal.clear();
+  try {
+    if (LabelStore* store = open->labels.get()) {
+      const std::size_t told = store->notices().size();
+      store->open(made->frame, empty_labels(made->grid, made->sha256));
+      if (store->notices().size() > told) say(state, store->notices().back(), true);
+    }
+    label.frame = std::move(made);
+  } catch (const std::exception& error) {
+    label.frame = nullptr;
+    label.refusal = error.what();
+  }
+}
+
+/// A finding that is still there stays chosen; once it is mended, the next one is.
+void take_audit(State& state, std::shared_ptr<const Audit> audit, std::vector<WorkTime> work) {
+  LabelResults& label = state.results.label;
+  int& chosen = state.view.label.finding;
+  const bool is_first = !label.audit;
+  const auto same = [&, before = label.audit](const Finding& one) {
+    const Finding& was = before->findings[static_cast<std::size_t>(chosen)];
+    return one.kind == was.kind && one.plane == was.plane && one.pixel == was.pixel;
+  };
+  const auto count = static_cast<int>(audit->findings.size());
+  if (!is_first && chosen >= 0) {
+    const auto found = std::ranges::find_if(audit->findings, same);
+    chosen = found == audit->findings.end() ? std::min(chosen, count) - 1
+                                            : static_cast<int>(found - audit->findings.begin());
+  }
+  label.audit = std::move(audit);
+  label.work = std::move(work);
+  if (!is_first || chosen < 0) return;  // otherwise it was asked for before it was known
+  chosen = -1;
+  if (state.view.label.tab == "checks") apply(state, {"check.next", ""});
+}
+
+}  // namespace
+
+LabelJobs::LabelJobs(std::function<void(std::function<void(State&)>)> deliver,
+                     std::function<void()> wake)
+    : deliver_(std::move(deliver)),
+      frames_(wake),
+      marks_(wake),
+      reviews_(wake),
+      audits_(wake),
+      carries_(std::move(wake)) {}
+
+LabelJobs::~LabelJobs() {
+  for (Worker* worker : {&frames_, &marks_, &reviews_, &audits_, &carries_}) worker->cancel();
+}
+
+void LabelJobs::pursue_frame(State& state) {
+  const RunView* view = state.run_view();
+  if (!view) return;  // its refusal is shown
+  const std::shared_ptr<const Subject>& subject = view->run->subject;
+  const std::shared_ptr<const Recording>& recording = state.document.current()->recording;
+  const Gravity& known = subject->prepared.gravity;
+  const Vec3d gravity = known.known() ? known.direction : Vec3d::Zero();
+  if (subject->frame.index != state.document.frame) return;
+  if (recording == recording_ && state.document.frame == frame_ && gravity == gravity_) return;
+  recording_ = recording;
+  frame_ = state.document.frame;
+  gravity_ = gravity;
+  state.results.label.refusal.clear();
+  frames_.replace([this, recording, subject](std::stop_token) {
+    try {
+      deliver_([made = make_label_frame(recording, *subject)](State& s) { take_in(s, made); });
+    } catch (const std::exception& error) {
+      deliver_([message = std::string(error.what())](State& s) {
+        s.results.label.frame = nullptr;
+        s.results.label.refusal = message;
+      });
+    }
+  });
+}
+
+void LabelJobs::pursue_marks(State& state) {
+  const OpenRecording& open = *state.document.current();
+  if (open.recording == marked_) return;
+  marked_ = open.recording;
+  state.results.label.marks.clear();
+  marks_.replace([this, recording = open.recording, dir = open.label_dir](std::stop_token stop) {
+    std::vector<FrameMark> marks = marks_in(dir, recording->frame_count(), stop);
+    deliver_([this, recording, marks = std::move(marks)](State& s) {
+      if (recording == marked_) s.results.label.marks = marks;
+    });
+  });
+}
+
+void LabelJobs::pursue_review(State& state) {
+  if (state.view.label.tab != "review" || !state.labels()) return;
+  const LabelResults& label = state.results.label;
+  ReviewSides wanted;
+  wanted.frame = label.frame;
+  wanted.labels = state.labels();
+  wanted.labels_version = state.document.current()->labels->version(state.document.frame);
+  wanted.folder = state.view.label.compare_with;
+  if (wanted.folder.empty()) {
+    if (!state.results.current) return;
+    wanted.run = state.results.current->run;
+    if (wanted.run->subject->frame.index != state.document.frame) return;
+  }
+  const ReviewQueue* shown = label.review.get();
+  const bool is_shown = shown && shown->labels == wanted.labels && shown->run == wanted.run &&
+                        (wanted.run || shown->other == wanted.folder.string());
+  if (is_shown || (wanted == reviewed_ && (reviewing_ || !label.review_refusal.empty()))) return;
+  reviewed_ = wanted;
+  reviewing_ = true;
+  reviews_.replace([this, wanted](std::stop_token) {
+    try {
+      deliver_([this, wanted, queue = make_queue(wanted)](State& s) {
+        if (wanted != reviewed_) return;
+        reviewing_ = false;
+        if (s.labels() == wanted.labels) take_queue(s, queue);
+      });
+    } catch (const std::exception& error) {
+      deliver_([this, wanted, message = std::string(error.what())](State& s) {
+        if (wanted != reviewed_) return;
+        reviewing_ = false;
+        s.results.label.review = nullptr;
+        s.results.label.review_refusal = message;
+      });
+    }
+  });
+}
+
+void LabelJobs::pursue_audit(State& state) {
+  const std::string& tab = state.view.label.tab;
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  if ((tab != "checks" && tab != "statistics") || !labels) return;
+  if (labels == audited_ && (auditing_ || state.results.label.audit)) return;
+  audited_ = labels;
+  auditing_ = true;
+  const LabelStore& store = *state.document.current()->labels;
+  audits_.replace([this, labels, frame = state.results.label.frame, dir = store.dir(),
+                   version = store.version(state.document.frame)](std::stop_token) {
+    auto audit = std::make_shared<Audit>();
+    audit->labels_version = version;
+    audit->findings = audit_labels(*labels, frame->grid);
+    audit->statistics = statistics_of(*labels, frame->grid);
+    std::vector<WorkTime> work;
+    try {
+      work = work_times(dir);
+    } catch (const Error&) {
+      // A journal that cannot be read is told of where the store is opened.
+    }
+    deliver_([this, labels, audit, work = std::move(work)](State& s) {
+      if (labels != audited_) return;
+      auditing_ = false;
+      if (s.labels() == labels) take_audit(s, audit, work);
+    });
+  });
+}
+
+void LabelJobs::pursue(State& state) {
+  stop_unwanted_carry(state);
+  if (state.view.mode != Mode::labels || !state.document.current()) return;
+  pursue_frame(state);
+  pursue_marks(state);
+  pursue_review(state);
+  pursue_audit(state);
+  pursue_carry(state);
+}
+
+bool LabelJobs::busy() const {
+  return frames_.busy() || marks_.busy() || reviews_.busy() || audits_.busy() || carries_.busy();
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,108 @@
+#include "app/desktop/labeling/label_gesture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/desktop/actions/arguments.hpp"
+#include "app/desktop/labeling/label_sight.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr int kLargestView_px = 8192;
+constexpr double kFarthest_px = 1e5;
+
+const std::vector<std::string> kModes = {"over", "add", "subtract"};
+
+bool is_place(const std::string& part) { return part.find(',') != std::string::npos; }
+
+Vec2f place_argument(const std::string& action, const std::string& text) {
+  const std::vector<double> xy = numbers_argument(action, text, 2);
+  for (const double value : xy)
+    if (!(std::abs(value) <= kFarthest_px))
+      throw Error(fmt::format("action {}: {} is no place in a picture", action, text));
+  return {static_cast<float>(xy[0]), static_cast<float>(xy[1])};
+}
+
+void read_view(const std::string& action, const std::string& text, LabelGesture& gesture) {
+  if (text == "image") return;
+  const std::vector<std::string> size =
+      text.starts_with("space:") ? split(text.substr(6), 'x') : std::vector<std::string>{};
+  if (size.size() != 2)
+    throw Error(
+        fmt::format("action {}: '{}' is no view, expected image or space:WxH", action, text));
+  gesture.where = DrawnIn::space;
+  gesture.width = whole_argument(action, size[0], 1, kLargestView_px);
+  gesture.height = whole_argument(action, size[1], 1, kLargestView_px);
+}
+
+}  // namespace
+
+bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
+
+LabelGesture gesture_argument(const std::string& action,
+                              const std::string& text,
+                              std::size_t least_places) {
+  std::vector<std::string> parts = split(text, ' ');
+  std::erase(parts, "");
+  if (parts.empty()) throw Error(fmt::format("action {}: a view is missing", action));
+  LabelGesture gesture;
+  read_view(action, parts[0], gesture);
+  std::size_t next = 1;
+  if (next < parts.size() && std::isalpha(static_cast<unsigned char>(parts[next][0])))
+    gesture.mode = static_cast<PaintMode>(choice_argument(action, parts[next++], kModes));
+  if (next < parts.size() && !is_place(parts[next])) {
+    const double radius = number_argument(action, parts[next++]);
+    if (!(radius > 0 && radius <= kLargestView_px))
+      throw Error(fmt::format("action {}: a radius of {} px is none of a brush", action, radius));
+    gesture.radius_px = static_cast<float>(radius);
+  }
+  for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
+  if (gesture.path.size() < least_places)
+    throw Error(fmt::format("action {}: '{}' has {} places, expected {} or more", action, text,
+                            gesture.path.size(), least_places));
+  return gesture;
+}
+
+std::string gesture_text(const LabelGesture& gesture) {
+  std::string text = gesture.where == DrawnIn::image
+                         ? "image"
+                         : fmt::format("space:{}x{}", gesture.width, gesture.height);
+  text += ' ' + kModes[static_cast<std::size_t>(gesture.mode)];
+  if (gesture.radius_px) text += fmt::format(" {:.4g}", *gesture.radius_px);
+  for (const Vec2f& place : gesture.path)
+    text += fmt::format(" {:.2f},{:.2f}", place.x(), place.y());
+  return text;
+}
+
+std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text) {
+  const LabelGesture where =
+      gesture_argument(action, text.find(' ') == std::string::npos ? "image " + text : text, 1);
+  const Vec2f& at = where.path.front();
+  if (where.where == DrawnIn::space)
+    return pixel_seen_at(sight(state, where.width, where.height), at);
+  const LabelGrid& grid = state.label_frame()->grid;
+  const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
+  if (u < 0 || v < 0 || u >= grid.width || v >= grid.height)
+    throw Error(fmt::format("action {}: {},{} is outside the {} x {} image", action, u, v,
+                            grid.width, grid.height));
+  return static_cast<std::int64_t>(v) * grid.width + u;
+}
+
+SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
+  DrawnShape shape;
+  shape.kind = gesture.radius_px ? DrawnShape::Kind::stroke : DrawnShape::Kind::area;
+  shape.path = gesture.path;
+  if (gesture.radius_px) shape.radius_px = *gesture.radius_px;
+  if (gesture.where == DrawnIn::space)
+    return points_in_space(sight(state, gesture.width, gesture.height), shape,
+                           state.view.label.through);
+  const std::vector<std::uint8_t> shown = shown_pixels(*state.labels());
+  return {pixels_on_image(state.label_frame()->grid, shape, shown), 0};
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,37 @@
+#pragma once
+
+// What label actions share.
+
+#include <span>
+#include <string>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// The frame that is labelled, and its labels.
+struct LabelWork {
+  const LabelFrame& frame;
+  std::shared_ptr<const FrameLabels> labels;
+};
+/// The label mode is on, and the frame is ready.
+bool can_label(const State& state);
+/// Throws Error where it is not.
+LabelWork label_work(const State& state);
+
+/// "3" or "P3"; empty: the active one. Throws Error where there is no such plane.
+int plane_argument(const State& state, const std::string& action, const std::string& text);
+
+/// commit_labels(), and the title in the status bar; `unchanged` where nothing differs.
+void commit_and_say(State& state,
+                    const std::string& title,
+                    const FrameLabels& after,
+                    const std::string& unchanged);
+
+/// Moves both views there, with room around. Nothing for no pixels.
+void look_at_pixels(State& state, std::span<const std::uint32_t> pixels);
+
+/// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
+OtherLabels labels_of_run(const Run& run, const LabelGrid& grid);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,304 @@
+#include "app/desktop/state/report_open.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/assets.hpp"
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/jobs/report_arrival.hpp"
+#include "app/desktop/state/session.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "core/report/compare/compare_reports.hpp"
+#include "core/report/data/recorded_options.hpp"
+#include "core/report/data/report_target.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where a file that was typed when the report was made may be, those that are there: from here,
+/// from the report's folder on, beside the report, and from the folders above on, where reports are
+/// mostly run. Not the report itself.
+std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
+  const fs::path folder = fs::absolute(report).parent_path();
+  const fs::path name = typed.has_filename() ? typed.filename() : typed.parent_path().filename();
+  std::vector<fs::path> places = {typed, folder / typed, folder / name};
+  for (fs::path above = folder; above.has_relative_path();) {
+    above = above.parent_path();
+    places.push_back(above / typed);
+  }
+  std::erase_if(places, [&](const fs::path& place) {
+    std::error_code none;
+    return !fs::exists(place, none) || fs::equivalent(place, report, none);
+  });
+  return places;
+}
+
+const RecordedRecording& recording_of(const RecordedReport& report, const ReportTarget& target) {
+  const auto count = report.recordings.size();
+  if (static_cast<std::size_t>(target.recording) > count)
+    throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
+                            target.recording, counted(count, "recording")));
+  return report.recordings[static_cast<std::size_t>(target.recording) - 1];
+}
+
+const RecordedFrame& frame_of(const RecordedRecording& recording, const ReportTarget& target) {
+  std::vector<int> numbers;
+  for (const RecordedFrame& frame : recording.frames) {
+    if (target.frame < 0 || frame.index == target.frame) return frame;
+    numbers.push_back(frame.index);
+  }
+  constexpr std::size_t kMost = 12;
+  const bool more = numbers.size() > kMost;
+  if (more) numbers.resize(kMost);
+  throw Error(fmt::format("{}: f{} is not in it, of {} it has frame {}{}", target.file.string(),
+                          std::max(0, target.frame), recording.name, fmt::join(numbers, ", "),
+                          more ? ", ..." : ""));
+}
+
+/// `file`: whose frame it is.
+void expect_plane(const RecordedFrame& frame, const ReportTarget& target, const fs::path& file) {
+  const char* letters = target.of_baseline ? "was" : "p";
+  const auto count = frame.planes.size();
+  if (!frame.refused.empty())
+    throw Error(fmt::format("{}: {}{} is not in it, frame {} was refused: {}", file.string(),
+                            letters, target.plane, frame.index, frame.refused));
+  if (static_cast<std::size_t>(target.plane) > count)
+    throw Error(fmt::format("{}: {}{} is not in it, frame {} has {}", file.string(), letters,
+                            target.plane, frame.index, counted(count, "plane")));
+}
+
+void add_note(std::string& note, const std::string& more) {
+  note += (note.empty() ? "" : "; ") + more;
+}
+
+/// The options of the report's run. Throws Error where they can no longer be had; `note` says what
+/// may differ.
+PipelineOptions options_from(const RecordedReport& report,
+                             const fs::path& file,
+                             std::string& note) {
+  std::vector<std::string> unknown;
+  PipelineOptions options;
+  try {
+    options = options_of(report, unknown);
+  } catch (const Error& error) {
+    throw Error(file.string() + ": its options cannot be taken: " + error.what());
+  }
+  if (!unknown.empty())
+    add_note(note, fmt::format("{} has options that are no more: {}", file.filename().string(),
+                               fmt::join(unknown, ", ")));
+  if (report.weights_sha256.empty() || options.method != Method::ours) return options;
+  if (!names_weights_file(options.classifier)) {
+    const fs::path shipped =
+        find_asset("classifier.safetensors", "the weights of classifier gcn are");
+    if (sha256_hex_of_file(shipped) != report.weights_sha256)
+      add_note(note, fmt::format("the weights of {} are not those of {}", options.classifier,
+                                 file.filename().string()));
+    return options;
+  }
+  const std::vector<fs::path> places = places_of(options.classifier, file);
+  if (places.empty())
+    throw Error(fmt::format("{}: its weights {} are neither there nor in or above its folder",
+                            file.string(), options.classifier));
+  const auto same = std::ranges::find(places, report.weights_sha256, sha256_hex_of_file);
+  if (same == places.end())
+    throw Error(fmt::format("{}: are other weights than those of {}, SHA-256 differs",
+                            places[0].string(), file.string()));
+  options.classifier = same->string();
+  return options;
+}
+
+/// Why it is not the report's recording; empty: it is.
+std::string why_other(const OpenRecording& open,
+                      const RecordedFrame& frame,
+                      const fs::path& report) {
+  const std::string other =
+      fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
+  const int count = open.recording->frame_count();
+  if (frame.index >= count)
+    return fmt::format("{}: it has {} frames, expected frame {}", other, count, frame.index);
+  const std::string found = open.recording->frame_hash(frame.index);
+  if (!frame.sha256.empty() && found != frame.sha256)
+    return fmt::format("{}: frame {} has SHA-256 {}, expected {}", other, frame.index, found,
+                       frame.sha256);
+  return "";
+}
+
+/// A recording that may be the report's.
+struct Candidate {
+  fs::path path;
+  RecordingOptions options;
+  fs::path label_dir;
+};
+
+std::vector<Candidate> candidates_of(const State& state,
+                                     const RecordedRecording& recorded,
+                                     const ReportLink& link,
+                                     const fs::path& report) {
+  std::vector<Candidate> candidates;
+  for (const OpenRecording& open : state.document.recordings) {
+    const fs::path path = fs::absolute(open.path).lexically_normal();
+    if (link.only_given ||
+        (path.has_filename() ? path : path.parent_path()).filename() == recorded.name)
+      candidates.push_back({open.path, state.document.recording_options, open.label_dir});
+  }
+  if (link.only_given) return candidates;
+  for (const fs::path& path : places_of(recorded.path, report))
+    candidates.push_back(
+        {path, recorded.options, link.label_dir.value_or(default_label_dir(path))});
+  return candidates;
+}
+
+/// The first that is the report's recording. Throws Error.
+OpenRecording open_recorded(const State& state,
+                            const RecordedRecording& recorded,
+                            const RecordedFrame& frame,
+                            const ReportLink& link,
+                            const fs::path& report) {
+  std::string refusal;
+  for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
+    // The report says what is wrong with a damaged frame; the others can still be seen.
+    candidate.options.damaged_frames_later = true;
+    const OpenRecording open{candidate.path, open_recording(candidate.path, candidate.options),
+                             candidate.label_dir};
+    const std::string why = why_other(open, frame, report);
+    if (why.empty()) return open;
+    if (refusal.empty()) refusal = why;
+  }
+  if (!refusal.empty()) throw Error(refusal);
+  throw Error(fmt::format(
+      "{}: its recording {} is neither there nor in or above the report's folder; give it: "
+      "planescope view RECORDING --open {}",
+      report.string(), recorded.path.string(), report.string()));
+}
+
+bool same_options(const PipelineOptions& a, const PipelineOptions& b) {
+  return std::ranges::all_of(option_table(), [&](const OptionInfo& info) {
+    return info.get(a) == info.get(b) || !info.matters(b);
+  });
+}
+
+/// The baseline of a report, where there is one.
+struct Baseline {
+  fs::path file;
+  RecordedReport report;
+};
+
+std::optional<Baseline> baseline_of(const RecordedReport& report,
+                                    const ReportLink& link,
+                                    const ReportTarget& target,
+                                    std::string& note) {
+  const fs::path& typed = link.baseline.empty() ? report.baseline : link.baseline;
+  if (typed.empty()) {
+    if (target.of_baseline)
+      throw Error(fmt::format("{}: was{} is of a baseline, but it names none; give --baseline FILE",
+                              target.file.string(), target.plane));
+    return {};
+  }
+  const std::vector<fs::path> places =
+      link.baseline.empty() ? places_of(typed, target.file) : std::vector{typed};
+  if (places.empty()) {
+    if (target.of_baseline)
+      throw Error(
+          fmt::format("{}: its baseline {} is neither there nor in or above its folder; "
+                      "give --baseline FILE",
+                      target.file.string(), typed.string()));
+    add_note(note, fmt::format("no A: the baseline {} is not there; give --baseline FILE",
+                               typed.string()));
+    return {};
+  }
+  const fs::path& file = places[0];
+  if (file != typed)
+    add_note(note, fmt::format("the baseline is {}", file.lexically_normal().string()));
+  Baseline baseline{file, read_report(file)};
+  if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
+      baseline.report.command == report.command)
+    throw Error(fmt::format("{}: is {} itself, approved since: was{} was of an earlier baseline",
+                            file.string(), target.file.string(), target.plane));
+  return baseline;
+}
+
+/// The frame as the baseline has it, and what became of the plane.
+void find_fate(const Baseline& baseline,
+               const RecordedReport& report,
+               const RecordedFrame& frame,
+               const ReportTarget& target,
+               ReportPlace& place) {
+  const ReportComparison comparison = compare_reports(baseline.report, report);
+  const auto same = std::ranges::find(comparison.frames, &frame, &FrameComparison::now);
+  const bool usable = same->baseline && same->fate != FrameFate::other_input;
+  if (target.of_baseline && !usable)
+    throw Error(fmt::format("{}: was{} is not in it, {} frame {} {}", baseline.file.string(),
+                            target.plane, same->recording, frame.index,
+                            same->baseline ? "is of another input there" : "is not there"));
+  if (!usable) return;
+  if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
+  place.baseline = *same->baseline;
+  const auto id = target.of_baseline ? &PlaneComparison::baseline : &PlaneComparison::now;
+  const auto fate = std::ranges::find(same->planes, target.plane, id);
+  if (target.plane > 0 && fate != same->planes.end()) place.fate = *fate;
+}
+
+}  // namespace
+
+bool is_report(const std::string& where) {
+  std::ifstream file(where.substr(0, where.rfind('#')), std::ios::binary);
+  const auto json = nlohmann::json::parse(file, nullptr, false);
+  if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) return false;
+  return json["schema"].get<std::string>().starts_with("planescope.report/");
+}
+
+void open_report(State& state, const ReportLink& link) {
+  const ReportTarget target = parse_report_target(link.target);
+  const RecordedReport report = read_report(target.file);
+  const RecordedRecording& recording = recording_of(report, target);
+  const RecordedFrame& frame = frame_of(recording, target);
+  if (target.plane > 0 && !target.of_baseline) expect_plane(frame, target, target.file);
+
+  auto place = std::make_shared<ReportPlace>();
+  place->frame = frame.index;
+  place->plane = target.plane;
+  place->of_baseline = target.of_baseline;
+  place->now = frame;
+  const auto baseline = baseline_of(report, link, target, place->note);
+  if (baseline) find_fate(*baseline, report, frame, target, *place);
+  PipelineOptions options = options_from(report, target.file, place->note);
+  options.threads = state.document.options.threads;
+  if (baseline) {
+    try {
+      place->options_a = options_from(baseline->report, baseline->file, place->note);
+      place->options_a->threads = options.threads;
+    } catch (const Error& error) {
+      add_note(place->note, fmt::format("no A: {}", error.what()));
+    }
+  }
+  if (place->options_a && same_options(*place->options_a, options) &&
+      baseline->report.weights_sha256 == report.weights_sha256)
+    add_note(place->note, "A and B are the same: the baseline had these options");
+  OpenRecording open = open_recorded(state, recording, frame, link, target.file);
+
+  take_recording(state, std::move(open), frame.index);
+  state.document.options = options;
+  state.document.marked.clear();
+  ViewState& view = state.view;
+  view.flash = view.marking = false;
+  view.playing.direction = 0;
+  view.camera.reset();
+  view.arrival.reset();
+  view.report_place = place;
+  view.against = place->options_a ? Against::pinned : Against::nothing;
+  if (place->options_a) view.tool_tab = "compare";
+  if (target.plane > 0) view.inspector_tab = target.of_baseline ? "point" : "inspector";
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,251 @@
+#pragma once
+
+// The desktop in plain data: the document (what is worked on), the results (immutable, made by
+// jobs) and the view (what is looked at). Panels read it; apply() in actions.hpp is all that
+// changes it, besides the jobs that hand in results.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/desktop/state/label_state.hpp"
+#include "core/debug/explain/compare.hpp"
+#include "core/debug/explain/fix.hpp"
+#include "core/debug/explain/histogram.hpp"
+#include "core/debug/explain/score.hpp"
+#include "core/debug/filter/filter.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/io/picked_gravity.hpp"
+#include "core/io/recording.hpp"
+#include "core/model/image.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "render/step_scene.hpp"
+
+namespace planescope::desktop {
+
+struct ReportPlace;
+
+// ---- Document ----------------------------------------------------------------------------------
+
+struct OpenRecording {
+  std::filesystem::path path;
+  std::shared_ptr<const Recording> recording;
+  std::filesystem::path label_dir;          // may not exist
+  std::shared_ptr<LabelStore> labels = {};  // null before the label mode was entered on it
+  PickedGravity picked = {};                // as it lies in label_dir
+  std::string picked_refused = {};          // why it is left alone; empty: it could be read
+};
+
+/// Where running stops. Kept by what it means, so that it outlives a run.
+struct Breakpoint {
+  enum class Kind : std::uint8_t { filter, node, point };
+  Kind kind = Kind::filter;
+  std::string filter;       // for filter: its text
+  std::int32_t index = -1;  // for node, and for point: a voxel
+  bool enabled = true;
+};
+
+struct Bookmark {
+  std::string name, note;
+  int frame = 0;
+  std::int32_t step = 0;
+  std::int32_t node = -1, plane = -1, voxel = -1;
+  std::string filter;
+  Camera camera;
+};
+
+struct Document {
+  std::vector<OpenRecording> recordings;
+  int recording = -1;  // the one looked at; -1: none
+  int frame = 0;
+  RecordingOptions recording_options;
+  PipelineOptions options;
+  std::vector<Breakpoint> breakpoints;
+  std::vector<Bookmark> bookmarks;
+  std::vector<std::uint32_t> marked;  // voxels of the region that the user marked
+  bool labels_written = false;        // since the label mode was entered ...
+  int labels_version = 0;             // ... and as the debugger's ground truth was read
+  std::filesystem::path session;      // the file that it was read from or written to last
+
+  const OpenRecording* current() const {
+    return recording >= 0 ? &recordings[static_cast<std::size_t>(recording)] : nullptr;
+  }
+};
+
+// ---- Results -----------------------------------------------------------------------------------
+
+/// A frame as the strip shows it.
+struct Thumbnail {
+  bool ready = false;
+  Image8 image;  // planes over the camera's image; empty where the frame was refused
+  int planes = 0;
+  std::optional<QuickScore> score;  // where it has ground truth
+  std::string refusal;              // why there is none
+};
+
+/// A run with what panels show of it.
+struct RunView {
+  std::shared_ptr<const Run> run;
+  std::vector<Histogram> histograms;
+  std::optional<QuickScore> score;
+  Camera home;  // the frame's own, the same for all runs on it
+};
+
+struct FixSearch {
+  FixTarget target;
+  bool running = false;
+  bool begun = false;  // the job knows of it
+  int done = 0, total = 0;
+  bool finished = false;  // fixes is what there is
+  std::vector<Fix> fixes;
+  int checked = -1;                // the fix whose effect is shown
+  bool check_begun = false;        // the job knows of that, too
+  std::vector<FixEffect> effects;  // of it, on the labelled frames of the recording
+};
+
+struct Results {
+  std::shared_ptr<const RunView> current;        // B, what the options give; null before the first
+  std::shared_ptr<const RunView> pinned;         // A
+  std::shared_ptr<const Comparison> comparison;  // A with B, or truth with B
+  std::shared_ptr<const RunView> compared_a;     // what it compares: `current` may be newer
+  std::shared_ptr<const RunView> compared_b;     // `compared_a` null: the truth
+  std::string refusal;                           // why the frame could not be run, one line
+  bool loading = false;                          // a frame is read and prepared
+  std::vector<Thumbnail> strip;                  // of the recording looked at
+  int strip_done = 0;
+  std::map<std::string, Sensitivity> sensitivity;  // by option; of `current`
+  FixSearch fix;
+  LabelResults label;
+};
+
+// ---- View --------------------------------------------------------------------------------------
+
+struct Selection {
+  std::int32_t node = -1;
+  std::int32_t plane = -1;  // of the trace
+  std::int32_t voxel = -1;
+  std::int64_t source = -1;  // pixel v * width + u that was picked, -1 where it is the voxel itself
+};
+
+/// Shares of the window, dragged at the splitters.
+struct Layout {
+  double left = 0.135;   // recordings and frames
+  double right = 0.285;  // inspector and tools
+  double bottom = 0.34;  // octree and events
+  double image = 0.40;   // of the middle: the image view
+  double octree = 0.40;  // of the bottom
+  double tools = 0.48;   // of the right: criteria and the other tools
+};
+
+struct Search {
+  std::string text;
+  FilterProblem problem;              // message empty: the text is a filter
+  std::optional<Filter> filter;       // of text; nothing where it is empty or wrong
+  std::vector<std::int32_t> matches;  // steps of the run shown
+};
+
+/// What a histogram or a slider is being dragged to, and such: lives for a gesture.
+struct Playing {
+  int direction = 0;  // 0: stands still
+  double steps_per_s = 60;
+  double due = 0;  // fraction of a step not taken yet
+};
+
+enum class Against : std::uint8_t { nothing, pinned, truth };
+/// What the next click in a view says is a floor or a wall, and so where things fall.
+enum class GravityClick : std::uint8_t { none, floor, wall };
+
+struct ViewState {
+  Mode mode = Mode::debugger;
+  LabelView label;
+  std::int32_t step = 0;
+  Selection selected;
+  Search search;
+  Playing playing;
+
+  // 3D and image.
+  std::optional<Camera> camera;  // nothing: the frame's own
+  ColorBy color_by = ColorBy::cases;
+  bool show_queue = true, show_settled = true, show_planes = true;
+  Backdrop backdrop = Backdrop::color;
+  double overlay_opacity = 0.55;
+  double image_zoom = 1;
+  Vec2d image_center = Vec2d(0.5, 0.5);  // of the view, as a share of the image
+
+  // Panels.
+  Theme theme = Theme::dark;
+  double zoom = 1;  // of everything, on top of the screen's own scale
+  Layout layout;
+  std::string inspector_tab = "inspector";  // inspector | point | bookmarks
+  std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
+  std::set<std::string> unfolded;           // groups of options that show all of their numbers
+  std::string octree_search;
+  bool only_matches = false;  // the event list shows what the filter finds
+  bool show_keys = false, show_palette = false, show_timing = false;
+  bool marking = false;  // dragging in the image marks a region
+  GravityClick gravity_click = GravityClick::none;
+  bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
+  Against against = Against::nothing;
+  bool flash = false;            // A is shown in place of B
+  std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
+
+  std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
+  std::optional<Bookmark> arrival;                  // where to go once the frame's run is there
+  std::shared_ptr<const ReportPlace> report_place;  // likewise; A is run, too
+  bool strip_stopped = false;
+  std::string focus;    // widget that takes the keyboard in the next frame
+  std::string message;  // status bar, until the next
+  bool message_is_error = false;
+  bool quit = false;
+};
+
+/// What was picked for a recording before and after a click.
+struct GravityChange {
+  std::filesystem::path recording;
+  PickedGravity before, after;
+};
+
+/// One undo step: the options before and after a gesture.
+struct OptionChange {
+  PipelineOptions before, after;
+  std::string gesture;                   // same gesture, same step
+  std::optional<GravityChange> gravity;  // of one that picked or forgot gravity
+};
+
+struct State {
+  Document document;
+  Results results;
+  ViewState view;
+  std::vector<OptionChange> undo, redo;
+
+  /// The run that is looked at: B, or A while it is flashed. Null before the first.
+  const Run* run() const {
+    const RunView* shown = run_view();
+    return shown ? shown->run.get() : nullptr;
+  }
+  const RunView* run_view() const {
+    return view.flash && results.pinned ? results.pinned.get() : results.current.get();
+  }
+  /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
+  const LabelFrame* label_frame() const {
+    const LabelFrame* made = results.label.frame.get();
+    const OpenRecording* open = document.current();
+    return made && open && made->recording == open->recording && made->frame == document.frame
+               ? made
+               : nullptr;
+  }
+  /// Its labels; null where label_frame() is.
+  std::shared_ptr<const FrameLabels> labels() const {
+    const OpenRecording* open = document.current();
+    return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
+  }
+  /// The event that led to the cursor; null at step 0.
+  const TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }
+};
+
+}  // namespace planescope::desktop

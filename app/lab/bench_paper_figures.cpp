@@ -1,0 +1,23 @@
+#include "app/lab/bench_paper_figures.hpp"
+
+#include "app/commands/inputs.hpp"
+#include "app/lab/paper_figures/parts.hpp"
+
+namespace planescope {
+
+std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
+                                            const PaperResults& results,
+                                            Renderer& renderer) {
+  PipelineOptions options;
+  options.classifier = args.weights;
+  const figures::Work work{args, results, renderer, choose_classifier(options).classifier};
+  std::vector<PaperFigure> figures;
+  for (const auto draw : {figures::stairs_noise, figures::real_scenes, figures::stages,
+                          figures::node_cases, figures::failures}) {
+    PaperFigure figure = draw(work);
+    if (!figure.pictures.empty()) figures.push_back(std::move(figure));
+  }
+  return figures;
+}
+
+}  // namespace planescope
