@@ -26,15 +26,13 @@ function(planescope_target_defaults target)
   endif()
 endfunction()
 
-# planescope_unity(target [ALONE sources...]): with PLANESCOPE_UNITY, compiles the target's files
-# eight at a time, in the order they are listed and only with files of their own folder: half the
-# time. Names in anonymous namespaces must then differ within a folder; files whose names do not
-# compile alone, as CMake has it for files with compile options of their own.
+# planescope_unity(target): with PLANESCOPE_UNITY, compiles the target's files eight at a time, in the
+# order they are listed and only with files of their own folder: half the time. Names in anonymous
+# namespaces must then differ within a folder; files with compile options of their own compile alone.
 function(planescope_unity target)
   if(NOT PLANESCOPE_UNITY)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "ALONE" ${ARGN})
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # A class made of private classes counts as shared where its file is included.
   target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
@@ -43,11 +41,6 @@ function(planescope_unity target)
   foreach(source ${sources})
     get_filename_component(source ${source} ABSOLUTE)
     get_filename_component(folder ${source} DIRECTORY)
-    file(RELATIVE_PATH name ${CMAKE_CURRENT_SOURCE_DIR} ${source})
-    if(name IN_LIST ARG_ALONE)
-      list(REMOVE_ITEM ARG_ALONE ${name})
-      continue()
-    endif()
     # The same in every checkout, for ccache.
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "of_${folder}" folder)
@@ -56,16 +49,12 @@ function(planescope_unity target)
     set_source_files_properties(${source} TARGET_DIRECTORY ${target}
       PROPERTIES UNITY_GROUP "${folder}_${batch}")
   endforeach()
-  if(ARG_ALONE)
-    message(FATAL_ERROR "${target} has no ${ARG_ALONE}, which it lists as ALONE")
-  endif()
 endfunction()
 
-# planescope_house(NAME [KNOWS houses...] [WITHOUT sources...] [ALONE sources...]): the library
-# planescope::NAME of all .cpp files below the current folder, on top of the houses it knows; ALONE as
-# for planescope_unity().
+# planescope_house(NAME [KNOWS houses...] [WITHOUT sources...]): the library planescope::NAME of all .cpp
+# files below the current folder, on top of the houses it knows.
 function(planescope_house name)
-  cmake_parse_arguments(ARG "" "" "KNOWS;WITHOUT;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "KNOWS;WITHOUT" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
   list(REMOVE_ITEM sources ${ARG_WITHOUT})
   add_library(planescope_${name} STATIC ${sources})
@@ -74,13 +63,13 @@ function(planescope_house name)
   target_include_directories(planescope_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   list(TRANSFORM ARG_KNOWS PREPEND planescope::)
   target_link_libraries(planescope_${name} PUBLIC ${ARG_KNOWS})
-  planescope_unity(planescope_${name} ALONE ${ARG_ALONE})
+  planescope_unity(planescope_${name})
 endfunction()
 
-# planescope_test(NAME sources... [LIBS libs...] [LABELS labels...] [ALONE sources...]): one
-# GoogleTest executable, its tests known to CTest one by one; ALONE as for planescope_unity().
+# planescope_test(NAME sources... [LIBS libs...] [LABELS labels...]): one GoogleTest executable, its tests
+# known to CTest one by one.
 function(planescope_test name)
-  cmake_parse_arguments(ARG "" "" "LIBS;LABELS;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LIBS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_UNPARSED_ARGUMENTS})
   planescope_target_defaults(${name})
   target_link_libraries(${name} PRIVATE planescope::lab ${ARG_LIBS} GTest::gtest GTest::gtest_main)
@@ -88,7 +77,7 @@ function(planescope_test name)
   target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   # The libraries are optimised to the end; tests need not be, and compile quicker.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  planescope_unity(${name} ALONE ${ARG_ALONE})
+  planescope_unity(${name})
   # Listing the tests is a start of the program: it waits for the test run, off the build's path.
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${ARG_LABELS}")

@@ -46,12 +46,12 @@ AxisFit fit_axis(std::span<const double> offset,
   return {robust_max(above), -robust_max(below), low, high};
 }
 
-struct View {
+struct Placed {
   double elevation_deg = 0;  // of the eye above the horizon, seen from the target
   double yaw_deg = 0;        // of the line of sight, from world x towards y
 };
 
-Vec3d direction_of(const View& view) {
+Vec3d direction_of(const Placed& view) {
   const double elevation = view.elevation_deg * kDegree, yaw = view.yaw_deg * kDegree;
   return {std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
           -std::sin(elevation)};
@@ -65,18 +65,18 @@ double facing(const Segmentation& segmentation, const Vec3d& forward) {
   return sum;
 }
 
-View view_of(const PreparedFrame& prepared, const Segmentation& segmentation) {
+Placed view_of(const PreparedFrame& prepared, const Segmentation& segmentation) {
   // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
   const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
   const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
-  View left{35, 35};
+  Placed left{35, 35};
   if (depth_camera) {
     // A little above the sensor's own line of sight: far from it, the sensor's shadows open.
     const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
     left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
   }
   // To the side from which more is seen.
-  const View right{left.elevation_deg, -left.yaw_deg};
+  const Placed right{left.elevation_deg, -left.yaw_deg};
   return facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left))
              ? right
              : left;

@@ -5,6 +5,11 @@
 #include "app/desktop/math_text.hpp"
 
 namespace planescope::desktop {
+
+bool was_dragged() {
+  constexpr float kClickSlack_px = 4;
+  return ImGui::GetIO().MouseDragMaxDistanceSqr[0] > kClickSlack_px * kClickSlack_px;
+}
 namespace {
 
 /// Lines broken at spaces only: ImGui would also part "9." from "15".

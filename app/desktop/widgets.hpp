@@ -8,6 +8,11 @@
 
 namespace planescope::desktop {
 
+inline constexpr ImGuiTableFlags kTable =
+    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
+
+/// Since the left button went down the mouse has moved, by more than in a click.
+bool was_dragged();
 /// Text in the accent colour that can be clicked; true where it was. Wraps.
 bool link(const Ui& ui, const std::string& text, const std::string& widget);
 /// A title in the bold font.

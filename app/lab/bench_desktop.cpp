@@ -61,7 +61,8 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   const ViewArgs& view = args.view;
   const auto scale = static_cast<float>(view.scale);
   Offscreen window(view_state(view), view.width, view.height, scale);
-  Offscreen nothing({}, view.width, view.height, scale);
+  State unopened;
+  Offscreen nothing(std::move(unopened), view.width, view.height, scale);
   settle(nothing.shell(), nothing, stop);
   settle(window.shell(), window, stop);
   if (!window.shell().state().run()) throw Error(window.shell().state().results.refusal);

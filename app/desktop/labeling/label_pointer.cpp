@@ -6,12 +6,13 @@
 #include <cmath>
 #include <utility>
 
+#include "app/desktop/widgets.hpp"
+
 namespace planescope::desktop {
 namespace {
 
-constexpr float kClickSlack = 4;  // [px] that the mouse may move in a click
-constexpr float kStep = 1.5f;     // [px] of a path
-constexpr double kNotch = 1.15;   // of the wheel
+constexpr float kStep = 1.5f;    // [px] of a path
+constexpr double kNotch = 1.15;  // of the wheel
 
 bool draws(LabelTool tool) { return tool != LabelTool::wand && tool != LabelTool::polygon; }
 
@@ -95,7 +96,7 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
     return ui.emit("label.accept");
   }
   if (!ImGui::IsMouseReleased(0) || std::exchange(drag.ignore_release, false)) return;
-  if (io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack) return;
+  if (was_dragged()) return;
   drag.mode = mode_of(io);
   drag.path = {surface.to_view(io.MousePos)};
   LabelGesture gesture = gesture_of(ui, surface, drag);
@@ -107,10 +108,9 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
 
 /// What is under the mouse in either view is a depth pixel.
 void click_gravity(const Ui& ui) {
-  const ImGuiIO& io = ImGui::GetIO();
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
-  if (io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack) return;
+  if (was_dragged()) return;
   const std::int64_t pixel = ui.state.view.label.hover;
   const bool is_floor = ui.state.view.gravity_click == GravityClick::floor;
   ui.emit(is_floor ? "gravity.floor" : "gravity.wall",

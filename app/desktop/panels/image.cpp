@@ -10,11 +10,10 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/toolbar.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
-
-constexpr float kClickSlack = 4;  // [px] that the mouse may move in a click
 
 void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   const ImGuiIO& io = ImGui::GetIO();
@@ -23,7 +22,7 @@ void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
     show_image_part(ui, placed, ui.state.view.image_zoom * std::pow(1.2, io.MouseWheel), uv,
                     io.MousePos);
   const GravityClick picks = ui.state.view.gravity_click;
-  const bool dragged = io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack;
+  const bool dragged = was_dragged();
   const bool marking = ui.state.view.marking && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2);
   if (marking) {
     const ImVec2 from = placed.to_image(io.MouseClickedPos[0]);

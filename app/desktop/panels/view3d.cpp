@@ -8,11 +8,10 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/toolbar.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
-
-constexpr float kClickSlack = 4;  // [px] that the mouse may move in a click
 
 void draw_tools(const Ui& ui) {
   static const struct {
@@ -56,7 +55,7 @@ void move_camera(const Ui& ui, float height) {
   if (ImGui::IsItemActive() && (moved.x != 0 || moved.y != 0)) {
     if (pan)
       ui.emit("camera.pan", fmt::format("{:.6g},{:.6g}", -moved.x / height, moved.y / height));
-    else if (io.MouseDragMaxDistanceSqr[0] > kClickSlack * kClickSlack)
+    else if (was_dragged())
       ui.emit("camera.orbit",
               fmt::format("{:.6g},{:.6g}", 250 * moved.x / height, 250 * moved.y / height));
   }
@@ -120,8 +119,7 @@ void draw_view3d(const Ui& ui) {
   if (ui.canvas && ImGui::IsItemHovered()) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
-    const bool clicked =
-        ImGui::IsMouseReleased(0) && io.MouseDragMaxDistanceSqr[0] <= kClickSlack * kClickSlack;
+    const bool clicked = ImGui::IsMouseReleased(0) && !was_dragged();
     const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
     if (!pressed && (clicked || !playing)) {
       const Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),

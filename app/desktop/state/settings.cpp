@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "planescope.desktop/1";
+constexpr const char* kSettingsSchema = "planescope.desktop/1";
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Settings load_settings() {
     std::ifstream file(settings_path(), std::ios::binary);
     if (!file) return {};
     const Json json = Json::parse(file);
-    if (json.at("schema") != kSchema) return {};
+    if (json.at("schema") != kSettingsSchema) return {};
     Settings settings;
     settings.width = std::clamp(json.at("width").get<int>(), 640, 16384);
     settings.height = std::clamp(json.at("height").get<int>(), 400, 16384);
@@ -49,7 +49,7 @@ void save_settings(const Settings& settings) {
   const fs::path path = settings_path();
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
-  Json json = {{"schema", kSchema},
+  Json json = {{"schema", kSettingsSchema},
                {"width", settings.width},
                {"height", settings.height},
                {"maximized", settings.maximized},

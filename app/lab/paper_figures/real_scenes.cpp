@@ -12,7 +12,7 @@
 namespace planescope::figures {
 namespace {
 
-constexpr int kWidth = 960, kHeight = 720;  // of clouds
+constexpr int kCloudWidth = 960, kCloudHeight = 720;  // of clouds
 
 /// Which frame of a recording makes a scene, and how far it reaches.
 struct RealScene {
@@ -72,8 +72,8 @@ PipelineOptions scene_options(const RealScene& scene,
 Image8 plain_view(const LoadedFrame& loaded, const Work& work, const Camera& camera) {
   const Frame& frame = loaded.frame;
   if (frame.is_cloud())
-    return work.renderer.render(bare(scene_heights(loaded.result)), camera, kWidth, kHeight,
-                                Theme::light);
+    return work.renderer.render(bare(scene_heights(loaded.result)), camera, kCloudWidth,
+                                kCloudHeight, Theme::light);
   const Image8 image = frame.color.empty() ? shaded_depth(frame) : frame.color;
   return enlarge(image, enlargement(image.width));
 }
@@ -85,7 +85,7 @@ Image8 found_view(const LoadedFrame& loaded,
   if (!loaded.frame.is_cloud()) return image_overlay(loaded.frame, loaded.result, colors);
   const FrameResult& result = loaded.result;
   return work.renderer.render(bare_planes(result.cloud.points, result.plane_of, colors), camera,
-                              kWidth, kHeight, Theme::light);
+                              kCloudWidth, kCloudHeight, Theme::light);
 }
 
 /// Colours that follow those of the first method, so that the same plane looks the same.
@@ -111,7 +111,7 @@ void add_scene(PaperFigure& figure, const Work& work, const RealScene& scene) {
     const LoadedFrame loaded = run_input_frame(
         inputs[0], scene.frame, scene_options(scene, contestant, work), work.network.get(), false);
     if (first.empty()) {
-      camera = frame_camera(loaded.result, static_cast<double>(kWidth) / kHeight);
+      camera = frame_camera(loaded.result, static_cast<double>(kCloudWidth) / kCloudHeight);
       add_picture(figure, scene.name, "scene",
                   fmt::format("{}, frame {}; {} points", scene.recording->name, scene.frame,
                               loaded.result.cloud.counts.kept),

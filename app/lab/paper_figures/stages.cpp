@@ -9,7 +9,7 @@
 namespace planescope::figures {
 namespace {
 
-constexpr int kWidth = 720, kHeight = 540;
+constexpr int kStageWidth = 720, kStageHeight = 540;
 
 }  // namespace
 
@@ -26,12 +26,12 @@ PaperFigure stages(const Work& work) {
       "Stairs through the camera model, profile refined, labels of the 3D-GCN. To look into it: "
       "planescope synth sample --seed {} -o sample; planescope sample",
       work.results.seed);
-  const Camera camera = frame_camera(result, static_cast<double>(kWidth) / kHeight);
+  const Camera camera = frame_camera(result, static_cast<double>(kStageWidth) / kStageHeight);
   const auto draw = [&](DrawList list, const std::string& column, const std::string& caption) {
     work.begin("stages, " + column);
     list = bare(std::move(list));
     add_picture(figure, "", column, caption,
-                work.renderer.render(list, camera, kWidth, kHeight, Theme::light));
+                work.renderer.render(list, camera, kStageWidth, kStageHeight, Theme::light));
   };
   const SegmentCounts& counts = result.segmentation.counts;
   add_picture(figure, "", "depth", "as the camera measures it",

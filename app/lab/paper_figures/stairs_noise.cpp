@@ -12,7 +12,7 @@
 namespace planescope::figures {
 namespace {
 
-constexpr int kWidth = 600, kHeight = 640;
+constexpr int kStairWidth = 600, kStairHeight = 640;
 constexpr std::size_t kPlanes = 10;
 constexpr int kMostStairs = 100;  // of the set; one in five has 10 planes
 
@@ -62,11 +62,12 @@ Scene make_scene(int index, std::uint64_t seed, double noise_cm) {
 
 void add_truth(PaperFigure& figure, const Work& work, Scene& scene) {
   const PointSet& cloud = *scene.frame.cloud;
-  scene.camera = close_camera(cloud.points, view_of(scene.stairs), double(kWidth) / kHeight);
+  scene.camera =
+      close_camera(cloud.points, view_of(scene.stairs), double(kStairWidth) / kStairHeight);
   add_picture(figure, "truth", scene.noise + ", with PC",
               fmt::format("{} planes, {} points", kPlanes, cloud.points.size()),
               work.renderer.render(bare_planes(cloud.points, cloud.instance, {}), scene.camera,
-                                   kWidth, kHeight, Theme::light));
+                                   kStairWidth, kStairHeight, Theme::light));
 }
 
 void add_found(PaperFigure& figure,
@@ -85,7 +86,7 @@ void add_found(PaperFigure& figure,
     points.push_back(scene.frame.cloud->points[source]);
   add_picture(figure, contestant.name, column, planes_text(result),
               work.renderer.render(bare_planes(points, result.plane_of, colors), scene.camera,
-                                   kWidth, kHeight, Theme::light));
+                                   kStairWidth, kStairHeight, Theme::light));
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ bool contains(const std::string& text, std::initializer_list<const char*> words)
                      [&](const char* word) { return text.find(word) != std::string::npos; });
 }
 
-constexpr std::initializer_list<const char*> kDepthWords = {"IR", "Depth", "depth"};
-constexpr std::initializer_list<const char*> kColorWords = {"RGB", "Color", "color", "rgb"};
+constexpr std::initializer_list<const char*> kDepthNames = {"IR", "Depth", "depth"};
+constexpr std::initializer_list<const char*> kColorNames = {"RGB", "Color", "color", "rgb"};
 
 /// Intrinsics under a name with one of the words (any name where there are none), with the
 /// distortion coefficients of the same words.
@@ -115,9 +115,9 @@ std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
   const auto bytes = read_file_bytes(path, kMaxBytes);
   const auto matrices = matrices_in({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   CameraFiles files;
-  files.depth.intrinsics = intrinsics_of(matrices, kDepthWords);
+  files.depth.intrinsics = intrinsics_of(matrices, kDepthNames);
   if (files.depth.intrinsics) {
-    files.color = intrinsics_of(matrices, kColorWords);
+    files.color = intrinsics_of(matrices, kColorNames);
     if (files.color) files.T_color_depth = stereo_pose(matrices);
   } else {
     files.depth.intrinsics = intrinsics_of(matrices, {});

@@ -13,7 +13,7 @@ namespace planescope {
 namespace {
 
 /// libjpeg's state. Its errors longjmp: the steps below hold plain values only.
-struct Decoder {
+struct JpegDecoder {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   jmp_buf jump{};
@@ -22,11 +22,11 @@ struct Decoder {
   unsigned char* pixels = nullptr;
   char message[JMSG_LENGTH_MAX] = "";
 
-  ~Decoder() { jpeg_destroy_decompress(&jpeg); }
+  ~JpegDecoder() { jpeg_destroy_decompress(&jpeg); }
 };
 
 void on_error(j_common_ptr jpeg) {
-  auto* decoder = static_cast<Decoder*>(jpeg->client_data);
+  auto* decoder = static_cast<JpegDecoder*>(jpeg->client_data);
   jpeg->err->format_message(jpeg, decoder->message);
   longjmp(decoder->jump, 1);
 }
@@ -37,7 +37,7 @@ void on_message(j_common_ptr jpeg, int level) {
   if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA) on_error(jpeg);
 }
 
-bool read_header(Decoder& decoder) {
+bool read_jpeg_header(JpegDecoder& decoder) {
   if (setjmp(decoder.jump)) return false;
   jpeg_create_decompress(&decoder.jpeg);
   decoder.jpeg.client_data = &decoder;
@@ -47,7 +47,7 @@ bool read_header(Decoder& decoder) {
   return true;
 }
 
-bool read_rows(Decoder& decoder) {
+bool read_jpeg_rows(JpegDecoder& decoder) {
   if (setjmp(decoder.jump)) return false;
   jpeg_start_decompress(&decoder.jpeg);
   const std::size_t row_bytes = std::size_t{3} * decoder.jpeg.output_width;
@@ -63,7 +63,7 @@ bool read_rows(Decoder& decoder) {
 
 Image8 read_jpeg_rgb(const std::filesystem::path& path) {
   const auto bytes = read_file_bytes(path);
-  Decoder decoder;
+  JpegDecoder decoder;
   decoder.bytes = bytes.data();
   decoder.size = bytes.size();
   decoder.jpeg.err = jpeg_std_error(&decoder.errors);
@@ -73,7 +73,7 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path) {
   const auto fail = [&] {
     throw Error(path.string() + ": not a readable JPEG (" + decoder.message + ")");
   };
-  if (bytes.empty() || !read_header(decoder)) fail();
+  if (bytes.empty() || !read_jpeg_header(decoder)) fail();
   // A JPEG block of 64 pixels takes at least a few bits: an image far larger than its file allows
   // is damaged, and is refused before it is allocated.
   const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
@@ -85,7 +85,7 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path) {
   Image8 image(static_cast<int>(decoder.jpeg.image_width),
                static_cast<int>(decoder.jpeg.image_height), 3);
   decoder.pixels = image.data.data();
-  if (!read_rows(decoder)) fail();
+  if (!read_jpeg_rows(decoder)) fail();
   return image;
 }
 

@@ -23,8 +23,8 @@ struct Encoder {
   ~Encoder() { png_destroy_write_struct(&png, &info); }
 };
 
-void on_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
-void on_warning(png_structp, png_const_charp) {}
+void on_write_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void on_write_warning(png_structp, png_const_charp) {}
 void on_flush(png_structp) {}
 
 void on_write(png_structp png, png_bytep bytes, png_size_t count) {
@@ -69,7 +69,8 @@ std::vector<unsigned char> encode(const Image<T>& image) {
   encoder.color_type = channels == 1   ? PNG_COLOR_TYPE_GRAY
                        : channels == 3 ? PNG_COLOR_TYPE_RGB
                                        : PNG_COLOR_TYPE_RGB_ALPHA;
-  encoder.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
+  encoder.png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_write_error, on_write_warning);
   if (encoder.png) encoder.info = png_create_info_struct(encoder.png);
   if (!encoder.info || !write_all(encoder)) {
     throw Error("an image of " + std::to_string(image.width) + "x" + std::to_string(image.height) +

@@ -14,7 +14,7 @@
 namespace planescope {
 namespace {
 
-using Cloud = std::vector<Vec3f>;
+using Points = std::vector<Vec3f>;
 
 constexpr int kSizes[] = {2048, 4096, 8192};
 constexpr int kStairs = 3;  // taken in turn
@@ -27,8 +27,8 @@ std::vector<Simd> instruction_sets() {
   return sets;
 }
 
-std::vector<Cloud> make_clouds(int points, std::uint64_t seed) {
-  std::vector<Cloud> clouds;
+std::vector<Points> make_clouds(int points, std::uint64_t seed) {
+  std::vector<Points> clouds;
   for (int i = 0; i < kStairs; ++i)
     clouds.push_back(
         make_stairs(i, {.seed = seed, .points = points, .noise_m = 0.001}).cloud.points);
@@ -49,7 +49,7 @@ class Turns {
 };
 
 SpeedRow race(const BenchNetwork& network,
-              const std::vector<Cloud>& clouds,
+              const std::vector<Points>& clouds,
               int rounds,
               int threads,
               Turns& turns) {
@@ -77,7 +77,7 @@ SpeedRow race(const BenchNetwork& network,
 }
 
 ReferenceRow race_reference(const BenchNetwork& network,
-                            const Cloud& cloud,
+                            const Points& cloud,
                             int rounds,
                             Turns& turns) {
   const NetworkConfig& config = network.weights.config;
@@ -122,7 +122,7 @@ SpeedBench measure_speed(std::span<const BenchNetwork> networks,
 
   SpeedBench bench;
   for (const int points : kSizes) {
-    const std::vector<Cloud> clouds = make_clouds(points, options.seed);
+    const std::vector<Points> clouds = make_clouds(points, options.seed);
     for (const BenchNetwork& network : networks)
       for (const int threads : thread_counts)
         bench.speed.push_back(race(network, clouds, options.rounds, threads, turns));

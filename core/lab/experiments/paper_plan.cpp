@@ -14,7 +14,6 @@ namespace {
 constexpr const char* kWithout = "without ";
 constexpr int kPoints = 8192;
 
-const std::vector<std::string> kProfiles = {"paper", "paper-closest", "refined"};
 const std::vector<std::string> kLabels = {"truth", "gcn", "pca"};
 
 bool is_depth(const CellKey& frames) { return frames.points == 0; }
@@ -26,7 +25,7 @@ class Plan {
   }
   /// What the paper's tables show of ours: every profile with every source of labels, and without.
   void add_profiles(const CellKey& frames) {
-    for (const std::string& profile : kProfiles) {
+    for (const std::string& profile : profiles_of_ours()) {
       for (const std::string& labels : kLabels) add(with_ours(frames, profile, labels));
       add(with_ours(frames, profile, "none"));
     }
@@ -117,6 +116,11 @@ bool same_frames(const CellKey& a, const CellKey& b) {
          a.errors == b.errors;
 }
 
+const std::vector<std::string>& profiles_of_ours() {
+  static const std::vector<std::string> names = {"paper", "paper-closest", "refined"};
+  return names;
+}
+
 const std::vector<std::string>& refinements() {
   static const std::vector<std::string> names = {
       "estimate_sigma",     "r1_merge_by_distance", "r2_explain_away",
@@ -188,14 +192,16 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
     for (const std::string& error : errors) {
       const CellKey frames = depth_of(set, plan.seed, error);
       if (error == "d435")
-        for (const std::string& profile : kProfiles) cells.add(with_ours(frames, profile, "gcn"));
+        for (const std::string& profile : profiles_of_ours())
+          cells.add(with_ours(frames, profile, "gcn"));
       cells.add_methods(frames);
       if (error == "d435") cells.add_ablation(frames);
     }
   if (plan.real_labelled) {
     CellKey frame;
     frame.set = kRealLabelled;
-    for (const std::string& profile : kProfiles) cells.add(with_ours(frame, profile, "gcn"));
+    for (const std::string& profile : profiles_of_ours())
+      cells.add(with_ours(frame, profile, "gcn"));
     cells.add_methods(frame);
   }
   cells.add_tuned(stairs_of(plan.tuning_seed, 2048, 0));

@@ -37,6 +37,7 @@ bool same_frames(const CellKey& a, const CellKey& b);
 
 /// The switches of profile `refined` that an ablation turns off, by their option names.
 const std::vector<std::string>& refinements();
+const std::vector<std::string>& profiles_of_ours();
 std::string without(const std::string& refinement);  // as a setting
 
 /// "stairs, 8192 points, 0.1 cm", "depth_boxes, d435"

@@ -11,8 +11,6 @@
 namespace planescope {
 namespace {
 
-const std::vector<std::string> kProfiles = {"paper", "paper-closest", "refined"};
-
 /// The paper's three measures.
 struct Three {
   double alpha_deg = 0, r_p = 0, r_m = 0;
@@ -117,12 +115,12 @@ std::optional<Table> with_and_without(const Conditions& conditions,
                                       const std::vector<std::string>& columns) {
   PaperTable table(title, {"", "profile", "labels"}, columns);
   table.add_printed({"with PC", "printed", ""}, conditions.printed("ours", true));
-  for (const std::string& profile : kProfiles)
+  for (const std::string& profile : profiles_of_ours())
     for (const char* labels : {"truth", "gcn", "pca"})
       table.add_measured({"with PC", profile, labels},
                          conditions.measured(with_ours({}, profile, labels)));
   table.add_printed({"w/o PC", "printed", ""}, conditions.printed("ours", false));
-  for (const std::string& profile : kProfiles)
+  for (const std::string& profile : profiles_of_ours())
     table.add_measured({"w/o PC", profile, "none"},
                        conditions.measured(with_ours({}, profile, "none")));
   return std::move(table).table(fmt::format("{} {}.", kMeasures, conditions.frames_text()));
@@ -160,7 +158,7 @@ std::optional<Table> table_5(const PaperResults& results) {
   table.add_printed({"region growing", "printed", ""}, conditions.printed("region-growing", true));
   rival("region growing", "region-growing", "");
   table.add_printed({"ours", "printed", ""}, conditions.printed("ours", true));
-  for (const std::string& profile : kProfiles)
+  for (const std::string& profile : profiles_of_ours())
     for (const char* labels : {"truth", "gcn", "pca"})
       table.add_measured({"ours", profile, labels},
                          conditions.measured(with_ours({}, profile, labels)));

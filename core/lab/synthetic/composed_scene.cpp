@@ -9,8 +9,6 @@
 namespace planescope {
 namespace {
 
-constexpr double kFarM = 6;  // beyond the range of every view
-
 /// A solid of a constant outline: a convex polygon in x-z, counter-clockwise seen from -y, drawn
 /// out from y = right to y = left.
 struct Prism {

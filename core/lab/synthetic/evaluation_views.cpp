@@ -7,7 +7,6 @@
 namespace planescope {
 namespace {
 
-constexpr double kFarM = 6;  // beyond the range of every view
 const Footprint kGround{{-kFarM, kFarM}, {-kFarM, kFarM}};
 
 /// Where things begin, before the camera.

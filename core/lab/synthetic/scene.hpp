@@ -8,6 +8,8 @@
 
 namespace planescope {
 
+inline constexpr double kFarM = 6;  // beyond the range of every view
+
 /// How a surface is painted; colours only, depth does not depend on it.
 enum class Texture : std::uint8_t { plain, concrete, asphalt, planks, cardboard, brick, rubber };
 

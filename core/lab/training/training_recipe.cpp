@@ -11,7 +11,7 @@
 namespace planescope {
 namespace {
 
-enum Stream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUniform };
+enum RecipeStream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUniform };
 
 TrainingRecipe planescope_recipe() {
   TrainingRecipe recipe;

@@ -9,13 +9,13 @@
 namespace planescope {
 namespace {
 
-constexpr int kStrip_px = 3;       // of the border, to each side
-constexpr int kAround_px = 6;      // where the two sides' colours are taken from
-constexpr int kLeastPixels = 8;    // of each side
-constexpr float kContrast = 36;    // between them, of 255 per channel
-constexpr float kClearly = 0.6f;   // nearer to one than to the other
-constexpr float kDoubtful = 0.6f;  // of the tolerance: what fits worse inside may be wrong
-constexpr float kNearly = 2;       // times the tolerance: what fits better outside may belong
+constexpr int kStrip_px = 3;          // of the border, to each side
+constexpr int kAround_px = 6;         // where the two sides' colours are taken from
+constexpr int kLeastColorPixels = 8;  // of each side
+constexpr float kContrast = 36;       // between them, of 255 per channel
+constexpr float kClearly = 0.6f;      // nearer to one than to the other
+constexpr float kDoubtful = 0.6f;     // of the tolerance: what fits worse inside may be wrong
+constexpr float kNearly = 2;          // times the tolerance: what fits better outside may belong
 
 struct MeanColor {
   Vec3f sum = Vec3f::Zero();
@@ -65,7 +65,7 @@ void settle_border_by_color(const WandField& field,
       if (side[j] == kInside) inside.add(&grid.color.data[std::size_t{3} * j]);
       if (side[j] == kOutside) outside.add(&grid.color.data[std::size_t{3} * j]);
     });
-    if (inside.count < kLeastPixels || outside.count < kLeastPixels) continue;
+    if (inside.count < kLeastColorPixels || outside.count < kLeastColorPixels) continue;
     if ((inside.value() - outside.value()).norm() < kContrast) continue;
     const std::uint8_t* rgb = &grid.color.data[std::size_t{3} * i];
     const Vec3f own(rgb[0], rgb[1], rgb[2]);

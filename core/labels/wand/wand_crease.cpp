@@ -14,10 +14,10 @@ namespace planescope {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr int kLeastWindow_px = 12;  // beyond the tile, to each side
-constexpr int kMostWindow_px = 80;
+constexpr int kLeastCrease_px = 12;  // beyond the tile, to each side
+constexpr int kMostCrease_px = 80;
 constexpr std::size_t kLeastContact_px = 3;  // of a tile's pixels
-constexpr double kLeastShare = 0.3;          // of what is beyond lies on the other surface
+constexpr double kLeastCreaseShare = 0.3;    // of what is beyond lies on the other surface
 constexpr double kLeastSine = 0.12;          // of the angle: flatter creases are no creases
 constexpr double kFlatSine = 0.35;      // below it noise decides unless it is averaged over more
 constexpr float kLeaves = 1.8f;         // tolerances from the sheet: a surface, not a bump
@@ -94,7 +94,7 @@ class CreaseCut {
   std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
     for (const double tolerances : {2.0, 5.0}) {
       const int beyond =
-          std::clamp(static_cast<int>(tolerances * tolerance_px), kLeastWindow_px, kMostWindow_px);
+          std::clamp(static_cast<int>(tolerances * tolerance_px), kLeastCrease_px, kMostCrease_px);
       const PixelBox box = box_around(grid_, middle, kTile_px / 2 + beyond);
       LocalFitOptions options;
       options.half_px = beyond;
@@ -102,7 +102,7 @@ class CreaseCut {
       options.most_pixels = 144;
       options.hints = known_;
       const auto fit = fit_around(field_, outside_, box, middle, options);
-      if (!fit || fit->share < kLeastShare) return std::nullopt;
+      if (!fit || fit->share < kLeastCreaseShare) return std::nullopt;
       if (sine_to(fit->sheet) < kLeastSine || !is_surface(fit->sheet, box)) continue;
       remember(fit->sheet);
       return fit->sheet;

@@ -9,7 +9,7 @@
 namespace planescope {
 namespace {
 
-constexpr std::size_t kLeastPixels = 6;
+constexpr std::size_t kLeastFitPixels = 6;
 constexpr int kRefits = 3;
 constexpr double kHintShare = 0.7;
 constexpr double kLine = 1e-6;  // eigenvalues, the second against the third
@@ -103,7 +103,7 @@ std::optional<LocalFit> fit_around(const WandField& field,
       all.push_back({pixel, static_cast<float>(1 / (1 + du * du + dv * dv))});
       weights += all.back().weight;
     }
-  if (all.size() < kLeastPixels) return std::nullopt;
+  if (all.size() < kLeastFitPixels) return std::nullopt;
 
   const auto share_of = [&](const Sheet& sheet) {
     double share = 0;

@@ -25,8 +25,8 @@ constexpr double kLeastFacing = 0.3;  // of what lies on the plane; else normals
 constexpr int kManyPixels = 20000;    // of a box; then every fourth tells enough
 constexpr int kMargin_px = 40;        // by which a region may still grow, once it is fitted
 constexpr int kMostRounds = 4;
-constexpr double kSettled = 0.02;  // of the pixels
-constexpr int kLeastPixels = 25;   // of a plane
+constexpr double kSettled = 0.02;      // of the pixels
+constexpr int kLeastGrownPixels = 25;  // of a plane
 
 /// Which pixels of a box lie on the sheet (1), and which of these also face as it does (2).
 void mark_inliers(const WandField& field,
@@ -217,7 +217,7 @@ void WandGrowth::regrow(const std::vector<std::uint32_t>& clicks, const PixelBox
 bool WandGrowth::refit() {
   const Moments moments = moments_of(grid_, region_, box_);
   const auto refitted = sheet_through(moments);
-  if (!refitted || moments.count < kLeastPixels) return false;
+  if (!refitted || moments.count < kLeastGrownPixels) return false;
   sheet_ = *refitted;
   return true;
 }

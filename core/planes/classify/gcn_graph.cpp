@@ -11,7 +11,7 @@
 namespace planescope::gcn {
 namespace {
 
-constexpr std::size_t kTile = 128;  // points whose neighbours are looked for at once
+constexpr std::size_t kTiledPoints = 128;  // points whose neighbours are looked for at once
 
 float squared_distance(const Vec3f& a, const Vec3f& b) {
   const float x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();
@@ -114,8 +114,8 @@ void make_graph(std::span<const Vec3f> points,
       GraphLevel& level = graph.levels[l];
       const auto [first, last] = member.share(level.n);
       const auto k = static_cast<std::size_t>(level.neighbours);
-      for (std::size_t begin = first; begin < last && k > 0; begin += kTile) {
-        const std::size_t end = std::min(last, begin + kTile);
+      for (std::size_t begin = first; begin < last && k > 0; begin += kTiledPoints) {
+        const std::size_t end = std::min(last, begin + kTiledPoints);
         found.resize((end - begin) * (k + 1));
         grids[l].nearest(level.neighbours + 1, begin, end, found.data());
         for (std::size_t i = begin; i < end; ++i) {

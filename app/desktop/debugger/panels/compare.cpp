@@ -12,9 +12,6 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr ImGuiTableFlags kTable =
-    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
-
 void draw_controls(const Ui& ui) {
   const State& state = ui.state;
   const bool pinned = state.results.pinned != nullptr;

@@ -15,9 +15,6 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr ImGuiTableFlags kTable =
-    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
-
 /// A column as wide as `text` at least. Widths that ImGui would measure are right a few frames
 /// late.
 void fixed_column(const char* title, const char* text) {

@@ -13,10 +13,7 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr ImGuiTableFlags kTable = ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH |
-                                   ImGuiTableFlags_PadOuterX | ImGuiTableFlags_ScrollY;
-
-const char* to_string(LabelOrigin origin) {
+const char* name_of(LabelOrigin origin) {
   constexpr const char* kNames[] = {"by hand", "by the wand", "from the algorithm", "carried",
                                     "imported"};
   return kNames[static_cast<std::size_t>(origin)];
@@ -66,7 +63,7 @@ void draw_beginnings(const Ui& ui) {
 
 void tell(const LabelPlane& plane, const PlaneFacts& facts) {
   std::string text =
-      fmt::format("P{}, {}, {} pixels", plane.id, to_string(plane.origin), facts.pixels);
+      fmt::format("P{}, {}, {} pixels", plane.id, name_of(plane.origin), facts.pixels);
   if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
   ImGui::SetTooltip("%s\nclick: active   double click: look at it", text.c_str());
 }
@@ -113,7 +110,9 @@ void draw_list(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts,
                      "Enter, or start from the algorithm (T).");
   const bool confidences = std::ranges::any_of(
       labels.planes, [](const LabelPlane& plane) { return plane.confidence < 1; });
-  if (!ImGui::BeginTable("planes", confidences ? 7 : 6, kTable, ImVec2(0, height))) return;
+  if (!ImGui::BeginTable("planes", confidences ? 7 : 6, kTable | ImGuiTableFlags_ScrollY,
+                         ImVec2(0, height)))
+    return;
   const auto fixed = [](const char* title, const char* widest, float more = 0) {
     const float width = std::max(ImGui::CalcTextSize(title).x, ImGui::CalcTextSize(widest).x);
     ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed, width + more);
@@ -140,7 +139,7 @@ void draw_active(const Ui& ui, const FrameLabels& labels) {
                                              : "The next gesture makes a new plane.");
   plane_swatch(ui, id, plane->hidden);
   ImGui::SameLine();
-  ImGui::TextDisabled("%s%s", to_string(plane->origin), plane->locked ? ", locked" : "");
+  ImGui::TextDisabled("%s%s", name_of(plane->origin), plane->locked ? ", locked" : "");
   ui.name("planes.active");
   paragraph(ui.colors.text,
             fmt::format("normal {:.3f}, {:.3f}, {:.3f}  ·  tilt {}", plane->normal.x(),

@@ -14,9 +14,6 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr ImGuiTableFlags kTable = ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH |
-                                   ImGuiTableFlags_PadOuterX | ImGuiTableFlags_ScrollY;
-
 const char* meaning_of(DisagreementKind kind) {
   switch (kind) {
     case DisagreementKind::missed:
@@ -125,7 +122,7 @@ void draw_items(const Ui& ui,
                 const ReviewQueue& queue,
                 const std::vector<Decided>& done,
                 float height) {
-  if (!ImGui::BeginTable("queue", 4, kTable, ImVec2(0, height))) return;
+  if (!ImGui::BeginTable("queue", 4, kTable | ImGuiTableFlags_ScrollY, ImVec2(0, height))) return;
   ImGui::TableSetupScrollFreeze(0, 1);
   ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
   for (const auto& [title, widest] :

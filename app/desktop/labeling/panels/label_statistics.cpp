@@ -12,8 +12,6 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr ImGuiTableFlags kTable =
-    ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
 constexpr std::size_t kHistory = 30;  // entries
 
 std::string duration_text(double seconds) {

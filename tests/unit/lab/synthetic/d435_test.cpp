@@ -11,12 +11,12 @@ namespace {
 
 using namespace synthetic_test;
 
-struct Spread {
+struct DepthSpread {
   double mean_m = 0, deviation_m = 0;
 };
 
 /// Of the measured depths right of the invalid band.
-Spread spread(const Frame& frame) {
+DepthSpread spread(const Frame& frame) {
   double count = 0, sum = 0, squares = 0;
   for (int y = 0; y < frame.depth.height; ++y) {
     for (int x = 100; x < frame.depth.width; ++x) {
@@ -35,7 +35,7 @@ TEST(D435, DepthNoiseGrowsWithTheSquareOfDepth) {
   const D435Model model = without_color();
   double at_half_m = 0;
   for (const double z : {0.5, 1.0, 1.5, 2.0}) {
-    const Spread measured = spread(seen(wall_at(z), model));
+    const DepthSpread measured = spread(seen(wall_at(z), model));
     EXPECT_NEAR(measured.mean_m, z, 0.002) << z;
     EXPECT_NEAR(measured.deviation_m / depth_sigma_m(model, z), 1, 0.06) << z;
     if (z == 0.5) at_half_m = measured.deviation_m;

@@ -7,19 +7,17 @@
 #include "core/lab/synthetic/d435.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
+#include "unit/lab/synthetic/test_scenes.hpp"
 
 namespace planescope {
 namespace {
+
+using namespace synthetic_test;
 
 EvaluationFrame make(const std::string& set, int index, DepthErrors errors) {
   EvaluationOptions options;
   options.errors = errors;
   return make_evaluation_frame(find_evaluation_set(set), index, options);
-}
-
-Vec3d point_at(const Frame& frame, int x, int y) {
-  const Intrinsics& k = frame.intrinsics;
-  return frame.depth.at(x, y) * frame.depth_unit_m * Vec3d((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
 }
 
 class EveryDepthSet : public testing::TestWithParam<const char*> {};

@@ -24,7 +24,7 @@ fs::path fresh_dir(const std::string& name) {
   return dir;
 }
 
-SampleOptions small() {
+SampleOptions small_sample() {
   SampleOptions options;
   options.width = 64;
   options.height = 48;
@@ -74,7 +74,7 @@ TEST(Sample, TheShippedSampleIsSmall) {
 
 TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
   const fs::path dir = fresh_dir("truth");
-  write_sample(dir, small());
+  write_sample(dir, small_sample());
   const auto recording = open_recording(dir);
   ASSERT_EQ(recording->frame_count(), 3);
   for (int i = 0; i < 3; ++i) {
@@ -94,7 +94,7 @@ TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
 
 TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
   const fs::path one = fresh_dir("one"), again = fresh_dir("again"), two = fresh_dir("two");
-  SampleOptions options = small();
+  SampleOptions options = small_sample();
   write_sample(one, options);
   write_sample(again, options);
   options.seed = 2;
@@ -109,7 +109,7 @@ TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
 
 TEST(Sample, CanStateItsTrueGravity) {
   const fs::path dir = fresh_dir("stated");
-  SampleOptions options = small();
+  SampleOptions options = small_sample();
   options.gravity = true;
   write_sample(dir, options);
   for (int i = 0; i < 3; ++i) {
@@ -122,7 +122,7 @@ TEST(Sample, CanStateItsTrueGravity) {
 
 TEST(Sample, AnEarlierSampleIsOverwritten) {
   const fs::path dir = fresh_dir("overwrite");
-  SampleOptions options = small();
+  SampleOptions options = small_sample();
   write_sample(dir, options);
   options.seed = 2;
   EXPECT_NO_THROW(write_sample(dir, options));
@@ -132,11 +132,11 @@ TEST(Sample, AFolderWithAnythingElseIsRefusedAndLeftAsItWas) {
   const fs::path dir = fresh_dir("foreign");
   fs::create_directories(dir);
   std::ofstream(dir / "holiday.jpg") << "mine";
-  EXPECT_THROW(write_sample(dir, small()), Error);
+  EXPECT_THROW(write_sample(dir, small_sample()), Error);
   EXPECT_EQ(files_under(dir), std::vector<fs::path>{"holiday.jpg"});
 
   const fs::path longer = fresh_dir("longer");
-  SampleOptions options = small();
+  SampleOptions options = small_sample();
   write_sample(longer, options);
   options.scenes = {"ramp"};
   EXPECT_THROW(write_sample(longer, options), Error) << "two frames of the other would remain";
@@ -144,13 +144,13 @@ TEST(Sample, AFolderWithAnythingElseIsRefusedAndLeftAsItWas) {
 
 TEST(Sample, BadOptionsAreRefusedBeforeAnythingIsWritten) {
   const fs::path dir = fresh_dir("bad");
-  SampleOptions options = small();
+  SampleOptions options = small_sample();
   options.scenes = {"stairs", "attic"};
   EXPECT_THROW(write_sample(dir, options), Error);
-  options = small();
+  options = small_sample();
   options.scenes.clear();
   EXPECT_THROW(write_sample(dir, options), Error);
-  options = small();
+  options = small_sample();
   options.width = 0;
   EXPECT_THROW(write_sample(dir, options), Error);
   options.width = 1 << 30;
@@ -158,8 +158,8 @@ TEST(Sample, BadOptionsAreRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(fs::exists(dir));
   const fs::path file = fresh_dir("file");
   std::ofstream(file) << "a file where the folder should be";
-  EXPECT_THROW(write_sample(file / "sub", small()), Error);
-  EXPECT_THROW(write_sample(file, small()), Error);
+  EXPECT_THROW(write_sample(file / "sub", small_sample()), Error);
+  EXPECT_THROW(write_sample(file, small_sample()), Error);
 }
 
 }  // namespace

@@ -22,12 +22,6 @@ INSTANTIATE_TEST_SUITE_P(Scenes,
                          testing::ValuesIn(scene_names()),
                          [](const auto& scene) { return scene.param; });
 
-Vec3d point_at(const Frame& frame, int x, int y) {
-  const Intrinsics& k = frame.intrinsics;
-  const double z = frame.depth.at(x, y) * frame.depth_unit_m;
-  return {(x - k.cx) / k.fx * z, (y - k.cy) / k.fy * z, z};
-}
-
 /// Moments of the measured points of every true plane, each checked to lie on it.
 std::map<int, Moments> moments_of_planes(const Frame& frame, const FrameLabels& truth) {
   std::map<int, const LabelPlane*> planes;

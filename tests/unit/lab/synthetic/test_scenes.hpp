@@ -6,6 +6,12 @@
 
 namespace planescope::synthetic_test {
 
+inline Vec3d point_at(const Frame& frame, int x, int y) {
+  const Intrinsics& k = frame.intrinsics;
+  const double z = frame.depth.at(x, y) * frame.depth_unit_m;
+  return {(x - k.cx) / k.fx * z, (y - k.cy) / k.fy * z, z};
+}
+
 /// A wall at right angles to the view of a level camera at the origin, `z_m` away.
 inline Scene wall_at(double z_m) {
   Scene scene;
