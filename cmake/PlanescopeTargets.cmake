@@ -20,7 +20,8 @@ function(planescope_target_defaults target)
   endif()
   if(PLANESCOPE_SANITIZE)
     target_compile_options(${target} PRIVATE
-      -fsanitize=${PLANESCOPE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+      -fsanitize=${PLANESCOPE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+      -Wno-maybe-uninitialized)  # false alarms: the compiler does not see through what they add
     target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
     target_link_options(${target} PRIVATE -fsanitize=${PLANESCOPE_SANITIZE})
   endif()
