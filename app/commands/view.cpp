@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <optional>
 
 #include "app/cli/assets.hpp"
@@ -14,6 +13,7 @@
 #include "app/desktop/window.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -102,12 +102,8 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   if (script) script->play(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty() || !args.state.empty()) settle(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
-  if (!args.state.empty()) {
-    std::ofstream file(args.state, std::ios::binary);
-    file << state_text(offscreen->shell().state(), true);
-    file.close();
-    if (!file) throw Error(args.state.string() + ": the state cannot be written there");
-  }
+  if (!args.state.empty())
+    write_file_text(args.state, state_text(offscreen->shell().state(), true));
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include "app/desktop/state/state_facts.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "render/font.hpp"
 
@@ -58,9 +59,10 @@ class Player {
     else if (step.contains("screenshot"))
       stage_.screenshot(step.at("screenshot").get<std::string>());
     else if (step.contains("state"))
-      write(step.at("state").get<std::string>(), state_text(shell_.state(), shell_.idle()));
+      write_file_text(step.at("state").get<std::string>(),
+                      state_text(shell_.state(), shell_.idle()));
     else if (step.contains("trace"))
-      write(step.at("trace").get<std::string>(), trace());
+      write_file_text(step.at("trace").get<std::string>(), trace());
     else if (step.contains("expect"))
       expect(step.at("expect"));
     else if (step.contains("frames"))
@@ -170,12 +172,6 @@ class Player {
       push({.type = InputEvent::Type::text, .character = c});
       stage_.draw_frame();
     }
-  }
-  static void write(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw Error(path.string() + ": cannot be written");
   }
   std::string trace() const {
     const State& state = shell_.state();

@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
 #include "app/desktop/camera.hpp"
 #include "app/desktop/state/state_facts.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "render/context.hpp"
 #include "render/gl.hpp"
 #include "render/renderer.hpp"
@@ -237,15 +237,7 @@ void Window::write_state() {
   const std::string facts = state_text(shell_->state(), shell_->idle());
   if (facts == written_) return;
   written_ = facts;
-  // Whoever reads it must never see half of it.
-  const std::filesystem::path staged = options_.state_file.string() + ".part";
-  std::ofstream file(staged, std::ios::binary);
-  file << facts;
-  file.close();
-  std::error_code failed;
-  std::filesystem::rename(staged, options_.state_file, failed);
-  if (!file || failed)
-    throw Error(options_.state_file.string() + ": the state cannot be written there");
+  write_file_text(options_.state_file, facts);
 }
 
 void Window::screenshot(const std::filesystem::path& path) {

@@ -7,7 +7,7 @@
 
 #include "core/io/json_file.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -140,7 +140,7 @@ void write_picked_gravity(const fs::path& label_dir, const PickedGravity& picked
   const std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   fs::create_directories(label_dir, failed);
   if (failed) throw Error(label_dir.string() + ": cannot be made: " + failed.message());
-  replace_file(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  write_file_text(file, text, Durable::yes);
 }
 
 void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {

@@ -1,10 +1,60 @@
 #include "core/model/file_bytes.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
 #include <fstream>
 
 #include "core/model/error.hpp"
+#include "core/model/file_descriptor.hpp"
 
 namespace planescope {
+namespace {
+
+/// 0, or the errno of the call that failed.
+int write_all(const FileDescriptor& file, std::span<const unsigned char> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) return errno;
+    if (written > 0) bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+/// What was written and has not taken its name.
+struct Staged {
+  std::filesystem::path path;
+  ~Staged() {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+  }
+};
+
+/// `write`: writes it all to the place that it is given; 0 or an errno.
+void replace(const std::filesystem::path& path,
+             Durable durable,
+             const std::function<int(const std::filesystem::path&)>& write) {
+  const auto expect = [&](int error) {
+    if (error != 0) throw Error(path.string() + ": cannot be written (" + error_text(error) + ")");
+  };
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    return expect(write(path));
+  std::filesystem::path target = path;
+  if (std::filesystem::exists(status)) target = std::filesystem::canonical(path, ignored);
+  Staged staged{target};
+  staged.path += ".part";
+  expect(write(staged.path));
+  if (std::filesystem::exists(status))
+    std::filesystem::permissions(staged.path, status.permissions(), ignored);
+  expect(std::rename(staged.path.c_str(), target.c_str()) != 0 ? errno : 0);
+  if (durable == Durable::yes) expect(sync_folder(std::filesystem::absolute(target).parent_path()));
+}
+
+}  // namespace
 
 std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
                                            std::uintmax_t max_bytes) {
@@ -31,17 +81,32 @@ std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
   return bytes;
 }
 
-void write_file_bytes(const std::filesystem::path& path, std::span<const unsigned char> bytes) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file) throw Error(path.string() + ": cannot be opened for writing");
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  file.flush();
-  if (!file) throw Error(path.string() + ": not all of it could be written (disk full?)");
+void write_file_bytes(const std::filesystem::path& path,
+                      std::span<const unsigned char> bytes,
+                      Durable durable) {
+  replace(path, durable, [&](const std::filesystem::path& place) {
+    const FileDescriptor file = open_file(place, O_WRONLY | O_CREAT | O_TRUNC);
+    if (!file.is_open()) return errno;
+    if (const int error = write_all(file, bytes)) return error;
+    return durable == Durable::yes && ::fsync(file.get()) != 0 ? errno : 0;
+  });
 }
 
-void write_file_text(const std::filesystem::path& path, std::string_view text) {
-  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+void write_file_text(const std::filesystem::path& path, std::string_view text, Durable durable) {
+  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()},
+                   durable);
+}
+
+void write_file_stream(const std::filesystem::path& path,
+                       const std::function<void(std::ostream&)>& write) {
+  replace(path, Durable::no, [&](const std::filesystem::path& place) {
+    errno = 0;
+    std::ofstream file(place, std::ios::binary);
+    if (file) write(file);
+    file.close();
+    if (file) return 0;
+    return errno != 0 ? errno : EIO;
+  });
 }
 
 }  // namespace planescope

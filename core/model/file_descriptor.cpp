@@ -4,10 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <system_error>
-
-#include "core/model/error.hpp"
 
 namespace planescope {
 
@@ -67,23 +64,5 @@ fs::path unused_path(const fs::path& prefix) {
 }
 
 std::string error_text(int error) { return std::generic_category().message(error); }
-
-void replace_file(const fs::path& path, std::span<const unsigned char> bytes) {
-  fs::path temporary = path;
-  temporary += ".tmp";
-  const auto fail = [&](int error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw Error(path.string() + ": cannot be written (" + error_text(error) + ")");
-  };
-  {
-    const FileDescriptor file = open_file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-    if (!file.is_open()) fail(errno);
-    if (const int error = write_fully(file, bytes, 0)) fail(error);
-    if (::fsync(file.get()) != 0) fail(errno);
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
-  if (const int error = sync_folder(path.parent_path())) fail(error);
-}
 
 }  // namespace planescope

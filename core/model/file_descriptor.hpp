@@ -47,9 +47,4 @@ std::filesystem::path unused_path(const std::filesystem::path& prefix);
 /// What an errno says: "No space left on device".
 std::string error_text(int error);
 
-/// Replaces a file by these bytes: written beside it, made durable, renamed. Whoever reads
-/// meanwhile, or after a crash or a loss of power, finds the old file or the new one, whole. Throws
-/// Error naming the path; the old file then stays.
-void replace_file(const std::filesystem::path& path, std::span<const unsigned char> bytes);
-
 }  // namespace planescope

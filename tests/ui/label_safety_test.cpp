@@ -34,14 +34,14 @@ TEST_F(LabelSafety, ClosingTheWindowSaves) {
 TEST_F(LabelSafety, ASaveThatFailsSaysSoKeepsTheLabelsAndBarsNoWay) {
   window.run("label.take");
   const std::size_t planes = labels().planes.size();
-  fs::create_directories(label_dir / "000000.plane.png.tmp" / "in the way");
+  fs::create_directories(label_dir / "000000.plane.png.part" / "in the way");
   EXPECT_NE(window.refusal("label.save").find("000000.plane.png"), std::string::npos);
   EXPECT_NE(state().results.label.save_problem, "");
   window.run("frame.next");
   EXPECT_EQ(state().document.frame, 1);
   window.run("frame.previous");
   EXPECT_EQ(labels().planes.size(), planes);
-  fs::remove_all(label_dir / "000000.plane.png.tmp");
+  fs::remove_all(label_dir / "000000.plane.png.part");
   window.run("label.save");
   EXPECT_EQ(state().results.label.save_problem, "");
   EXPECT_TRUE(fs::exists(label_dir / "000000.plane.png"));

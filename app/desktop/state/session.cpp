@@ -10,6 +10,7 @@
 #include "app/desktop/state/session_json.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -168,17 +169,7 @@ void save_session(const State& state, const fs::path& path) {
     json["bookmarks"].push_back(bookmark_json(one));
   json["marked"] = state.document.marked;
 
-  // Beside it first: a full disk must not cost the session that was there.
-  const fs::path staged = path.string() + ".part";
-  std::ofstream file(staged, std::ios::binary);
-  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  file.close();
-  std::error_code failed;
-  if (file) fs::rename(staged, path, failed);
-  if (!file || failed) {
-    fs::remove(staged, ignored);
-    throw Error(path.string() + ": the session cannot be written there");
-  }
+  write_file_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 void open_session(State& state, const std::string& where) {

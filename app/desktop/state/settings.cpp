@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/state/session_json.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -61,11 +63,10 @@ void save_settings(const Settings& settings) {
     place.camera = *settings.camera;
     json["camera"] = bookmark_json(place);
   }
-  const fs::path staged = path.string() + ".part";
-  std::ofstream file(staged, std::ios::binary);
-  file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  file.close();
-  if (file) fs::rename(staged, path, failed);
+  try {
+    write_file_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  } catch (const Error&) {  // nobody asked for them to be kept
+  }
 }
 
 }  // namespace planescope::desktop

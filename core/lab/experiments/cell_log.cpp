@@ -7,7 +7,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/file_descriptor.hpp"
 
 namespace planescope {
 namespace {
@@ -78,7 +77,7 @@ CellLog::CellLog(const std::filesystem::path& dir, const PaperResults& run, bool
   // Rewritten without a line that was cut off.
   std::string text = identity.dump() + "\n";
   for (const Cell& cell : cells_) text += cell_line(cell) + "\n";
-  replace_file(file_, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  write_file_text(file_, text, Durable::yes);
 }
 
 void CellLog::append(std::span<const Cell> cells) {

@@ -5,7 +5,6 @@
 #include "core/io/sniff.hpp"
 #include "core/labels/exchange/exchange_files.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/file_descriptor.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
 namespace planescope {
@@ -133,7 +132,7 @@ std::vector<fs::path> write_labelled(const fs::path& stem,
   const std::vector<WrittenFile> files = files_of(stem, format, points, voxel_size_m);
   std::vector<fs::path> paths;
   for (const WrittenFile& file : files) {
-    replace_file(file.path, file.bytes);
+    write_file_bytes(file.path, file.bytes, Durable::yes);
     paths.push_back(file.path);
   }
   return paths;

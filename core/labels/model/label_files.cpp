@@ -8,7 +8,6 @@
 #include "core/labels/model/label_json.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/file_descriptor.hpp"
 
 namespace planescope {
 namespace {
@@ -50,7 +49,7 @@ void write_label_files(const fs::path& dir, int frame_index, const LabelFileByte
   fs::create_directories(dir, error);
   if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
   const auto paths = label_file_paths(dir, frame_index);
-  for (std::size_t i = 0; i < kLabelFiles; ++i) replace_file(paths[i], bytes[i]);
+  for (std::size_t i = 0; i < kLabelFiles; ++i) write_file_bytes(paths[i], bytes[i], Durable::yes);
 }
 
 void write_frame_labels(const fs::path& dir, int frame_index, const FrameLabels& labels) {

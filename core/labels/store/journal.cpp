@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -145,7 +146,7 @@ fs::path Journal::set_damaged_aside() {
   std::vector<unsigned char> rest(static_cast<std::size_t>(damaged()));
   read_or_throw(path_, file_, rest, end_);
   fs::path aside = unused_path(path_.string() + ".damaged-");
-  replace_file(aside, rest);
+  write_file_bytes(aside, rest, Durable::yes);
   if (::ftruncate(file_.get(), static_cast<off_t>(end_)) != 0 || ::fsync(file_.get()) != 0) {
     throw Error(path_.string() + ": cannot be cut to its undamaged part (" + error_text(errno) +
                 ")");

@@ -181,21 +181,7 @@ void write_safetensors(const fs::path& path, const TensorFile& file) {
   for (const Tensor* tensor : ordered)
     append(tensor->values.data(), tensor->values.size() * sizeof(float));
 
-  fs::path part = path;
-  part += ".part";
-  try {
-    write_file_bytes(part, bytes);
-  } catch (const Error&) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    throw;
-  }
-  std::error_code failed;
-  fs::rename(part, path, failed);
-  if (!failed) return;
-  std::error_code ignored;
-  fs::remove(part, ignored);
-  throw Error(path.string() + ": cannot be replaced: " + failed.message());
+  write_file_bytes(path, bytes);
 }
 
 }  // namespace planescope

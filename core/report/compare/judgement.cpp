@@ -7,7 +7,6 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/model/file_descriptor.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope {
@@ -134,7 +133,7 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
 }
 
 void ReportGuard::approve(const std::filesystem::path& report_json) const {
-  replace_file(baseline_file_, read_file_bytes(report_json));
+  write_file_bytes(baseline_file_, read_file_bytes(report_json), Durable::yes);
 }
 
 }  // namespace planescope

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/model/file_bytes.hpp"
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/report_files.hpp"
 
@@ -38,13 +39,13 @@ void write_frame_record(const fs::path& dir,
   const auto text = [](const Json& json) {
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   };
-  write_whole(dir / kTimings, text(timings_json(frame)));
+  write_file_text(dir / kTimings, text(timings_json(frame)));
   Json color_ids = Json::array();
   for (const ReportPlane& plane : frame.planes) color_ids.push_back(plane.color_id);
-  write_whole(dir / kFrame, text({{"schema", kSchema},
-                                  {"key", key},
-                                  {"color_ids", color_ids},
-                                  {"frame", frame_json(frame, ours)}}));
+  write_file_text(dir / kFrame, text({{"schema", kSchema},
+                                      {"key", key},
+                                      {"color_ids", color_ids},
+                                      {"frame", frame_json(frame, ours)}}));
 }
 
 std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::string& key) {

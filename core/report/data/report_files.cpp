@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <functional>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -46,24 +45,6 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
 
 }  // namespace
 
-void stream_whole(const std::filesystem::path& path,
-                  const std::function<void(std::ostream&)>& write) {
-  const std::filesystem::path partial = path.string() + ".part";
-  {
-    std::ofstream out(partial, std::ios::binary);
-    if (out) write(out);
-    out.close();
-    if (!out) throw Error(path.string() + ": cannot be written: " + std::strerror(errno));
-  }
-  std::error_code failed;
-  std::filesystem::rename(partial, path, failed);
-  if (failed) throw Error(path.string() + ": cannot be written: " + failed.message());
-}
-
-void write_whole(const std::filesystem::path& path, const std::string& text) {
-  stream_whole(path, [&](std::ostream& out) { out << text; });
-}
-
 std::string frames_csv(const Report& report) {
   std::string text =
       "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
@@ -76,11 +57,13 @@ std::string frames_csv(const Report& report) {
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {
-  write_whole(dir / "frames.csv", frames_csv(report));
-  write_whole(dir / "junit.xml", junit_xml(report));
+  write_file_text(dir / "frames.csv", frames_csv(report));
+  write_file_text(dir / "junit.xml", junit_xml(report));
   write_overviews(dir, report);
-  stream_whole(dir / "index.html", [&](std::ostream& out) { write_report_page(out, report, dir); });
-  stream_whole(dir / "report.json", [&](std::ostream& out) { write_report_json(out, report); });
+  write_file_stream(dir / "index.html",
+                    [&](std::ostream& out) { write_report_page(out, report, dir); });
+  write_file_stream(dir / "report.json",
+                    [&](std::ostream& out) { write_report_json(out, report); });
 }
 
 }  // namespace planescope

@@ -37,9 +37,4 @@ std::string overview_of(const ReportRecording& recording);
 /// cannot be written.
 void write_report_files(const std::filesystem::path& dir, const Report& report);
 
-/// Puts the file in place when all of it is written. Throws Error naming it.
-void stream_whole(const std::filesystem::path& path,
-                  const std::function<void(std::ostream&)>& write);
-void write_whole(const std::filesystem::path& path, const std::string& text);
-
 }  // namespace planescope

@@ -6,6 +6,7 @@
 #include "core/io/image/apng.hpp"
 #include "core/io/image/jpeg.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/thumbnail.hpp"
 
@@ -63,7 +64,7 @@ void write_overview(const fs::path& file, const std::vector<fs::path>& copies) {
     }
   if (image.empty()) return;
   const int width = image.width, height = image.height;
-  stream_whole(file, [&](std::ostream& out) {
+  write_file_stream(file, [&](std::ostream& out) {
     ApngWriter writer(out, width, height, static_cast<int>(copies.size()), kFramesPerSecond);
     for (const fs::path& copy : copies) {
       try {

@@ -87,7 +87,7 @@ TEST_F(Exchange, TheSameLabelsMakeTheSameBytes) {
     ASSERT_EQ(first.size(), again.size());
     for (std::size_t i = 0; i < first.size(); ++i)
       EXPECT_EQ(test::file_text(first[i]), test::file_text(again[i])) << first[i];
-    EXPECT_FALSE(std::filesystem::exists(first[0].string() + ".tmp"));
+    EXPECT_FALSE(std::filesystem::exists(first[0].string() + ".part"));
   }
 }
 
