@@ -74,8 +74,7 @@ int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
                               {"v", std::ssize(cloud.labels) - h}});
   }
   const std::string text = json.dump(1) + "\n";
-  write_file_bytes(args.out / "training.json",
-                   std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()));
+  write_file_text(args.out / "training.json", text);
   fmt::print("{}: {} clouds\n", args.out.string(), clouds.size());
   return 0;
 }

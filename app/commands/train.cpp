@@ -85,9 +85,7 @@ void write_page(const Session& session, const TrainState& state) {
   for (const ValidationSet& set : session.data.validation)
     summary.validation_sets.push_back(set.name);
   summary.epochs = state.epochs;
-  const std::string text = training_page(summary);
-  write_file_bytes(session.files.page,
-                   {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+  write_file_text(session.files.page, training_page(summary));
 }
 
 void save(const Session& session, const TrainState& state) {

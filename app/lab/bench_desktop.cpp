@@ -115,8 +115,7 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
     if (args.json) fmt::print("{}", text);
     if (!args.out.empty()) {
       std::filesystem::create_directories(args.out);
-      write_file_bytes(args.out / "desktop.json",
-                       {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+      write_file_text(args.out / "desktop.json", text);
     }
   }
   if (args.json) return 0;

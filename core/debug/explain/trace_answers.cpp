@@ -48,7 +48,7 @@ void write_node(const NodeReport& report, TraceLines& lines) {
 
 void write_merge(const MergeReport& report, TraceLines& lines) {
   lines.add("step {}: node {}, {}, {} points, {}: {}", report.step, report.node,
-            letter_of(report.label), report.points, exact(report.candidate), report.outcome);
+            to_string(report.label, "?"), report.points, exact(report.candidate), report.outcome);
   for (const PartnerReport& partner : report.partners) {
     lines.add("  {}:{}{}{} cost {}", plane_or_none(partner.plane),
               partner.coplanar ? " coplanar" : "", partner.chosen ? " chosen" : "",

@@ -36,7 +36,6 @@ std::string exact(double value);
 std::string exact(const Vec3d& v);
 std::string exact(const PlaneFit& fit);
 
-const char* letter_of(Label label);             // "h", "v", "?"
 std::string plane_or_none(std::int32_t plane);  // of the trace: "P3", "-"
 
 /// Ascending numbers, "3-7 9 12-15"; "none".

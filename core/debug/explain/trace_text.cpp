@@ -73,7 +73,7 @@ void write_result(const Run& run, TraceLines& lines) {
   lines.title("Planes of the result");
   for (const PlaneRegion& plane : run.segmentation.planes) {
     lines.add("plane {} ({}, {}): {} points, {}", plane.id, plane_name(plane.founded),
-              letter_of(plane.label), plane.points, exact(plane.fit));
+              to_string(plane.label, "?"), plane.points, exact(plane.fit));
     lines.add("  there theta_rms {}, tau {}", exact(run.theta_rms(plane.fit.centroid)),
               exact(run.tau(plane.fit.centroid)));
   }
@@ -92,7 +92,7 @@ void write_events(const Run& run, TraceLines& lines) {
         "step {}: {} | {} by {}, case {}, label {}, node {}, plane {}, other {}, point {}, "
         "value {:.9g}{}",
         step, describe_event(run, step), kTypes[static_cast<std::size_t>(e.type)], refinements[i],
-        to_string(static_cast<Case>(e.node_case)), letter_of(e.label), e.node,
+        to_string(static_cast<Case>(e.node_case)), to_string(e.label, "?"), e.node,
         plane_or_none(e.plane), plane_or_none(e.other), e.point, e.value,
         !run.wrong.empty() && run.wrong[i] ? ", wrong" : "");
   }
@@ -102,7 +102,8 @@ void write_changes_of_planes(const Run& run, TraceLines& lines) {
   lines.title("Changes of planes");
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     lines.add("{} ({}), {} in the result", plane_name(plane),
-              letter_of(run.timeline.label_of_plane(plane)), run.timeline.result_of_plane(plane));
+              to_string(run.timeline.label_of_plane(plane), "?"),
+              run.timeline.result_of_plane(plane));
     for (const PlaneChange& change : run.timeline.changes_of_plane(plane))
       lines.add("  step {}: {}, into {}, {}", change.step, change.alive ? "alive" : "gone",
                 plane_or_none(change.into), exact(change.fit));
@@ -184,8 +185,6 @@ std::string exact(const PlaneFit& fit) {
   return fmt::format("{} fitted, centroid {}, normal {}, eigenvalues {}", exact(fit.count),
                      exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
 }
-
-const char* letter_of(Label label) { return to_string(label, "?"); }
 
 std::string plane_or_none(std::int32_t plane) { return plane < 0 ? "-" : plane_name(plane); }
 

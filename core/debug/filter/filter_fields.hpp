@@ -1,6 +1,6 @@
 #pragma once
 
-// The names of the filter language and what they mean for an event. Internal to core/debug/replay.
+// The names of the filter language and what they mean for an event. Internal to core/debug/filter.
 
 #include <cstdint>
 #include <limits>

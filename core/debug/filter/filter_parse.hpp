@@ -1,6 +1,6 @@
 #pragma once
 
-// From a filter's text to its words, and to a formula over events. Internal to core/debug/replay.
+// From a filter's text to its words, and to a formula over events. Internal to core/debug/filter.
 
 #include <functional>
 #include <optional>

@@ -103,8 +103,7 @@ void write_sample_folder(const fs::path& dir,
     json["frames"].push_back(entry);
   }
   const std::string text = json.dump(1) + "\n";
-  write_file_bytes(dir / kSidecar,
-                   std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()));
+  write_file_text(dir / kSidecar, text);
 }
 
 }  // namespace planescope

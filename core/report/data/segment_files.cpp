@@ -116,10 +116,6 @@ std::string printed(const Json& json) {
   return text + "\n";
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  write_file_bytes(path, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
-}
-
 }  // namespace
 
 std::filesystem::path frame_folder(int frame_index) {
@@ -221,8 +217,8 @@ void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const FrameResult& result,
                          const PipelineOptions& options) {
-  write_text(dir / "timings.json", timings_json(result.timings));
-  write_text(dir / "planes.json", planes_json(frame, result, options));
+  write_file_text(dir / "timings.json", timings_json(result.timings));
+  write_file_text(dir / "planes.json", planes_json(frame, result, options));
   if (!frame.is_cloud()) write_png(dir / "planes.png", plane_image(frame, result));
   write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }

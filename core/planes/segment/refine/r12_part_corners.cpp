@@ -100,15 +100,22 @@ std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
   std::vector<std::size_t> count(state.planes.size(), 0);
   for (const std::int32_t k : plane)
     if (k >= 0) ++count[k];
+  struct Every {
+    int rows = 1, columns = 1;
+  };
+  std::vector<Every> every;
+  for (const std::size_t pixels : count) {
+    const auto surplus = static_cast<int>(pixels / kSamples);
+    const int rows = std::max(1, static_cast<int>(std::sqrt(surplus)));
+    every.push_back({rows, std::max(1, surplus / rows)});
+  }
   std::vector<Pixels> all(state.planes.size());
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x) {
       const std::size_t i = grid.at(x, y);
-      if (plane[i] < 0) continue;
-      const auto surplus = static_cast<int>(count[plane[i]] / kSamples);
-      const int rows = std::max(1, static_cast<int>(std::sqrt(surplus)));
-      const int columns = std::max(1, surplus / rows);
-      if (y % rows == 0 && x % columns == 0) all[plane[i]].push_back(grid.seen(i, state.sensor));
+      const std::int32_t k = plane[i];
+      if (k >= 0 && y % every[k].rows == 0 && x % every[k].columns == 0)
+        all[k].push_back(grid.seen(i, state.sensor));
     }
   return all;
 }
