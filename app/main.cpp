@@ -24,8 +24,8 @@ int fail(std::string message, int code) {
 
 int main(int argc, char** argv) {
   try {
-    const planescope::Job job = planescope::parse_command_line(argc, argv);
-    const planescope::Interrupt interrupt;
+    const planescope::app::Job job = planescope::app::parse_command_line(argc, argv);
+    const planescope::app::Interrupt interrupt;
     const int code = job(interrupt.token());
     if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
     return code;

@@ -6,7 +6,7 @@ PLANESCOPE_ASSET_DECLARE(boxes_vert);
 PLANESCOPE_ASSET_DECLARE(boxes_frag);
 PLANESCOPE_ASSET_DECLARE(id_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct BoxInstance {
@@ -67,4 +67,4 @@ void BoxPass::draw(std::span<const DrawBox> boxes,
   glDisable(GL_CULL_FACE);
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -5,7 +5,7 @@
 
 struct GLFWwindow;
 
-namespace planescope {
+namespace planescope::render {
 
 /// A current GL 3.3 core context. EGL needs no display server (device platform, then surfaceless,
 /// then default); GLFW needs one and also owns a window. Throws Error with what each attempt said.
@@ -25,4 +25,4 @@ std::unique_ptr<GlContext> make_glfw_context(int width,
                                              const std::string& title,
                                              bool visible = true);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -9,7 +9,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 struct Rgba {
   std::uint8_t r = 0, g = 0, b = 0, a = 255;
@@ -125,4 +125,4 @@ struct Camera {
 
 enum class Theme : std::uint8_t { light, dark };
 
-}  // namespace planescope
+}  // namespace planescope::render

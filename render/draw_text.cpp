@@ -6,7 +6,7 @@
 #include "render/font.hpp"
 #include "render/renderer.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 void blend(Image8& image, const GlyphBitmap& glyph, int left, int top, Rgba color) {
@@ -48,4 +48,4 @@ double text_width(const std::string& utf8, double size_px) {
   return default_font().layout(utf8, size_px).width;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

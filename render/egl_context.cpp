@@ -13,7 +13,7 @@
 #include "render/context.hpp"
 #include "render/gl.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 const char* egl_error_name(EGLint code) {
@@ -182,4 +182,4 @@ std::unique_ptr<GlContext> make_egl_context() {
                   fmt::join(attempts, "; ")));
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

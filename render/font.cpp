@@ -12,7 +12,7 @@
 
 PLANESCOPE_ASSET_DECLARE(DejaVuSans_ttf);
 
-namespace planescope {
+namespace planescope::render {
 
 struct Font::Impl {
   stbtt_fontinfo info = {};
@@ -129,4 +129,4 @@ std::vector<char32_t> decode_utf8(const std::string& utf8) {
   return text;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace planescope {
+namespace planescope::render {
 
 /// Coverage of one glyph, row 0 at the top. The pen stands at column -left, its baseline at row
 /// -top.
@@ -61,4 +61,4 @@ GlyphBitmap grown(const GlyphBitmap& glyph, double radius_px);
 /// Code points of a text; bytes that are no UTF-8 become U+FFFD.
 std::vector<char32_t> decode_utf8(const std::string& utf8);
 
-}  // namespace planescope
+}  // namespace planescope::render

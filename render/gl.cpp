@@ -7,7 +7,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 template <typename Handle, typename Generate>
@@ -147,4 +147,4 @@ std::string gl_description() {
   return text(GL_RENDERER) + ", " + version;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

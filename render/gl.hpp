@@ -22,7 +22,7 @@
       reinterpret_cast<const char*>(planescope_asset_##name), \
       static_cast<std::size_t>(planescope_asset_##name##_end - planescope_asset_##name))
 
-namespace planescope {
+namespace planescope::render {
 
 /// Owns one GL object; moves only.
 template <void (*Destroy)(GLuint)>
@@ -89,4 +89,4 @@ void check_gl(const char* where);
 /// Renderer and driver of the current context. Throws Error unless it is OpenGL 3.3 or later.
 std::string gl_description();
 
-}  // namespace planescope
+}  // namespace planescope::render

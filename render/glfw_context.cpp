@@ -11,7 +11,7 @@
 #include "render/context.hpp"
 #include "render/gl.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 std::string glfw_answer() {
@@ -78,4 +78,4 @@ std::unique_ptr<GlContext> make_glfw_context(int width,
   return std::make_unique<GlfwContext>(width, height, title, visible);
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

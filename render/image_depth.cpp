@@ -11,7 +11,7 @@
 #include "render/renderer.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr Rgba kInk{52, 58, 66, 255};
@@ -119,4 +119,4 @@ Image8 image_depth(const Frame& frame, double max_range_m) {
   return image;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

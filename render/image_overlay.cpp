@@ -10,7 +10,7 @@
 #include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kTint = 0.40;  // share of the plane's colour over the image
@@ -21,7 +21,7 @@ struct Backdrop {
   Image8 image;
   RegionImage regions;
 };
-Backdrop backdrop(const Frame& frame, const FrameResult& result) {
+Backdrop backdrop(const Frame& frame, const planes::FrameResult& result) {
   const bool same_size =
       frame.color.width == frame.depth.width && frame.color.height == frame.depth.height;
   if (!frame.color.empty() && frame.color_aligned && same_size)
@@ -80,7 +80,7 @@ void draw_ids(Image8& image,
 }  // namespace
 
 Image8 image_overlay(const Frame& frame,
-                     const FrameResult& result,
+                     const planes::FrameResult& result,
                      std::span<const int> color_of_plane) {
   const Backdrop below = backdrop(frame, result);
   const int factor = enlargement(below.image.width);
@@ -97,4 +97,4 @@ Image8 image_overlay(const Frame& frame,
   return image;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-namespace planescope {
+namespace planescope::render {
 
 void ImageTexture::upload(const Image8& image) {
   assert(!image.empty() && (image.channels == 3 || image.channels == 4));
@@ -32,4 +32,4 @@ void ImageTexture::upload(const Image8& image) {
   check_gl("uploading an image");
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -5,7 +5,7 @@
 #include "core/model/image.hpp"
 #include "render/gl.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// An image as a GL texture, row 0 at the top (texture coordinate v = 0). Shown larger than it is,
 /// its pixels stay square. Needs the context that was current when it was made.
@@ -26,4 +26,4 @@ class ImageTexture {
   int width_ = 0, height_ = 0, channels_ = 0;
 };
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -9,7 +9,7 @@
 #include "render/palette.hpp"
 #include "render/region_image.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr std::uint8_t kMuted = 165, kBright = 225, kMark = 205;  // shares of 255
@@ -71,7 +71,7 @@ class Palette {
 };
 
 /// Light from the camera's upper left, so that surfaces can be told apart.
-std::uint8_t shade_of(const LabelGrid& grid, std::size_t pixel) {
+std::uint8_t shade_of(const labels::LabelGrid& grid, std::size_t pixel) {
   const Vec3f& normal = grid.normals[pixel];
   if (normal.isZero()) return 150;
   const Vec3f light = (-grid.points[pixel].normalized() + Vec3f(-0.25f, -0.35f, 0)).normalized();
@@ -81,7 +81,7 @@ std::uint8_t shade_of(const LabelGrid& grid, std::size_t pixel) {
 /// Neighbours along a row or a column: the plane whose outline runs between them, 0 if none does.
 /// Holes in the measurement are no edges of a plane.
 int outline_between(const FrameLabels& labels,
-                    const LabelGrid& grid,
+                    const labels::LabelGrid& grid,
                     std::size_t pixel,
                     std::size_t next) {
   const std::uint16_t a = labels.plane.data[pixel], b = labels.plane.data[next];
@@ -90,7 +90,7 @@ int outline_between(const FrameLabels& labels,
   return std::max(id(a), id(b));
 }
 
-void paint_outlines(Image8& image, const LabelGrid& grid, const LabelLook& look) {
+void paint_outlines(Image8& image, const labels::LabelGrid& grid, const LabelLook& look) {
   const FrameLabels& labels = *look.labels;
   std::vector<std::uint8_t> hidden(kPlaneIgnore + 1, 0);
   for (const LabelPlane& plane : labels.planes) hidden[plane.id] = plane.hidden;
@@ -110,7 +110,7 @@ void paint_outlines(Image8& image, const LabelGrid& grid, const LabelLook& look)
 
 }  // namespace
 
-Image8 label_ground(const LabelGrid& grid, Backdrop backdrop) {
+Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop) {
   if (backdrop == Backdrop::color && !grid.color.empty()) return grid.color;
   Image8 ground(grid.width, grid.height, 3);
   for (int y = 0; y < grid.height; ++y)
@@ -124,7 +124,9 @@ Image8 label_ground(const LabelGrid& grid, Backdrop backdrop) {
   return ground;
 }
 
-std::vector<Rgba> label_tints(const LabelGrid& grid, const LabelLook& look, double opacity) {
+std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
+                              const LabelLook& look,
+                              double opacity) {
   std::vector<Rgba> tints(grid.pixels(), Rgba{0, 0, 0, 0});
   if (look.labels) {
     assert(look.labels->plane.pixels() == grid.pixels());
@@ -147,7 +149,10 @@ std::vector<Rgba> label_tints(const LabelGrid& grid, const LabelLook& look, doub
   return tints;
 }
 
-void paint_labels(Image8& image, const LabelGrid& grid, const LabelLook& look, double opacity) {
+void paint_labels(Image8& image,
+                  const labels::LabelGrid& grid,
+                  const LabelLook& look,
+                  double opacity) {
   assert(image.pixels() == grid.pixels() && image.channels == 3);
   const std::vector<Rgba> tints = label_tints(grid, look, opacity);
   std::uint8_t* pixel = image.data.data();
@@ -158,7 +163,7 @@ void paint_labels(Image8& image, const LabelGrid& grid, const LabelLook& look, d
   if (look.labels) paint_outlines(image, grid, look);
 }
 
-DrawPoints label_points(const LabelGrid& grid,
+DrawPoints label_points(const labels::LabelGrid& grid,
                         std::span<const Vec3f> world,
                         std::span<const std::uint8_t> shown) {
   assert(world.size() == grid.pixels());
@@ -170,7 +175,7 @@ DrawPoints label_points(const LabelGrid& grid,
     points.positions.push_back(world[i]);
     points.ids.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  const SpaceView drawn;  // strokes take points as they are drawn
+  const labels::SpaceView drawn;  // strokes take points as they are drawn
   points.size_m = drawn.point_size_m;
   points.min_px = drawn.min_px;
   points.max_px = drawn.max_px;
@@ -179,7 +184,7 @@ DrawPoints label_points(const LabelGrid& grid,
 
 void color_label_points(DrawPoints& points,
                         const Image8& ground,
-                        const LabelGrid& grid,
+                        const labels::LabelGrid& grid,
                         const LabelLook& look) {
   const std::vector<Rgba> tints = label_tints(grid, look, 1);
   points.colors.resize(points.ids.size());
@@ -192,10 +197,12 @@ void color_label_points(DrawPoints& points,
   }
 }
 
-DrawList label_scene(const LabelGrid& grid, std::span<const Vec3f> world, const LabelLook& look) {
+DrawList label_scene(const labels::LabelGrid& grid,
+                     std::span<const Vec3f> world,
+                     const LabelLook& look) {
   DrawList list;
   list.points.push_back(label_points(
-      grid, world, look.labels ? shown_pixels(*look.labels) : std::vector<std::uint8_t>{}));
+      grid, world, look.labels ? labels::shown_pixels(*look.labels) : std::vector<std::uint8_t>{}));
   color_label_points(list.points.back(), label_ground(grid, Backdrop::color), grid, look);
   return list;
 }
@@ -217,4 +224,4 @@ std::vector<LabelPlace> label_places(const FrameLabels& labels) {
   return places;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

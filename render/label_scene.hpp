@@ -11,7 +11,7 @@
 #include "render/draw_list.hpp"
 #include "render/step_scene.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// What is drawn and what stands out.
 struct LabelLook {
@@ -27,25 +27,30 @@ struct LabelLook {
 
 /// What labels are drawn over, RGB per depth pixel: the camera's colour where it is aligned, the
 /// shape of surfaces otherwise.
-Image8 label_ground(const LabelGrid& grid, Backdrop backdrop);
+Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop);
 
 /// How labels cover the ground, per pixel: alpha is their share. `opacity`: of labels, 0..1; what
 /// stands out is seen however faint they are.
-std::vector<Rgba> label_tints(const LabelGrid& grid, const LabelLook& look, double opacity);
+std::vector<Rgba> label_tints(const labels::LabelGrid& grid, const LabelLook& look, double opacity);
 
 /// Labels over a copy of the ground, each plane with its outline. Hidden planes are left out.
-void paint_labels(Image8& image, const LabelGrid& grid, const LabelLook& look, double opacity);
+void paint_labels(Image8& image,
+                  const labels::LabelGrid& grid,
+                  const LabelLook& look,
+                  double opacity);
 
 /// The points that are shown, by pixel: `world` of each, its id is pixel + 1. Colours are missing.
-DrawPoints label_points(const LabelGrid& grid,
+DrawPoints label_points(const labels::LabelGrid& grid,
                         std::span<const Vec3f> world,
                         std::span<const std::uint8_t> shown);
 void color_label_points(DrawPoints& points,
                         const Image8& ground,
-                        const LabelGrid& grid,
+                        const labels::LabelGrid& grid,
                         const LabelLook& look);
 /// Both, in the colours of the camera.
-DrawList label_scene(const LabelGrid& grid, std::span<const Vec3f> world, const LabelLook& look);
+DrawList label_scene(const labels::LabelGrid& grid,
+                     std::span<const Vec3f> world,
+                     const LabelLook& look);
 
 /// Where a plane's name stands: on its pixel farthest from other labels.
 struct LabelPlace {
@@ -55,4 +60,4 @@ struct LabelPlace {
 /// Of the planes that are shown, by id.
 std::vector<LabelPlace> label_places(const FrameLabels& labels);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -7,7 +7,7 @@
 
 #include "render/font.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // One line of text, shortened with an ellipsis where it is wider than there is room.
@@ -313,4 +313,4 @@ std::string length_text(double length_m) {
   return fmt::format("{:g} mm", length_m * 1000);
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -9,7 +9,7 @@
 #include "render/theme.hpp"
 #include "render/view.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 struct OverlayShape {  // rounded rectangle, in pixels from the top left corner
   float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -46,4 +46,4 @@ double overlay_scale(int width, int height);
 double round_length_m(double px_per_m, double max_px);
 std::string length_text(double length_m);  // "5 mm", "20 cm", "1 m", "2 km"
 
-}  // namespace planescope
+}  // namespace planescope::render

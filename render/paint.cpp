@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::render {
 
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
@@ -51,4 +51,4 @@ int enlargement(int width) {
   return width <= 0 ? 1 : std::clamp((kCrispWidth + width - 1) / width, 1, 4);
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -5,7 +5,7 @@
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Color over the pixel, with `color.a` and `coverage` (0..1) as weights. Outside: nothing.
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage = 1);
@@ -18,4 +18,4 @@ Image8 enlarge(const Image8& image, int factor);
 /// The factor that brings small sensor images to a size at which text and lines are crisp.
 int enlargement(int width);
 
-}  // namespace planescope
+}  // namespace planescope::render

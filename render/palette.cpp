@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr Rgba rgb(std::uint32_t hex) {
@@ -48,17 +48,17 @@ bool continues(const ColoredPlane& before, const ColoredPlane& now) {
 
 }  // namespace
 
-Rgba case_color(Case c) {
+Rgba case_color(planes::Case c) {
   switch (c) {
-    case Case::I:
+    case planes::Case::I:
       return rgb(0xE69F00);
-    case Case::II:
+    case planes::Case::II:
       return rgb(0xB1B1B1);
-    case Case::III:
+    case planes::Case::III:
       return rgb(0x3E62B7);
-    case Case::IV:
+    case planes::Case::IV:
       return rgb(0x009E73);
-    case Case::none:
+    case planes::Case::none:
       break;
   }
   return rgb(0x8A8F98);
@@ -129,4 +129,4 @@ Rgba depth_color(double depth_m, double max_m) {
   return mixed(low, high, t - static_cast<double>(i));
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -4,11 +4,11 @@
 #include "core/planes/segment/octree.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Colours that stay apart under the common colour-vision deficiencies (Okabe & Ito 2008), the same
 /// in every picture, report and window.
-Rgba case_color(Case c);
+Rgba case_color(planes::Case c);
 Rgba label_color(Label label);  // h, v, unknown
 /// How sure a label is: from a dark grey that h and v share at margin 0 to the label's own colour
 /// at 1, lighter and more saturated all the way.
@@ -33,4 +33,4 @@ void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPla
 Rgba depth_color(double depth_m,
                  double max_m);  // perceptually even ramp, near is bright; 0 is neutral grey
 
-}  // namespace planescope
+}  // namespace planescope::render

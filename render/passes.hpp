@@ -11,7 +11,7 @@
 #include "render/gl.hpp"
 #include "render/view.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Color: into the picture. Id: into an attachment of 32-bit integers.
 enum class Output { color, id };
@@ -85,4 +85,4 @@ class PolygonPass {
 void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& segments);
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments);
 
-}  // namespace planescope
+}  // namespace planescope::render

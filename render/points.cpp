@@ -7,7 +7,7 @@ PLANESCOPE_ASSET_DECLARE(points_vert);
 PLANESCOPE_ASSET_DECLARE(points_frag);
 PLANESCOPE_ASSET_DECLARE(points_id_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 template <typename T>
@@ -67,4 +67,4 @@ void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Ou
   glDisable(GL_PROGRAM_POINT_SIZE);
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -6,7 +6,7 @@ PLANESCOPE_ASSET_DECLARE(polygons_vert);
 PLANESCOPE_ASSET_DECLARE(polygons_frag);
 PLANESCOPE_ASSET_DECLARE(id_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Vertex {
@@ -61,4 +61,4 @@ void PolygonPass::draw(std::span<const DrawPolygon* const> polygons,
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 /// Distorts normalised coordinates as OpenCV does (Brown-Conrady).
@@ -19,14 +19,14 @@ Vec2d distorted(const Intrinsics& camera, const Vec2d& p) {
 
 }  // namespace
 
-RegionImage regions_on_depth(const Frame& frame, const FrameResult& result) {
+RegionImage regions_on_depth(const Frame& frame, const planes::FrameResult& result) {
   RegionImage regions(frame.depth.width, frame.depth.height);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     regions.data[result.cloud.source[i]] = result.plane_of[i];
   return regions;
 }
 
-RegionImage regions_on_color(const Frame& frame, const FrameResult& result) {
+RegionImage regions_on_color(const Frame& frame, const planes::FrameResult& result) {
   const Intrinsics& camera = frame.color_intrinsics;
   RegionImage regions(frame.color.width, frame.color.height);
   Image<float> nearest(frame.color.width, frame.color.height, 1,
@@ -118,4 +118,4 @@ std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size
   return points;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

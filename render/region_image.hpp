@@ -8,7 +8,7 @@
 #include "core/model/image.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Plane id per pixel, 0 none.
 using RegionImage = Image<std::int32_t>;
@@ -17,11 +17,11 @@ using RegionImage = Image<std::int32_t>;
 Image8 shaded_depth(const Frame& frame);
 
 /// On the depth image's own pixels.
-RegionImage regions_on_depth(const Frame& frame, const FrameResult& result);
+RegionImage regions_on_depth(const Frame& frame, const planes::FrameResult& result);
 
 /// On the colour image of a frame whose colour is calibrated but not aligned: each depth pixel is
 /// projected into it as a patch wide enough to leave no holes, the nearest surface in front.
-RegionImage regions_on_color(const Frame& frame, const FrameResult& result);
+RegionImage regions_on_color(const Frame& frame, const planes::FrameResult& result);
 
 /// For drawing outlines: pinholes and specks go to the id that most of their 5x5 neighbours have.
 RegionImage smooth_regions(const RegionImage& regions);
@@ -33,4 +33,4 @@ struct InteriorPoint {
 };
 std::vector<InteriorPoint> interior_points(const RegionImage& regions, std::size_t plane_count);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -16,7 +16,7 @@ PLANESCOPE_ASSET_DECLARE(background_frag);
 PLANESCOPE_ASSET_DECLARE(fullscreen_vert);
 PLANESCOPE_ASSET_DECLARE(shade_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // Restores what the caller had bound, so that a window can go on drawing around us.
@@ -338,4 +338,4 @@ Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
   return ids;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -6,7 +6,7 @@
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Quick: half the time on a CPU, with the edges of points and fills not smoothed; for a view that
 /// moves.
@@ -55,4 +55,4 @@ double draw_text(
     Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
 double text_width(const std::string& utf8, double size_px);
 
-}  // namespace planescope
+}  // namespace planescope::render

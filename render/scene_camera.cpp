@@ -6,7 +6,7 @@
 
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -58,14 +58,14 @@ Vec3d direction_of(const Placed& view) {
 }
 
 /// How much of the planes' surface faces a viewer.
-double facing(const Segmentation& segmentation, const Vec3d& forward) {
+double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
   double sum = 0;
-  for (const PlaneRegion& plane : segmentation.planes)
+  for (const planes::PlaneRegion& plane : segmentation.planes)
     sum += plane.points * std::abs(plane.fit.normal.dot(forward));
   return sum;
 }
 
-Placed view_of(const PreparedFrame& prepared, const Segmentation& segmentation) {
+Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
   // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
   const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
   const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
@@ -84,8 +84,8 @@ Placed view_of(const PreparedFrame& prepared, const Segmentation& segmentation) 
 
 }  // namespace
 
-Camera frame_camera(const PreparedFrame& prepared,
-                    const Segmentation& segmentation,
+Camera frame_camera(const planes::PreparedFrame& prepared,
+                    const planes::Segmentation& segmentation,
                     double aspect) {
   Camera camera;
   const Vec3d forward = direction_of(view_of(prepared, segmentation));
@@ -119,4 +119,4 @@ Camera frame_camera(const PreparedFrame& prepared,
   return camera;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,51 +8,54 @@
 #include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr std::size_t kMostNumerals = 60;
 
-DrawBox tile_of(const FrameResult& result, const OctreeNode& node) {
+DrawBox tile_of(const planes::FrameResult& result, const planes::OctreeNode& node) {
   return points_box(result.segmentation.octree, node, result.voxels.size_m);
 }
 
-bool divided(const OctreeNode& node) { return node.first_child >= 0; }
+bool divided(const planes::OctreeNode& node) { return node.first_child >= 0; }
 
 /// Numerals on the largest settled nodes, so that cases need not be told by colour alone.
-void add_numerals(const FrameResult& result, double least_edge_m, DrawList& list) {
-  const Octree& octree = result.segmentation.octree;
-  std::vector<const OctreeNode*> nodes;
-  for (const OctreeNode& node : octree.nodes)
-    if (node.decided != Case::none && !divided(node) && octree.node_edge_m(node) >= least_edge_m)
+void add_numerals(const planes::FrameResult& result, double least_edge_m, DrawList& list) {
+  const planes::Octree& octree = result.segmentation.octree;
+  std::vector<const planes::OctreeNode*> nodes;
+  for (const planes::OctreeNode& node : octree.nodes)
+    if (node.decided != planes::Case::none && !divided(node) &&
+        octree.node_edge_m(node) >= least_edge_m)
       nodes.push_back(&node);
-  std::stable_sort(nodes.begin(), nodes.end(), [](const OctreeNode* a, const OctreeNode* b) {
-    return a->depth != b->depth ? a->depth < b->depth : a->size() > b->size();
-  });
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const planes::OctreeNode* a, const planes::OctreeNode* b) {
+                     return a->depth != b->depth ? a->depth < b->depth : a->size() > b->size();
+                   });
   if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
-  for (const OctreeNode* node : nodes) {
+  for (const planes::OctreeNode* node : nodes) {
     const DrawBox box = tile_of(result, *node);
-    list.labels.push_back({(box.min + box.max) / 2,
-                           std::string(to_string(node->decided)) + (node->impure_fit ? "*" : ""),
-                           kSceneText, 15, true});
+    list.labels.push_back(
+        {(box.min + box.max) / 2,
+         std::string(planes::to_string(node->decided)) + (node->impure_fit ? "*" : ""), kSceneText,
+         15, true});
   }
 }
 
 }  // namespace
 
-DrawList scene_cases(const FrameResult& result) {
+DrawList scene_cases(const planes::FrameResult& result) {
   using Mark = LegendEntry::Mark;
-  const Octree& octree = result.segmentation.octree;
+  const planes::Octree& octree = result.segmentation.octree;
   DrawList list;
   std::size_t count[5] = {}, hatched = 0, label_fits = 0;
   DrawPoints points = voxel_points(result.voxels);
-  points.colors.assign(points.positions.size(), case_color(Case::none));
+  points.colors.assign(points.positions.size(), case_color(planes::Case::none));
   DrawPoints fitted;  // marks of nodes that R4 fitted label by label
   fitted.size_m = 0;
   fitted.min_px = 6;
   const double numeral_edge_m = 0.05 * robust_bounds(result.voxels.points).diagonal();
-  for (const OctreeNode& node : octree.nodes) {
-    if (node.decided == Case::none) continue;
+  for (const planes::OctreeNode& node : octree.nodes) {
+    if (node.decided == planes::Case::none) continue;
     ++count[static_cast<int>(node.decided)];
     DrawBox box = divided(node) ? cell_box(octree, node) : tile_of(result, node);
     box.color = case_color(node.decided);
@@ -81,7 +84,7 @@ DrawList scene_cases(const FrameResult& result) {
                   " nodes visited; voxels in the colour of the node that settled them";
   add_case_legend(count, list);
   if (hatched > 0)
-    list.legend.push_back({Mark::hatched_box, case_color(Case::III),
+    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
                            "I or III at full depth: left over  " + std::to_string(hatched)});
   if (label_fits > 0)
     list.legend.push_back({Mark::dot, kSceneText,
@@ -92,4 +95,4 @@ DrawList scene_cases(const FrameResult& result) {
   return list;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

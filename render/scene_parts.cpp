@@ -9,19 +9,19 @@
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr Rgba kGravity{90, 60, 140, 255};
 constexpr std::size_t kMostPlanesInLegend = 8;
 
 /// Splats a little wider than the voxels they stand for, so that surfaces close.
-float splat_size(const VoxelCloud& voxels) {
+float splat_size(const planes::VoxelCloud& voxels) {
   return voxels.size_m > 0 ? static_cast<float>(1.4 * voxels.size_m) : 0.01F;
 }
 
 /// Indices of planes, those with most points first.
-std::vector<std::size_t> by_size(const Segmentation& segmentation) {
+std::vector<std::size_t> by_size(const planes::Segmentation& segmentation) {
   std::vector<std::size_t> order(segmentation.planes.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -66,7 +66,7 @@ RobustBounds robust_bounds(std::span<const Vec3f> points) {
   return bounds;
 }
 
-void add_gravity(const FrameResult& result, DrawList& list) {
+void add_gravity(const planes::FrameResult& result, DrawList& list) {
   // At the left edge of the frame's picture, below the title.
   const Camera camera = frame_camera(result, 4.0 / 3);
   const Vec3d toward = camera.target - camera.eye;
@@ -90,7 +90,7 @@ void add_gravity(const FrameResult& result, DrawList& list) {
   list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
 }
 
-DrawPoints voxel_points(const VoxelCloud& voxels) {
+DrawPoints voxel_points(const planes::VoxelCloud& voxels) {
   DrawPoints points;
   points.positions = voxels.points;
   points.size_m = splat_size(voxels);
@@ -98,7 +98,7 @@ DrawPoints voxel_points(const VoxelCloud& voxels) {
   return points;
 }
 
-DrawBox cell_box(const Octree& octree, const OctreeNode& node) {
+DrawBox cell_box(const planes::Octree& octree, const planes::OctreeNode& node) {
   const Vec3d low = octree.node_min(node);
   DrawBox box;
   box.min = low.cast<float>();
@@ -106,7 +106,9 @@ DrawBox cell_box(const Octree& octree, const OctreeNode& node) {
   return box;
 }
 
-DrawBox points_box(const Octree& octree, const OctreeNode& node, double voxel_size_m) {
+DrawBox points_box(const planes::Octree& octree,
+                   const planes::OctreeNode& node,
+                   double voxel_size_m) {
   DrawBox box = cell_box(octree, node);
   Vec3f low = box.max, high = box.min;
   for (std::uint32_t i = node.begin; i < node.end; ++i) {
@@ -142,25 +144,25 @@ std::string percent(std::size_t part, std::size_t whole) {
 }
 
 void add_case_legend(std::span<const std::size_t> count, DrawList& list) {
-  const auto entry = [&](Case c, const std::string& meaning) {
+  const auto entry = [&](planes::Case c, const std::string& meaning) {
     list.legend.push_back({LegendEntry::Mark::box, case_color(c),
-                           std::string(to_string(c)) + "  " + meaning + "  " +
+                           std::string(planes::to_string(c)) + "  " + meaning + "  " +
                                std::to_string(count[static_cast<int>(c)])});
   };
-  entry(Case::I, "impure");
-  entry(Case::II, "too few points");
-  entry(Case::III, "not planar");
-  entry(Case::IV, "plane candidate");
+  entry(planes::Case::I, "impure");
+  entry(planes::Case::II, "too few points");
+  entry(planes::Case::III, "not planar");
+  entry(planes::Case::IV, "plane candidate");
 }
 
-void add_plane_legend(const FrameResult& result,
+void add_plane_legend(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {
   using Mark = LegendEntry::Mark;
   const auto& planes = result.segmentation.planes;
   const std::vector<std::size_t> order = by_size(result.segmentation);
   for (std::size_t i = 0; i < std::min(order.size(), kMostPlanesInLegend); ++i) {
-    const PlaneRegion& plane = planes[order[i]];
+    const planes::PlaneRegion& plane = planes[order[i]];
     list.legend.push_back({Mark::box, color_of(plane.id, color_of_plane),
                            std::to_string(plane.id) +
                                (plane.label == Label::h   ? "  h  "
@@ -173,4 +175,4 @@ void add_plane_legend(const FrameResult& result,
                            std::to_string(order.size() - kMostPlanesInLegend) + " smaller planes"});
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

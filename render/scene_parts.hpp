@@ -9,7 +9,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 inline constexpr Rgba kSceneText{32, 36, 42, 255};
 inline constexpr Rgba kSceneFaded{190, 194, 200, 255};  // what a scene is not about
@@ -19,12 +19,14 @@ Rgba mix(Rgba a, Rgba b, double share_b);  // opaque
 Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 
 /// The voxels as splats that close the surface, without colours yet.
-DrawPoints voxel_points(const VoxelCloud& voxels);
+DrawPoints voxel_points(const planes::VoxelCloud& voxels);
 
 /// A node's whole cell, and the part of it that holds its points: on a plane, a tile. Colours and
 /// styles are the caller's to set.
-DrawBox cell_box(const Octree& octree, const OctreeNode& node);
-DrawBox points_box(const Octree& octree, const OctreeNode& node, double voxel_size_m);
+DrawBox cell_box(const planes::Octree& octree, const planes::OctreeNode& node);
+DrawBox points_box(const planes::Octree& octree,
+                   const planes::OctreeNode& node,
+                   double voxel_size_m);
 
 /// Convex outline of points on a plane: projected, counter-clockwise about the normal.
 std::vector<Vec3f> outline_on_plane(const PlaneFit& plane, std::span<const Vec3f> points);
@@ -38,7 +40,7 @@ RobustBounds robust_bounds(std::span<const Vec3f> points);
 
 /// The arrow stands at the left edge of the frame's own view; it says so where its direction is
 /// only estimated or assumed.
-void add_gravity(const FrameResult& result, DrawList& list);
+void add_gravity(const planes::FrameResult& result, DrawList& list);
 
 /// "12.3 %" of the whole.
 std::string percent(std::size_t part, std::size_t whole);
@@ -47,8 +49,8 @@ std::string percent(std::size_t part, std::size_t whole);
 void add_case_legend(std::span<const std::size_t> count, DrawList& list);
 
 /// The largest planes with their label and size.
-void add_plane_legend(const FrameResult& result,
+void add_plane_legend(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,12 +8,12 @@
 #include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kLeastShareNamed = 0.008;  // of the voxels: smaller planes get no arrow and id
 
-bool is_named(const PlaneRegion& plane, const FrameResult& result) {
+bool is_named(const planes::PlaneRegion& plane, const planes::FrameResult& result) {
   return plane.points >= kLeastShareNamed * static_cast<double>(result.voxels.points.size());
 }
 
@@ -25,7 +25,7 @@ bool has_colors(std::span<const std::uint8_t> rgb) {
 }
 
 /// Convex outline of the voxels of each plane, on the plane.
-std::vector<std::vector<Vec3f>> outlines(const FrameResult& result) {
+std::vector<std::vector<Vec3f>> outlines(const planes::FrameResult& result) {
   const auto& planes = result.segmentation.planes;
   std::vector<std::vector<Vec3f>> members(planes.size());
   for (std::size_t i = 0; i < result.voxels.points.size(); ++i) {
@@ -38,7 +38,7 @@ std::vector<std::vector<Vec3f>> outlines(const FrameResult& result) {
   return corners;
 }
 
-void add_plane_shapes(const FrameResult& result,
+void add_plane_shapes(const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {
   const float extent_m = robust_bounds(result.voxels.points).diagonal();
@@ -46,7 +46,7 @@ void add_plane_shapes(const FrameResult& result,
   const auto corners = outlines(result);
   for (std::size_t k = 0; k < corners.size(); ++k) {
     if (corners[k].size() < 3) continue;
-    const PlaneRegion& plane = result.segmentation.planes[k];
+    const planes::PlaneRegion& plane = result.segmentation.planes[k];
     const Rgba color = color_of(plane.id, color_of_plane);
     const Rgba dark = mix(color, kSceneText, 0.45);
     DrawPolygon polygon;
@@ -67,7 +67,7 @@ void add_plane_shapes(const FrameResult& result,
 
 }  // namespace
 
-DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_plane) {
+DrawList scene_planes(const planes::FrameResult& result, std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
   DrawPoints points = voxel_points(result.voxels);
@@ -93,7 +93,7 @@ DrawList scene_planes(const FrameResult& result, std::span<const int> color_of_p
 }
 
 DrawList scene_overlay(const Frame& frame,
-                       const FrameResult& result,
+                       const planes::FrameResult& result,
                        std::span<const int> color_of_plane) {
   DrawList list;
   DrawPoints points;
@@ -115,7 +115,7 @@ DrawList scene_overlay(const Frame& frame,
   list.title = "Planes over the cloud";
   list.subtitle = std::to_string(points.positions.size()) + " points";
   list.points.push_back(std::move(points));
-  for (const PlaneRegion& plane : result.segmentation.planes)
+  for (const planes::PlaneRegion& plane : result.segmentation.planes)
     if (is_named(plane, result))
       list.labels.push_back(
           {plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText, 19, true});
@@ -124,4 +124,4 @@ DrawList scene_overlay(const Frame& frame,
   return list;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

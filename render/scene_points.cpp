@@ -9,7 +9,7 @@
 #include "render/scene_parts.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr float kUnsure = 0.5F;              // margins below this are told as unsure
@@ -17,7 +17,7 @@ constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the pict
 
 }  // namespace
 
-DrawList scene_labels(const FrameResult& result) {
+DrawList scene_labels(const planes::FrameResult& result) {
   using Mark = LegendEntry::Mark;
   DrawList list;
   DrawPoints points = voxel_points(result.voxels);
@@ -42,9 +42,9 @@ DrawList scene_labels(const FrameResult& result) {
   return list;
 }
 
-DrawList scene_margins(const FrameResult& result) {
+DrawList scene_margins(const planes::FrameResult& result) {
   using Mark = LegendEntry::Mark;
-  const Classification& classified = result.classification;
+  const planes::Classification& classified = result.classification;
   DrawList list;
   DrawPoints points = voxel_points(result.voxels);
   std::size_t unsure = 0, unknown = 0;
@@ -73,7 +73,7 @@ DrawList scene_margins(const FrameResult& result) {
   return list;
 }
 
-DrawList scene_leftovers(const FrameResult& result, std::span<const int> color_of_plane) {
+DrawList scene_leftovers(const planes::FrameResult& result, std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
   DrawPoints points = voxel_points(result.voxels);
@@ -94,7 +94,7 @@ DrawList scene_leftovers(const FrameResult& result, std::span<const int> color_o
   return list;
 }
 
-DrawList scene_heights(const FrameResult& result) {
+DrawList scene_heights(const planes::FrameResult& result) {
   using Mark = LegendEntry::Mark;
   DrawList list;
   const RobustBounds bounds = robust_bounds(result.voxels.points);
@@ -125,4 +125,4 @@ DrawList scene_heights(const FrameResult& result) {
   return list;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

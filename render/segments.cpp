@@ -7,7 +7,7 @@ PLANESCOPE_ASSET_DECLARE(segments_vert);
 PLANESCOPE_ASSET_DECLARE(segments_frag);
 PLANESCOPE_ASSET_DECLARE(segments_id_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 void upload_and_draw(const GlVertexArray& array,
@@ -93,4 +93,4 @@ void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segmen
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -5,7 +5,7 @@
 #include "render/paint.hpp"
 #include "render/region_image.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 Image8 shaded_depth(const Frame& frame) {
   const int width = frame.depth.width, height = frame.depth.height;
@@ -41,4 +41,4 @@ Image8 shaded_depth(const Frame& frame) {
   return image;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

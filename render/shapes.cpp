@@ -5,7 +5,7 @@
 PLANESCOPE_ASSET_DECLARE(shapes_vert);
 PLANESCOPE_ASSET_DECLARE(shapes_frag);
 
-namespace planescope {
+namespace planescope::render {
 
 ShapePass::ShapePass()
     : program_(
@@ -34,4 +34,4 @@ void ShapePass::draw(std::span<const OverlayShape> shapes, int width, int height
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(shapes.size()));
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

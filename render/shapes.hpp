@@ -11,7 +11,7 @@
 #include "render/gl.hpp"
 #include "render/overlay.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 class ShapePass {
  public:
@@ -67,4 +67,4 @@ class TextPass {
   GlTexture texture_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,7 +8,7 @@
 #include "render/step_parts.hpp"
 #include "render/theme.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // A traversal to the leaves makes thousands of nodes. Children come after their parents, so the
@@ -18,12 +18,12 @@ constexpr std::size_t kMostWaiting = 120;
 constexpr std::size_t kMostNumerals = 60;
 
 struct Boxes {
-  const Run& run;
+  const debug::Run& run;
   const StepLook& look;
   const StepState& state;
   DrawList& list;
 
-  const OctreeNode& node(std::int32_t i) const {
+  const planes::OctreeNode& node(std::int32_t i) const {
     return run.octree().nodes[static_cast<std::size_t>(i)];
   }
   /// The part of its cell that holds its points.
@@ -59,7 +59,7 @@ void Boxes::add_settled() const {
 
 /// Numerals on the largest, so that cases need not be told by colour alone.
 void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
-  const Octree& octree = run.octree();
+  const planes::Octree& octree = run.octree();
   const double least_edge_m = 0.05 * robust_bounds(run.subject->prepared.voxels.points).diagonal();
   std::size_t count = 0;
   for (const std::int32_t i : settled) {
@@ -67,7 +67,7 @@ void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
     const DrawBox box = tile(i);
     list.labels.push_back(
         {(box.min + box.max) / 2,
-         std::string(to_string(node(i).decided)) + (node(i).impure_fit ? "*" : ""),
+         std::string(planes::to_string(node(i).decided)) + (node(i).impure_fit ? "*" : ""),
          theme_colors(look.theme).ink, 15, true, true});
   }
 }
@@ -79,7 +79,7 @@ void Boxes::add_waiting() const {
   const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
   std::size_t count = 0;
   for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
-    if (run.timeline.node_state(i, look.step) != NodeState::queued) continue;
+    if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
     DrawBox box = tile(i);
     box.color = color;
     list.boxes.push_back(box);
@@ -118,7 +118,10 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::str
 
 }  // namespace
 
-void add_node_boxes(const Run& run, const StepLook& look, const StepState& state, DrawList& list) {
+void add_node_boxes(const debug::Run& run,
+                    const StepLook& look,
+                    const StepState& state,
+                    DrawList& list) {
   const Boxes boxes{run, look, state, list};
   const MarkColors marks = mark_colors(look.theme);
   if (look.show_settled) boxes.add_settled();
@@ -136,4 +139,4 @@ void add_node_boxes(const Run& run, const StepLook& look, const StepState& state
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

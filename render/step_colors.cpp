@@ -6,14 +6,14 @@
 #include "render/scene_parts.hpp"
 #include "render/step_parts.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 /// Mean colour of the image or cloud at each voxel; grey where there is none.
-std::vector<Rgba> camera_colors(const Subject& subject) {
+std::vector<Rgba> camera_colors(const debug::Subject& subject) {
   const Frame& frame = subject.frame;
-  const Cloud& cloud = subject.prepared.cloud;
-  const VoxelCloud& voxels = subject.prepared.voxels;
+  const planes::Cloud& cloud = subject.prepared.cloud;
+  const planes::VoxelCloud& voxels = subject.prepared.voxels;
   std::vector<Rgba> colors(voxels.points.size(), Rgba{150, 153, 158, 255});
   const bool aligned = frame.color_aligned && frame.color.channels == 3 &&
                        frame.color.pixels() == frame.depth.pixels();
@@ -25,7 +25,7 @@ std::vector<Rgba> camera_colors(const Subject& subject) {
   std::vector<std::array<std::uint32_t, 4>> sums(colors.size());  // r, g, b, count
   for (std::size_t i = 0; i < cloud.source.size(); ++i) {
     const std::uint32_t voxel = voxels.voxel_of[i];
-    if (voxel == kNoVoxel) continue;
+    if (voxel == planes::kNoVoxel) continue;
     for (std::size_t c = 0; c < 3; ++c)
       sums[voxel][c] += (*rgb)[3 * std::size_t{cloud.source[i]} + c];
     ++sums[voxel][3];
@@ -39,34 +39,34 @@ std::vector<Rgba> camera_colors(const Subject& subject) {
   return colors;
 }
 
-Rgba truth_color(const VoxelTruth& truth, std::size_t voxel, Rgba unknown) {
+Rgba truth_color(const debug::VoxelTruth& truth, std::size_t voxel, Rgba unknown) {
   if (!truth.known() || truth.plane[voxel] < 0) return unknown;  // not scored
   return truth.plane[voxel] == 0 ? leftover_color() : plane_color(truth.plane[voxel]);
 }
 
 Rgba color_at_step(ColorBy by, const StepState& state, std::size_t voxel, Rgba waiting) {
   if (by == ColorBy::cases)
-    return state.case_of[voxel] == Case::none ? waiting : case_color(state.case_of[voxel]);
+    return state.case_of[voxel] == planes::Case::none ? waiting : case_color(state.case_of[voxel]);
   const std::int32_t plane = state.plane_of[voxel];
   if (plane == StepState::kLeftover) return leftover_color();
   return plane >= 0 ? plane_color(plane + 1) : waiting;
 }
 
 /// The classifier's label or, of methods that have none, that of the plane.
-Label label_of(const Run& run, const StepState& state, std::size_t voxel) {
+Label label_of(const debug::Run& run, const StepState& state, std::size_t voxel) {
   if (run.is_ours()) return run.subject->prepared.classification.labels[voxel];
   const std::int32_t plane = state.plane_of[voxel];
   return plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown;
 }
 
-std::vector<Rgba> base_colors(const Run& run, const StepLook& look, const StepState& state) {
-  const PreparedFrame& prepared = run.subject->prepared;
+std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const StepState& state) {
+  const planes::PreparedFrame& prepared = run.subject->prepared;
   const Rgba waiting = mark_colors(look.theme).waiting;
   const ColorBy by = told_by(run, look.color_by);
   if (by == ColorBy::camera) return camera_colors(*run.subject);
   std::vector<Rgba> colors(prepared.voxels.points.size());
   for (std::size_t v = 0; v < colors.size(); ++v) {
-    const Classification& classified = prepared.classification;
+    const planes::Classification& classified = prepared.classification;
     switch (by) {
       case ColorBy::labels:
         colors[v] = label_color(label_of(run, state, v));
@@ -86,26 +86,26 @@ std::vector<Rgba> base_colors(const Run& run, const StepLook& look, const StepSt
 
 }  // namespace
 
-StepState step_state(const Run& run, std::int32_t step) {
-  const Timeline& timeline = run.timeline;
-  const Octree& octree = run.octree();
+StepState step_state(const debug::Run& run, std::int32_t step) {
+  const debug::Timeline& timeline = run.timeline;
+  const planes::Octree& octree = run.octree();
   const std::size_t n = run.subject->voxel_count();
   StepState state;
-  state.case_of.assign(n, Case::none);
+  state.case_of.assign(n, planes::Case::none);
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
     if (!is_settled_leaf(run, static_cast<std::int32_t>(i), step)) continue;
-    const OctreeNode& node = octree.nodes[i];
+    const planes::OctreeNode& node = octree.nodes[i];
     for (std::uint32_t k = node.begin; k < node.end; ++k)
       state.case_of[octree.order[k]] = node.decided;
   }
   state.plane_of.resize(n);
   for (std::size_t v = 0; v < n; ++v) {
-    const PointChange change = timeline.point_at(static_cast<std::int32_t>(v), step);
+    const planes::PointChange change = timeline.point_at(static_cast<std::int32_t>(v), step);
     state.plane_of[v] = change.plane >= 0 ? change.plane
                         : change.leftover ? StepState::kLeftover
                                           : StepState::kOpen;
   }
-  if (const TraceEvent* event = run.event_at(step)) {
+  if (const planes::TraceEvent* event = run.event_at(step)) {
     state.node = event->node;
     state.plane = event->plane;
     state.voxel = event->point;
@@ -113,7 +113,7 @@ StepState step_state(const Run& run, std::int32_t step) {
   return state;
 }
 
-ColorBy told_by(const Run& run, ColorBy asked) {
+ColorBy told_by(const debug::Run& run, ColorBy asked) {
   // Without gravity there is no margin either: all points are of neither class.
   if (asked == ColorBy::margins && !run.subject->prepared.gravity.known()) return ColorBy::labels;
   if (run.is_ours()) return asked;
@@ -121,7 +121,7 @@ ColorBy told_by(const Run& run, ColorBy asked) {
   return asked == ColorBy::margins ? ColorBy::labels : asked;
 }
 
-bool is_settled_leaf(const Run& run, std::int32_t node, std::int32_t step) {
+bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step) {
   const auto i = static_cast<std::size_t>(node);
   return run.timeline.decided_at()[i] <= step && run.octree().nodes[i].first_child < 0;
 }
@@ -134,7 +134,9 @@ MarkColors mark_colors(Theme theme) {
           .waiting = dark ? Rgba{86, 92, 102, 255} : Rgba{201, 205, 211, 255}};
 }
 
-std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state) {
+std::vector<Rgba> voxel_colors(const debug::Run& run,
+                               const StepLook& look,
+                               const StepState& state) {
   constexpr double kHighlight = 0.55;  // share of the mark: the colour below still tells
   const MarkColors marks = mark_colors(look.theme);
   std::vector<Rgba> colors = base_colors(run, look, state);
@@ -142,7 +144,7 @@ std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepS
     if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
   };
   if (look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step) {
-    const OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
+    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
     for (std::uint32_t k = node.begin; k < node.end; ++k)
       emphasise(run.octree().order[k], marks.selected);
   }
@@ -159,4 +161,4 @@ std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepS
   return colors;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

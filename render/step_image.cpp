@@ -9,7 +9,7 @@
 #include "render/region_image.hpp"
 #include "render/step_parts.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr std::int32_t kUnmeasured = -3;  // beside StepState::kOpen, kLeftover
@@ -29,12 +29,12 @@ struct Row {
   std::vector<std::uint32_t> voxels;
   std::vector<std::int32_t> planes;
 
-  void read(const Subject& subject, const StepState& state, int y, int width) {
+  void read(const debug::Subject& subject, const StepState& state, int y, int width) {
     voxels.resize(static_cast<std::size_t>(width));
     planes.resize(static_cast<std::size_t>(width));
     for (std::size_t x = 0; x < voxels.size(); ++x) {
       voxels[x] = subject.voxel_of_source(static_cast<std::size_t>(y) * voxels.size() + x);
-      planes[x] = voxels[x] == kNoVoxel ? kUnmeasured : state.plane_of[voxels[x]];
+      planes[x] = voxels[x] == planes::kNoVoxel ? kUnmeasured : state.plane_of[voxels[x]];
     }
   }
 };
@@ -48,7 +48,7 @@ std::int32_t contour_between(std::int32_t a, std::int32_t b) {
 
 }  // namespace
 
-Image8 image_backdrop(const Subject& subject, Backdrop backdrop) {
+Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop) {
   const Frame& frame = subject.frame;
   if (frame.is_cloud()) return {};
   const bool aligned = frame.color_aligned && frame.color.channels == 3 &&
@@ -57,9 +57,9 @@ Image8 image_backdrop(const Subject& subject, Backdrop backdrop) {
   return backdrop == Backdrop::color && aligned ? frame.color : shaded_depth(frame);
 }
 
-void paint_step(Image8& image, const Run& run, const StepLook& look, double opacity) {
+void paint_step(Image8& image, const debug::Run& run, const StepLook& look, double opacity) {
   if (image.empty()) return;
-  const Subject& subject = *run.subject;
+  const debug::Subject& subject = *run.subject;
   const StepState state = step_state(run, look.step);
   const std::vector<Rgba> colors = voxel_colors(run, look, state);
   const Rgba selected = mark_colors(look.theme).selected;
@@ -74,7 +74,7 @@ void paint_step(Image8& image, const Run& run, const StepLook& look, double opac
     if (voxel < pointed.size()) pointed[voxel] = 1;
   };
   if (look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step) {
-    const OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
+    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
     for (std::uint32_t k = node.begin; k < node.end; ++k) point_at(run.octree().order[k]);
   }
   for (const std::uint32_t voxel : look.marked) point_at(voxel);
@@ -89,7 +89,7 @@ void paint_step(Image8& image, const Run& run, const StepLook& look, double opac
     std::uint8_t* pixel = &image.at(0, y);
     for (int x = 0; x < image.width; ++x, pixel += 3) {
       const std::uint32_t voxel = row.voxels[x];
-      if (voxel != kNoVoxel)
+      if (voxel != planes::kNoVoxel)
         blend(pixel, colors[voxel], pointed[voxel] ? std::max(share, kLeastShare) : share);
       if (!look.show_planes) continue;
       const std::int32_t plane = row.planes[x];
@@ -102,10 +102,10 @@ void paint_step(Image8& image, const Run& run, const StepLook& look, double opac
   }
 }
 
-Image8 image_step(const Run& run, const StepLook& look, Backdrop backdrop, double opacity) {
+Image8 image_step(const debug::Run& run, const StepLook& look, Backdrop backdrop, double opacity) {
   Image8 image = image_backdrop(*run.subject, backdrop);
   paint_step(image, run, look, opacity);
   return image;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

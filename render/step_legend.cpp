@@ -7,15 +7,15 @@
 #include "render/scene_parts.hpp"
 #include "render/step_parts.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 using Mark = LegendEntry::Mark;
 
-void add_cases(const Run& run, std::int32_t step, Rgba waiting, DrawList& list) {
+void add_cases(const debug::Run& run, std::int32_t step, Rgba waiting, DrawList& list) {
   std::size_t count[5] = {}, hatched = 0, queued = 0;
   for (std::size_t i = 0; i < run.octree().nodes.size(); ++i) {
-    const OctreeNode& node = run.octree().nodes[i];
+    const planes::OctreeNode& node = run.octree().nodes[i];
     if (run.timeline.decided_at()[i] <= step) {
       ++count[static_cast<int>(node.decided)];
       hatched += node.at_max_depth;
@@ -25,7 +25,7 @@ void add_cases(const Run& run, std::int32_t step, Rgba waiting, DrawList& list) 
   }
   add_case_legend(count, list);
   if (hatched > 0)
-    list.legend.push_back({Mark::hatched_box, case_color(Case::III),
+    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
                            "at full depth: left over  " + std::to_string(hatched)});
   if (queued > 0)
     list.legend.push_back({Mark::dot, waiting, "in the queue  " + std::to_string(queued)});
@@ -44,7 +44,10 @@ void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
 
 }  // namespace
 
-void add_step_legend(const Run& run, const StepLook& look, const StepState& state, DrawList& list) {
+void add_step_legend(const debug::Run& run,
+                     const StepLook& look,
+                     const StepState& state,
+                     DrawList& list) {
   const Rgba waiting = mark_colors(look.theme).waiting;
   switch (told_by(run, look.color_by)) {
     case ColorBy::cases:
@@ -85,4 +88,4 @@ void add_step_legend(const Run& run, const StepLook& look, const StepState& stat
                            "marked  " + std::to_string(look.marked.size())});
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -7,20 +7,20 @@
 
 #include "render/step_scene.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// What is known at a step, read from the timeline once for a whole picture.
 struct StepState {
   static constexpr std::int32_t kOpen = -1;      // plane of a voxel: not known yet
   static constexpr std::int32_t kLeftover = -2;  // in none, on the list of leftovers or dropped
-  std::vector<Case> case_of;                     // per voxel: of the node that settled it
+  std::vector<planes::Case> case_of;             // per voxel: of the node that settled it
   std::vector<std::int32_t> plane_of;            // per voxel: plane of the trace
   // What the event that led here was about; -1 none.
   std::int32_t node = -1;
   std::int32_t plane = -1;
   std::int32_t voxel = -1;
 };
-StepState step_state(const Run& run, std::int32_t step);
+StepState step_state(const debug::Run& run, std::int32_t step);
 
 /// Colours of what is no data.
 struct MarkColors {
@@ -32,20 +32,29 @@ struct MarkColors {
 MarkColors mark_colors(Theme theme);
 
 /// Per voxel, as `look` asks, with what is selected and marked standing out.
-std::vector<Rgba> voxel_colors(const Run& run, const StepLook& look, const StepState& state);
+std::vector<Rgba> voxel_colors(const debug::Run& run, const StepLook& look, const StepState& state);
 
 /// What the colours show: only our method has cases and margins, for others planes and labels take
 /// their place.
-ColorBy told_by(const Run& run, ColorBy asked);
+ColorBy told_by(const debug::Run& run, ColorBy asked);
 
 /// A settled node that was not divided: its points are done with.
-bool is_settled_leaf(const Run& run, std::int32_t node, std::int32_t step);
+bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step);
 
 std::uint32_t pick_id(Picked::Kind kind, std::int32_t index);
 
 // Parts of scene_step().
-void add_node_boxes(const Run& run, const StepLook& look, const StepState& state, DrawList& list);
-void add_planes(const Run& run, const StepLook& look, const StepState& state, DrawList& list);
-void add_step_legend(const Run& run, const StepLook& look, const StepState& state, DrawList& list);
+void add_node_boxes(const debug::Run& run,
+                    const StepLook& look,
+                    const StepState& state,
+                    DrawList& list);
+void add_planes(const debug::Run& run,
+                const StepLook& look,
+                const StepState& state,
+                DrawList& list);
+void add_step_legend(const debug::Run& run,
+                     const StepLook& look,
+                     const StepState& state,
+                     DrawList& list);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,13 +8,13 @@
 #include "render/step_parts.hpp"
 #include "render/theme.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kLeastShareNamed = 0.008;  // of the voxels: smaller planes get no arrow and name
 
 /// Which voxels each plane holds at this moment.
-std::vector<std::vector<Vec3f>> points_by_plane(const Run& run, const StepState& state) {
+std::vector<std::vector<Vec3f>> points_by_plane(const debug::Run& run, const StepState& state) {
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
   std::vector<std::vector<Vec3f>> members(static_cast<std::size_t>(run.timeline.plane_count()));
   for (std::size_t v = 0; v < points.size(); ++v)
@@ -25,7 +25,10 @@ std::vector<std::vector<Vec3f>> points_by_plane(const Run& run, const StepState&
 
 }  // namespace
 
-void add_planes(const Run& run, const StepLook& look, const StepState& state, DrawList& list) {
+void add_planes(const debug::Run& run,
+                const StepLook& look,
+                const StepState& state,
+                DrawList& list) {
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
   const float extent_m = robust_bounds(points).diagonal();
   const float arrow_m = std::clamp(0.05F * extent_m, 0.06F, 1.0F);
@@ -33,7 +36,7 @@ void add_planes(const Run& run, const StepLook& look, const StepState& state, Dr
   const Rgba selected_color = mark_colors(look.theme).selected;
   const auto members = points_by_plane(run, state);
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
-    const PlaneChange* change = run.timeline.plane_at(plane, look.step);
+    const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
     if (change == nullptr || !change->alive) continue;
     const auto& own = members[static_cast<std::size_t>(plane)];
     DrawPolygon polygon;
@@ -59,9 +62,9 @@ void add_planes(const Run& run, const StepLook& look, const StepState& state, Dr
     if (run.timeline.label_of_plane(plane) == Label::h ? normal.z() < 0 : normal.dot(to_sensor) < 0)
       normal = -normal;
     list.arrows.push_back({from, from + arrow_m * normal, strong, selected ? 3.5F : 2.5F});
-    list.labels.push_back({from + 1.35F * arrow_m * normal, plane_name(plane),
+    list.labels.push_back({from + 1.35F * arrow_m * normal, debug::plane_name(plane),
                            selected ? selected_color : ink, selected ? 19.0F : 16.0F, true});
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -10,18 +10,21 @@
 #include "render/scene_parts.hpp"
 #include "render/step_parts.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr int kKindShift = 30;
 constexpr std::uint32_t kIndexMask = (1u << kKindShift) - 1;
 
 /// One voxel made large, so that it is found among its neighbours.
-void add_voxel(
-    const Run& run, std::int32_t voxel, Rgba color, const std::string& text, DrawList& list) {
+void add_voxel(const debug::Run& run,
+               std::int32_t voxel,
+               Rgba color,
+               const std::string& text,
+               DrawList& list) {
   if (voxel < 0) return;
   const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(voxel)];
-  DrawPoints dot = voxel_points(VoxelCloud{});
+  DrawPoints dot = voxel_points(planes::VoxelCloud{});
   dot.positions = {at};
   dot.colors = {color};
   dot.ids = {pick_id(Picked::Kind::voxel, voxel)};
@@ -43,7 +46,7 @@ Picked picked(std::uint32_t id) {
   return {kind, static_cast<std::int32_t>(id & kIndexMask)};
 }
 
-DrawList scene_step(const Run& run, const StepLook& look) {
+DrawList scene_step(const debug::Run& run, const StepLook& look) {
   const StepState state = step_state(run, look.step);
   const MarkColors marks = mark_colors(look.theme);
   DrawList list;
@@ -64,8 +67,8 @@ DrawList scene_step(const Run& run, const StepLook& look) {
   return list;
 }
 
-Camera camera_on_node(const Run& run, std::int32_t node, const Camera& camera) {
-  const Octree& octree = run.octree();
+Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& camera) {
+  const planes::Octree& octree = run.octree();
   const DrawBox box = points_box(octree, octree.nodes[static_cast<std::size_t>(node)],
                                  run.subject->prepared.voxels.size_m);
   const Vec3d middle = ((box.min + box.max) / 2).cast<double>();
@@ -85,4 +88,4 @@ Camera camera_on_node(const Run& run, std::int32_t node, const Camera& camera) {
   return moved;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

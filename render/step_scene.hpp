@@ -12,7 +12,7 @@
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 enum class ColorBy : std::uint8_t { cases, planes, labels, margins, truth, camera };
 
@@ -30,7 +30,7 @@ struct StepLook {
   Theme theme = Theme::dark;              // colours of what is no data
 };
 
-DrawList scene_step(const Run& run, const StepLook& look);
+DrawList scene_step(const debug::Run& run, const StepLook& look);
 
 /// What an id of Renderer::render_ids() stands for in a scene_step().
 struct Picked {
@@ -46,12 +46,12 @@ enum class Backdrop : std::uint8_t { color, depth };
 /// The depth camera's image with the same colours over it, each pixel in that of its voxel; one
 /// picture pixel per depth pixel. Colour is the colour image where it is aligned, shaded depth
 /// otherwise. Empty for cloud recordings.
-Image8 image_backdrop(const Subject& subject, Backdrop backdrop);
-void paint_step(Image8& image, const Run& run, const StepLook& look, double opacity);
+Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop);
+void paint_step(Image8& image, const debug::Run& run, const StepLook& look, double opacity);
 /// Both at once.
-Image8 image_step(const Run& run, const StepLook& look, Backdrop backdrop, double opacity);
+Image8 image_step(const debug::Run& run, const StepLook& look, Backdrop backdrop, double opacity);
 
 /// A camera that holds the node's box, seen from where `camera` looks.
-Camera camera_on_node(const Run& run, std::int32_t node, const Camera& camera);
+Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& camera);
 
-}  // namespace planescope
+}  // namespace planescope::render

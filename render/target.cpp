@@ -6,7 +6,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Attachment {
@@ -89,10 +89,10 @@ void IdTarget::resize(int new_width, int new_height) {
   ids = storage(0, GL_R32UI, new_width, new_height);
   depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
   framebuffer =
-      planescope::framebuffer({{GL_COLOR_ATTACHMENT0, ids}, {GL_DEPTH_ATTACHMENT, depth}});
+      planescope::render::framebuffer({{GL_COLOR_ATTACHMENT0, ids}, {GL_DEPTH_ATTACHMENT, depth}});
   check_complete("picking buffer", new_width, new_height);
   width = new_width;
   height = new_height;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

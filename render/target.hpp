@@ -2,7 +2,7 @@
 
 #include "render/gl.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Framebuffers of one picture, kept while its size stays the same.
 struct SceneTarget {
@@ -28,4 +28,4 @@ struct IdTarget {
   void resize(int new_width, int new_height);
 };
 
-}  // namespace planescope
+}  // namespace planescope::render

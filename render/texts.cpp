@@ -9,7 +9,7 @@
 PLANESCOPE_ASSET_DECLARE(glyphs_vert);
 PLANESCOPE_ASSET_DECLARE(glyphs_frag);
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kMaxSize_px = 256;
@@ -128,4 +128,4 @@ void TextPass::upload_atlas() {
   atlas_changed_ = false;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

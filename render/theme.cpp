@@ -1,6 +1,6 @@
 #include "render/theme.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 const ThemeColors& theme_colors(Theme theme) {
   static const ThemeColors light = {
@@ -30,4 +30,4 @@ const ThemeColors& theme_colors(Theme theme) {
   return theme == Theme::light ? light : dark;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -2,7 +2,7 @@
 
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// The colours of everything that is not data.
 struct ThemeColors {
@@ -15,4 +15,4 @@ struct ThemeColors {
 };
 const ThemeColors& theme_colors(Theme theme);
 
-}  // namespace planescope
+}  // namespace planescope::render

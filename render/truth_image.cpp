@@ -9,7 +9,7 @@
 #include "render/renderer.hpp"
 #include "render/scene_parts.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr double kTint = 0.55;
@@ -20,9 +20,9 @@ constexpr std::size_t kVerdicts = 6;
 constexpr std::array<const char*, kVerdicts> kNames = {"not scored", "right",       "missed",
                                                        "invented",   "wrong plane", "wrong class"};
 
-std::array<std::size_t, kVerdicts> counts_of(const JudgedFrame& judged) {
+std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) {
   std::array<std::size_t, kVerdicts> counts{};
-  for (const Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
+  for (const planes::Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
   return counts;
 }
 
@@ -30,8 +30,8 @@ std::array<std::size_t, kVerdicts> counts_of(const JudgedFrame& judged) {
 struct PointColors {
   std::vector<Rgba> of[3];
 };
-PointColors point_colors(const FrameResult& result,
-                         const JudgedFrame& judged,
+PointColors point_colors(const planes::FrameResult& result,
+                         const planes::JudgedFrame& judged,
                          std::span<const int> color_of_plane) {
   constexpr Rgba kNone{0, 0, 0, 0};
   const std::vector<int> true_colors = true_plane_colors(judged, result, color_of_plane);
@@ -40,8 +40,8 @@ PointColors point_colors(const FrameResult& result,
     const std::int32_t truth = judged.true_plane[i], found = result.plane_of[i];
     colors.of[0].push_back(truth > 0 ? color_of(truth, true_colors) : kNone);
     colors.of[1].push_back(found > 0 ? color_of(found, color_of_plane) : kNone);
-    const Verdict verdict = judged.verdict[i];
-    colors.of[2].push_back(verdict == Verdict::right ? kNone : verdict_color(verdict));
+    const planes::Verdict verdict = judged.verdict[i];
+    colors.of[2].push_back(verdict == planes::Verdict::right ? kNone : verdict_color(verdict));
   }
   return colors;
 }
@@ -54,14 +54,15 @@ Image8 titled(const Image8& image, const std::string& title) {
   return result;
 }
 
-Image8 with_legend(const Image8& image, const JudgedFrame& judged) {
+Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
   Image8 result(image.width, image.height + kLegendRoom, 3, 255);
   std::copy(image.data.begin(), image.data.end(), result.data.begin());
   const int y = image.height + 12;
   double x = 4;
   const auto counts = counts_of(judged);
   for (std::size_t k = 2; k < kVerdicts; ++k) {
-    fill_rect(result, static_cast<int>(x), y, 26, 26, verdict_color(static_cast<Verdict>(k)));
+    fill_rect(result, static_cast<int>(x), y, 26, 26,
+              verdict_color(static_cast<planes::Verdict>(k)));
     x += 36;
     x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kInk) + 36;
   }
@@ -70,25 +71,25 @@ Image8 with_legend(const Image8& image, const JudgedFrame& judged) {
 
 }  // namespace
 
-Rgba verdict_color(Verdict verdict) {
+Rgba verdict_color(planes::Verdict verdict) {
   switch (verdict) {
-    case Verdict::missed:
+    case planes::Verdict::missed:
       return {0, 114, 178, 255};
-    case Verdict::invented:
+    case planes::Verdict::invented:
       return {230, 159, 0, 255};
-    case Verdict::wrong_plane:
+    case planes::Verdict::wrong_plane:
       return {204, 60, 130, 255};
-    case Verdict::wrong_class:
+    case planes::Verdict::wrong_class:
       return {0, 158, 115, 255};
-    case Verdict::unscored:
-    case Verdict::right:
+    case planes::Verdict::unscored:
+    case planes::Verdict::right:
       break;
   }
   return kSceneFaded;
 }
 
-std::vector<int> true_plane_colors(const JudgedFrame& judged,
-                                   const FrameResult& result,
+std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
+                                   const planes::FrameResult& result,
                                    std::span<const int> color_of_plane) {
   int next = static_cast<int>(result.segmentation.planes.size());
   for (const int id : color_of_plane) next = std::max(next, id);
@@ -103,7 +104,7 @@ std::vector<int> true_plane_colors(const JudgedFrame& judged,
   return colors;
 }
 
-std::string errors_text(const JudgedFrame& judged) {
+std::string errors_text(const planes::JudgedFrame& judged) {
   const auto counts = counts_of(judged);
   const std::size_t scored = judged.verdict.size() - counts[0];
   std::string text;
@@ -115,8 +116,8 @@ std::string errors_text(const JudgedFrame& judged) {
 }
 
 Image8 image_truth(const Frame& frame,
-                   const FrameResult& result,
-                   const JudgedFrame& judged,
+                   const planes::FrameResult& result,
+                   const planes::JudgedFrame& judged,
                    std::span<const int> color_of_plane) {
   const PointColors colors = point_colors(result, judged, color_of_plane);
   const Image8 relief = shaded_depth(frame);
@@ -135,8 +136,8 @@ Image8 image_truth(const Frame& frame,
   return with_legend(side_by_side(panels), judged);
 }
 
-std::array<DrawList, 3> scenes_truth(const FrameResult& result,
-                                     const JudgedFrame& judged,
+std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
+                                     const planes::JudgedFrame& judged,
                                      std::span<const int> color_of_plane) {
   const PointColors colors = point_colors(result, judged, color_of_plane);
   std::array<DrawList, 3> scenes;
@@ -154,7 +155,8 @@ std::array<DrawList, 3> scenes_truth(const FrameResult& result,
   }
   const auto counts = counts_of(judged);
   for (std::size_t v = 2; v < kVerdicts; ++v)
-    scenes[2].legend.push_back({LegendEntry::Mark::dot, verdict_color(static_cast<Verdict>(v)),
+    scenes[2].legend.push_back({LegendEntry::Mark::dot,
+                                verdict_color(static_cast<planes::Verdict>(v)),
                                 fmt::format("{}  {}", kNames[v], counts[v])});
   return scenes;
 }
@@ -175,4 +177,4 @@ Image8 side_by_side(std::span<const Image8> images) {
   return row;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -11,32 +11,32 @@
 #include "core/planes/pipeline/score.hpp"
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 /// Of what is wrong; faded where nothing is, or it was not scored.
-Rgba verdict_color(Verdict verdict);
+Rgba verdict_color(planes::Verdict verdict);
 
 /// A colour id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
 /// for it, a new one where there is none.
-std::vector<int> true_plane_colors(const JudgedFrame& judged,
-                                   const FrameResult& result,
+std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
+                                   const planes::FrameResult& result,
                                    std::span<const int> color_of_plane);
 
 /// "missed 3.1 %, wrong plane 0.4 %" of the points scored, in words; "all right" where nothing is.
-std::string errors_text(const JudgedFrame& judged);
+std::string errors_text(const planes::JudgedFrame& judged);
 
 /// Labels, result and errors over the relief of a depth frame, with titles and the errors' legend.
 Image8 image_truth(const Frame& frame,
-                   const FrameResult& result,
-                   const JudgedFrame& judged,
+                   const planes::FrameResult& result,
+                   const planes::JudgedFrame& judged,
                    std::span<const int> color_of_plane);
 
 /// The same three of a cloud, to be drawn one by one and joined.
-std::array<DrawList, 3> scenes_truth(const FrameResult& result,
-                                     const JudgedFrame& judged,
+std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
+                                     const planes::JudgedFrame& judged,
                                      std::span<const int> color_of_plane);
 
 /// Images of one height in a row, narrow white gaps between them.
 Image8 side_by_side(std::span<const Image8> images);
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // Rows: right, up and back in the world. Where `up` says nothing (along the view), any will do.
@@ -77,4 +77,4 @@ std::optional<ScreenPoint> project(const View& view, const Vec3f& world) {
   return point;
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -7,7 +7,7 @@
 
 #include "render/draw_list.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 struct View {
   Eigen::Matrix4f view;  // world -> eye: x right, y up, looking along -z [m]
@@ -33,4 +33,4 @@ struct ScreenPoint {
 };
 std::optional<ScreenPoint> project(const View& view, const Vec3f& world);
 
-}  // namespace planescope
+}  // namespace planescope::render

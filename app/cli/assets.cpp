@@ -5,7 +5,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace fs = std::filesystem;
 
 fs::path find_asset(const std::string& name, const std::string& what) {
@@ -28,4 +28,4 @@ fs::path find_asset(const std::string& name, const std::string& what) {
   throw Error(what + " missing: there is no " + tried);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

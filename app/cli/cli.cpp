@@ -19,7 +19,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 // The command line while it is read. A command's callback makes the job from what was typed.
@@ -194,7 +194,7 @@ void define_train(Line& line) {
   add(train, "-o,--out", t.out, "FILE.safetensors", "The weights");
   add(train, "--recipe", t.recipe, "NAME",
       fmt::format("{}, or recordings: those that are given alone; default {}",
-                  fmt::join(recipe_names(), ", "), t.recipe));
+                  fmt::join(lab::recipe_names(), ", "), t.recipe));
   add(train, "--network", t.network, "compact|small|official", "Default compact");
   add(train, "--from", t.from, "FILE", "Weights to begin with, to teach them more");
   add(train, "--baseline", t.baseline, "FILE",
@@ -316,4 +316,4 @@ Job parse_command_line(int argc, char** argv) {
   return [args](std::stop_token stop) { return run_view(args, stop); };
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

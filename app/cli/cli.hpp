@@ -4,7 +4,7 @@
 #include <stop_token>
 #include <string>
 
-namespace planescope {
+namespace planescope::app {
 
 /// A command with its arguments, ready to run; returns the exit code.
 using Job = std::function<int(std::stop_token)>;
@@ -13,4 +13,4 @@ using Job = std::function<int(std::stop_token)>;
 /// line on anything that is not understood.
 Job parse_command_line(int argc, char** argv);
 
-}  // namespace planescope
+}  // namespace planescope::app

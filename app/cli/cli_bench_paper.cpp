@@ -6,7 +6,7 @@
 #include "app/cli/cli_parts.hpp"
 #include "app/lab/bench_paper.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 void define_bench_paper(CLI::App& bench, Typed& t, std::function<void(Job)> choose) {
   CLI::App* paper = bench.add_subcommand(
@@ -50,4 +50,4 @@ void define_bench_paper(CLI::App& bench, Typed& t, std::function<void(Job)> choo
   });
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

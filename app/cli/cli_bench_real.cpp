@@ -6,7 +6,7 @@
 #include "app/cli/cli_parts.hpp"
 #include "app/lab/bench_real.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 void define_bench_real(CLI::App& bench, Typed& t, std::function<void(Job)> choose) {
   CLI::App* real = bench.add_subcommand(
@@ -35,4 +35,4 @@ void define_bench_real(CLI::App& bench, Typed& t, std::function<void(Job)> choos
   });
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

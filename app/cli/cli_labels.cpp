@@ -6,7 +6,7 @@
 #include "app/commands/labels.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 constexpr const char* kReadFormats = "evops|ply|pcd|kitti|npz|coco";
@@ -119,4 +119,4 @@ void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose)
   });
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

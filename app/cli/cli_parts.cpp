@@ -5,7 +5,7 @@
 
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 // CLI11 prints descriptions as they are: broken here, so that they fit beside the names.
 std::string wrapped(const std::string& text) {
@@ -89,8 +89,9 @@ void add_method(CLI::App* command, Typed& t) {
       "What labels points h or v: the network that comes with planescope (default), PCA normals, "
       "ground truth, or a network of your own (.safetensors)");
   std::string methods;
-  for (const Method method : built_methods())
-    methods += method == Method::ours ? "ours (default)" : std::string(", ") + to_string(method);
+  for (const planes::Method method : planes::built_methods())
+    methods += method == planes::Method::ours ? "ours (default)"
+                                              : std::string(", ") + planes::to_string(method);
   add(command, "--method", t.method, "NAME", "What finds the planes: " + methods)->group("Method");
 }
 
@@ -143,4 +144,4 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   return text + ", see planescope" + path + " --help";
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

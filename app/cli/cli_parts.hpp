@@ -15,7 +15,7 @@ class Option;
 class ParseError;
 }  // namespace CLI
 
-namespace planescope {
+namespace planescope::app {
 
 /// CLI11 prints descriptions as they are: broken here, so that they fit beside the names.
 std::string wrapped(const std::string& text);
@@ -45,4 +45,4 @@ void define_bench_real(CLI::App& bench, Typed& t, std::function<void(Job)> choos
 void define_synth(CLI::App& app, Typed& typed, const std::function<void(Job)>& choose);
 void define_labels(CLI::App& app, Typed& typed, std::function<void(Job)> choose);
 
-}  // namespace planescope
+}  // namespace planescope::app

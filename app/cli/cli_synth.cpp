@@ -10,7 +10,7 @@
 #include "app/commands/synth_training.hpp"
 #include "core/lab/synthetic/scenes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Choose = std::function<void(Job)>;
@@ -21,7 +21,7 @@ void define_sample(CLI::App* synth, Typed& t, const Choose& choose) {
   add_out(sample, t);
   add(sample, "--scenes", t.scenes, "NAME,...",
       fmt::format("One frame each, of {}; default stairs,kerb,boxes",
-                  fmt::join(scene_names(), ", ")));
+                  fmt::join(lab::scene_names(), ", ")));
   add(sample, "--size", t.size, "WxH", "Of the pictures in pixels, default 640x480");
   add(sample, "--seed", t.seed, "N", "Another seed makes other scenes and noise, default 1");
   sample->add_flag("--exact", t.exact, "Depth without noise and holes");
@@ -50,7 +50,7 @@ void define_stairs(CLI::App* synth, Typed& t, const Choose& choose) {
 
 void define_set(CLI::App* synth, Typed& t, const Choose& choose) {
   std::string names = "One of";
-  for (const EvaluationSet& set : evaluation_sets())
+  for (const lab::EvaluationSet& set : lab::evaluation_sets())
     names += "\n" + wrapped(set.name + ": " + set.meaning);
   CLI::App* command = synth->add_subcommand(
       "set", "A set that methods are measured on: PLY clouds, or depth and its DIR.labels");
@@ -76,7 +76,7 @@ void define_training(CLI::App* synth, Typed& t, const Choose& choose) {
   add_out(training, t);
   add(training, "--recipe", t.recipe, "NAME",
       fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
-                  fmt::join(recipe_names(), ", "), t.recipe));
+                  fmt::join(lab::recipe_names(), ", "), t.recipe));
   add(training, "--count", t.count, "N", "At most so many clouds of each kind; default all");
   training->add_flag("--augmented", t.augmented,
                      "Noise, turns and holes as one step of training adds them");
@@ -99,4 +99,4 @@ void define_synth(CLI::App& app, Typed& typed, const std::function<void(Job)>& c
   define_training(synth, typed, choose);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -8,7 +8,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 // The handler may only do what is async-signal-safe: it writes one byte, and a thread that waits
@@ -58,4 +58,4 @@ Interrupt::~Interrupt() {
   close(pipe_[1]);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

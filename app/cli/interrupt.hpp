@@ -3,7 +3,7 @@
 #include <stop_token>
 #include <thread>
 
-namespace planescope {
+namespace planescope::app {
 
 /// Turns the first SIGINT or SIGTERM into a stop request, so that work ends at the next frame with
 /// valid output. A second one ends the program at once. One per process.
@@ -22,4 +22,4 @@ class Interrupt {
   std::thread watcher_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::app

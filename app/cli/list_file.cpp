@@ -9,7 +9,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 void read_list(const std::filesystem::path& list,
                const std::function<void(std::istringstream& words)>& read) {
@@ -45,4 +45,4 @@ Typed typed_options(std::istringstream& words, std::span<const std::string> know
   return typed;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

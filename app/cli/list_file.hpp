@@ -10,7 +10,7 @@
 
 #include "app/cli/typed.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// Calls read(words) for each line that is not empty and no comment. Throws Error naming the list
 /// and the line where that throws one.
@@ -21,4 +21,4 @@ void read_list(const std::filesystem::path& list,
 /// --frames, --gravity, --intrinsics, --depth-unit and --max-range. Throws Error.
 Typed typed_options(std::istringstream& words, std::span<const std::string> known);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -6,7 +6,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ void StagedOutput::commit() {
   added_.clear();
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

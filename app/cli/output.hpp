@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace planescope {
+namespace planescope::app {
 
 /// Throws Error unless `dir` is a folder that can be written to, or could be made as one. Makes
 /// nothing: called before the work starts, so that an unwritable output costs no time.
@@ -33,4 +33,4 @@ class StagedOutput {
   std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
 };
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -3,7 +3,7 @@
 #include "app/cli/list_file.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 std::vector<PaperRecording> listed_recordings(const std::filesystem::path& list,
                                               const std::filesystem::path& data) {
@@ -20,4 +20,4 @@ std::vector<PaperRecording> listed_recordings(const std::filesystem::path& list,
   return recordings;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

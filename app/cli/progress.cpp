@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace planescope {
+namespace planescope::app {
 
 Progress::Progress(std::string what, int total)
     : what_(std::move(what)), total_(std::max(1, total)), visible_(isatty(STDERR_FILENO) == 1) {}
@@ -28,4 +28,4 @@ void Progress::print(const std::string& line) {
   fmt::print(stderr, "{}{}\n", visible_ ? "\r\033[K" : "", line);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

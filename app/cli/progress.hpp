@@ -6,7 +6,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// A bar on stderr, only where that is a terminal; gone again when it is destroyed.
 class Progress {
@@ -42,4 +42,4 @@ class Bar {
   std::shared_ptr<Progress> bar_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -16,7 +16,7 @@
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 // Of the learning rate, where trained weights learn on. 200 steps on five frames of another camera
@@ -61,15 +61,15 @@ void limit(const Typed& typed, std::initializer_list<int*> counts) {
 }
 
 /// What measures our own steps has nothing to measure of other methods.
-void expect_ours(const PipelineOptions& options, const char* command) {
-  if (options.method != Method::ours)
-    throw Error(
-        fmt::format("{} measures method ours, found {}", command, to_string(options.method)));
+void expect_ours(const planes::PipelineOptions& options, const char* command) {
+  if (options.method != planes::Method::ours)
+    throw Error(fmt::format("{} measures method ours, found {}", command,
+                            planes::to_string(options.method)));
 }
 
 /// What is about h and v needs gravity.
-void expect_gravity(const PipelineOptions& options, const char* command) {
-  if (options.gravity.mode == GravityMode::none)
+void expect_gravity(const planes::PipelineOptions& options, const char* command) {
+  if (options.gravity.mode == planes::GravityMode::none)
     throw Error(fmt::format("{} is about h and v, which --gravity none leaves open", command));
 }
 
@@ -121,24 +121,24 @@ std::string same_real_command(const Typed& typed) {
 
 }  // namespace
 
-PipelineOptions pipeline_options(const Typed& typed) {
-  PipelineOptions options;
-  if (!typed.profile.empty()) set_option(options, "profile", typed.profile);
+planes::PipelineOptions pipeline_options(const Typed& typed) {
+  planes::PipelineOptions options;
+  if (!typed.profile.empty()) planes::set_option(options, "profile", typed.profile);
   for (const std::string& assignment : typed.set) {
     const std::size_t equals = assignment.find('=');
     if (equals == std::string::npos) throw Error("--set: '" + assignment + "' is not NAME=VALUE");
-    set_option(options, assignment.substr(0, equals), assignment.substr(equals + 1));
+    planes::set_option(options, assignment.substr(0, equals), assignment.substr(equals + 1));
   }
-  if (!typed.gravity.empty()) set_option(options, "gravity", typed.gravity);
-  if (!typed.voxel.empty()) set_option(options, "voxel_size_m", typed.voxel);
-  if (!typed.classifier.empty()) set_option(options, "classifier", typed.classifier);
-  if (!typed.method.empty()) set_option(options, "method", typed.method);
+  if (!typed.gravity.empty()) planes::set_option(options, "gravity", typed.gravity);
+  if (!typed.voxel.empty()) planes::set_option(options, "voxel_size_m", typed.voxel);
+  if (!typed.classifier.empty()) planes::set_option(options, "classifier", typed.classifier);
+  if (!typed.method.empty()) planes::set_option(options, "method", typed.method);
   if (!typed.max_range.empty()) {
-    set_option(options, "max_range_m", typed.max_range);
+    planes::set_option(options, "max_range_m", typed.max_range);
     options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
   }
   options.threads = thread_count(typed);
-  if (!typed.classifier.empty() && options.gravity.mode == GravityMode::none)
+  if (!typed.classifier.empty() && options.gravity.mode == planes::GravityMode::none)
     throw Error("--classifier " + typed.classifier +
                 ": with --gravity none no point is labelled h or v, leave one of them out");
   return options;
@@ -244,7 +244,7 @@ SynthStairsArgs stairs_args(const Typed& typed) {
 
 SynthSetArgs set_args(const Typed& typed) {
   SynthSetArgs args;
-  args.set = find_evaluation_set(typed.evaluation_set);
+  args.set = lab::find_evaluation_set(typed.evaluation_set);
   args.out = required_out(typed, "synth set");
   if (args.set.depth && !(typed.points.empty() && typed.noise.empty()))
     throw Error("--points, --noise: " + args.set.name + " has depth images, expected --errors");
@@ -255,7 +255,7 @@ SynthSetArgs set_args(const Typed& typed) {
   if (!typed.points.empty()) args.options.points = whole_at_least(typed.points, "--points", 0);
   if (!typed.noise.empty()) args.options.noise_m = parse_number(typed.noise, "--noise");
   if (args.options.noise_m < 0) throw Error("--noise: " + typed.noise + " is negative");
-  if (!typed.errors.empty()) args.options.errors = parse_depth_errors(typed.errors);
+  if (!typed.errors.empty()) args.options.errors = lab::parse_depth_errors(typed.errors);
   args.threads = thread_count(typed);
   return args;
 }
@@ -263,8 +263,8 @@ SynthSetArgs set_args(const Typed& typed) {
 SynthTrainingArgs training_args(const Typed& typed) {
   SynthTrainingArgs args;
   args.out = required_out(typed, "synth training");
-  args.recipe = make_recipe(typed.recipe);
-  TrainingSetOptions& set = args.recipe.set;
+  args.recipe = lab::make_recipe(typed.recipe);
+  lab::TrainingSetOptions& set = args.recipe.set;
   if (!typed.seed.empty()) args.recipe.train.seed = set.seed = seed(typed);
   limit(typed, {&set.stairs, &set.boxes, &set.planes, &set.scans});
   args.augmented = typed.augmented;
@@ -281,28 +281,28 @@ TrainArgs train_args(const Typed& typed) {
   args.input = input_args(typed);
   expect_gravity(args.input.pipeline, "train");
   args.synthetic = typed.recipe != "recordings";
-  const std::vector<std::string>& names = recipe_names();
+  const std::vector<std::string>& names = lab::recipe_names();
   if (args.synthetic && std::find(names.begin(), names.end(), typed.recipe) == names.end())
     throw Error(fmt::format("recipe \"{}\" is not known, expected {} or recordings", typed.recipe,
                             fmt::join(names, ", ")));
-  args.recipe = make_recipe(args.synthetic ? typed.recipe : "planescope");
+  args.recipe = lab::make_recipe(args.synthetic ? typed.recipe : "planescope");
   args.recipe.name = typed.recipe;
   if (!args.synthetic && args.input.inputs.empty())
     throw Error("train: --recipe recordings needs labelled recordings to learn from");
   if (args.input.label_dir && args.input.inputs.empty())
     throw Error("train: --labels needs the recording that the labels are of");
-  TrainOptions& train = args.recipe.train;
-  TrainingSetOptions& set = args.recipe.set;
+  lab::TrainOptions& train = args.recipe.train;
+  lab::TrainingSetOptions& set = args.recipe.set;
   if (!typed.seed.empty()) set.seed = train.seed = seed(typed);
   limit(typed, {&set.stairs, &set.boxes, &set.planes, &set.scans, &args.validation_clouds});
   if (!typed.steps.empty()) train.steps = whole_at_least(typed.steps, "--steps", 1);
   if (!typed.epoch.empty()) train.epoch_steps = whole_at_least(typed.epoch, "--epoch", 1);
   if (!typed.from.empty()) {
     args.from = typed.from;
-    train.network = read_weights(args.from).config;
+    train.network = planes::read_weights(args.from).config;
     train.learning_rate *= kFineTuningRate;
   }
-  if (!typed.network.empty()) train.network = network_config(typed.network);
+  if (!typed.network.empty()) train.network = planes::network_config(typed.network);
   args.baseline = typed.baseline;
   train.balance_classes = typed.balance_classes;
   args.resume = typed.resume;
@@ -345,7 +345,7 @@ BenchPaperArgs bench_paper_args(const Typed& typed) {
   if (!typed.count.empty()) args.count = whole_at_least(typed.count, "--count", 1);
   if (!typed.sets.empty()) args.sets = split(typed.sets, ',');
   for (const std::string& set : args.sets)
-    if (set != kRealLabelled) find_evaluation_set(set);
+    if (set != lab::kRealLabelled) lab::find_evaluation_set(set);
   args.quick = typed.quick;
   args.resume = typed.resume;
   args.json = typed.json;
@@ -386,8 +386,8 @@ BenchRealArgs bench_real_args(const Typed& typed) {
       throw Error("--data: " + args.data.string() + " is not a folder");
   }
   if (frames) {
-    std::optional<Half> half;
-    if (!typed.half.empty()) half = parse_half(typed.half);
+    std::optional<lab::Half> half;
+    if (!typed.half.empty()) half = lab::parse_half(typed.half);
     args.frames = labelled_list(typed.frames_list, half);
     args.labels = typed.labels;
     if (!std::filesystem::is_directory(args.labels))
@@ -446,4 +446,4 @@ std::string frames_command_text(int argc, char** argv) {
   return text;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -14,7 +14,7 @@
 #include "app/lab/bench_paper.hpp"
 #include "app/lab/bench_real.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 // What was typed, before it is checked. Empty: not given.
 struct Typed {
@@ -46,7 +46,7 @@ struct Typed {
 };
 
 // From text to values. All throw Error that names the option.
-PipelineOptions pipeline_options(const Typed& typed);
+planes::PipelineOptions pipeline_options(const Typed& typed);
 InputArgs input_args(const Typed& typed);
 SynthSampleArgs sample_args(const Typed& typed);
 SynthStairsArgs stairs_args(const Typed& typed);
@@ -67,4 +67,4 @@ std::string command_text(int argc, char** argv);
 /// to.
 std::string frames_command_text(int argc, char** argv);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -11,7 +11,7 @@
 #include "core/planes/evaluate/metrics_values.hpp"
 #include "core/planes/pipeline/score.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -20,12 +20,12 @@ struct Row {
   std::string input;
   int frame = 0;
   std::string name;
-  Metrics metrics;
+  planes::Metrics metrics;
 };
 
-Json to_json(const Metrics& m) {
+Json to_json(const planes::Metrics& m) {
   Json json;
-  visit_values(m, [&](const char* name, const auto& value) { json[name] = value; });
+  planes::visit_values(m, [&](const char* name, const auto& value) { json[name] = value; });
   return json;
 }
 
@@ -34,7 +34,7 @@ std::string labels_right(double percent) {
   return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
 }
 
-void print_row(const std::string& name, int width, const Metrics& m) {
+void print_row(const std::string& name, int width, const planes::Metrics& m) {
   fmt::print(
       "{:<{}} {:>5} {:>5} {:>7.3f} {:>6.1f} {:>6.2f} {:>6.2f} {:>6.2f} {:>6.2f} {:>5} {:>5} {:>5} "
       "{:>6} {:>5} {:>6} {:>6}\n",
@@ -43,7 +43,7 @@ void print_row(const std::string& name, int width, const Metrics& m) {
       labels_right(m.label_accuracy_edge), labels_right(m.label_accuracy_inner));
 }
 
-void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_truth) {
+void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int without_truth) {
   int width = 4;
   for (const Row& row : rows) width = std::max(width, static_cast<int>(row.name.size()));
   fmt::print(
@@ -72,17 +72,18 @@ void print_table(const std::vector<Row>& rows, const Metrics& mean, int without_
 std::optional<Row> run_and_score(const OpenInput& input,
                                  int index,
                                  const EvalArgs& args,
-                                 const Classifier* classifier) {
+                                 const planes::Classifier* classifier) {
   const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, classifier, true);
   if (!loaded.truth) return std::nullopt;
   return Row{input.path.string(), index, loaded.frame.name,
-             score_frame(loaded.result, *loaded.truth)};
+             planes::score_frame(loaded.result, *loaded.truth)};
 }
 
 /// Of what --prediction names, on label files.
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
   const Frame frame = input.recording->frame(index);
-  const auto truth = read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+  const auto truth =
+      labels::read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
   if (!truth) return std::nullopt;
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
@@ -91,7 +92,7 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
                     "like, or what planescope segment writes",
                     args.prediction.string(), index, index, index));
   return Row{input.path.string(), index, frame.name,
-             score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
+             planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
 }
 
 }  // namespace
@@ -104,8 +105,8 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
         fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
   if (predicted && inputs[0].recording->info().width == 0)
     throw Error(inputs[0].path.string() + ": --prediction is for depth images, this is a cloud");
-  const ChosenClassifier chosen =
-      predicted ? ChosenClassifier{} : choose_classifier(args.input.pipeline);
+  const planes::ChosenClassifier chosen =
+      predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
@@ -145,16 +146,16 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
                     "label and instance fields",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
   for (const std::string& why : refused) fmt::print(stderr, "planescope: refused: {}\n", why);
-  std::vector<Metrics> all;
+  std::vector<planes::Metrics> all;
   for (const Row& row : rows) all.push_back(row.metrics);
-  const Metrics mean = mean_of(all);
+  const planes::Metrics mean = planes::mean_of(all);
   if (!args.json) {
     print_table(rows, mean, without_truth);
     return 0;
   }
   Json json;
   json["schema"] = "planescope.eval/1";
-  json["method"] = predicted ? "prediction" : to_string(args.input.pipeline.method);
+  json["method"] = predicted ? "prediction" : planes::to_string(args.input.pipeline.method);
   json["frames"] = Json::array();
   for (const Row& row : rows) {
     Json frame = {{"input", row.input}, {"frame", row.frame}, {"name", row.name}};
@@ -168,4 +169,4 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -4,7 +4,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct EvalArgs {
   InputArgs input;
@@ -16,4 +16,4 @@ struct EvalArgs {
 /// has, or the predictions lack one of them. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -8,13 +8,13 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 struct Facts {
-  RecordingInfo info;
+  io::RecordingInfo info;
   int frame_count = 0;
   int first = 0;  // the frame that stands for the recording
   int labelled = 0;
@@ -81,7 +81,7 @@ void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
   facts.max_m = counts.back() * frame.depth_unit_m;
 }
 
-Facts gather(const OpenInput& input, const PipelineOptions& options) {
+Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
   facts.frame_count = input.recording->frame_count();
@@ -99,7 +99,7 @@ Facts gather(const OpenInput& input, const PipelineOptions& options) {
   facts.color_width = frame.color.width;
   facts.color_height = frame.color.height;
   try {
-    facts.gravity = resolve_gravity(frame, options.gravity);
+    facts.gravity = planes::resolve_gravity(frame, options.gravity);
   } catch (const Error& error) {
     facts.gravity_error = error.what();
   }
@@ -226,7 +226,7 @@ void print_text(const Facts& f, double max_range_m) {
   }
   if (f.gravity && !f.gravity->known()) {
     line("gravity", fmt::format("none, {}: planes are neither h nor v; to tell them apart, {}",
-                                f.gravity->note, kHowToGiveGravity));
+                                f.gravity->note, planes::kHowToGiveGravity));
   } else if (f.gravity) {
     const Gravity& g = *f.gravity;
     std::string how = to_string(g.source);
@@ -262,4 +262,4 @@ int run_info(const InfoArgs& args) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

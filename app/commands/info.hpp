@@ -2,7 +2,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct InfoArgs {
   InputArgs input;
@@ -13,4 +13,4 @@ struct InfoArgs {
 /// and gaps, and what was lost. Returns the exit code.
 int run_info(const InfoArgs& args);
 
-}  // namespace planescope
+}  // namespace planescope::app

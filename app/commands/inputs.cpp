@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace fs = std::filesystem;
 
 FrameSlice parse_frame_slice(const std::string& text) {
@@ -61,7 +61,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   const std::vector<fs::path> given = paths;
   std::erase_if(paths, [&](const fs::path& path) {
     const auto is_label_dir_of = [&](const fs::path& recording) {
-      return recording != path && default_label_dir(recording) == path;
+      return recording != path && labels::default_label_dir(recording) == path;
     };
     return std::ranges::any_of(given, is_label_dir_of);
   });
@@ -74,15 +74,15 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   for (const fs::path& path : paths) {
     OpenInput input;
     input.path = path;
-    input.recording = open_recording(path, args.recording);
+    input.recording = io::open_recording(path, args.recording);
     const int count = input.recording->frame_count();
     input.frames = sliced_frames(args.frames, count);
     if (input.frames.empty())
       throw Error(fmt::format("{}: --frames leaves none of its {} frames", path.string(), count));
-    input.label_dir = args.label_dir.value_or(default_label_dir(path));
-    if (args.pipeline.gravity.mode == GravityMode::automatic) {
-      PickedGravity picked = read_picked_gravity(input.label_dir, *input.recording);
-      input.recording = with_picked_gravity(std::move(input.recording), std::move(picked));
+    input.label_dir = args.label_dir.value_or(labels::default_label_dir(path));
+    if (args.pipeline.gravity.mode == planes::GravityMode::automatic) {
+      io::PickedGravity picked = io::read_picked_gravity(input.label_dir, *input.recording);
+      input.recording = io::with_picked_gravity(std::move(input.recording), std::move(picked));
     }
     for (const std::string& warning : input.recording->info().warnings)
       fmt::print(stderr, "planescope: warning: {}\n", warning);
@@ -96,43 +96,46 @@ bool may_have_truth(const OpenInput& input, int index) {
   return is_cloud || fs::exists(input.label_dir / fmt::format("{:06}.plane.png", index));
 }
 
-bool labels_points(const PipelineOptions& options) {
-  return options.method == Method::ours && options.gravity.mode != GravityMode::none;
+bool labels_points(const planes::PipelineOptions& options) {
+  return options.method == planes::Method::ours &&
+         options.gravity.mode != planes::GravityMode::none;
 }
 
-ChosenClassifier choose_classifier(const PipelineOptions& options) {
+planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options) {
   if (!labels_points(options)) return {};
   fs::path shipped;
   if (options.classifier == "gcn")
     shipped = find_asset("classifier.safetensors", "the weights of classifier gcn are");
-  return make_classifier(options, shipped);
+  return planes::make_classifier(options, shipped);
 }
 
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
-                            const PipelineOptions& options,
-                            const Classifier* classifier,
+                            const planes::PipelineOptions& options,
+                            const planes::Classifier* classifier,
                             bool want_truth,
-                            Trace* trace) {
+                            planes::Trace* trace) {
   LoadedFrame loaded;
   const auto started = std::chrono::steady_clock::now();
   loaded.frame = input.recording->frame(index);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
 
   const bool needs_truth = !classifier && labels_points(options);
-  std::optional<FrameTruth> on_points;
+  std::optional<planes::FrameTruth> on_points;
   if (needs_truth || want_truth)
-    loaded.truth = frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));
+    loaded.truth =
+        labels::frame_truth(loaded.frame, input.label_dir, input.recording->frame_hash(index));
   if (needs_truth && loaded.truth)
-    on_points = truth_on_points(loaded.truth->values, measured_sources(loaded.frame));
+    on_points =
+        planes::truth_on_points(loaded.truth->values, planes::measured_sources(loaded.frame));
   if (needs_truth && !loaded.truth)
     throw FrameRefused(
         fmt::format("{}, frame {}: classifier truth needs labels, found none in {} and no "
                     "label field",
                     input.path.string(), index, input.label_dir.string()));
   try {
-    loaded.result =
-        run_frame(loaded.frame, options, classifier, on_points ? &*on_points : nullptr, trace);
+    loaded.result = planes::run_frame(loaded.frame, options, classifier,
+                                      on_points ? &*on_points : nullptr, trace);
   } catch (const Error& error) {
     const std::string what = error.what();
     const std::string frame = what.starts_with("frame ") ? "" : fmt::format("frame {}: ", index);
@@ -142,4 +145,4 @@ LoadedFrame run_input_frame(const OpenInput& input,
   return loaded;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -14,7 +14,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// A:B:STEP as Python slices a list: negative numbers count from the end, an empty part is the
 /// end of the list. A single number N is that one frame.
@@ -27,15 +27,15 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
 struct InputArgs {
   std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
   FrameSlice frames;                               // default: all
-  RecordingOptions recording;                      // --intrinsics, --depth-unit, --instance-field
-  PipelineOptions pipeline;                        // --profile, --set, --gravity, ..., --threads
+  io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --instance-field
+  planes::PipelineOptions pipeline;                // --profile, --set, --gravity, ..., --threads
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
 };
 
 /// A recording that was opened, and what of it is asked for.
 struct OpenInput {
   std::filesystem::path path;
-  std::unique_ptr<Recording> recording;
+  std::unique_ptr<io::Recording> recording;
   std::vector<int> frames;          // at least one; frame numbers of the recording
   std::filesystem::path label_dir;  // may not exist
 };
@@ -49,9 +49,9 @@ std::vector<OpenInput> open_inputs(const InputArgs& args);
 /// `classifier truth` needs it).
 struct LoadedFrame {
   Frame frame;
-  FrameResult result;
-  std::optional<SourceTruth> truth;
-  Strains strains;  // of runs for a report
+  planes::FrameResult result;
+  std::optional<planes::SourceTruth> truth;
+  planes::Strains strains;  // of runs for a report
 };
 
 /// False where frame `index` surely has no truth: no label file, and no cloud with fields.
@@ -63,20 +63,20 @@ struct FrameRefused : Error {
 };
 
 /// Whether points are labelled h or v at all: rivals do without, and nobody can without gravity.
-bool labels_points(const PipelineOptions& options);
+bool labels_points(const planes::PipelineOptions& options);
 
 /// The classifier of these options, none where points are not labelled; gcn takes the weights that
 /// ship with us. Throws Error where weights are missing or cannot be read.
-ChosenClassifier choose_classifier(const PipelineOptions& options);
+planes::ChosenClassifier choose_classifier(const planes::PipelineOptions& options);
 
 /// Reads frame `index` and runs it; `classifier` null: with the labels of its truth. Throws Error
 /// where it cannot be read, FrameRefused where run_frame throws; the message begins with the
 /// recording and the frame.
 LoadedFrame run_input_frame(const OpenInput& input,
                             int index,
-                            const PipelineOptions& options,
-                            const Classifier* classifier,
+                            const planes::PipelineOptions& options,
+                            const planes::Classifier* classifier,
                             bool want_truth,
-                            Trace* trace = nullptr);
+                            planes::Trace* trace = nullptr);
 
-}  // namespace planescope
+}  // namespace planescope::app

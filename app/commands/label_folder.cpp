@@ -8,7 +8,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,10 +76,11 @@ LabelledRecording open_labels(const LabelsArgs& args) {
       source.path = fs::path(beside).replace_extension();
   } else {
     if (!fs::exists(given)) throw Error(given.string() + ": no such file or folder");
-    source.labels = list_labels(args.input.label_dir.value_or(default_label_dir(given)));
+    source.labels = list_labels(args.input.label_dir.value_or(labels::default_label_dir(given)));
     source.path = given;
   }
-  if (!source.path.empty()) source.recording = open_recording(source.path, args.input.recording);
+  if (!source.path.empty())
+    source.recording = io::open_recording(source.path, args.input.recording);
   return source;
 }
 
@@ -88,11 +89,11 @@ FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   if (recording && frame >= recording->frame_count())
     throw Error(fmt::format("{}/{:06}.json: labels of frame {}, the recording has {} frames",
                             source.labels.dir.string(), frame, frame, recording->frame_count()));
-  auto labels = read_frame_labels(source.labels.dir, frame,
-                                  recording ? recording->frame_hash(frame) : std::string());
+  auto labels = labels::read_frame_labels(source.labels.dir, frame,
+                                          recording ? recording->frame_hash(frame) : std::string());
   if (!labels)
     throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), frame));
   return std::move(*labels);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -9,7 +9,7 @@
 #include "app/commands/labels.hpp"
 #include "core/io/recording.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct LabelFolder {
   std::filesystem::path dir;
@@ -22,7 +22,7 @@ LabelFolder list_labels(const std::filesystem::path& dir);
 struct LabelledRecording {
   LabelFolder labels;
   std::filesystem::path path;
-  std::unique_ptr<Recording> recording;  // null: not found
+  std::unique_ptr<io::Recording> recording;  // null: not found
 };
 /// What was typed is a recording, or a folder of labels.
 LabelledRecording open_labels(const LabelsArgs& args);
@@ -31,4 +31,4 @@ LabelledRecording open_labels(const LabelsArgs& args);
 /// depth image.
 FrameLabels read_labels_of(const LabelledRecording& source, int frame);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -9,7 +9,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct LabelsArgs {
   InputArgs input;  // recordings or folders of labels, --frames, --labels, --gravity, --voxel
@@ -32,4 +32,4 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop);
 int run_labels_import(const LabelsArgs& args, const std::stop_token& stop);
 int run_labels_convert(const LabelsArgs& args);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -7,7 +7,7 @@
 #include "core/labels/review/audit.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -18,7 +18,7 @@ struct CheckedFrame {
   std::string file;
   std::string damage;  // empty: none
   std::size_t planes = 0;
-  std::vector<Finding> findings;
+  std::vector<labels::Finding> findings;
 };
 
 CheckedFrame check_frame(const LabelledRecording& source, int frame) {
@@ -30,8 +30,8 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
     checked.planes = labels.planes.size();
     checked.width = labels.plane.width;
     if (source.recording)
-      checked.findings =
-          audit_labels(labels, make_label_grid(source.recording->frame(frame), labels.gravity));
+      checked.findings = labels::audit_labels(
+          labels, labels::make_label_grid(source.recording->frame(frame), labels.gravity));
   } catch (const Error& error) {
     checked.damage = error.what();
   }
@@ -43,16 +43,21 @@ struct Counts {
 
   void add(const CheckedFrame& frame) {
     damaged += frame.damage.empty() ? 0 : 1;
-    for (const Finding& finding : frame.findings) ++(is_hint(finding.kind) ? hints : findings);
+    for (const labels::Finding& finding : frame.findings)
+      ++(labels::is_hint(finding.kind) ? hints : findings);
   }
 };
 
-Json to_json(const Finding& finding, int width) {
+Json to_json(const labels::Finding& finding, int width) {
   const auto pixel = static_cast<int>(finding.pixel);
-  return {{"kind", to_string(finding.kind)}, {"hint", is_hint(finding.kind)},
-          {"plane", finding.plane},          {"pixel", {pixel % width, pixel / width}},
-          {"pixels", finding.pixels.size()}, {"value", finding.value},
-          {"limit", finding.limit},          {"text", finding.text}};
+  return {{"kind", labels::to_string(finding.kind)},
+          {"hint", labels::is_hint(finding.kind)},
+          {"plane", finding.plane},
+          {"pixel", {pixel % width, pixel / width}},
+          {"pixels", finding.pixels.size()},
+          {"value", finding.value},
+          {"limit", finding.limit},
+          {"text", finding.text}};
 }
 
 void print_json(const LabelledRecording& source,
@@ -65,7 +70,7 @@ void print_json(const LabelledRecording& source,
     Json one = {{"frame", frame.frame}, {"file", frame.file}, {"planes", frame.planes}};
     one["damage"] = frame.damage.empty() ? Json(nullptr) : Json(frame.damage);
     one["findings"] = Json::array();
-    for (const Finding& finding : frame.findings)
+    for (const labels::Finding& finding : frame.findings)
       one["findings"].push_back(to_json(finding, frame.width));
     json["frames"].push_back(one);
   }
@@ -95,9 +100,9 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   } else {
     for (const CheckedFrame& frame : frames) {
       if (!frame.damage.empty()) fmt::print("{}\n", frame.damage);
-      for (const Finding& f : frame.findings)
+      for (const labels::Finding& f : frame.findings)
         fmt::print("{}: frame {}: {}{}: {}, see pixel {},{}\n", frame.file, frame.frame,
-                   is_hint(f.kind) ? "hint: " : "", to_string(f.kind), f.text,
+                   labels::is_hint(f.kind) ? "hint: " : "", labels::to_string(f.kind), f.text,
                    static_cast<int>(f.pixel) % frame.width,
                    static_cast<int>(f.pixel) / frame.width);
     }
@@ -111,4 +116,4 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

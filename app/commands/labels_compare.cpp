@@ -8,19 +8,19 @@
 #include "core/labels/review/review.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 struct ComparedFrame {
   int frame = 0;
-  Agreement agreement;
+  labels::Agreement agreement;
 };
 
 /// Of the figures; counts are sums.
-Agreement mean_of(const std::vector<ComparedFrame>& frames) {
-  Agreement mean;
+labels::Agreement mean_of(const std::vector<ComparedFrame>& frames) {
+  labels::Agreement mean;
   const auto n = static_cast<double>(frames.size());
   for (const ComparedFrame& f : frames) {
     mean.mean_iou += f.agreement.mean_iou / n;
@@ -35,7 +35,7 @@ Agreement mean_of(const std::vector<ComparedFrame>& frames) {
   return mean;
 }
 
-Json to_json(const Agreement& a) {
+Json to_json(const labels::Agreement& a) {
   return {{"mean_iou", a.mean_iou},
           {"adjusted_rand", a.adjusted_rand},
           {"label_accuracy", a.label_accuracy},
@@ -46,7 +46,7 @@ Json to_json(const Agreement& a) {
           {"pixels", a.pixels}};
 }
 
-void print_row(const std::string& name, const Agreement& a) {
+void print_row(const std::string& name, const labels::Agreement& a) {
   fmt::print("{:<7} {:>6} {:>6} {:>7} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9}\n", name,
              a.planes_a, a.planes_b, a.matched, a.mean_iou, a.adjusted_rand, a.label_accuracy,
              a.pixel_agreement, a.pixels);
@@ -57,7 +57,7 @@ ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording&
   if (of_a.depth_sha256 != of_b.depth_sha256)
     throw Error(fmt::format("{} and {}: labels of frame {} were made for different depth images",
                             a.labels.dir.string(), b.labels.dir.string(), frame));
-  return {frame, agreement_of(of_a, of_b)};
+  return {frame, labels::agreement_of(of_a, of_b)};
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
     LabelledRecording source;
     source.labels = list_labels(dir);
     if (!args.recording.empty())
-      source.recording = open_recording(args.recording, args.input.recording);
+      source.recording = io::open_recording(args.recording, args.input.recording);
     return source;
   };
   const LabelledRecording a = open(args.input.inputs[0]), b = open(args.input.inputs[1]);
@@ -89,7 +89,7 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
       frames.push_back(compare_frame(a, b, frame));
     }
   }
-  const Agreement mean = mean_of(frames);
+  const labels::Agreement mean = mean_of(frames);
   if (args.json) {
     Json json = {{"schema", "planescope.labels_compare/1"},
                  {"a", a.labels.dir.string()},
@@ -116,4 +116,4 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

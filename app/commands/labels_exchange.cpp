@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,21 +43,21 @@ void check_export_dir(const fs::path& out, const OpenInput& input) {
     throw Error(out.string() + ": is the folder of the labels themselves, expected another");
 }
 
-const char* extension_of(LabelFormat format) {
+const char* extension_of(labels::LabelFormat format) {
   switch (format) {
-    case LabelFormat::evops:
+    case labels::LabelFormat::evops:
       return ".npy";
-    case LabelFormat::ply:
+    case labels::LabelFormat::ply:
       return ".ply";
-    case LabelFormat::pcd:
+    case labels::LabelFormat::pcd:
       return ".pcd";
-    case LabelFormat::kitti:
+    case labels::LabelFormat::kitti:
       return ".label";
-    case LabelFormat::npz:
+    case labels::LabelFormat::npz:
       return ".npz";
-    case LabelFormat::coco:
+    case labels::LabelFormat::coco:
       return ".json";
-    case LabelFormat::voxels:
+    case labels::LabelFormat::voxels:
       break;
   }
   return ".voxels.ply";
@@ -77,7 +77,7 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args, const OpenInput
                               args.from.string(), input.frames.size()));
     return {{input.frames[0], args.from}};
   }
-  const std::string extension = extension_of(parse_label_format(args.format));
+  const std::string extension = extension_of(labels::parse_label_format(args.format));
   std::vector<FileOfFrame> files;
   for (const int frame : input.frames) {
     const fs::path path = args.from / fmt::format("{:06}{}", frame, extension);
@@ -90,13 +90,13 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args, const OpenInput
 }
 
 struct Import {
-  LabelEdit edit;
+  labels::LabelEdit edit;
   std::size_t planes = 0, pixels = 0;
   std::size_t ignored = 0;  // not to be scored, beside the labelled ones
   std::size_t dropped = 0;  // labels on pixels without depth
 };
 
-std::size_t labelled_in(const LabelledPoints& points) {
+std::size_t labelled_in(const labels::LabelledPoints& points) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     count += points.instance[i] != 0 || (!points.label.empty() && points.label[i] != 0);
@@ -104,20 +104,22 @@ std::size_t labelled_in(const LabelledPoints& points) {
 }
 
 Import read_import(const FileOfFrame& file,
-                   LabelFormat format,
-                   const Recording& recording,
-                   const PipelineOptions& options,
-                   LabelStore& store) {
-  const LabelledPoints points = read_labelled(file.path, format);
+                   labels::LabelFormat format,
+                   const io::Recording& recording,
+                   const planes::PipelineOptions& options,
+                   labels::LabelStore& store) {
+  const labels::LabelledPoints points = labels::read_labelled(file.path, format);
   const Frame frame = recording.frame(file.frame);
   const std::string hash = recording.frame_hash(file.frame);
-  const LabelGrid grid = make_label_grid(frame, resolve_gravity(frame, options.gravity));
-  const auto before = store.open(file.frame, empty_labels(grid, hash));
-  FrameLabels after = labels_of_points(points, grid, hash, file.path.string());
+  const labels::LabelGrid grid =
+      labels::make_label_grid(frame, planes::resolve_gravity(frame, options.gravity));
+  const auto before = store.open(file.frame, labels::empty_labels(grid, hash));
+  FrameLabels after = labels::labels_of_points(points, grid, hash, file.path.string());
   after.annotator = before->annotator;
 
   Import import;
-  import.edit = make_edit(file.frame, "Import " + file.path.filename().string(), *before, after);
+  import.edit =
+      labels::make_edit(file.frame, "Import " + file.path.filename().string(), *before, after);
   import.planes = after.planes.size();
   for (std::size_t i = 0; i < grid.pixels(); ++i) {
     const bool ignored = after.plane.data[i] == kPlaneIgnore || after.hv.data[i] == kHvIgnore;
@@ -131,7 +133,7 @@ Import read_import(const FileOfFrame& file,
 }  // namespace
 
 int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
-  const LabelFormat format = parse_label_format(args.format);
+  const labels::LabelFormat format = labels::parse_label_format(args.format);
   const OpenInput input = open_one(args, "export");
   check_export_dir(args.out, input);
   LabelledRecording source;
@@ -148,15 +150,16 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(written.size()), fmt::format("frame {}", index));
       const auto labels =
-          read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+          labels::read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
       if (!labels) continue;
-      const LabelGrid grid = make_label_grid(input.recording->frame(index), labels->gravity);
+      const labels::LabelGrid grid =
+          labels::make_label_grid(input.recording->frame(index), labels->gravity);
       std::error_code error;
       fs::create_directories(args.out, error);
       if (error) throw Error("output " + args.out.string() + ": " + error.message());
-      const auto paths =
-          write_labelled(args.out / fmt::format("{:06}", index), format,
-                         points_of_labels(*labels, grid), args.input.pipeline.cloud.voxel_size_m);
+      const auto paths = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
+                                                labels::points_of_labels(*labels, grid),
+                                                args.input.pipeline.cloud.voxel_size_m);
       written.insert(written.end(), paths.begin(), paths.end());
     }
   }
@@ -168,14 +171,14 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
   if (args.format.empty() && fs::is_directory(args.from))
     throw Error("labels import needs --format for the files of a folder");
-  const LabelFormat format =
-      args.format.empty() ? label_format_of(args.from) : parse_label_format(args.format);
+  const labels::LabelFormat format = args.format.empty() ? labels::label_format_of(args.from)
+                                                         : labels::parse_label_format(args.format);
   const OpenInput input = open_one(args, "import");
   if (fs::is_directory(input.path) && is_below(input.label_dir, input.path))
     throw Error(input.label_dir.string() +
                 ": is inside the recording, expected a folder elsewhere");
   const auto files = files_to_import(args, input);
-  LabelStore store(input.label_dir);
+  labels::LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
   for (const std::string& notice : store.notices())
     fmt::print(stderr, "planescope: warning: {}\n", notice);
@@ -209,11 +212,12 @@ int run_labels_convert(const LabelsArgs& args) {
     throw Error(
         fmt::format("labels convert: {} files are given, expected one", args.input.inputs.size()));
   const fs::path& in = args.input.inputs[0];
-  const LabelFormat to = label_format_of(args.out);
-  const LabelledPoints points = read_labelled(in, label_format_of(in));
-  for (const fs::path& path : write_labelled(fs::path(args.out).replace_extension(), to, points))
+  const labels::LabelFormat to = labels::label_format_of(args.out);
+  const labels::LabelledPoints points = labels::read_labelled(in, labels::label_format_of(in));
+  for (const fs::path& path :
+       labels::write_labelled(fs::path(args.out).replace_extension(), to, points))
     fmt::print("{}\n", path.string());
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

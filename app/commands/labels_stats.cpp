@@ -9,7 +9,7 @@
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -17,25 +17,25 @@ using Json = nlohmann::ordered_json;
 struct FrameStatistics {
   int frame = 0;
   std::string annotator, review_state;
-  LabelStatistics of;
-  std::vector<WorkTime> work;
+  labels::LabelStatistics of;
+  std::vector<labels::WorkTime> work;
 
   double seconds() const {
     double sum = 0;
-    for (const WorkTime& w : work) sum += w.seconds;
+    for (const labels::WorkTime& w : work) sum += w.seconds;
     return sum;
   }
 };
 
 /// Pixels and planes without the recording; area and measured pixels need its depth.
-LabelStatistics count_pixels(const FrameLabels& labels) {
-  LabelGrid grid;
+labels::LabelStatistics count_pixels(const FrameLabels& labels) {
+  labels::LabelGrid grid;
   grid.width = labels.plane.width;
   grid.height = labels.plane.height;
   grid.intrinsics = labels.intrinsics;
   grid.measured.assign(labels.plane.pixels(), 1);
   grid.points.assign(labels.plane.pixels(), Vec3f(0, 0, 1));
-  LabelStatistics statistics = statistics_of(labels, grid);
+  labels::LabelStatistics statistics = labels::statistics_of(labels, grid);
   statistics.measured = 0;
   statistics.labelled_m2 = 0;
   return statistics;
@@ -46,9 +46,9 @@ std::string duration_text(double seconds) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
-std::string work_text(const std::vector<WorkTime>& work) {
+std::string work_text(const std::vector<labels::WorkTime>& work) {
   std::string text;
-  for (const WorkTime& w : work)
+  for (const labels::WorkTime& w : work)
     text += fmt::format("{}{} {} ({} gestures)", text.empty() ? "" : ", ", w.annotator,
                         duration_text(w.seconds), w.gestures);
   return text.empty() ? "-" : text;
@@ -57,10 +57,10 @@ std::string work_text(const std::vector<WorkTime>& work) {
 void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
   fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", "frame", "planes",
              "h", "v", "labelled", "measured", "ignored", "area m2", "review", "time");
-  LabelStatistics sum;
+  labels::LabelStatistics sum;
   double seconds = 0;
-  const auto row = [&](const std::string& name, const LabelStatistics& s, const std::string& review,
-                       const std::string& time) {
+  const auto row = [&](const std::string& name, const labels::LabelStatistics& s,
+                       const std::string& review, const std::string& time) {
     fmt::print("{:<7} {:>6} {:>4} {:>4} {:>9} {:>9} {:>8} {:>9}  {:<10}  {}\n", name, s.planes, s.h,
                s.v, s.labelled, with_depth ? fmt::format("{}", s.measured) : "-", s.ignored,
                with_depth ? fmt::format("{:.2f}", s.labelled_m2) : "-", review, time);
@@ -94,7 +94,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
   json["measured"] = with_depth ? Json(f.of.measured) : Json(nullptr);
   json["labelled_m2"] = with_depth ? Json(f.of.labelled_m2) : Json(nullptr);
   json["work"] = Json::array();
-  for (const WorkTime& w : f.work)
+  for (const labels::WorkTime& w : f.work)
     json["work"].push_back(
         {{"annotator", w.annotator}, {"seconds", w.seconds}, {"gestures", w.gestures}});
   return json;
@@ -104,8 +104,9 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
 
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
-  std::map<int, std::vector<WorkTime>> work;
-  for (const WorkTime& w : work_times(source.labels.dir)) work[w.frame].push_back(w);
+  std::map<int, std::vector<labels::WorkTime>> work;
+  for (const labels::WorkTime& w : labels::work_times(source.labels.dir))
+    work[w.frame].push_back(w);
   std::vector<FrameStatistics> frames;
   {
     Progress progress("stats", static_cast<int>(source.labels.frames.size()));
@@ -114,10 +115,11 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
       progress.show(static_cast<int>(frames.size()), fmt::format("frame {}", frame));
       const FrameLabels labels = read_labels_of(source, frame);
       frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame]});
-      frames.back().of = source.recording
-                             ? statistics_of(labels, make_label_grid(source.recording->frame(frame),
-                                                                     labels.gravity))
-                             : count_pixels(labels);
+      frames.back().of =
+          source.recording
+              ? labels::statistics_of(
+                    labels, labels::make_label_grid(source.recording->frame(frame), labels.gravity))
+              : count_pixels(labels);
     }
   }
   if (!args.json) {
@@ -133,4 +135,4 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

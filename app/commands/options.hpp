@@ -2,14 +2,14 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct OptionsArgs {
-  PipelineOptions pipeline;  // the values to show
+  planes::PipelineOptions pipeline;  // the values to show
   bool json = false;
 };
 
 /// Prints every option that --set takes, with its unit, value and meaning. Returns the exit code.
 int run_options(const OptionsArgs& args);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-namespace planescope {
+namespace planescope::app {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const TrainingSetOptions& set) {
+Json json_of(const lab::TrainingSetOptions& set) {
   Json json = {{"stairs", set.stairs},
                {"boxes", set.boxes},
                {"planes", set.planes},
@@ -19,7 +19,7 @@ Json json_of(const TrainingSetOptions& set) {
   return json;
 }
 
-Json json_of(const AugmentOptions& options) {
+Json json_of(const lab::AugmentOptions& options) {
   return {{"uniform_noise_m", options.uniform_noise_m},
           {"gaussian_noise_m", options.gaussian_noise_m},
           {"clusters", options.clusters},
@@ -30,4 +30,4 @@ Json json_of(const AugmentOptions& options) {
           {"yaw_deg", options.yaw_deg}};
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -4,10 +4,10 @@
 
 #include "core/lab/training/training_recipe.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 // Every number of a recipe, for the files that record what was made with it.
-nlohmann::ordered_json json_of(const TrainingSetOptions& set);
-nlohmann::ordered_json json_of(const AugmentOptions& options);
+nlohmann::ordered_json json_of(const lab::TrainingSetOptions& set);
+nlohmann::ordered_json json_of(const lab::AugmentOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -14,7 +14,7 @@
 #include "core/report/data/build_info.hpp"
 #include "render/palette.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,11 +28,11 @@ std::string now_utc() {
 /// Smaller copies in the page of a long recording, so that a browser still opens it.
 int copy_width(std::size_t frames) { return frames <= 8 ? 1280 : frames <= 24 ? 800 : 560; }
 
-Report start_report(const ReportArgs& args,
-                    const std::vector<OpenInput>& inputs,
-                    const ChosenClassifier& chosen) {
-  Report report;
-  const BuildInfo build = build_info();
+report::Report start_report(const ReportArgs& args,
+                            const std::vector<OpenInput>& inputs,
+                            const planes::ChosenClassifier& chosen) {
+  report::Report report;
+  const report::BuildInfo build = report::build_info();
   report.version = build.version;
   report.commit = build.commit;
   report.modified = build.modified;
@@ -42,13 +42,14 @@ Report start_report(const ReportArgs& args,
   report.method = args.input.pipeline.method;
   if (labels_points(args.input.pipeline)) report.classifier = args.input.pipeline.classifier;
   report.weights = chosen.weights;
-  report.options = make_report_options(args.input.pipeline);
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
-    report.case_colors[static_cast<int>(c)] = css_color(case_color(c));
+  report.options = report::make_report_options(args.input.pipeline);
+  for (const planes::Case c :
+       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV})
+    report.case_colors[static_cast<int>(c)] = css_color(render::case_color(c));
   const std::vector<std::string> names = recording_names(inputs);
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const OpenInput& input = inputs[i];
-    ReportRecording recording;
+    report::ReportRecording recording;
     recording.info = input.recording->info();
     recording.info.path = input.path;
     recording.name = names[i];
@@ -60,28 +61,29 @@ Report start_report(const ReportArgs& args,
 }
 
 /// All that a frame's results depend on but the frame.
-std::string build_key(const Report& report, int copies) {
+std::string build_key(const report::Report& report, int copies) {
   std::string key = fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit,
-                                to_string(report.method), copies);
+                                planes::to_string(report.method), copies);
   if (report.modified || report.commit == "unknown")
     key += sha256_hex_of_file("/proc/self/exe") + "\n";
   if (report.weights) key += report.weights->sha256 + "\n";
-  for (const ReportOption& option : report.options) key += option.name + "=" + option.value + "\n";
+  for (const report::ReportOption& option : report.options)
+    key += option.name + "=" + option.value + "\n";
   return key;
 }
 
 }  // namespace
 
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
-  ReportGuard guard = open_guard(args.guard);
+  report::ReportGuard guard = open_guard(args.guard);
   if (guard.is_on() && args.shard.count > 1)
     throw Error("--shard: give --baseline and --rules to planescope report merge");
   InputArgs input_args = args.input;
   input_args.recording.damaged_frames_later = true;
   check_baseline_place(args.guard, args.out);
   const std::vector<OpenInput> inputs = open_inputs(input_args);
-  const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
-  Report report = start_report(args, inputs, chosen);
+  const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
+  report::Report report = start_report(args, inputs, chosen);
   std::size_t total = 0;
   for (const OpenInput& input : inputs) total += input.frames.size();
   std::vector<ReportSlot> slots = report_slots(inputs, args.shard);
@@ -105,13 +107,13 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     if (slot.colors_only) continue;
     frames.insert(slot.folder);
     resumed += slot.found;
-    ReportRecording& recording = report.recordings[slot.input];
+    report::ReportRecording& recording = report.recordings[slot.input];
     ++recording.frames_asked;
     report.partial |= !slot.done;
     if (slot.done) recording.frames.push_back(folder.read(slot.folder));
   }
   // A recording that gives nothing at all is bad input, not a report; a shard may be so.
-  if (!report.partial && args.shard.count == 1 && totals_of(report).frames_done == 0) {
+  if (!report.partial && args.shard.count == 1 && report::totals_of(report).frames_done == 0) {
     folder.give_up();
     throw_first_refusal(report);
   }
@@ -122,4 +124,4 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -8,7 +8,7 @@
 #include "app/commands/inputs.hpp"
 #include "app/commands/report_frames.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// What a report is held to.
 struct ReportGuardArgs {
@@ -52,4 +52,4 @@ int run_report_merge(const ReportMergeArgs& args);
 /// there is one.
 int run_report_init();
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -10,15 +10,15 @@
 #include "core/model/text.hpp"
 #include "core/report/data/report_files.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr const char* kRulesFile = "planescope.rules.json";
 
-void print_facts(const std::filesystem::path& out, const Report& report, bool json) {
-  const ReportTotals totals = totals_of(report);
+void print_facts(const std::filesystem::path& out, const report::Report& report, bool json) {
+  const report::ReportTotals totals = report::totals_of(report);
   const std::string page = (out / "index.html").string();
   if (!json) {
     fmt::print("{}: {}, {}\n", page, counted(totals.frames_done, "frame"),
@@ -31,7 +31,7 @@ void print_facts(const std::filesystem::path& out, const Report& report, bool js
       {"recordings", totals.recordings},         {"frames_done", totals.frames_done},
       {"frames_refused", totals.frames_refused}, {"planes", totals.planes},
       {"rendered", !report.renderer.empty()}};
-  if (report.judgement) facts["verdict"] = judgement_json(*report.judgement);
+  if (report.judgement) facts["verdict"] = report::judgement_json(*report.judgement);
   fmt::print("{}\n", facts.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
@@ -42,10 +42,10 @@ struct Refused {
   std::string first;
 };
 
-Refused refused_of(const Report& report) {
+Refused refused_of(const report::Report& report) {
   Refused refused;
-  for (const ReportRecording& recording : report.recordings)
-    for (const ReportFrame& frame : recording.frames) {
+  for (const report::ReportRecording& recording : report.recordings)
+    for (const report::ReportFrame& frame : recording.frames) {
       if (frame.refused.empty()) continue;
       ++refused.frames;
       refused.unreadable |= frame.unreadable;
@@ -56,7 +56,7 @@ Refused refused_of(const Report& report) {
 
 }  // namespace
 
-ReportGuard open_guard(const ReportGuardArgs& args) {
+report::ReportGuard open_guard(const ReportGuardArgs& args) {
   if (args.approve && args.baseline.empty())
     throw Error("--approve: give --baseline FILE, which the report is to become");
   if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
@@ -73,15 +73,15 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
-void throw_first_refusal(const Report& report) { throw Error(refused_of(report).first); }
+void throw_first_refusal(const report::Report& report) { throw Error(refused_of(report).first); }
 
 int finish_report(const std::filesystem::path& out,
-                  Report& report,
-                  ReportGuard& guard,
+                  report::Report& report,
+                  report::ReportGuard& guard,
                   const ReportGuardArgs& args,
                   bool json) {
   if (!report.partial) report.judgement = guard.judge(report);
-  write_report_files(out, report);
+  report::write_report_files(out, report);
   if (report.partial) throw Cancelled();
   print_facts(out, report, json);
   const Refused refused = refused_of(report);
@@ -108,9 +108,9 @@ int finish_report(const std::filesystem::path& out,
 int run_report_init() {
   if (std::filesystem::exists(kRulesFile))
     throw Error(std::string(kRulesFile) + ": exists already");
-  write_file_text(kRulesFile, rules_json(built_in_rules()));
+  write_file_text(kRulesFile, report::rules_json(report::built_in_rules()));
   fmt::print("{}\n", kRulesFile);
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -6,7 +6,7 @@
 #include "core/model/error.hpp"
 #include "core/report/data/segment_files.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,13 +22,13 @@ bool has_records(const fs::path& dir) {
 }
 
 /// A record may be anybody's: it is this frame's, and its pictures are those in the frame's folder.
-void settle_record(const fs::path& frame, ReportFrame& record) {
+void settle_record(const fs::path& frame, report::ReportFrame& record) {
   const auto fail = [&](const std::string& what) {
     throw Error((frame / "report" / "frame.json").string() + ": " + what);
   };
-  if (frame_folder(record.index).filename() != frame.filename())
+  if (report::frame_folder(record.index).filename() != frame.filename())
     fail("is of frame " + std::to_string(record.index));
-  for (ReportPicture& picture : record.pictures) {
+  for (report::ReportPicture& picture : record.pictures) {
     if (picture.name.empty() ||
         !std::ranges::all_of(picture.name, [](char c) { return c >= 'a' && c <= 'z'; }))
       fail("names a picture '" + picture.name + "', expected small letters");
@@ -65,7 +65,7 @@ ReportFolder::ReportFolder(fs::path dir, bool resume) : dir_(std::move(dir)) {
     std::ranges::reverse(made_dirs_);
     fs::create_directories(work_);
   });
-  lock_ = LabelLock::take(work_, "planescope report");
+  lock_ = labels::LabelLock::take(work_, "planescope report");
   if (!lock_.is_held()) {
     made_dirs_.clear();
     throw Error("output " + dir_.string() + ": another report is being written there, " +
@@ -82,7 +82,7 @@ ReportFolder::~ReportFolder() {
   if (!lock_.is_held()) return;
   std::error_code ignored;
   if (over_ || !has_records(work_)) fs::remove_all(work_, ignored);
-  lock_ = LabelLock();
+  lock_ = labels::LabelLock();
   // Removes empty folders only.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
@@ -96,14 +96,16 @@ bool ReportFolder::has(const fs::path& frame) const {
   return fs::exists(place_of(frame) / "report" / "frame.json");
 }
 
-std::optional<ReportFrame> ReportFolder::find(const fs::path& frame, const std::string& key) {
+std::optional<report::ReportFrame> ReportFolder::find(const fs::path& frame,
+                                                      const std::string& key) {
   const fs::path place = place_of(frame);
-  std::optional<ReportFrame> found = find_frame_record(place / "report", key);
+  std::optional<report::ReportFrame> found = report::find_frame_record(place / "report", key);
   if (!found) return found;
   settle_record(frame, *found);
   const fs::path root = place == work_ / frame ? work_ : dir_;
-  for (const ReportPicture& picture : found->pictures)
-    for (const std::string& file : {picture.file, copy_of(picture), thumbnail_of(picture)})
+  for (const report::ReportPicture& picture : found->pictures)
+    for (const std::string& file :
+         {picture.file, report::copy_of(picture), report::thumbnail_of(picture)})
       if (std::error_code none; !fs::exists(root / file) || fs::file_size(root / file, none) == 0)
         return std::nullopt;
   if (root == work_) {
@@ -122,10 +124,10 @@ fs::path ReportFolder::start(const fs::path& frame) {
 }
 
 void ReportFolder::finish(const fs::path& frame,
-                          const ReportFrame& record,
+                          const report::ReportFrame& record,
                           bool ours,
                           const std::string& key) {
-  write_frame_record(work_ / frame / "report", record, ours, key);
+  report::write_frame_record(work_ / frame / "report", record, ours, key);
   if (std::error_code none; record.pictures.empty()) fs::remove(work_ / frame / "pictures", none);
   const std::lock_guard lock(mutex_);
   finished_.insert(frame);
@@ -146,8 +148,8 @@ void ReportFolder::take(const fs::path& frame, const fs::path& dir) {
   finished_.insert(frame);
 }
 
-ReportFrame ReportFolder::read(const fs::path& frame) const {
-  ReportFrame record = read_frame_record(place_of(frame) / "report");
+report::ReportFrame ReportFolder::read(const fs::path& frame) const {
+  report::ReportFrame record = report::read_frame_record(place_of(frame) / "report");
   settle_record(frame, record);
   return record;
 }
@@ -190,4 +192,4 @@ void ReportFolder::commit(bool whole, const std::set<fs::path>& frames) {
 
 void ReportFolder::give_up() { over_ = true; }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -12,7 +12,7 @@
 #include "core/labels/store/label_lock.hpp"
 #include "core/report/data/frame_record.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// Frames go by the folder that is theirs below DIR, "01-a.bag/frames/000012". They are written
 /// below DIR/.report-work; commit() moves them to their place, over what stood there.
@@ -27,18 +27,19 @@ class ReportFolder {
   ReportFolder& operator=(const ReportFolder&) = delete;
 
   /// The frame as an earlier run left it, where that was of the same key and its files are there.
-  std::optional<ReportFrame> find(const std::filesystem::path& frame, const std::string& key);
+  std::optional<report::ReportFrame> find(const std::filesystem::path& frame,
+                                          const std::string& key);
   bool has(const std::filesystem::path& frame) const;
   /// An empty folder for the frame's files, with `pictures` and `report` in it.
   std::filesystem::path start(const std::filesystem::path& frame);
   void finish(const std::filesystem::path& frame,
-              const ReportFrame& record,
+              const report::ReportFrame& record,
               bool ours,
               const std::string& key);
   /// A finished frame's files, copied from another report in `dir`.
   void take(const std::filesystem::path& frame, const std::filesystem::path& dir);
   /// A frame that was finished, found or taken.
-  ReportFrame read(const std::filesystem::path& frame) const;
+  report::ReportFrame read(const std::filesystem::path& frame) const;
 
   /// `whole`: nothing is left for another run to go on with, and frames of an earlier report that
   /// are none of `frames` go.
@@ -51,10 +52,10 @@ class ReportFolder {
 
   std::filesystem::path dir_, work_;
   std::vector<std::filesystem::path> made_dirs_;  // outermost first
-  LabelLock lock_;
+  labels::LabelLock lock_;
   bool over_ = false;  // nothing in work_ is wanted any more
   mutable std::mutex mutex_;
   std::set<std::filesystem::path> finished_;  // in work_
 };
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -21,23 +21,23 @@
 #include "render/context.hpp"
 #include "render/palette.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Draws on the thread that made it, where that is possible; where it is not, says why.
 struct Painter {
-  std::unique_ptr<GlContext> context;
-  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<render::Renderer> renderer;
   std::string description, error;
 
   explicit Painter(bool wanted) {
     if (!wanted) return;
     try {
-      context = make_egl_context();
+      context = render::make_egl_context();
       description = context->description();
-      renderer = std::make_unique<Renderer>();
+      renderer = std::make_unique<render::Renderer>();
     } catch (const Error& failure) {
       give_up(failure);
     }
@@ -59,20 +59,20 @@ class ColorChain {
   explicit ColorChain(std::size_t inputs) : before_(inputs), next_(inputs, 0) {}
 
   /// Sets the planes' colours; false where the chain was broken. `turn` counts the input's slots.
-  bool follow(std::size_t input, int turn, std::vector<ReportPlane>& planes) {
+  bool follow(std::size_t input, int turn, std::vector<report::ReportPlane>& planes) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return broken_ || next_[input] == turn; });
     if (broken_) return false;
-    std::vector<ColoredPlane> now;
-    for (const ReportPlane& plane : planes) {
-      const PlaneSummary& s = plane.summary;
+    std::vector<render::ColoredPlane> now;
+    for (const report::ReportPlane& plane : planes) {
+      const report::PlaneSummary& s = plane.summary;
       now.push_back({s.label, s.normal, s.offset_m, s.centroid, plane.color_id});
     }
     const bool colored = !planes.empty() && planes[0].color_id > 0;  // by an earlier run
-    if (!colored) keep_colors(before_[input], now);
+    if (!colored) render::keep_colors(before_[input], now);
     for (std::size_t k = 0; k < planes.size(); ++k) {
       planes[k].color_id = now[k].color_id;
-      planes[k].color = css_color(plane_color(now[k].color_id));
+      planes[k].color = css_color(render::plane_color(now[k].color_id));
     }
     before_[input] = std::move(now);
     ++next_[input];
@@ -96,7 +96,7 @@ class ColorChain {
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::vector<ColoredPlane>> before_;
+  std::vector<std::vector<render::ColoredPlane>> before_;
   std::vector<int> next_;
   bool broken_ = false;
 };
@@ -155,15 +155,16 @@ class FrameWriter {
         slot.found = true;
         return chain_.follow(slot.input, turn, found->planes);
       }
-    ReportFrame frame;
+    report::ReportFrame frame;
     std::optional<LoadedFrame> loaded;
     const double reference_ms = reference_work();
     try {
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
-      frame = make_report_frame(loaded->frame, loaded->result, job_.options);
-      frame.histograms = decision_histograms(loaded->result.segmentation, loaded->strains,
-                                             segment_options(loaded->result, job_.options));
-      if (loaded->truth) frame.metrics = score_frame(loaded->result, *loaded->truth);
+      frame = report::make_report_frame(loaded->frame, loaded->result, job_.options);
+      frame.histograms =
+          report::decision_histograms(loaded->result.segmentation, loaded->strains,
+                                      planes::segment_options(loaded->result, job_.options));
+      if (loaded->truth) frame.metrics = planes::score_frame(loaded->result, *loaded->truth);
       frame.sha256 = input.recording->frame_hash(slot.index);
     } catch (const Error& error) {
       loaded.reset();
@@ -177,7 +178,7 @@ class FrameWriter {
   }
 
  private:
-  std::optional<ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {
+  std::optional<report::ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {
     try {
       return folder_.find(slot.folder, key_of(job_, input, input.recording->frame(slot.index),
                                               input.recording->frame_hash(slot.index)));
@@ -186,8 +187,8 @@ class FrameWriter {
     }
   }
 
-  static ReportFrame refused(const OpenInput& input, int index, const Error& error) {
-    ReportFrame frame;
+  static report::ReportFrame refused(const OpenInput& input, int index, const Error& error) {
+    report::ReportFrame frame;
     frame.index = index;
     frame.refused = error.what();
     frame.unreadable = dynamic_cast<const FrameRefused*>(&error) == nullptr;
@@ -199,7 +200,7 @@ class FrameWriter {
     return frame;
   }
 
-  void put_down(const ReportSlot& slot, ReportFrame& frame, const LoadedFrame* loaded) {
+  void put_down(const ReportSlot& slot, report::ReportFrame& frame, const LoadedFrame* loaded) {
     const fs::path place = folder_.start(slot.folder);
     std::string key;
     if (loaded) {
@@ -214,14 +215,14 @@ class FrameWriter {
       if (painter_.renderer || !job_.pictures)
         key = key_of(job_, job_.inputs[slot.input], loaded->frame, frame.sha256);
     }
-    folder_.finish(slot.folder, frame, job_.options.method == Method::ours, key);
+    folder_.finish(slot.folder, frame, job_.options.method == planes::Method::ours, key);
   }
 
-  std::vector<ReportPicture> draw(const LoadedFrame& loaded,
-                                  const ReportFrame& frame,
-                                  const PictureJob& job) {
+  std::vector<report::ReportPicture> draw(const LoadedFrame& loaded,
+                                          const report::ReportFrame& frame,
+                                          const PictureJob& job) {
     std::vector<int> colors;
-    for (const ReportPlane& plane : frame.planes) colors.push_back(plane.color_id);
+    for (const report::ReportPlane& plane : frame.planes) colors.push_back(plane.color_id);
     if (painter_.renderer) {
       try {
         return draw_pictures(loaded, colors, painter_.renderer.get(), job);
@@ -272,8 +273,8 @@ fs::path report_frame_folder(std::size_t recordings,
                              std::size_t recording,
                              const std::string& name,
                              int index) {
-  if (recordings == 1) return frame_folder(index);
-  return fmt::format("{:02}-{}", recording + 1, name) / frame_folder(index);
+  if (recordings == 1) return report::frame_folder(index);
+  return fmt::format("{:02}-{}", recording + 1, name) / report::frame_folder(index);
 }
 
 Shard parse_shard(const std::string& text) {
@@ -312,9 +313,9 @@ std::vector<ReportSlot> report_slots(const std::vector<OpenInput>& inputs, const
 
 LoadedFrame run_report_frame(const OpenInput& input,
                              int index,
-                             const PipelineOptions& options,
-                             const Classifier* classifier) {
-  Trace trace;
+                             const planes::PipelineOptions& options,
+                             const planes::Classifier* classifier) {
+  planes::Trace trace;
   LoadedFrame loaded = run_input_frame(input, index, options, classifier, true, &trace);
   loaded.strains = std::move(trace.strains);
   return loaded;
@@ -328,7 +329,7 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   for (const ReportSlot& slot : slots) turns.push_back(of_input[slot.input]++);
   const int count = static_cast<int>(slots.size());
   const int workers = std::clamp(job.options.threads, 1, std::max(1, count));
-  PipelineOptions options = job.options;
+  planes::PipelineOptions options = job.options;
   options.threads = std::max(1, job.options.threads / workers);
   const ReportFramesJob one{job.inputs,    options,        job.classifier, job.run,
                             job.build_key, job.copy_width, job.resume,     job.pictures};
@@ -364,4 +365,4 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   return drawing;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -10,7 +10,7 @@
 #include "app/commands/inputs.hpp"
 #include "app/commands/report_folder.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// Where a frame's files lie below the report: "frames/000012", of several recordings
 /// "01-a.bag/frames/000012".
@@ -43,18 +43,20 @@ struct ReportSlot {
 std::vector<ReportSlot> report_slots(const std::vector<OpenInput>& inputs, const Shard& shard);
 
 /// How a frame is run: run_input_frame(), unless a test wants a fault in it.
-using FrameRunner = std::function<LoadedFrame(
-    const OpenInput& input, int index, const PipelineOptions& options, const Classifier*)>;
+using FrameRunner = std::function<LoadedFrame(const OpenInput& input,
+                                              int index,
+                                              const planes::PipelineOptions& options,
+                                              const planes::Classifier*)>;
 
 LoadedFrame run_report_frame(const OpenInput& input,
                              int index,
-                             const PipelineOptions& options,
-                             const Classifier* classifier);
+                             const planes::PipelineOptions& options,
+                             const planes::Classifier* classifier);
 
 struct ReportFramesJob {
   const std::vector<OpenInput>& inputs;
-  const PipelineOptions& options;
-  const Classifier* classifier = nullptr;
+  const planes::PipelineOptions& options;
+  const planes::Classifier* classifier = nullptr;
   FrameRunner run;
   std::string build_key;  // of all but the input
   int copy_width = 1280;
@@ -74,4 +76,4 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
                                   std::vector<ReportSlot>& slots,
                                   const std::stop_token& stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

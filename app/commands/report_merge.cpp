@@ -9,21 +9,21 @@
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_head.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 struct ShardReport {
   fs::path dir;
-  ReportHead head;
+  report::ReportHead head;
   Shard shard;
 };
 
 ShardReport read_shard(const fs::path& dir) {
   const fs::path file = dir / "report.json";
-  ShardReport read{dir, read_report_head(file), {}};
-  const Report& report = read.head.report;
+  ShardReport read{dir, report::read_report_head(file), {}};
+  const report::Report& report = read.head.report;
   if (report.shard.empty()) throw Error(file.string() + ": is a whole report, expected a shard");
   if (report.partial)
     throw Error(file.string() + ": shard " + report.shard +
@@ -33,14 +33,14 @@ ShardReport read_shard(const fs::path& dir) {
 }
 
 /// What the shards of one report have in common, as report.json writes it.
-std::string common_text(const Report& report) {
-  Report common = report;
+std::string common_text(const report::Report& report) {
+  report::Report common = report;
   common.created_utc.clear();
   common.shard.clear();
   common.renderer.clear();
   common.renderer_error.clear();
-  for (ReportRecording& recording : common.recordings) recording.frames_asked = 0;
-  return report_json(common);
+  for (report::ReportRecording& recording : common.recordings) recording.frames_asked = 0;
+  return report::report_json(common);
 }
 
 std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
@@ -64,7 +64,7 @@ std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
   return shards;
 }
 
-fs::path folder_of(const Report& report, std::size_t recording, int index) {
+fs::path folder_of(const report::Report& report, std::size_t recording, int index) {
   return report_frame_folder(report.recordings.size(), recording, report.recordings[recording].name,
                              index);
 }
@@ -72,7 +72,7 @@ fs::path folder_of(const Report& report, std::size_t recording, int index) {
 }  // namespace
 
 int run_report_merge(const ReportMergeArgs& args) {
-  ReportGuard guard = open_guard(args.guard);
+  report::ReportGuard guard = open_guard(args.guard);
   check_baseline_place(args.guard, args.out);
   std::vector<ShardReport> shards = read_shards(args.shards);
   for (const ShardReport& shard : shards)
@@ -81,11 +81,11 @@ int run_report_merge(const ReportMergeArgs& args) {
   ReportFolder folder(args.out, false);
   folder.give_up();  // what fails half way is begun again
   std::set<fs::path> frames;
-  Report report = shards.front().head.report;
+  report::Report report = shards.front().head.report;
   report.shard.clear();
-  for (ReportRecording& recording : report.recordings) recording.frames_asked = 0;
+  for (report::ReportRecording& recording : report.recordings) recording.frames_asked = 0;
   for (const ShardReport& shard : shards) {
-    const Report& part = shard.head.report;
+    const report::Report& part = shard.head.report;
     report.created_utc = std::max(report.created_utc, part.created_utc);
     if (report.renderer_error.empty()) report.renderer_error = part.renderer_error;
     for (std::size_t r = 0; r < report.recordings.size(); ++r)
@@ -98,9 +98,9 @@ int run_report_merge(const ReportMergeArgs& args) {
     }
   }
   if (!report.renderer_error.empty()) report.renderer.clear();
-  if (totals_of(report).frames_done == 0) throw_first_refusal(report);
+  if (report::totals_of(report).frames_done == 0) throw_first_refusal(report);
   folder.commit(true, frames);
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -10,19 +10,19 @@
 #include "render/scenes.hpp"
 #include "render/truth_image.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
 constexpr int kThumbnailWidth = 200;
 constexpr int kJpegQuality = 86;
 
-ReportPicture keep(const Image8& image,
-                   const std::string& name,
-                   const std::string& title,
-                   const std::string& alt,
-                   const PictureJob& job) {
-  ReportPicture picture;
+report::ReportPicture keep(const Image8& image,
+                           const std::string& name,
+                           const std::string& title,
+                           const std::string& alt,
+                           const PictureJob& job) {
+  report::ReportPicture picture;
   picture.name = name;
   picture.title = title;
   picture.alt = alt;
@@ -30,20 +30,23 @@ ReportPicture keep(const Image8& image,
   picture.width = image.width;
   picture.height = image.height;
   picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
-  write_png(job.dir / "pictures" / (name + ".png"), image);
+  io::write_png(job.dir / "pictures" / (name + ".png"), image);
   const auto copy = [&](const char* ending, int width) {
     write_file_bytes(job.dir / "report" / (name + ending),
-                     encode_jpeg(shrink(image, width), kJpegQuality));
+                     report::encode_jpeg(report::shrink(image, width), kJpegQuality));
   };
   copy(".jpg", job.copy_width);
   copy(".small.jpg", kThumbnailWidth);
   return picture;
 }
 
-Image8 render(
-    Renderer& renderer, const DrawList& list, const Camera& camera, int width, int height) {
+Image8 render(render::Renderer& renderer,
+              const render::DrawList& list,
+              const render::Camera& camera,
+              int width,
+              int height) {
   try {
-    return renderer.render(list, camera, width, height, Theme::light);
+    return renderer.render(list, camera, width, height, render::Theme::light);
   } catch (const Error& error) {
     throw DrawingFailed(error.what());
   }
@@ -51,42 +54,42 @@ Image8 render(
 
 /// Ground truth against the result: on the depth image, or of a cloud in space.
 std::optional<Image8> draw_truth(const LoadedFrame& loaded,
-                                 const JudgedFrame& judged,
+                                 const planes::JudgedFrame& judged,
                                  const std::vector<int>& color_of_plane,
-                                 Renderer* renderer) {
+                                 render::Renderer* renderer) {
   if (!loaded.frame.is_cloud())
-    return image_truth(loaded.frame, loaded.result, judged, color_of_plane);
+    return render::image_truth(loaded.frame, loaded.result, judged, color_of_plane);
   if (!renderer) return std::nullopt;
   constexpr int kPanelWidth = 800, kPanelHeight = 720;
-  const Camera camera =
-      frame_camera(loaded.result, static_cast<double>(kPanelWidth) / kPanelHeight);
+  const render::Camera camera =
+      render::frame_camera(loaded.result, static_cast<double>(kPanelWidth) / kPanelHeight);
   std::vector<Image8> panels;
-  for (const DrawList& list : scenes_truth(loaded.result, judged, color_of_plane))
+  for (const render::DrawList& list : render::scenes_truth(loaded.result, judged, color_of_plane))
     panels.push_back(render(*renderer, list, camera, kPanelWidth, kPanelHeight));
-  return side_by_side(panels);
+  return render::side_by_side(panels);
 }
 
-std::string in_planes(const FrameResult& result) {
+std::string in_planes(const planes::FrameResult& result) {
   return counted(result.segmentation.planes.size(), "plane");
 }
 
 }  // namespace
 
-std::string css_color(Rgba color) {
+std::string css_color(render::Rgba color) {
   return fmt::format("#{:02x}{:02x}{:02x}", color.r, color.g, color.b);
 }
 
-std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
-                                         const std::vector<int>& color_of_plane,
-                                         Renderer* renderer,
-                                         const PictureJob& job) {
+std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
+                                                 const std::vector<int>& color_of_plane,
+                                                 render::Renderer* renderer,
+                                                 const PictureJob& job) {
   const Frame& frame = loaded.frame;
-  const FrameResult& result = loaded.result;
-  const SegmentCounts& counts = result.segmentation.counts;
-  std::vector<ReportPicture> pictures;
-  const Camera camera = frame_camera(result, static_cast<double>(kWidth) / kHeight);
-  const auto draw = [&](const DrawList& list, const std::string& name, const std::string& title,
-                        const std::string& alt) {
+  const planes::FrameResult& result = loaded.result;
+  const planes::SegmentCounts& counts = result.segmentation.counts;
+  std::vector<report::ReportPicture> pictures;
+  const render::Camera camera = render::frame_camera(result, static_cast<double>(kWidth) / kHeight);
+  const auto draw = [&](const render::DrawList& list, const std::string& name,
+                        const std::string& title, const std::string& alt) {
     const Image8 image = render(*renderer, list, camera, kWidth, kHeight);
     pictures.push_back(keep(image, name, title, alt, job));
   };
@@ -94,54 +97,55 @@ std::vector<ReportPicture> draw_pictures(const LoadedFrame& loaded,
   if (!frame.is_cloud()) {
     const std::string backdrop = frame.color.empty() ? "shaded depth image" : "colour image";
     pictures.push_back(keep(
-        image_overlay(frame, result, color_of_plane), "overlay", "Planes over the camera image",
+        render::image_overlay(frame, result, color_of_plane), "overlay",
+        "Planes over the camera image",
         fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)),
         job));
     pictures.push_back(keep(
-        image_depth(frame, job.max_range_m), "depth", "Depth",
+        render::image_depth(frame, job.max_range_m), "depth", "Depth",
         fmt::format("The depth image as a colour ramp up to {:.6g} m; {} of {} pixels were not "
                     "measured.",
                     job.max_range_m, result.cloud.counts.no_measurement,
                     result.cloud.counts.pixels),
         job));
   } else if (renderer) {
-    draw(scene_overlay(frame, result, color_of_plane), "overlay", "Planes over the cloud",
+    draw(render::scene_overlay(frame, result, color_of_plane), "overlay", "Planes over the cloud",
          fmt::format("The cloud's points with {} coloured and numbered.", in_planes(result)));
-    draw(scene_heights(result), "heights", "Points by height",
+    draw(render::scene_heights(result), "heights", "Points by height",
          fmt::format("{} points coloured by their height.", result.cloud.counts.kept));
   }
   if (loaded.truth) {
-    const JudgedFrame judged = judge_frame(result, *loaded.truth);
+    const planes::JudgedFrame judged = planes::judge_frame(result, *loaded.truth);
     if (const auto image = draw_truth(loaded, judged, color_of_plane, renderer))
       pictures.push_back(keep(*image, "truth", "Labels, found, and errors",
                               fmt::format("Side by side the labelled planes, the planes found in "
                                           "the same colours, and the points where they differ: {}.",
-                                          errors_text(judged)),
+                                          render::errors_text(judged)),
                               job));
   }
   if (!renderer) return pictures;
 
-  if (job.method == Method::ours && result.gravity.known()) {
+  if (job.method == planes::Method::ours && result.gravity.known()) {
     draw(
-        scene_labels(result), "labels", "Voxels by h and v",
+        render::scene_labels(result), "labels", "Voxels by h and v",
         fmt::format("{} voxels coloured as h, level, or v, upright.", result.voxels.points.size()));
-    draw(scene_margins(result), "margins", "How sure the classifier is",
+    draw(render::scene_margins(result), "margins", "How sure the classifier is",
          "The same voxels, dark on the boundary between h and v and in the colour of their class "
          "where "
          "it is sure.");
   }
-  if (job.method == Method::ours)
-    draw(scene_cases(result), "cases", "Octree nodes by case",
+  if (job.method == planes::Method::ours)
+    draw(render::scene_cases(result), "cases", "Octree nodes by case",
          fmt::format(
              "The octree's nodes as boxes: {} of case I, {} of case II, {} of case III, {} of "
              "case IV.",
              counts.nodes_per_case[1], counts.nodes_per_case[2], counts.nodes_per_case[3],
              counts.nodes_per_case[4]));
-  draw(scene_planes(result, color_of_plane), "planes", "Final planes",
+  draw(render::scene_planes(result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
-  draw(scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
+  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
        fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
   return pictures;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -9,12 +9,12 @@
 #include "core/model/error.hpp"
 #include "core/report/data/segment_files.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 // The one line that tells what became of a frame.
-std::string line_of(const std::string& folder, const FrameResult& result) {
-  const CloudCounts& counts = result.cloud.counts;
+std::string line_of(const std::string& folder, const planes::FrameResult& result) {
+  const planes::CloudCounts& counts = result.cloud.counts;
   std::size_t in_plane = 0;
   for (const std::int32_t id : result.plane_of) in_plane += id > 0;
   std::string line = fmt::format("{}: {} planes, {} of {} points in them", folder,
@@ -33,7 +33,7 @@ std::string line_of(const std::string& folder, const FrameResult& result) {
   return line;
 }
 
-nlohmann::ordered_json json_of(const std::string& folder, const FrameResult& result) {
+nlohmann::ordered_json frame_json(const std::string& folder, const planes::FrameResult& result) {
   nlohmann::ordered_json json;
   json["folder"] = folder;
   json["planes"] = result.segmentation.planes.size();
@@ -53,7 +53,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   StagedOutput output(args.out);
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   const OpenInput& input = inputs.front();
-  const ChosenClassifier chosen = choose_classifier(args.input.pipeline);
+  const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 
   std::vector<std::string> lines, refused;
   bool unknown_gravity = false;
@@ -61,7 +61,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   json["schema"] = "planescope.segment/1";
   json["input"] = input.path.string();
   json["out"] = args.out.string();
-  json["method"] = to_string(args.input.pipeline.method);
+  json["method"] = planes::to_string(args.input.pipeline.method);
   json["frames"] = nlohmann::ordered_json::array();
   {
     Progress progress("segment", static_cast<int>(input.frames.size()));
@@ -72,11 +72,12 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
       try {
         const LoadedFrame loaded =
             run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), false);
-        const std::filesystem::path folder = frame_folder(index);
-        write_segment_files(output.add(folder), loaded.frame, loaded.result, args.input.pipeline);
+        const std::filesystem::path folder = report::frame_folder(index);
+        report::write_segment_files(output.add(folder), loaded.frame, loaded.result,
+                                    args.input.pipeline);
         unknown_gravity |= !loaded.result.gravity.known();
         lines.push_back(line_of((args.out / folder).string(), loaded.result));
-        json["frames"].push_back(json_of((args.out / folder).string(), loaded.result));
+        json["frames"].push_back(frame_json((args.out / folder).string(), loaded.result));
       } catch (const FrameRefused& refusal) {
         refused.push_back(refusal.what());
       }
@@ -91,10 +92,10 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   } else {
     for (const std::string& line : lines) fmt::print("{}\n", line);
     if (unknown_gravity)
-      fmt::print(stderr, "planescope: to tell h from v, {}\n", kHowToGiveGravity);
+      fmt::print(stderr, "planescope: to tell h from v, {}\n", planes::kHowToGiveGravity);
   }
   if (stop.stop_requested()) throw Cancelled();
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -5,7 +5,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct SegmentArgs {
   InputArgs input;            // one recording
@@ -17,4 +17,4 @@ struct SegmentArgs {
 /// nothing on an Error; the frames done so far, and Cancelled, on a stop. Returns the exit code.
 int run_segment(const SegmentArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -13,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 struct NamedCloud {
@@ -36,7 +36,7 @@ int write_clouds(const std::filesystem::path& dir,
   const auto make = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
       const NamedCloud made = make_cloud(static_cast<int>(i));
-      write_ply(dir / (made.name + ".ply"), made.cloud);
+      io::write_ply(dir / (made.name + ".ply"), made.cloud);
       ++done;
       if (begin == 0) progress.show(done, "");  // one thread speaks for all
     }
@@ -47,7 +47,7 @@ int write_clouds(const std::filesystem::path& dir,
 
 int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
   const auto make = [&](int i) {
-    EvaluationFrame made = make_evaluation_frame(args.set, i, args.options);
+    lab::EvaluationFrame made = lab::make_evaluation_frame(args.set, i, args.options);
     return NamedCloud{std::move(made.name), std::move(*made.frame.cloud)};
   };
   const int done = write_clouds(args.out, task, args.count, args.threads, stop, make);
@@ -57,20 +57,21 @@ int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::sto
 }
 
 int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
-  const SampleFolder folder{
-      fmt::format("planescope {} --errors {}", task, to_string(args.options.errors)),
+  const lab::SampleFolder folder{
+      fmt::format("planescope {} --errors {}", task, lab::to_string(args.options.errors)),
       args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
   {
     Progress progress(task, args.count);
-    write_sample_folder(args.out, folder, [&](std::size_t i) {
+    lab::write_sample_folder(args.out, folder, [&](std::size_t i) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(i), "");
-      EvaluationFrame made = make_evaluation_frame(args.set, static_cast<int>(i), args.options);
-      return SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
+      lab::EvaluationFrame made =
+          lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
+      return lab::SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
     });
   }
   fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
-             args.set.name, default_label_dir(args.out).string());
+             args.set.name, labels::default_label_dir(args.out).string());
   return 0;
 }
 
@@ -78,16 +79,16 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
 
 int run_synth_sample(const SynthSampleArgs& args) {
   check_output_dir(args.out);
-  write_sample(args.out, args.sample);
+  lab::write_sample(args.out, args.sample);
   fmt::print("{}: {} frames, their ground truth in {}\n", args.out.string(),
-             args.sample.scenes.size(), default_label_dir(args.out).string());
+             args.sample.scenes.size(), labels::default_label_dir(args.out).string());
   return 0;
 }
 
 int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
   const auto make = [&](int i) {
-    return NamedCloud{fmt::format("stairs_{:03}", i), make_stairs(i, args.stairs).cloud};
+    return NamedCloud{fmt::format("stairs_{:03}", i), lab::make_stairs(i, args.stairs).cloud};
   };
   const int done = write_clouds(args.out, "synth stairs", args.count, args.threads, stop, make);
   fmt::print("{}: {} stairs\n", args.out.string(), done);
@@ -101,4 +102,4 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
   return args.set.depth ? write_set_depth(args, task, stop) : write_set_clouds(args, task, stop);
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

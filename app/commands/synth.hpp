@@ -8,11 +8,11 @@
 #include "core/lab/synthetic/sample.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct SynthSampleArgs {
   std::filesystem::path out;  // -o
-  SampleOptions sample;
+  lab::SampleOptions sample;
 };
 
 /// Writes a folder recording and its labels beside it. Returns the exit code.
@@ -21,7 +21,7 @@ int run_synth_sample(const SynthSampleArgs& args);
 struct SynthStairsArgs {
   std::filesystem::path out;  // -o
   int count = 100;
-  StairsOptions stairs;
+  lab::StairsOptions stairs;
   int threads = 1;
 };
 
@@ -30,13 +30,13 @@ int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop);
 
 struct SynthSetArgs {
   std::filesystem::path out;  // -o
-  EvaluationSet set;
+  lab::EvaluationSet set;
   int count = 0;
-  EvaluationOptions options;
+  lab::EvaluationOptions options;
   int threads = 1;  // clouds
 };
 
 /// Writes frames of an evaluation set: clouds as synth stairs does, depth as synth sample does.
 int run_synth_set(const SynthSetArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

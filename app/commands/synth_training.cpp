@@ -13,13 +13,13 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 Json header_of(const SynthTrainingArgs& args) {
-  const TrainingRecipe& recipe = args.recipe;
+  const lab::TrainingRecipe& recipe = args.recipe;
   Json json = {{"schema", "planescope.training_set/1"},
                {"made_by", "planescope synth training"},
                {"recipe", recipe.name},
@@ -31,30 +31,32 @@ Json header_of(const SynthTrainingArgs& args) {
   return json;
 }
 
-std::vector<LabelledCloud> make_clouds(const SynthTrainingArgs& args, const std::stop_token& stop) {
+std::vector<planes::LabelledCloud> make_clouds(const SynthTrainingArgs& args,
+                                               const std::stop_token& stop) {
   Progress bar("synth training", args.recipe.set.count());
   const auto show = [&](int done, int) {
     if (stop.stop_requested()) throw Cancelled();
     bar.show(done, "");
   };
-  std::vector<LabelledCloud> clouds = make_training_set(args.recipe.set, args.threads, show);
+  std::vector<planes::LabelledCloud> clouds =
+      lab::make_training_set(args.recipe.set, args.threads, show);
   if (!args.augmented) return clouds;
-  for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i] = vary(args.recipe, clouds[i], i);
+  for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i] = lab::vary(args.recipe, clouds[i], i);
   return clouds;
 }
 
-void write_cloud(const std::filesystem::path& path, const LabelledCloud& cloud) {
+void write_cloud(const std::filesystem::path& path, const planes::LabelledCloud& cloud) {
   PointSet set;
   set.points = cloud.points;
   for (const Label label : cloud.labels) set.label.push_back(static_cast<std::uint8_t>(label));
-  write_ply(path, set);
+  io::write_ply(path, set);
 }
 
 }  // namespace
 
 int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
-  const std::vector<LabelledCloud> clouds = make_clouds(args, stop);
+  const std::vector<planes::LabelledCloud> clouds = make_clouds(args, stop);
   std::error_code failed;
   std::filesystem::create_directories(args.out, failed);
   if (failed) throw Error("output " + args.out.string() + ": " + failed.message());
@@ -62,7 +64,7 @@ int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
   Json json = header_of(args);
   json["clouds"] = Json::array();
   std::map<std::string, int> written;  // by kind
-  for (const LabelledCloud& cloud : clouds) {
+  for (const planes::LabelledCloud& cloud : clouds) {
     if (stop.stop_requested()) throw Cancelled();
     const std::string name = fmt::format("{}_{:03}.ply", cloud.kind, written[cloud.kind]++);
     write_cloud(args.out / name, cloud);
@@ -79,4 +81,4 @@ int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -5,11 +5,11 @@
 
 #include "core/lab/training/training_recipe.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct SynthTrainingArgs {
   std::filesystem::path out;  // -o
-  TrainingRecipe recipe;
+  lab::TrainingRecipe recipe;
   bool augmented = false;  // as one step of training sees the clouds
   int threads = 1;
 };
@@ -18,4 +18,4 @@ struct SynthTrainingArgs {
 /// folder without it is not complete. Throws Cancelled on stop.
 int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

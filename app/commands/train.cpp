@@ -13,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,12 +45,14 @@ Files checked_files(const TrainArgs& args) {
   return files;
 }
 
-TrainState first_state(const TrainArgs& args, const Files& files, const TrainingPurpose& purpose) {
-  const TrainOptions& options = args.recipe.train;
-  if (args.resume) return read_checkpoint(files.checkpoint, options, purpose);
-  TrainState state = begin_training(options);
+lab::TrainState first_state(const TrainArgs& args,
+                            const Files& files,
+                            const lab::TrainingPurpose& purpose) {
+  const lab::TrainOptions& options = args.recipe.train;
+  if (args.resume) return lab::read_checkpoint(files.checkpoint, options, purpose);
+  lab::TrainState state = lab::begin_training(options);
   if (args.from.empty()) return state;
-  NetworkWeights from = read_weights(args.from);
+  planes::NetworkWeights from = planes::read_weights(args.from);
   if (!(from.config == options.network))
     throw Error(fmt::format("{}: is not the network that is asked for, {} (--network)",
                             args.from.string(), options.network.name));
@@ -62,62 +64,64 @@ TrainState first_state(const TrainArgs& args, const Files& files, const Training
 struct Session {
   const TrainArgs& args;
   Files files;
-  TrainingPurpose purpose;
+  lab::TrainingPurpose purpose;
   TrainingData data;
 
-  const TrainOptions& options() const { return args.recipe.train; }
+  const lab::TrainOptions& options() const { return args.recipe.train; }
   int threads() const { return args.input.pipeline.threads; }
 };
 
-void write_page(const Session& session, const TrainState& state) {
-  const TrainOptions& options = session.options();
-  TrainingSummary summary;
+void write_page(const Session& session, const lab::TrainState& state) {
+  const lab::TrainOptions& options = session.options();
+  lab::TrainingSummary summary;
   summary.title = "Training of " + session.files.weights.filename().string();
   summary.facts = {
       {"Command", session.args.command},
       {"Recipe", session.args.recipe.name},
-      {"Network",
-       fmt::format("{}, {} parameters", options.network.name, parameter_count(options.network))},
+      {"Network", fmt::format("{}, {} parameters", options.network.name,
+                              planes::parameter_count(options.network))},
       {"Steps", fmt::format("{} of {}", state.step, options.steps)},
       {"Seed", fmt::format("{}", options.seed)},
       {"Clouds", fmt::format("{} synthetic, {} of recordings", session.data.synthetic.size(),
                              session.data.recordings.size())}};
-  for (const ValidationSet& set : session.data.validation)
+  for (const lab::ValidationSet& set : session.data.validation)
     summary.validation_sets.push_back(set.name);
   summary.epochs = state.epochs;
-  write_file_text(session.files.page, training_page(summary));
+  write_file_text(session.files.page, lab::training_page(summary));
 }
 
-void save(const Session& session, const TrainState& state) {
-  write_checkpoint(session.files.checkpoint, state, session.options(), session.purpose);
+void save(const Session& session, const lab::TrainState& state) {
+  lab::write_checkpoint(session.files.checkpoint, state, session.options(), session.purpose);
   write_page(session, state);
 }
 
-std::vector<LabelAccuracy> scores(const Session& session, const NetworkWeights& weights) {
-  std::vector<LabelAccuracy> scores;
-  for (const ValidationSet& set : session.data.validation)
-    scores.push_back(score_network(weights, set.clouds, session.threads()));
+std::vector<planes::LabelAccuracy> scores(const Session& session,
+                                          const planes::NetworkWeights& weights) {
+  std::vector<planes::LabelAccuracy> scores;
+  for (const lab::ValidationSet& set : session.data.validation)
+    scores.push_back(lab::score_network(weights, set.clouds, session.threads()));
   return scores;
 }
 
 /// Tells what the numbers of every epoch's line are.
 void explain_epochs(const Session& session) {
   std::vector<std::string> sets;
-  for (const ValidationSet& set : session.data.validation) sets.push_back(set.name);
+  for (const lab::ValidationSet& set : session.data.validation) sets.push_back(set.name);
   fmt::print(stderr, "edge: % of right labels within 2 cm of another label, on {}\n",
              fmt::join(sets, ", "));
 }
 
 /// Ends an epoch; returns a line about it.
-std::string end_epoch(const Session& session, TrainState& state) {
+std::string end_epoch(const Session& session, lab::TrainState& state) {
   const int begun = state.epochs.empty() ? 0 : state.epochs.back().step;
-  Epoch epoch;
+  lab::Epoch epoch;
   epoch.step = state.step;
   epoch.train_loss = state.loss_sum / (state.step - begun);
   epoch.validation = scores(session, state.weights);
   std::string line = fmt::format("step {:>6} of {}, loss {:.4f}, edge", state.step,
                                  session.options().steps, epoch.train_loss);
-  for (const LabelAccuracy& a : epoch.validation) line += fmt::format("  {:.1f}", a.edge_percent());
+  for (const planes::LabelAccuracy& a : epoch.validation)
+    line += fmt::format("  {:.1f}", a.edge_percent());
   state.loss_sum = 0;
   state.epochs.push_back(std::move(epoch));
   return line;
@@ -129,14 +133,14 @@ std::string minutes(double seconds) {
 }
 
 /// Runs the steps that are left. Stopped, it returns early.
-void train(const Session& session, TrainState& state, const std::stop_token& stop) {
-  const TrainOptions& options = session.options();
-  const DrawCloud draw = [&](std::uint64_t number) { return session.data.draw(number); };
+void train(const Session& session, lab::TrainState& state, const std::stop_token& stop) {
+  const lab::TrainOptions& options = session.options();
+  const lab::DrawCloud draw = [&](std::uint64_t number) { return session.data.draw(number); };
   const auto started = std::chrono::steady_clock::now();
   const int first = state.step;
   Progress bar("train", options.steps);
   while (state.step < options.steps && !stop.stop_requested()) {
-    train_step(state, options, draw, session.threads());
+    lab::train_step(state, options, draw, session.threads());
     if (state.step % options.epoch_steps == 0 || state.step == options.steps) {
       bar.print(end_epoch(session, state));
       save(session, state);
@@ -149,11 +153,11 @@ void train(const Session& session, TrainState& state, const std::stop_token& sto
 
 /// Prints the last epoch's accuracy, beside that of the baseline where there is one; returns
 /// whether the baseline is ahead.
-bool print_accuracy(const Session& session, const TrainState& state) {
-  const std::vector<LabelAccuracy>& own = state.epochs.back().validation;
+bool print_accuracy(const Session& session, const lab::TrainState& state) {
+  const std::vector<planes::LabelAccuracy>& own = state.epochs.back().validation;
   const fs::path& baseline = session.args.baseline;
-  std::vector<LabelAccuracy> others;
-  if (!baseline.empty()) others = scores(session, read_weights(baseline));
+  std::vector<planes::LabelAccuracy> others;
+  if (!baseline.empty()) others = scores(session, planes::read_weights(baseline));
   bool ahead = false;
   fmt::print("{:<18} {:>10} {:>10}{}\n", "right labels [%]", "near edges", "elsewhere",
              others.empty() ? "" : "   of " + baseline.string());
@@ -177,10 +181,10 @@ bool print_accuracy(const Session& session, const TrainState& state) {
 
 int run_train(const TrainArgs& args, std::stop_token stop) {
   const Files files = checked_files(args);
-  if (!args.baseline.empty()) read_weights(args.baseline);  // told now, not after an hour
+  if (!args.baseline.empty()) planes::read_weights(args.baseline);  // told now, not after an hour
   LabelledRecordings recordings = load_labelled_recordings(args.input, stop);
-  const TrainingPurpose purpose = training_purpose(args, recordings);
-  TrainState state = first_state(args, files, purpose);
+  const lab::TrainingPurpose purpose = training_purpose(args, recordings);
+  lab::TrainState state = first_state(args, files, purpose);
   const TrainingDataOptions data{args.synthetic, args.validation_clouds,
                                  args.input.pipeline.threads};
   const Session session{args, files, purpose,
@@ -191,7 +195,7 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
 
   explain_epochs(session);
   train(session, state, stop);
-  const TrainOptions& options = args.recipe.train;
+  const lab::TrainOptions& options = args.recipe.train;
   if (state.step < options.steps) {
     save(session, state);
     fmt::print(stderr, "stopped at step {} of {}: the same command with --resume goes on from {}\n",
@@ -199,14 +203,14 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
     throw Cancelled();
   }
   state.weights.training = training_record(args, session.data, state, purpose);
-  write_weights(files.weights, state.weights);
+  planes::write_weights(files.weights, state.weights);
   write_page(session, state);
   std::error_code ignored;
   fs::remove(files.checkpoint, ignored);
   const bool baseline_is_ahead = print_accuracy(session, state);
   fmt::print("{}: {} parameters, trained in {} steps; curves in {}\n", files.weights.string(),
-             parameter_count(options.network), state.step, files.page.string());
+             planes::parameter_count(options.network), state.step, files.page.string());
   return baseline_is_ahead ? 1 : 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

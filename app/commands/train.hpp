@@ -7,12 +7,12 @@
 #include "app/commands/inputs.hpp"
 #include "core/lab/training/training_recipe.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct TrainArgs {
   std::filesystem::path out;       // -o FILE.safetensors; the page and the checkpoint lie beside it
   InputArgs input;                 // labelled recordings to learn from as well; none: no recordings
-  TrainingRecipe recipe;           // with seed, steps, clouds and network as asked for
+  lab::TrainingRecipe recipe;      // with seed, steps, clouds and network as asked for
   bool synthetic = true;           // false: the recordings alone
   int validation_clouds = 12;      // of each kind
   std::filesystem::path from;      // weights to begin with; empty: random ones
@@ -25,4 +25,4 @@ struct TrainArgs {
 /// Returns the exit code: 1 where the baseline is better.
 int run_train(const TrainArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

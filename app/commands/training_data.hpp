@@ -7,11 +7,11 @@
 #include "app/commands/inputs.hpp"
 #include "core/lab/training/training_recipe.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// Frames of the inputs that have truth: every fifth of them is kept for validation.
 struct LabelledRecordings {
-  std::vector<LabelledCloud> train, validation;
+  std::vector<planes::LabelledCloud> train, validation;
   std::string sha256;  // of all their points and labels; empty without recordings
 };
 
@@ -20,12 +20,12 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
 
 /// What a training learns from and what it is scored on.
 struct TrainingData {
-  TrainingRecipe recipe;
-  std::vector<LabelledCloud> synthetic, recordings;  // one of them may be empty
-  std::vector<ValidationSet> validation;
+  lab::TrainingRecipe recipe;
+  std::vector<planes::LabelledCloud> synthetic, recordings;  // one of them may be empty
+  std::vector<lab::ValidationSet> validation;
 
   /// Cloud `number` of the training, varied as the recipe has it.
-  LabelledCloud draw(std::uint64_t number) const;
+  planes::LabelledCloud draw(std::uint64_t number) const;
 };
 
 struct TrainingDataOptions {
@@ -35,9 +35,9 @@ struct TrainingDataOptions {
 };
 
 /// Makes the synthetic clouds and puts the recordings beside them. Throws Cancelled on stop.
-TrainingData make_training_data(const TrainingRecipe& recipe,
+TrainingData make_training_data(const lab::TrainingRecipe& recipe,
                                 const TrainingDataOptions& options,
                                 LabelledRecordings recordings,
                                 const std::stop_token& stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -5,12 +5,12 @@
 #include "app/commands/recipe_json.hpp"
 #include "core/model/sha256.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 using Json = nlohmann::ordered_json;
 
-TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings) {
-  const TrainingRecipe& recipe = args.recipe;
+lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings) {
+  const lab::TrainingRecipe& recipe = args.recipe;
   const auto hash_or_none = [](const std::string& hash) { return hash.empty() ? "none" : hash; };
   return {{"recipe", recipe.name},
           {"synthetic clouds", args.synthetic ? json_of(recipe.set).dump() : "none"},
@@ -25,9 +25,9 @@ TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings
 
 std::string training_record(const TrainArgs& args,
                             const TrainingData& data,
-                            const TrainState& state,
-                            const TrainingPurpose& purpose) {
-  const TrainOptions& options = args.recipe.train;
+                            const lab::TrainState& state,
+                            const lab::TrainingPurpose& purpose) {
+  const lab::TrainOptions& options = args.recipe.train;
   Json record = {{"recipe", args.recipe.name},
                  {"seed", options.seed},
                  {"steps", state.step},
@@ -49,11 +49,11 @@ std::string training_record(const TrainArgs& args,
   record["scans"] = json_of(args.recipe.scans);
   record["loss"] = state.epochs.back().train_loss;
   for (std::size_t s = 0; s < data.validation.size(); ++s) {
-    const LabelAccuracy& a = state.epochs.back().validation[s];
+    const planes::LabelAccuracy& a = state.epochs.back().validation[s];
     record["validation"][data.validation[s].name] = {{"edge", a.edge_percent()},
                                                      {"inner", a.inner_percent()}};
   }
   return record.dump();
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

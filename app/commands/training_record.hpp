@@ -6,16 +6,16 @@
 #include "app/commands/training_data.hpp"
 #include "core/lab/training/checkpoint.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// How weights came about, as a JSON object for their file: nothing in it depends on where, when or
 /// with how many threads that was.
 std::string training_record(const TrainArgs& args,
                             const TrainingData& data,
-                            const TrainState& state,
-                            const TrainingPurpose& purpose);
+                            const lab::TrainState& state,
+                            const lab::TrainingPurpose& purpose);
 
 /// What a checkpoint must agree with beyond the trainer's own options.
-TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings);
+lab::TrainingPurpose training_purpose(const TrainArgs& args, const LabelledRecordings& recordings);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -15,7 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,11 +36,11 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
-  RecordingOptions options = args.input.recording;
+  io::RecordingOptions options = args.input.recording;
   options.damaged_frames_later = opens_report;  // it may be another frame that is opened
   const auto open = [&](const fs::path& path) {
-    document.recordings.push_back({path, open_recording(path, options),
-                                   args.input.label_dir.value_or(default_label_dir(path))});
+    document.recordings.push_back({path, io::open_recording(path, options),
+                                   args.input.label_dir.value_or(labels::default_label_dir(path))});
     read_picked(state, document.recordings.back());
   };
   for (const fs::path& path : args.input.inputs) open(path);
@@ -145,4 +145,4 @@ int run_view(const ViewArgs& args, std::stop_token stop) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -8,7 +8,7 @@
 #include "app/commands/inputs.hpp"
 #include "app/desktop/state/state.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct ViewArgs {
   InputArgs input;
@@ -31,4 +31,4 @@ desktop::State view_state(const ViewArgs& args);
 /// 1: an expectation of the script failed; 3: no display, or no GL.
 int run_view(const ViewArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

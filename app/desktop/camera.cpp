@@ -10,8 +10,8 @@ constexpr double kDeg = 0.017453292519943295;  // [rad]
 
 }  // namespace
 
-Camera preset_camera(const Camera& home, CameraPreset preset) {
-  Camera camera = home;
+render::Camera preset_camera(const render::Camera& home, CameraPreset preset) {
+  render::Camera camera = home;
   if (preset == CameraPreset::home) return camera;
   const double distance = (camera.eye - camera.target).norm();
   const Vec3d looks = camera.target - camera.eye;
@@ -32,12 +32,12 @@ Camera preset_camera(const Camera& home, CameraPreset preset) {
   return camera;
 }
 
-Camera camera_of(const State& state) {
+render::Camera camera_of(const State& state) {
   if (state.view.camera) return *state.view.camera;
-  return state.run_view() ? state.run_view()->home : Camera{};
+  return state.run_view() ? state.run_view()->home : render::Camera{};
 }
 
-Camera orbited(const Camera& camera, double right_deg, double up_deg) {
+render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg) {
   const Vec3d offset = camera.eye - camera.target;
   const double distance = offset.norm();
   double azimuth = std::atan2(offset.y(), offset.x());
@@ -47,7 +47,7 @@ Camera orbited(const Camera& camera, double right_deg, double up_deg) {
   // Just short of the pole, so that up stays up.
   const double tilted = std::clamp(elevation + up_deg * kDeg, -89.9 * kDeg, 89.9 * kDeg);
   const double turned = azimuth - right_deg * kDeg;
-  Camera result = camera;
+  render::Camera result = camera;
   result.up = Vec3d::UnitZ();
   result.eye =
       camera.target + distance * Vec3d(std::cos(tilted) * std::cos(turned),
@@ -55,28 +55,28 @@ Camera orbited(const Camera& camera, double right_deg, double up_deg) {
   return result;
 }
 
-Camera panned(const Camera& camera, double right, double up) {
+render::Camera panned(const render::Camera& camera, double right, double up) {
   const Vec3d forward = (camera.target - camera.eye).normalized();
   const Vec3d sideways = forward.cross(camera.up).normalized();
   const Vec3d upwards = sideways.cross(forward);
   const double height =
       2 * (camera.target - camera.eye).norm() * std::tan(camera.fov_y_deg * kDeg / 2);
   const Vec3d by = height * (right * sideways + up * upwards);
-  Camera result = camera;
+  render::Camera result = camera;
   result.eye += by;
   result.target += by;
   return result;
 }
 
-Camera zoomed(const Camera& camera, double factor) {
-  Camera result = camera;
+render::Camera zoomed(const render::Camera& camera, double factor) {
+  render::Camera result = camera;
   const Vec3d offset = camera.eye - camera.target;
   const double distance = std::clamp(offset.norm() / std::clamp(factor, 0.01, 100.0), 0.02, 100.0);
   result.eye = camera.target + distance * offset.normalized();
   return result;
 }
 
-Camera fitted(Camera camera, double aspect) {
+render::Camera fitted(render::Camera camera, double aspect) {
   constexpr double kMadeFor = 4.0 / 3;
   if (aspect >= kMadeFor) return camera;
   const double half = camera.fov_y_deg * kDeg / 2;
@@ -84,7 +84,7 @@ Camera fitted(Camera camera, double aspect) {
   return camera;
 }
 
-bool same_camera(const Camera& a, const Camera& b) {
+bool same_camera(const render::Camera& a, const render::Camera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_deg == b.fov_y_deg &&
          a.orthographic == b.orthographic && a.ortho_height_m == b.ortho_height_m;
 }

@@ -8,19 +8,19 @@ namespace planescope::desktop {
 
 enum class CameraPreset : std::uint8_t { home, top, side, front };
 /// `home`: the frame's own camera, at whose distance the others stand.
-Camera preset_camera(const Camera& home, CameraPreset preset);
+render::Camera preset_camera(const render::Camera& home, CameraPreset preset);
 
 /// The one in force: the user's, or the frame's own.
-Camera camera_of(const State& state);
+render::Camera camera_of(const State& state);
 
-Camera orbited(const Camera& camera, double right_deg, double up_deg);
+render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg);
 /// In heights of the view, at the target's distance.
-Camera panned(const Camera& camera, double right, double up);
+render::Camera panned(const render::Camera& camera, double right, double up);
 /// Nearer to the target for factors above 1.
-Camera zoomed(const Camera& camera, double factor);
+render::Camera zoomed(const render::Camera& camera, double factor);
 
 /// Cameras are made for views of 4:3; a narrower one shows as much from side to side.
-Camera fitted(Camera camera, double aspect);
-bool same_camera(const Camera& a, const Camera& b);
+render::Camera fitted(render::Camera camera, double aspect);
+bool same_camera(const render::Camera& a, const render::Camera& b);
 
 }  // namespace planescope::desktop

@@ -21,27 +21,27 @@ class Canvas {
   virtual ~Canvas() = default;
   /// The scene as a texture of that size, drawn anew only where something changed. Row 0 at the
   /// bottom.
-  virtual TextureId scene(const std::shared_ptr<const Run>& run,
-                          const StepLook& look,
-                          const Camera& camera,
+  virtual TextureId scene(const std::shared_ptr<const debug::Run>& run,
+                          const render::StepLook& look,
+                          const render::Camera& camera,
                           int width,
                           int height) = 0;
   /// What lies under pixel (x, y) from the top left of the scene drawn last.
-  virtual Picked pick(int x, int y) = 0;
+  virtual render::Picked pick(int x, int y) = 0;
   /// image_step() as a texture of one texel per pixel. Row 0 at the top.
-  virtual TextureId image(const std::shared_ptr<const Run>& run,
-                          const StepLook& look,
-                          Backdrop backdrop,
+  virtual TextureId image(const std::shared_ptr<const debug::Run>& run,
+                          const render::StepLook& look,
+                          render::Backdrop backdrop,
                           double opacity) = 0;
   /// The same for labels: the frame's points, and one texel per depth pixel.
   virtual TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
-                                const LabelLook& look,
-                                const Camera& camera,
+                                const render::LabelLook& look,
+                                const render::Camera& camera,
                                 int width,
                                 int height) = 0;
   virtual TextureId label_image(const std::shared_ptr<const LabelFrame>& frame,
-                                const LabelLook& look,
-                                Backdrop backdrop,
+                                const render::LabelLook& look,
+                                render::Backdrop backdrop,
                                 double opacity) = 0;
   /// Any picture by a key; uploaded again when `version` differs. Row 0 at the top.
   virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;

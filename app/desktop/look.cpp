@@ -2,9 +2,9 @@
 
 namespace planescope::desktop {
 
-StepLook look_of(const State& state) {
+render::StepLook look_of(const State& state) {
   const ViewState& view = state.view;
-  StepLook look;
+  render::StepLook look;
   look.step = view.step;
   look.color_by = view.color_by;
   look.show_queue = view.show_queue;
@@ -15,7 +15,7 @@ StepLook look_of(const State& state) {
   look.voxel = view.selected.voxel;
   look.marked = state.document.marked;
   look.theme = view.theme;
-  if (const TraceEvent* event = state.event()) {
+  if (const planes::TraceEvent* event = state.event()) {
     const bool on_point = event->point >= 0 && event->point == look.voxel;
     if (event->node == look.node || on_point) look.node = -1;
     if (event->plane == look.plane) look.plane = -1;

@@ -6,6 +6,6 @@ namespace planescope::desktop {
 
 /// What the 3D view and the image draw. What is only selected because the cursor is on it is shown
 /// as the cursor's, not as a choice of the user's.
-StepLook look_of(const State& state);
+render::StepLook look_of(const State& state);
 
 }  // namespace planescope::desktop

@@ -9,18 +9,18 @@
 namespace planescope::desktop {
 
 struct Offscreen::Target {
-  GlRenderbuffer color = make_renderbuffer();
-  GlFramebuffer framebuffer = make_framebuffer();
+  render::GlRenderbuffer color = render::make_renderbuffer();
+  render::GlFramebuffer framebuffer = render::make_framebuffer();
 };
 
 Offscreen::Offscreen(State state, int width, int height, float scale)
-    : width_(width), height_(height), scale_(scale), context_(make_egl_context()) {
+    : width_(width), height_(height), scale_(scale), context_(render::make_egl_context()) {
   target_ = std::make_unique<Target>();
   glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
   glBindRenderbuffer(GL_RENDERBUFFER, target_->color);
   glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_->color);
-  check_gl("making the off-screen window");
+  render::check_gl("making the off-screen window");
   shell_ = std::make_unique<Shell>(std::move(state), make_gl_canvas(), [] {});
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
@@ -57,11 +57,11 @@ void Offscreen::finish() {
 Image8 Offscreen::picture() {
   context_->make_current();
   glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
-  Image8 image = read_picture(width_, height_);
-  check_gl("reading the off-screen window");
+  Image8 image = render::read_picture(width_, height_);
+  render::check_gl("reading the off-screen window");
   return image;
 }
 
-void Offscreen::screenshot(const std::filesystem::path& path) { write_png(path, picture()); }
+void Offscreen::screenshot(const std::filesystem::path& path) { io::write_png(path, picture()); }
 
 }  // namespace planescope::desktop

@@ -27,7 +27,7 @@ class Offscreen : public Stage {
   struct Target;
   int width_, height_;
   float scale_;
-  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<render::GlContext> context_;
   std::unique_ptr<Target> target_;
   std::unique_ptr<Shell> shell_;
 };

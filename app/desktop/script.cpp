@@ -80,7 +80,7 @@ class Player {
   void perform(const std::string& action, const std::string& argument) {
     shell_.perform({action, argument}, true);
     // The window shows what is wrong with a filter while it is typed; a script has typed it whole.
-    const FilterProblem& problem = shell_.state().view.search.problem;
+    const debug::FilterProblem& problem = shell_.state().view.search.problem;
     if (action == "filter.set" && !problem.message.empty())
       throw Error(fmt::format("filter '{}', at {}: {}", argument, problem.begin, problem.message));
   }
@@ -168,7 +168,7 @@ class Player {
     for (auto one = keys.rbegin(); one != keys.rend(); ++one) key(*one, false);
   }
   void type(const std::string& text) {
-    for (const char32_t c : decode_utf8(text)) {
+    for (const char32_t c : render::decode_utf8(text)) {
       push({.type = InputEvent::Type::text, .character = c});
       stage_.draw_frame();
     }
@@ -177,7 +177,7 @@ class Player {
     const State& state = shell_.state();
     if (!state.run()) throw Error("there is no run whose trace could be written");
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
-    return trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
+    return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
   /// What is not so yet may be once the background has come to its end.
   void expect(const Json& facts) const {

@@ -246,7 +246,7 @@ void Shell::rebuild_fonts(float scale) {
                                    0x2600, 0x26ff, 0x2713, 0x2718, 0};
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
-  const std::string_view file = font_file();
+  const std::string_view file = render::font_file();
   const auto add = [&](float px, float embolden) {
     ImFontConfig config;
     config.FontDataOwnedByAtlas = false;

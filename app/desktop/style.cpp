@@ -19,8 +19,8 @@ constexpr Scheme kLight = {0xf6f7f9, 0xffffff, 0xffffff, 0xe6e9ee, 0xd6dbe3,
 
 }  // namespace
 
-void set_style(Theme theme, float scale) {
-  const Scheme& s = theme == Theme::dark ? kDark : kLight;
+void set_style(render::Theme theme, float scale) {
+  const Scheme& s = theme == render::Theme::dark ? kDark : kLight;
   ImGuiStyle style;
   style.WindowPadding = ImVec2(8, 6);
   style.FramePadding = ImVec2(6, 3);
@@ -90,12 +90,12 @@ void set_style(Theme theme, float scale) {
   ImGui::GetStyle() = style;
 }
 
-UiColors ui_colors(Theme theme) {
-  const Scheme& s = theme == Theme::dark ? kDark : kLight;
+UiColors ui_colors(render::Theme theme) {
+  const Scheme& s = theme == render::Theme::dark ? kDark : kLight;
   const auto color = [](int hex, float alpha = 1) {
     return ImGui::ColorConvertFloat4ToU32(rgb(hex, alpha));
   };
-  const bool dark = theme == Theme::dark;
+  const bool dark = theme == render::Theme::dark;
   return {.text = color(s.text),
           .muted = color(s.muted),
           .accent = color(s.accent),

@@ -5,7 +5,7 @@
 namespace planescope::desktop {
 
 /// ImGui's style and colours for a theme, in one size of everything.
-void set_style(Theme theme, float scale);
-UiColors ui_colors(Theme theme);
+void set_style(render::Theme theme, float scale);
+UiColors ui_colors(render::Theme theme);
 
 }  // namespace planescope::desktop

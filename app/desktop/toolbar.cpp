@@ -25,7 +25,8 @@ void action_button(const Ui& ui, const char* action, const char* label) {
 
 void draw_image_tools(const Ui& ui, const char* of_opacity) {
   const ViewState& view = ui.state.view;
-  action_button(ui, "image.backdrop", view.backdrop == Backdrop::color ? "colour" : "depth");
+  action_button(ui, "image.backdrop",
+                view.backdrop == render::Backdrop::color ? "colour" : "depth");
   ImGui::SameLine();
   if (ImGui::Button("fit")) ui.emit("image.view", "1,0.5,0.5");
   ui.name("image.fit");
@@ -74,15 +75,15 @@ void draw_label_absence(const Ui& ui) {
 }
 
 std::string describe_node(const State& state, std::int32_t node) {
-  const Run& run = *state.run();
-  const OctreeNode& what = run.octree().nodes[static_cast<std::size_t>(node)];
+  const debug::Run& run = *state.run();
+  const planes::OctreeNode& what = run.octree().nodes[static_cast<std::size_t>(node)];
   std::string text = fmt::format("node {}, depth {}, {} points", node, what.depth, what.size());
   switch (run.timeline.node_state(node, state.view.step)) {
-    case NodeState::settled:
-      return text + ", case " + to_string(what.decided);
-    case NodeState::visited:
+    case debug::NodeState::settled:
+      return text + ", case " + planes::to_string(what.decided);
+    case debug::NodeState::visited:
       return text + ", being judged";
-    case NodeState::queued:
+    case debug::NodeState::queued:
       return text + ", in the queue";
     default:
       return text;
@@ -90,9 +91,9 @@ std::string describe_node(const State& state, std::int32_t node) {
 }
 
 std::string describe_voxel(const State& state, std::int32_t voxel) {
-  const Run& run = *state.run();
+  const debug::Run& run = *state.run();
   const std::int32_t step = state.view.step;
-  const PointChange now = run.timeline.point_at(voxel, step);
+  const planes::PointChange now = run.timeline.point_at(voxel, step);
   std::string text = fmt::format("voxel {}", voxel);
   if (run.is_ours()) {
     const std::vector<Label>& labels = run.subject->prepared.classification.labels;
@@ -101,7 +102,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   }
   text += ", ";
   if (now.plane >= 0)
-    text += "in " + plane_name(now.plane);
+    text += "in " + debug::plane_name(now.plane);
   else
     text += now.leftover ? "left over" : "not settled";
   if (run.subject->voxel_truth.known()) {

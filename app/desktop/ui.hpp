@@ -41,26 +41,26 @@ struct FilterBoxMemory {
 
 /// Where breakpoints stop, kept while neither they nor the run change.
 struct BreakpointStops {
-  std::weak_ptr<const Run> run;
+  std::weak_ptr<const debug::Run> run;
   std::string breakpoints;
   std::vector<std::int32_t> steps;
 };
 
 /// What the point panel tells, kept until another point or run is looked at.
 struct PointStory {
-  std::shared_ptr<const Recording> recording;
+  std::shared_ptr<const io::Recording> recording;
   std::shared_ptr<const RunView> of;
   std::int64_t source = -1;
-  std::vector<LifeEvent> life;
-  WhyNot why;
+  std::vector<debug::LifeEvent> life;
+  debug::WhyNot why;
 };
 
 /// What is being drawn on labels, until the mouse lets go.
 struct LabelDrag {
   bool on = false;
   DrawnIn where = DrawnIn::image;
-  PaintMode mode = PaintMode::over;
-  std::vector<Vec2f> path;
+  labels::PaintMode mode = labels::PaintMode::over;
+  std::vector<labels::Vec2f> path;
   bool ignore_release = false;  // of a double click, whose first one did it all
 };
 
@@ -68,13 +68,13 @@ struct LabelDrag {
 struct LabelPointing {
   bool now = false;
   DrawnIn where = DrawnIn::space;
-  Vec2f at = Vec2f::Zero();
+  labels::Vec2f at = labels::Vec2f::Zero();
 };
 
 /// Where planes' names stand, kept while the labels are the same.
 struct LabelNames {
   std::shared_ptr<const FrameLabels> of;
-  std::vector<LabelPlace> places;
+  std::vector<render::LabelPlace> places;
 };
 
 /// Text being typed and such: what lives in panels only.
@@ -89,7 +89,7 @@ struct PanelMemory {
   BreakpointStops breakpoint_stops;
   PointStory point;
   KeptLabelFacts label_facts;
-  Histogram grabbed;  // as it was when its threshold was taken hold of
+  debug::Histogram grabbed;  // as it was when its threshold was taken hold of
   LabelDrag label_drag;
   LabelNames label_names;
   LabelPointing label_pointing;
@@ -123,9 +123,9 @@ struct Ui {
   float px(float at_scale_1) const { return at_scale_1 * scale; }
 };
 
-ImU32 to_imgui(Rgba color);
+ImU32 to_imgui(render::Rgba color);
 /// A small filled square with the case's numeral in it, at the cursor; advances like text.
-void case_badge(const Ui& ui, Case c);
+void case_badge(const Ui& ui, planes::Case c);
 /// "0.0071", "1.2 cm", "12.3 %": numbers as every panel writes them.
 std::string number_text(double value);
 std::string length_text_cm(double metres);

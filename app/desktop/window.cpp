@@ -112,7 +112,7 @@ class Window : public Stage {
   float scale() const;
 
   const WindowOptions& options_;
-  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<render::GlContext> context_;
   GLFWwindow* window_ = nullptr;
   std::unique_ptr<Shell> shell_;
   GLFWcursor* cursors_[ImGuiMouseCursor_COUNT] = {};
@@ -123,8 +123,8 @@ class Window : public Stage {
 
 Window::Window(State state, const WindowOptions& options) : options_(options) {
   try {
-    context_ =
-        make_glfw_context(options.settings.width, options.settings.height, "planescope", true);
+    context_ = render::make_glfw_context(options.settings.width, options.settings.height,
+                                         "planescope", true);
   } catch (const Error& error) {
     throw NoDisplay(error.what());
   }
@@ -244,7 +244,7 @@ void Window::screenshot(const std::filesystem::path& path) {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   glReadBuffer(GL_FRONT);
-  write_png(path, read_picture(width, height));
+  io::write_png(path, render::read_picture(width, height));
 }
 
 void Window::keep_settings() const {

@@ -9,7 +9,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// "accuracy", "gravity", "chain", "speed", "frames".
 const std::vector<std::string>& bench_classifier_parts();
@@ -30,4 +30,4 @@ struct BenchClassifierArgs {
 /// to classifier.timings.json and .md. Returns the exit code; throws Cancelled on stop.
 int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 using namespace desktop;
@@ -66,7 +66,7 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   settle(nothing.shell(), nothing, stop);
   settle(window.shell(), window, stop);
   if (!window.shell().state().run()) throw Error(window.shell().state().results.refusal);
-  const std::shared_ptr<const Run> run = window.shell().state().run_view()->run;
+  const std::shared_ptr<const debug::Run> run = window.shell().state().run_view()->run;
   window.shell().perform({"tab.tool", "histograms"});  // no searches in the background
   window.shell().perform({"strip.cancel", ""});
   settle(window.shell(), window, stop);
@@ -129,4 +129,4 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

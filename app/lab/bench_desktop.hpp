@@ -5,7 +5,7 @@
 
 #include "app/commands/view.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct BenchDesktopArgs {
   ViewArgs view;              // recording, options, size of the window
@@ -17,4 +17,4 @@ struct BenchDesktopArgs {
 /// How long the window takes to show a step, off-screen, against an empty one in the same run.
 int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -19,27 +19,30 @@
 #include "core/model/file_bytes.hpp"
 #include "render/context.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
 
 /// What was measured, now or before.
 struct Measured {
-  PaperResults results;
-  std::optional<PaperTimings> timings;
+  lab::PaperResults results;
+  std::optional<lab::PaperTimings> timings;
 };
 
 /// Pages of what is there. Without figures the page has none.
-void write_pages(const fs::path& dir, const Measured& m, const std::vector<PaperFigure>& figures) {
-  write_file_text(dir / "paper.md", paper_markdown(m.results));
+void write_pages(const fs::path& dir,
+                 const Measured& m,
+                 const std::vector<lab::PaperFigure>& figures) {
+  write_file_text(dir / "paper.md", lab::paper_markdown(m.results));
   if (m.timings)
-    write_file_text(dir / "paper.timings.md", joined(timing_tables(*m.timings), to_markdown));
-  for (const PaperFigure& figure : figures)
-    for (const PaperPicture& picture : figure.pictures)
+    write_file_text(dir / "paper.timings.md",
+                    joined(lab::timing_tables(*m.timings), lab::to_markdown));
+  for (const lab::PaperFigure& figure : figures)
+    for (const lab::PaperPicture& picture : figure.pictures)
       write_file_bytes(dir / picture.png, picture.bytes);
   write_file_text(dir / "index.html",
-                  paper_page(m.results, m.timings ? &*m.timings : nullptr, figures));
+                  lab::paper_page(m.results, m.timings ? &*m.timings : nullptr, figures));
 }
 
 /// Throws Error where the folder holds anything that is not from an earlier run: a recording, say.
@@ -75,15 +78,15 @@ class PaperRun {
   }
 
   /// Pictures of another build, or with other weights, would show what the tables do not say.
-  bool is_of_this_build(const PaperResults& results) const {
-    const BuildInfo now = build_info();
+  bool is_of_this_build(const lab::PaperResults& results) const {
+    const report::BuildInfo now = report::build_info();
     return results.build.commit == now.commit && results.build.modified == now.modified &&
            (weights_.sha256.empty() || results.weights.sha256 == weights_.sha256);
   }
 
   static Measured recorded(const fs::path& dir) {
-    Measured measured{read_results(dir), std::nullopt};
-    if (fs::exists(dir / "paper.timings.json")) measured.timings = read_timings(dir);
+    Measured measured{lab::read_results(dir), std::nullopt};
+    if (fs::exists(dir / "paper.timings.json")) measured.timings = lab::read_timings(dir);
     return measured;
   }
 
@@ -96,39 +99,39 @@ class PaperRun {
     // What is not asked for stays as it was measured before.
     measured.results = start_results();
     if (!wanted("tables") && fs::exists(args_.out / "paper.json")) {
-      measured.results = read_results(args_.out);
+      measured.results = lab::read_results(args_.out);
       if (!is_of_this_build(measured.results))
         throw Error(
             fmt::format("{}: measured by commit {} with weights {}, this is commit {} with "
                         "weights {}; measure its tables as well, or give another -o",
                         (args_.out / "paper.json").string(), measured.results.build.commit,
-                        measured.results.weights.file, build_info().commit, weights_.file));
+                        measured.results.weights.file, report::build_info().commit, weights_.file));
     }
     if (!wanted("timings") && fs::exists(args_.out / "paper.timings.json"))
-      measured.timings = read_timings(args_.out);
+      measured.timings = lab::read_timings(args_.out);
     if (wanted("tables")) measure_tables(real, measured.results);
     if (wanted("timings")) measured.timings = measure_times(real);
     return measured;
   }
 
   void load_classifiers() {
-    PipelineOptions options;
+    planes::PipelineOptions options;
     options.classifier = args_.weights;
-    ChosenClassifier chosen = choose_classifier(options);
+    planes::ChosenClassifier chosen = choose_classifier(options);
     if (!chosen.weights)
       throw Error("--weights: '" + args_.weights +
                   "' is not a network, expected gcn or a weights file");
     weights_ = *chosen.weights;
     tools_.gcn = std::move(chosen.classifier);
-    tools_.pca = make_pca_classifier(options.pca);
+    tools_.pca = planes::make_pca_classifier(options.pca);
     tools_.threads = args_.threads;
-    if (wanted("tables")) tools_.real_labelled = read_real_labelled(args_.data);
+    if (wanted("tables")) tools_.real_labelled = lab::read_real_labelled(args_.data);
   }
 
-  PaperResults start_results() const {
-    PaperResults results;
+  lab::PaperResults start_results() const {
+    lab::PaperResults results;
     results.command = args_.same_command;
-    results.build = build_info();
+    results.build = report::build_info();
     results.weights = weights_;
     results.seed = args_.seed;
     results.tuning_seed = args_.tuning_seed;
@@ -137,7 +140,7 @@ class PaperRun {
     return results;
   }
 
-  void measure_tables(const std::vector<RealInput>& real, PaperResults& results) {
+  void measure_tables(const std::vector<RealInput>& real, lab::PaperResults& results) {
     log_.emplace(args_.out, results, args_.resume);
     measure_all(*log_);
     for (const RealInput& input : real) {
@@ -147,35 +150,35 @@ class PaperRun {
         bar.show(done, "");
       }));
     }
-    for (const CellKey& key : plan())
-      results.cells.push_back(*std::ranges::find(log_->cells(), key, &Cell::key));
-    write_results(args_.out, results);
+    for (const lab::CellKey& key : plan())
+      results.cells.push_back(*std::ranges::find(log_->cells(), key, &lab::Cell::key));
+    lab::write_results(args_.out, results);
   }
 
-  std::vector<CellKey> plan() const { return planned_cells(paper_plan()); }
-  PaperPlan paper_plan() const {
+  std::vector<lab::CellKey> plan() const { return lab::planned_cells(paper_plan()); }
+  lab::PaperPlan paper_plan() const {
     return {args_.seed,  args_.tuning_seed, args_.sets,
             args_.count, args_.quick,       tools_.real_labelled.has_value()};
   }
 
   /// Every planned cell that the log has not yet, frames by frames.
-  void measure_all(CellLog& log) {
-    std::vector<CellKey> left = plan();
+  void measure_all(lab::CellLog& log) {
+    std::vector<lab::CellKey> left = plan();
     const auto all = static_cast<int>(left.size());
-    std::erase_if(left, [&](const CellKey& key) {
-      return std::ranges::find(log.cells(), key, &Cell::key) != log.cells().end();
+    std::erase_if(left, [&](const lab::CellKey& key) {
+      return std::ranges::find(log.cells(), key, &lab::Cell::key) != log.cells().end();
     });
     Progress bar("cells", all);
     while (!left.empty()) {
-      const CellKey first = left[0];
+      const lab::CellKey first = left[0];
       const auto rest = std::ranges::stable_partition(
-          left, [&](const CellKey& key) { return !same_frames(key, first); });
-      const std::vector<CellKey> group(rest.begin(), rest.end());
+          left, [&](const lab::CellKey& key) { return !lab::same_frames(key, first); });
+      const std::vector<lab::CellKey> group(rest.begin(), rest.end());
       left.erase(rest.begin(), rest.end());
       const int before = all - static_cast<int>(left.size() + group.size());
-      const std::string name = frames_name(first);
-      log.append(measure_cells(
-          group, planned_frames(paper_plan(), first.set), tools_, [&](int done, int frames) {
+      const std::string name = lab::frames_name(first);
+      log.append(lab::measure_cells(
+          group, lab::planned_frames(paper_plan(), first.set), tools_, [&](int done, int frames) {
             check_stop();
             bar.show(before, fmt::format("{}, frame {}/{}", name, done, frames));
           }));
@@ -183,13 +186,13 @@ class PaperRun {
     }
   }
 
-  PaperTimings measure_times(const std::vector<RealInput>& real) {
-    PaperTimings timings;
+  lab::PaperTimings measure_times(const std::vector<RealInput>& real) {
+    lab::PaperTimings timings;
     timings.command = args_.same_command;
-    timings.machine = this_machine();
+    timings.machine = lab::this_machine();
     timings.threads = args_.threads;
     const auto counted = args_.count > 0 ? args_.count : 20;
-    TimingOptions options;
+    lab::TimingOptions options;
     options.seed = args_.seed;
     options.threads = args_.threads;
     options.rounds = std::min(counted, args_.quick ? 5 : 20);
@@ -197,26 +200,26 @@ class PaperRun {
     {
       Progress bar("timings", 2 + static_cast<int>(real.size()));
       bar.show(0, "classifiers");
-      timings.classifiers = classifier_timings(tools_, options);
+      timings.classifiers = lab::classifier_timings(tools_, options);
       bar.show(1, "methods");
-      timings.methods = method_timings(tools_, options);
+      timings.methods = lab::method_timings(tools_, options);
       for (const RealInput& input : real) {
         bar.show(2 + static_cast<int>(timings.real.size()), input.name);
         timings.real.push_back(time_real(input, *tools_.gcn, args_.threads, args_.quick ? 5 : 30,
                                          [&](int, int) { check_stop(); }));
       }
     }
-    write_timings(args_.out, timings);
+    lab::write_timings(args_.out, timings);
     return timings;
   }
 
   /// False where nothing can be drawn here.
   bool draw(const Measured& measured) {
-    std::unique_ptr<GlContext> context;
-    std::unique_ptr<Renderer> renderer;
+    std::unique_ptr<render::GlContext> context;
+    std::unique_ptr<render::Renderer> renderer;
     try {
-      context = make_egl_context();
-      renderer = std::make_unique<Renderer>();
+      context = render::make_egl_context();
+      renderer = std::make_unique<render::Renderer>();
     } catch (const Error& error) {
       fmt::print(stderr, "planescope: no figures: {}\n", error.what());
       return false;
@@ -235,13 +238,13 @@ class PaperRun {
 
   void tell(const Measured& m) const {
     if (args_.json) return tell_json();
-    std::vector<Table> tables;
-    if (const std::vector<Claim> all = claims(m.results); !all.empty())
-      tables.push_back(claim_table(all));
-    for (Table& table : paper_tables(m.results)) tables.push_back(std::move(table));
+    std::vector<lab::Table> tables;
+    if (const std::vector<lab::Claim> all = lab::claims(m.results); !all.empty())
+      tables.push_back(lab::claim_table(all));
+    for (lab::Table& table : lab::paper_tables(m.results)) tables.push_back(std::move(table));
     if (m.timings)
-      for (Table& table : timing_tables(*m.timings)) tables.push_back(std::move(table));
-    fmt::print("{}\nAll tables and figures: {}\n", joined(tables, to_text),
+      for (lab::Table& table : lab::timing_tables(*m.timings)) tables.push_back(std::move(table));
+    fmt::print("{}\nAll tables and figures: {}\n", joined(tables, lab::to_text),
                (args_.out / "index.html").string());
   }
 
@@ -259,9 +262,9 @@ class PaperRun {
 
   const BenchPaperArgs& args_;
   std::stop_token stop_;
-  CellTools tools_;
-  WeightsRecord weights_;
-  std::optional<CellLog> log_;  // until all is done, so that --resume measures no cell again
+  lab::CellTools tools_;
+  planes::WeightsRecord weights_;
+  std::optional<lab::CellLog> log_;  // until all is done, so that --resume measures no cell again
 };
 
 }  // namespace
@@ -273,10 +276,11 @@ const std::vector<std::string>& bench_paper_parts() {
 
 int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop) {
   if (!args.doc.empty()) {
-    write_file_text(args.doc, reproduction_page(read_results(args.from), read_timings(args.from)));
+    write_file_text(args.doc, lab::reproduction_page(lab::read_results(args.from),
+                                                     lab::read_timings(args.from)));
     return 0;
   }
   return PaperRun(args, std::move(stop)).run();
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -9,7 +9,7 @@
 
 #include "app/commands/inputs.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 /// "tables", "timings", "figures".
 const std::vector<std::string>& bench_paper_parts();
@@ -43,4 +43,4 @@ struct BenchPaperArgs {
 /// Cancelled on stop, and what was measured can be gone on with.
 int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -11,7 +11,7 @@
 #include "core/lab/experiments/paper_page.hpp"
 #include "render/renderer.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct PaperFigureArgs {
   std::vector<PaperRecording> recordings;
@@ -24,8 +24,8 @@ struct PaperFigureArgs {
 /// All figures, those without pictures left out. Seeds are those of `results`, labels those of the
 /// network. The same pixels for any thread count. Throws Error where weights are missing,
 /// a recording is damaged or nothing can be drawn, Cancelled on stop.
-std::vector<PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
-                                            const PaperResults& results,
-                                            Renderer& renderer);
+std::vector<lab::PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
+                                                 const lab::PaperResults& results,
+                                                 render::Renderer& renderer);
 
-}  // namespace planescope
+}  // namespace planescope::app

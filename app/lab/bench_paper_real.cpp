@@ -6,7 +6,7 @@
 #include "core/lab/bench/frame_bench.hpp"
 #include "core/model/work_list.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int frames) {
   std::vector<RealInput> opened;
@@ -23,10 +23,10 @@ std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int
   return opened;
 }
 
-RealRow measure_real(const RealInput& real,
-                     const Classifier& classifier,
-                     int threads,
-                     const std::function<void(int, int)>& progress) {
+lab::RealRow measure_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          const std::function<void(int, int)>& progress) {
   struct Sizes {
     double n_m = 0, n_d = 0, planes = 0;
   };
@@ -36,7 +36,7 @@ RealRow measure_real(const RealInput& real,
     try {
       const LoadedFrame loaded =
           run_input_frame(real.input, real.input.frames[k], real.options, &classifier, false);
-      const FrameResult& result = loaded.result;
+      const planes::FrameResult& result = loaded.result;
       of_frames[k] = {static_cast<double>(result.cloud.counts.kept),
                       static_cast<double>(result.voxels.points.size()),
                       static_cast<double>(result.segmentation.planes.size())};
@@ -46,7 +46,7 @@ RealRow measure_real(const RealInput& real,
   };
   work_through(static_cast<int>(of_frames.size()), threads, measure, progress);
 
-  RealRow row;
+  lab::RealRow row;
   row.recording = real.name;
   for (const std::optional<Sizes>& sizes : of_frames) {
     if (!sizes) {
@@ -63,18 +63,18 @@ RealRow measure_real(const RealInput& real,
   return row;
 }
 
-RealTiming time_real(const RealInput& real,
-                     const Classifier& classifier,
-                     int threads,
-                     int runs,
-                     const std::function<void(int, int)>& progress) {
-  RealTiming timing;
+lab::RealTiming time_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          int runs,
+                          const std::function<void(int, int)>& progress) {
+  lab::RealTiming timing;
   timing.recording = real.name;
-  PipelineOptions options = real.options;
+  planes::PipelineOptions options = real.options;
   std::vector<int> frames;
   for (const int frame : real.input.frames) {
     try {
-      resolve_gravity(real.input.recording->frame(frame), options.gravity);
+      planes::resolve_gravity(real.input.recording->frame(frame), options.gravity);
       frames.push_back(frame);
     } catch (const Error&) {
       // Refused, as table IV's sizes say.
@@ -83,8 +83,8 @@ RealTiming time_real(const RealInput& real,
   timing.frames = static_cast<int>(frames.size());
   if (frames.empty()) return timing;
   options.threads = threads;
-  const FrameRow row =
-      measure_frames(*real.input.recording, frames, options, classifier, progress, runs);
+  const lab::FrameRow row =
+      lab::measure_frames(*real.input.recording, frames, options, classifier, progress, runs);
   timing.t_d_ms = row.ms.t_d_ms;
   timing.t_c_ms = row.ms.t_c_ms;
   timing.t_b_ms = row.ms.t_b_ms;
@@ -93,4 +93,4 @@ RealTiming time_real(const RealInput& real,
   return timing;
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -9,27 +9,27 @@
 #include "app/lab/bench_paper.hpp"
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::app {
 
 struct RealInput {
   std::string name;
   OpenInput input;
-  PipelineOptions options;  // of one thread
+  planes::PipelineOptions options;  // of one thread
 };
 /// Opens all, and takes at most `frames` of each, evenly spread.
 std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int frames);
 
 /// The same for any number of threads. Throws Error where a frame cannot be read. `progress(done,
 /// all)` may throw to stop.
-RealRow measure_real(const RealInput& real,
-                     const Classifier& classifier,
-                     int threads,
-                     const std::function<void(int, int)>& progress = {});
+lab::RealRow measure_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          const std::function<void(int, int)>& progress = {});
 /// Of the frames whose gravity is known, `runs` runs.
-RealTiming time_real(const RealInput& real,
-                     const Classifier& classifier,
-                     int threads,
-                     int runs,
-                     const std::function<void(int, int)>& progress = {});
+lab::RealTiming time_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          int runs,
+                          const std::function<void(int, int)>& progress = {});
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -11,7 +11,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 /// the floor.
 constexpr const char* kRepeatRecording = "aims_slam_realsense_640x480";
 
-Reading repeat_reading() {
-  Reading reading;
+lab::Reading repeat_reading() {
+  lab::Reading reading;
   reading.recording.intrinsics = {383.8, 383.8, 321.7, 236.8};
-  reading.gravity = {GravityMode::fixed, Vec3d(0.168, 0.925, 0.341)};
+  reading.gravity = {planes::GravityMode::fixed, Vec3d(0.168, 0.925, 0.341)};
   reading.max_range_m = 4;
   return reading;
 }
@@ -35,65 +35,67 @@ class RealRun {
   int run() {
     check_output_dir(args_.out);
     // What is missing is told before anything slow starts.
-    std::vector<EvaluationFrame> frames;
-    for (const ListedFrame& listed : args_.frames)
-      frames.push_back(read_listed(listed, args_.data, args_.labels));
-    std::unique_ptr<Recording> repeated;
+    std::vector<lab::EvaluationFrame> frames;
+    for (const lab::ListedFrame& listed : args_.frames)
+      frames.push_back(lab::read_listed(listed, args_.data, args_.labels));
+    std::unique_ptr<io::Recording> repeated;
     if (wanted("repeat"))
-      repeated = open_recording(args_.data / kRepeatRecording, repeat_reading().recording);
+      repeated = io::open_recording(args_.data / kRepeatRecording, repeat_reading().recording);
 
-    RealResults results = start_results();
+    lab::RealResults results = start_results();
     if (wanted("frames"))
-      results.labelled = measure_labelled(args_.frames, frames, tools_, Bar("frames", stop_));
+      results.labelled = lab::measure_labelled(args_.frames, frames, tools_, Bar("frames", stop_));
     if (wanted("sets")) results.sets = measure_sets();
     if (repeated) {
-      results.repeat =
-          measure_repeat(*repeated, repeat_reading(), args_.count, tools_, Bar("repeat", stop_));
+      results.repeat = lab::measure_repeat(*repeated, repeat_reading(), args_.count, tools_,
+                                           Bar("repeat", stop_));
       results.repeat.recording = kRepeatRecording;
     }
     make_output_dir(args_.out);
-    const std::string json = real_json(results);
+    const std::string json = lab::real_json(results);
     write_file_text(args_.out / "real.json", json);
-    write_file_text(args_.out / "real.md", real_markdown(results));
-    fmt::print("{}", args_.json ? json : joined(real_tables(results), to_text));
+    write_file_text(args_.out / "real.md", lab::real_markdown(results));
+    fmt::print("{}", args_.json ? json : joined(lab::real_tables(results), lab::to_text));
     return 0;
   }
 
  private:
   bool wanted(const char* part) const { return args_.parts.contains(part); }
 
-  RealResults start_results() {
-    const PipelineOptions options;
-    ChosenClassifier chosen = choose_classifier(options);
+  lab::RealResults start_results() {
+    const planes::PipelineOptions options;
+    planes::ChosenClassifier chosen = choose_classifier(options);
     tools_.gcn = std::move(chosen.classifier);
-    tools_.pca = make_pca_classifier(options.pca);
+    tools_.pca = planes::make_pca_classifier(options.pca);
     tools_.threads = args_.threads;
-    RealResults results;
+    lab::RealResults results;
     results.command = args_.same_command;
-    results.build = build_info();
+    results.build = report::build_info();
     results.weights = *chosen.weights;
     return results;
   }
 
-  std::vector<SetScores> measure_sets() {
-    std::vector<CellKey> sets;
+  std::vector<lab::SetScores> measure_sets() {
+    std::vector<lab::CellKey> sets;
     for (const char* errors : {"clean", "d435"})
       for (const std::uint64_t seed : args_.seeds)
-        for (const std::string& set : depth_sets()) sets.push_back(depth_of(set, seed, errors));
+        for (const std::string& set : lab::depth_sets())
+          sets.push_back(lab::depth_of(set, seed, errors));
     Progress bar("sets", static_cast<int>(sets.size()));
-    std::vector<SetScores> scores;
-    for (const CellKey& set : sets)
-      scores.push_back(measure_set(set, args_.count, tools_, [&](int done, int frames) {
+    std::vector<lab::SetScores> scores;
+    for (const lab::CellKey& set : sets)
+      scores.push_back(lab::measure_set(set, args_.count, tools_, [&](int done, int frames) {
         if (stop_.stop_requested()) throw Cancelled();
-        bar.show(static_cast<int>(scores.size()),
-                 fmt::format("{}, seed {}, frame {}/{}", frames_name(set), set.seed, done, frames));
+        bar.show(
+            static_cast<int>(scores.size()),
+            fmt::format("{}, seed {}, frame {}/{}", lab::frames_name(set), set.seed, done, frames));
       }));
     return scores;
   }
 
   const BenchRealArgs& args_;
   std::stop_token stop_;
-  CellTools tools_;
+  lab::CellTools tools_;
 };
 
 }  // namespace
@@ -107,4 +109,4 @@ int run_bench_real(const BenchRealArgs& args, std::stop_token stop) {
   return RealRun(args, std::move(stop)).run();
 }
 
-}  // namespace planescope
+}  // namespace planescope::app

@@ -7,7 +7,7 @@
 #include <span>
 #include <string_view>
 
-namespace planescope {
+namespace planescope::io {
 
 using Bytes = std::span<const std::byte>;
 
@@ -50,4 +50,4 @@ class ByteReader {
   std::size_t size_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -5,7 +5,7 @@
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 constexpr double kRealSenseUnit_m = 0.001;
@@ -103,4 +103,4 @@ std::string sha256_of_depth(const Image16& depth) {
   return sha256_hex(std::as_bytes(std::span(depth.data)));
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

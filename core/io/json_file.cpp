@@ -5,7 +5,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 nlohmann::json read_json_file(const std::filesystem::path& path) {
   const auto bytes = read_file_bytes(path, std::uintmax_t{64} << 20);
@@ -14,4 +14,4 @@ nlohmann::json read_json_file(const std::filesystem::path& path) {
   return json;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -9,7 +9,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -43,4 +43,4 @@ void MappedFile::prefetch(Bytes part) const {
   if (end > start) ::madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -4,7 +4,7 @@
 
 #include "core/io/byte_reader.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// A file mapped read-only into memory: only the pages that are looked at are ever read.
 class MappedFile {
@@ -26,4 +26,4 @@ class MappedFile {
   Bytes bytes_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -8,7 +8,7 @@
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,4 +73,4 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   throw Error(path.string() + ": not a recording that planescope reads, " + kExpected);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ std::unique_ptr<Recording> with_picked_gravity(std::unique_ptr<Recording> record
   return std::make_unique<PickedRecording>(std::move(recording), std::move(picked));
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

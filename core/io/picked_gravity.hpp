@@ -12,7 +12,7 @@
 
 #include "core/io/recording.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// The direction that clicks on one frame told.
 struct PickedDirection {
@@ -48,4 +48,4 @@ void apply_picked_gravity(const PickedGravity& picked, Frame& frame);
 std::unique_ptr<Recording> with_picked_gravity(std::unique_ptr<Recording> recording,
                                                PickedGravity picked);
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -9,7 +9,7 @@
 
 // What the readers of the single formats share. Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 /// What lies beside a recording and says what its files cannot: `planescope.json` or
 /// `gravity.json` in a folder, `<file>.planescope.json` beside a single file. All keys optional:
@@ -71,4 +71,4 @@ std::unique_ptr<Recording> open_viewer_raw(const std::filesystem::path& path,
 std::unique_ptr<Recording> open_clouds(const std::filesystem::path& path,
                                        const RecordingOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -8,7 +8,7 @@
 
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// What the user says about a recording; wins over what its files say.
 struct RecordingOptions {
@@ -58,4 +58,4 @@ class Recording {
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -5,7 +5,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace fs = std::filesystem;
 namespace {
 
@@ -83,4 +83,4 @@ std::vector<fs::path> cloud_files_under(const fs::path& folder) {
   return clouds;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

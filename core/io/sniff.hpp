@@ -6,7 +6,7 @@
 
 // What kinds of files lie where. Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 /// File extension in lower case, with its dot.
 std::string extension(const std::filesystem::path& path);
@@ -22,4 +22,4 @@ std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder)
 /// All .ply and .pcd files in a folder, then those in the folders below it.
 std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);
 
-}  // namespace planescope
+}  // namespace planescope::io

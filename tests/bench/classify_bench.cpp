@@ -19,14 +19,14 @@ namespace {
 constexpr int kNeighbours = 16;
 
 std::vector<Vec3f> staircase(int points) {
-  StairsOptions options;
+  lab::StairsOptions options;
   options.points = points;
   options.noise_m = 0.002;
-  return make_stairs(0, options).cloud.points;
+  return lab::make_stairs(0, options).cloud.points;
 }
 
 std::vector<std::uint32_t> by_grid(std::span<const Vec3f> points, Simd simd) {
-  const NeighbourGrid grid(points, kNeighbours, simd);
+  const planes::NeighbourGrid grid(points, kNeighbours, simd);
   std::vector<std::uint32_t> rows(points.size() * kNeighbours);
   grid.nearest(kNeighbours, 0, points.size(), rows.data());
   return rows;
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> by_nanoflann(std::span<const Vec3f> points) {
 
 void neighbours(benchmark::State& state) {
   const std::vector<Vec3f> points = staircase(static_cast<int>(state.range(0)));
-  const auto pca = make_pca_classifier({.neighbours = kNeighbours});
+  const auto pca = planes::make_pca_classifier({.neighbours = kNeighbours});
   std::map<Simd, std::vector<double>> grid_ms;
   std::vector<double> nanoflann_ms, pca_ms;
   for (auto _ : state) {

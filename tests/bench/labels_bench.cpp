@@ -18,21 +18,21 @@ namespace {
 struct Fixture {
   Frame frame;
   FrameLabels truth;
-  LabelGrid grid;
+  labels::LabelGrid grid;
   std::uint32_t on_floor = 0;
-  PixelSet stroke;
-  SpaceView view;
+  labels::PixelSet stroke;
+  labels::SpaceView view;
 };
 
 const Fixture& fixture() {
   static const Fixture made = [] {
     Fixture f;
-    const Scene scene = make_scene("boxes", 1);
-    f.frame = render_scene(scene, scene.camera, D435Model{}, 1, &f.truth);
-    f.grid = make_label_grid(f.frame, f.truth.gravity);
+    const lab::Scene scene = lab::make_scene("boxes", 1);
+    f.frame = lab::render_scene(scene, scene.camera, lab::D435Model{}, 1, &f.truth);
+    f.grid = labels::make_label_grid(f.frame, f.truth.gravity);
     f.on_floor = 440 * 640 + 320;
-    const DrawnShape shape{DrawnShape::Kind::stroke, {{100, 400}, {500, 420}}, 40};
-    f.stroke = pixels_on_image(f.grid, shape);
+    const labels::DrawnShape shape{labels::DrawnShape::Kind::stroke, {{100, 400}, {500, 420}}, 40};
+    f.stroke = labels::pixels_on_image(f.grid, shape);
     f.view.width = 1400;
     f.view.height = 900;
     f.view.px_per_m = 900;
@@ -44,32 +44,33 @@ const Fixture& fixture() {
 
 void grid(benchmark::State& state) {
   const Fixture& f = fixture();
-  for (auto _ : state) benchmark::DoNotOptimize(make_label_grid(f.frame, f.truth.gravity));
+  for (auto _ : state) benchmark::DoNotOptimize(labels::make_label_grid(f.frame, f.truth.gravity));
 }
 
 void brush(benchmark::State& state) {
   const Fixture& f = fixture();
   for (auto _ : state) {
-    const FrameLabels after = painted(f.truth, f.grid, f.stroke, {1}, PaintMode::over);
-    benchmark::DoNotOptimize(make_edit(0, "Brush P1", f.truth, after));
+    const FrameLabels after =
+        labels::painted(f.truth, f.grid, f.stroke, {1}, labels::PaintMode::over);
+    benchmark::DoNotOptimize(labels::make_edit(0, "Brush P1", f.truth, after));
   }
 }
 
 void wand_on_the_floor(benchmark::State& state) {
   const Fixture& f = fixture();
   for (auto _ : state)
-    benchmark::DoNotOptimize(grow_plane(f.grid, nullptr, std::array{f.on_floor}, {}));
+    benchmark::DoNotOptimize(labels::grow_plane(f.grid, nullptr, std::array{f.on_floor}, {}));
 }
 
 void see_in_space(benchmark::State& state) {
   const Fixture& f = fixture();
-  for (auto _ : state) benchmark::DoNotOptimize(see(f.grid, f.view));
+  for (auto _ : state) benchmark::DoNotOptimize(labels::see(f.grid, f.view));
 }
 
 void select_in_space(benchmark::State& state) {
-  const SeenPoints seen = see(fixture().grid, fixture().view);
-  const DrawnShape shape{DrawnShape::Kind::stroke, {{200, 400}, {900, 500}}, 60};
-  for (auto _ : state) benchmark::DoNotOptimize(points_in_space(seen, shape, false));
+  const labels::SeenPoints seen = labels::see(fixture().grid, fixture().view);
+  const labels::DrawnShape shape{labels::DrawnShape::Kind::stroke, {{200, 400}, {900, 500}}, 60};
+  for (auto _ : state) benchmark::DoNotOptimize(labels::points_in_space(seen, shape, false));
 }
 
 BENCHMARK(grid)->Unit(benchmark::kMillisecond);

@@ -16,9 +16,9 @@ namespace {
 
 const test::LabelledCloud& staircase() {
   static const test::LabelledCloud cloud = [] {
-    StairsOptions options;
+    lab::StairsOptions options;
     options.noise_m = 0.002;
-    const Stairs stairs = make_stairs(0, options);
+    const lab::Stairs stairs = lab::make_stairs(0, options);
     test::LabelledCloud c;
     c.points = stairs.cloud.points;
     for (const std::uint8_t l : stairs.cloud.label) c.labels.push_back(static_cast<Label>(l));
@@ -28,26 +28,27 @@ const test::LabelledCloud& staircase() {
   return cloud;
 }
 
-void ours(benchmark::State& state, Profile profile) {
-  const SegmentOptions options = profile_options(profile);
+void ours(benchmark::State& state, planes::Profile profile) {
+  const planes::SegmentOptions options = planes::profile_options(profile);
   const test::LabelledCloud& c = staircase();
   for (auto _ : state)
-    benchmark::DoNotOptimize(segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
+    benchmark::DoNotOptimize(planes::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
 }
 
 /// As the debugger runs it.
-void traced(benchmark::State& state, Profile profile) {
-  const SegmentOptions options = profile_options(profile);
+void traced(benchmark::State& state, planes::Profile profile) {
+  const planes::SegmentOptions options = planes::profile_options(profile);
   const test::LabelledCloud& c = staircase();
   for (auto _ : state) {
-    Trace trace;
-    const Segmentation s = segment(c.points, c.labels, c.cube, Vec3d::Zero(), options, &trace);
-    benchmark::DoNotOptimize(Timeline(trace, s));
+    planes::Trace trace;
+    const planes::Segmentation s =
+        planes::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options, &trace);
+    benchmark::DoNotOptimize(debug::Timeline(trace, s));
   }
 }
 
-void plain(benchmark::State& state, Profile profile) {
-  const SegmentOptions options = profile_options(profile);
+void plain(benchmark::State& state, planes::Profile profile) {
+  const planes::SegmentOptions options = planes::profile_options(profile);
   const test::LabelledCloud& c = staircase();
   for (auto _ : state)
     benchmark::DoNotOptimize(
@@ -56,16 +57,17 @@ void plain(benchmark::State& state, Profile profile) {
 
 void octree_ours(benchmark::State& state) {
   const test::LabelledCloud& c = staircase();
-  for (auto _ : state) benchmark::DoNotOptimize(build_octree(c.points, c.labels, c.cube));
+  for (auto _ : state) benchmark::DoNotOptimize(planes::build_octree(c.points, c.labels, c.cube));
 }
 
 /// Ours with every node made down to the leaves, as Open3D's has them; the method never needs that.
 void octree_ours_divided(benchmark::State& state) {
   const test::LabelledCloud& c = staircase();
   for (auto _ : state) {
-    Octree octree = build_octree(c.points, c.labels, c.cube);
+    planes::Octree octree = planes::build_octree(c.points, c.labels, c.cube);
     for (std::size_t i = 0; i < octree.nodes.size(); ++i)
-      if (octree.nodes[i].depth < c.cube.max_depth) divide(octree, static_cast<std::int32_t>(i));
+      if (octree.nodes[i].depth < c.cube.max_depth)
+        planes::divide(octree, static_cast<std::int32_t>(i));
     benchmark::DoNotOptimize(octree.nodes.data());
   }
 }
@@ -80,14 +82,16 @@ void octree_open3d(benchmark::State& state) {
   }
 }
 
-BENCHMARK_CAPTURE(ours, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(traced, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(plain, paper, Profile::paper)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(ours, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(plain, paper_closest, Profile::paper_closest)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(ours, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(traced, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(plain, refined, Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, paper, planes::Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(traced, paper, planes::Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, paper, planes::Profile::paper)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, paper_closest, planes::Profile::paper_closest)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, paper_closest, planes::Profile::paper_closest)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(ours, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(traced, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(plain, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_ours)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_ours_divided)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_open3d)->Unit(benchmark::kMicrosecond);

@@ -29,17 +29,18 @@ Frame stairs_frame() {
 }
 
 void voxel_grid(benchmark::State& state, const Frame& frame, double max_range_m) {
-  CloudOptions options;
+  planes::CloudOptions options;
   options.max_range_m = max_range_m;
   Gravity gravity;
   gravity.direction = Vec3d(0, 0.87, 0.5);
-  const Cloud cloud = make_cloud(frame, gravity, options);
+  const planes::Cloud cloud = planes::make_cloud(frame, gravity, options);
   open3d::geometry::PointCloud theirs;
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     if (cloud.kept[i]) theirs.points_.push_back(cloud.points[i].cast<double>());
   std::vector<double> ours_ms, open3d_ms;
   for (auto _ : state) {
-    ours_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(voxelize(cloud, kVoxel_m)); }));
+    ours_ms.push_back(
+        milliseconds([&] { benchmark::DoNotOptimize(planes::voxelize(cloud, kVoxel_m)); }));
     open3d_ms.push_back(
         milliseconds([&] { benchmark::DoNotOptimize(theirs.VoxelDownSample(kVoxel_m)); }));
   }
@@ -65,7 +66,7 @@ int main(int argc, char** argv) {
   planescope::add("stairs", planescope::stairs_frame());
   if (const char* data = std::getenv("PLANESCOPE_DATA")) {
     const auto recording =
-        planescope::open_recording(std::filesystem::path(data) / "felixchenfy_d4xx_640x480");
+        planescope::io::open_recording(std::filesystem::path(data) / "felixchenfy_d4xx_640x480");
     planescope::add("room", recording->frame(0));
   }
   benchmark::RunSpecifiedBenchmarks();

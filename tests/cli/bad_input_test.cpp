@@ -64,14 +64,14 @@ std::vector<BadInput> bad_inputs() {
   cases.push_back({"EightBitDepth",
                    [](const fs::path& dir) {
                      write_depth_folder(dir / "rec", floor_and_wall());
-                     write_png(dir / "rec/depth/000000.png", Image8(160, 120, 1, 90));
+                     io::write_png(dir / "rec/depth/000000.png", Image8(160, 120, 1, 90));
                      return dir / "rec";
                    },
                    {"000000.png", "8", "16"}});
   cases.push_back({"ThreeChannelDepth",
                    [](const fs::path& dir) {
                      write_depth_folder(dir / "rec", floor_and_wall());
-                     write_png(dir / "rec/depth/000000.png", Image8(160, 120, 3, 90));
+                     io::write_png(dir / "rec/depth/000000.png", Image8(160, 120, 3, 90));
                      return dir / "rec";
                    },
                    {"000000.png", "3"}});
@@ -132,7 +132,7 @@ std::vector<BadInput> bad_inputs() {
                    {"big.ply", "4000000000"}});
   cases.push_back({"PlyCutShort",
                    [](const fs::path& dir) {
-                     write_ply(dir / "cut.ply", floor_and_wall_cloud());
+                     io::write_ply(dir / "cut.ply", floor_and_wall_cloud());
                      cut_file(dir / "cut.ply", 0.7);
                      return dir / "cut.ply";
                    },

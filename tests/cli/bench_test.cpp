@@ -19,7 +19,9 @@ struct Bench {
   fs::path dir = scratch();
   std::string weights = (dir / "untrained.safetensors").string();
 
-  Bench() { write_weights(weights, random_weights(network_config("compact"), 1)); }
+  Bench() {
+    planes::write_weights(weights, lab::random_weights(planes::network_config("compact"), 1));
+  }
 
   Ran with(std::vector<std::string> more) const {
     std::vector<std::string> args = {"bench",   "classifier", "--weights", weights,
@@ -79,7 +81,7 @@ TEST(BenchClassifier, WhatDoesNotDependOnTimeIsTheSameForAnyThreadCount) {
 TEST(BenchClassifier, PutsNetworksSideBySide) {
   const Bench bench;
   const std::string other = (bench.dir / "other.safetensors").string();
-  write_weights(other, random_weights(network_config("compact"), 2));
+  planes::write_weights(other, lab::random_weights(planes::network_config("compact"), 2));
   const Ran ran = bench.with({"--weights", other, "--only", "chain", "--json"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const auto json = nlohmann::json::parse(ran.out);

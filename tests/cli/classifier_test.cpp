@@ -30,8 +30,8 @@ class Assets {
 
 /// A network made by hand: v where a point has neighbours right above or below it, which are the
 /// first two channels of the surface convolution.
-NetworkWeights hand_made() {
-  NetworkWeights weights;
+planes::NetworkWeights hand_made() {
+  planes::NetworkWeights weights;
   weights.config = {.name = "by hand", .levels = {{2}}, .neighbours = 16, .head = {1}};
   weights.training = R"({"recipe":"by hand"})";
   weights.tensors = {{0, 0, 0, 0, 1, -1},  // conv_0.directions: +z and -z, column by column
@@ -69,7 +69,7 @@ struct Commands {
 TEST(Classifier, AWeightsFileLabelsEveryFrame) {
   const Commands commands;
   const fs::path file = commands.dir / "own.safetensors";
-  write_weights(file, hand_made());
+  planes::write_weights(file, hand_made());
   const Ran ran = commands.with("segment", file.string());
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json json = Json::parse(read_text(commands.dir / "out/frames/000000/planes.json"));
@@ -80,7 +80,7 @@ TEST(Classifier, AWeightsFileLabelsEveryFrame) {
 
 TEST(Classifier, TheShippedWeightsAreThoseInTheAssets) {
   const Commands commands;
-  write_weights(commands.dir / "classifier.safetensors", hand_made());
+  planes::write_weights(commands.dir / "classifier.safetensors", hand_made());
   const Assets assets(commands.dir);
   const Ran ran = commands.with("report", "gcn");
   ASSERT_EQ(ran.code, 0) << ran.err;
@@ -102,7 +102,7 @@ TEST(Classifier, AMissingWeightsFileIsNamed) {
 TEST(Classifier, ACutWeightsFileIsRefused) {
   const Commands commands;
   const fs::path file = commands.dir / "cut.safetensors";
-  write_weights(file, hand_made());
+  planes::write_weights(file, hand_made());
   fs::resize_file(file, fs::file_size(file) - 4);
   commands.expect_refused(file.string(), file.string() + ": tensor");
 }
@@ -110,7 +110,7 @@ TEST(Classifier, ACutWeightsFileIsRefused) {
 TEST(Classifier, AWeightsFileWithALyingHeaderIsRefused) {
   const Commands commands;
   const fs::path file = commands.dir / "lie.safetensors";
-  write_weights(file, hand_made());
+  planes::write_weights(file, hand_made());
   std::vector<unsigned char> bytes = read_file_bytes(file);
   bytes[5] = 1;  // a header of a terabyte
   write_file_bytes(file, bytes);

@@ -55,7 +55,8 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   const auto dir = scratch();
   const Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth, 2);
-  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
+  labels::write_frame_labels(dir / "rec.labels", 0,
+                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
   for (const char* classifier : {"gcn", "pca", "truth"}) {
     const Ran ran = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0",
                          "--classifier", classifier, "--frames", "0"});
@@ -77,7 +78,8 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
 TEST(Eval, ARivalIsScoredAsOursIs) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
+  labels::write_frame_labels(dir / "rec.labels", 0,
+                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
   const Ran ran =
       run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0", "--method", "ransac"});
   ASSERT_EQ(ran.code, 0) << ran.err;
@@ -92,7 +94,8 @@ TEST(Eval, LabelsOfOtherDepthAreRefused) {
   const auto dir = scratch();
   Image16 depth = floor_and_wall();
   write_depth_folder(dir / "rec", depth);
-  write_frame_labels(dir / "truth", 0, floor_and_wall_labels(*open_recording(dir / "rec")));
+  labels::write_frame_labels(dir / "truth", 0,
+                             floor_and_wall_labels(*io::open_recording(dir / "rec")));
   depth.data[5] = 999;
   write_depth_folder(dir / "rec", depth);
   const Ran ran = run(
@@ -126,7 +129,7 @@ TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
             (std::vector<std::string>{"stairs_000.ply", "stairs_001.ply", "stairs_002.ply"}));
   for (const std::string& file : files_below(dir / "a"))
     EXPECT_TRUE(read_text(dir / "a" / file) == read_text(dir / "b" / file)) << file;
-  const PointSet stairs = read_cloud_file(dir / "a/stairs_000.ply");
+  const PointSet stairs = io::read_cloud_file(dir / "a/stairs_000.ply");
   EXPECT_EQ(stairs.points.size(), 2048u);
   EXPECT_EQ(stairs.label.size(), 2048u);
   EXPECT_EQ(stairs.instance.size(), 2048u);
@@ -256,7 +259,7 @@ TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   EXPECT_EQ(json["augmented"], nullptr);
   ASSERT_EQ(json["clouds"].size(), 4u);
   for (const Json& entry : json["clouds"]) {
-    const PointSet cloud = read_cloud_file(dir / "a" / entry["file"].get<std::string>());
+    const PointSet cloud = io::read_cloud_file(dir / "a" / entry["file"].get<std::string>());
     EXPECT_EQ(cloud.points.size(), entry["points"]);
     EXPECT_EQ(std::count(cloud.label.begin(), cloud.label.end(), 1), entry["h"]);
     EXPECT_EQ(std::count(cloud.label.begin(), cloud.label.end(), 2), entry["v"]);
@@ -276,7 +279,7 @@ TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
                                                         "stairs_000.ply", "training.json"}));
   const Json json = Json::parse(read_text(dir / "training.json"));
   EXPECT_EQ(json["augmented"]["objects"]["uniform_noise_m"], 0.01);
-  EXPECT_EQ(read_cloud_file(dir / "stairs_000.ply").points.size(), 2048u);
+  EXPECT_EQ(io::read_cloud_file(dir / "stairs_000.ply").points.size(), 2048u);
 }
 
 TEST(SynthTraining, AnUnknownRecipeIsRefusedWithTheNamesThereAre) {
@@ -350,7 +353,7 @@ TEST(Sample, GravityIsEstimatedWithinTwoDegreesOnEveryFrame) {
     const Json gravity = Json::parse(info.out)["recordings"][0]["gravity"];
     EXPECT_EQ(gravity["source"], "estimate");
     const auto d = gravity["direction"].get<std::array<double, 3>>();
-    const Vec3d truth = read_frame_labels(labels, i, "")->gravity.direction;
+    const Vec3d truth = labels::read_frame_labels(labels, i, "")->gravity.direction;
     EXPECT_GT(Vec3d(d[0], d[1], d[2]).dot(truth), std::cos(2 * std::numbers::pi / 180)) << i;
   }
 }

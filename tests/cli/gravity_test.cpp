@@ -30,14 +30,15 @@ bool holds(const std::string& text, const std::string& part) {
 
 /// What a click on the floor of frame 0 would have stored: for all frames, or for that one alone.
 void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
-  const auto opened = open_recording(recording);
-  const PickedDirection direction{down, {}, 0, opened->frame_hash(0), "picked: a floor of 1.00 m2"};
-  PickedGravity picked;
+  const auto opened = io::open_recording(recording);
+  const io::PickedDirection direction{
+      down, {}, 0, opened->frame_hash(0), "picked: a floor of 1.00 m2"};
+  io::PickedGravity picked;
   if (all)
     picked.recording = direction;
   else
     picked.frames[0] = direction;
-  write_picked_gravity(default_label_dir(recording), picked);
+  io::write_picked_gravity(labels::default_label_dir(recording), picked);
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
     EXPECT_EQ(plane["label"], "unknown");
     EXPECT_LT(plane["offset_m"].get<double>(), 0) << "normals face the camera";
   }
-  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  const PointSet cloud = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
   EXPECT_EQ(std::ranges::count(cloud.label, 0), static_cast<std::ptrdiff_t>(cloud.label.size()));
   EXPECT_GT(std::ranges::count(cloud.instance, 2), 100);
 }
@@ -86,7 +87,7 @@ TEST(GravityNone, IsTheSameBytesForAnyNumberOfThreads) {
 
 TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
   const auto dir = scratch();
-  write_ply(dir / "cloud.ply", floor_and_wall_cloud());
+  io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   for (const char* method : {"ours", "ransac"}) {
     const auto out = dir / method;
     const Ran ran = run({"segment", (dir / "cloud.ply").string(), "-o", out.string(), "--gravity",
@@ -117,8 +118,8 @@ TEST(GravityNone, IsARefusedFramesWayOut) {
 TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = open_recording(dir / "rec");
-  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const auto recording = io::open_recording(dir / "rec");
+  labels::write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
   const Ran ran = run(report_args({dir / "rec"}, dir / "out", {"--gravity", "none"}));
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json report = read_report(dir / "out");
@@ -147,8 +148,8 @@ TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
 TEST(GravityNone, EvalScoresPlanesAndLeavesLabelsOpen) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = open_recording(dir / "rec");
-  write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
+  const auto recording = io::open_recording(dir / "rec");
+  labels::write_frame_labels(dir / "rec.labels", 0, floor_and_wall_labels(*recording));
   const Ran ran = run({"eval", (dir / "rec").string(), "--gravity", "none", "--json"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json json = Json::parse(ran.out);
@@ -174,8 +175,8 @@ TEST(GravityNone, InfoSaysHowToGiveOne) {
 TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  const auto recording = open_recording(dir / "rec");
-  write_frame_labels(dir / "true", 0, floor_and_wall_labels(*recording));
+  const auto recording = io::open_recording(dir / "rec");
+  labels::write_frame_labels(dir / "true", 0, floor_and_wall_labels(*recording));
   const std::string rec = (dir / "rec").string();
   ASSERT_EQ(run({"labels", "export", rec, "--labels", (dir / "true").string(), "--format", "evops",
                  "-o", (dir / "npy").string()})
@@ -184,14 +185,14 @@ TEST(GravityNone, LabelsThatAreImportedHaveNoClassAndAreExportedSo) {
   const Ran taken = run({"labels", "import", rec, "--format", "evops", "--from",
                          (dir / "npy").string(), "--gravity", "none"});
   ASSERT_EQ(taken.code, 0) << taken.err;
-  const auto labels = read_frame_labels(dir / "rec.labels", 0, "");
+  const auto labels = labels::read_frame_labels(dir / "rec.labels", 0, "");
   ASSERT_TRUE(labels);
   EXPECT_EQ(labels->gravity.source, GravitySource::none);
   ASSERT_EQ(labels->planes.size(), 2u);
   for (const LabelPlane& plane : labels->planes) EXPECT_EQ(plane.label, Label::unknown);
   ASSERT_EQ(run({"labels", "export", rec, "--format", "ply", "-o", (dir / "ply").string()}).code,
             0);
-  const PointSet cloud = read_cloud_file(dir / "ply/000000.ply");
+  const PointSet cloud = io::read_cloud_file(dir / "ply/000000.ply");
   EXPECT_EQ(std::ranges::count(cloud.label, 0), static_cast<std::ptrdiff_t>(cloud.label.size()));
   EXPECT_EQ(run({"labels", "check", rec, "--strict"}).code, 0);
 }

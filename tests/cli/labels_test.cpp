@@ -24,7 +24,7 @@ class Labels : public testing::Test {
   }
 
   void write_labels(const fs::path& to, int frame) {
-    write_frame_labels(to, frame, floor_and_wall_labels(*open_recording(rec), frame));
+    labels::write_frame_labels(to, frame, floor_and_wall_labels(*io::open_recording(rec), frame));
   }
   Ran labels(const std::string& command, std::vector<std::string> args) {
     args.insert(args.begin(), {"labels", command});
@@ -36,7 +36,7 @@ class Labels : public testing::Test {
     EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
   }
   std::vector<std::uint16_t> planes_in(const fs::path& folder, int frame) {
-    return read_frame_labels(folder, frame, "")->plane.data;
+    return labels::read_frame_labels(folder, frame, "")->plane.data;
   }
 
   const fs::path dir = scratch(), rec = dir / "rec", own = dir / "rec.labels";
@@ -54,9 +54,9 @@ TEST_F(Labels, CheckFindsNothingInGoodLabels) {
 }
 
 TEST_F(Labels, CheckNamesFileFramePlaneValueAndLimitOfAFinding) {
-  FrameLabels wrong = floor_and_wall_labels(*open_recording(rec), 1);
+  FrameLabels wrong = floor_and_wall_labels(*io::open_recording(rec), 1);
   wrong.planes[0].label = Label::v;
-  write_frame_labels(own, 1, wrong);
+  labels::write_frame_labels(own, 1, wrong);
   const Ran ran = labels("check", {own.string()});
   EXPECT_EQ(ran.code, 1);
   EXPECT_NE(ran.out.find("000001.json: frame 1: class_normal: P1: labelled v and tilted 0 degrees, "
@@ -110,8 +110,8 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
     ASSERT_EQ(imported.code, 0) << imported.err;
     EXPECT_NE(imported.out.find("frame 1: "), std::string::npos) << imported.out;
     for (const int frame : {0, 1}) {
-      const auto before = read_frame_labels(own, frame, ""),
-                 after = read_frame_labels(back, frame, "");
+      const auto before = labels::read_frame_labels(own, frame, ""),
+                 after = labels::read_frame_labels(back, frame, "");
       ASSERT_TRUE(after);
       EXPECT_EQ(after->plane.data, before->plane.data);
       EXPECT_EQ(after->hv.data, before->hv.data);
@@ -123,16 +123,16 @@ TEST_F(Labels, WhatIsExportedComesBackByImport) {
 }
 
 TEST_F(Labels, AnImportCanBeTakenBack) {
-  LabelledPoints points;
+  labels::LabelledPoints points;
   points.instance.assign(160 * 120, 5);
-  write_labelled(dir / "five", LabelFormat::evops, points);
+  labels::write_labelled(dir / "five", labels::LabelFormat::evops, points);
   const auto before = planes_in(own, 1);
   const Ran ran = labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
                                     "1", "--gravity", "0,1,0"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(planes_in(own, 1), std::vector<std::uint16_t>(160 * 120, 5));
-  LabelStore store(own);
-  const auto recording = open_recording(rec);
+  labels::LabelStore store(own);
+  const auto recording = io::open_recording(rec);
   store.open(1, floor_and_wall_labels(*recording, 1));
   ASSERT_EQ(store.undo_frame(), 1);
   EXPECT_EQ(store.history(1).at(0).title, "Import five.npy");
@@ -141,12 +141,12 @@ TEST_F(Labels, AnImportCanBeTakenBack) {
 }
 
 TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
-  LabelledPoints points;
+  labels::LabelledPoints points;
   points.instance.assign(100, 5);
   fs::create_directories(dir / "in");
-  write_labelled(dir / "in/000001", LabelFormat::evops, points);
+  labels::write_labelled(dir / "in/000001", labels::LabelFormat::evops, points);
   points.instance.assign(160 * 120, 5);
-  write_labelled(dir / "in/000000", LabelFormat::evops, points);
+  labels::write_labelled(dir / "in/000000", labels::LabelFormat::evops, points);
   const auto import = [&](std::vector<std::string> args) {
     args.insert(args.begin(), {rec.string(), "--gravity", "0,1,0", "--from"});
     return labels("import", args);
@@ -160,21 +160,21 @@ TEST_F(Labels, FilesThatCannotBeImportedChangeNothing) {
   expect_refused(import({in + "/nothing.npy"}), "nothing.npy: no such file");
   expect_refused(import({(rec / "camera_intrinsic.json").string(), "--frames", "0"}),
                  "not a COCO file");
-  EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*open_recording(rec)).plane.data);
+  EXPECT_EQ(planes_in(own, 0), floor_and_wall_labels(*io::open_recording(rec)).plane.data);
   expect_refused(import({in + "/000000.npy", "--frames", "0", "--labels", (rec / "l").string()}),
                  "inside the recording");
   EXPECT_FALSE(fs::exists(own / "journal"));
 }
 
 TEST_F(Labels, NothingIsImportedWhereAnotherInstanceIsAtWork) {
-  LabelledPoints points;
+  labels::LabelledPoints points;
   points.instance.assign(160 * 120, 5);
-  write_labelled(dir / "five", LabelFormat::evops, points);
-  LabelStore held(own, {"ann", {}});
-  const auto before = held.open(0, floor_and_wall_labels(*open_recording(rec)));
+  labels::write_labelled(dir / "five", labels::LabelFormat::evops, points);
+  labels::LabelStore held(own, {"ann", {}});
+  const auto before = held.open(0, floor_and_wall_labels(*io::open_recording(rec)));
   FrameLabels after = *before;
   after.planes[0].locked = true;
-  held.commit(make_edit(0, "Lock P1", *before, after));
+  held.commit(labels::make_edit(0, "Lock P1", *before, after));
   expect_refused(labels("import", {rec.string(), "--from", (dir / "five.npy").string(), "--frames",
                                    "0", "--gravity", "0,1,0"}),
                  "read-only: held by ann");
@@ -209,10 +209,12 @@ TEST_F(Labels, PointFormatsConvertIntoEachOther) {
     const Ran ran = convert(in, out);
     EXPECT_EQ(ran.code, 0) << ran.err;
   }
-  const LabelledPoints first = read_labelled(dir / "000000.npz", LabelFormat::npz);
-  EXPECT_EQ(read_labelled(dir / "b.pcd", LabelFormat::pcd).pixel, first.pixel);
-  EXPECT_EQ(read_labelled(dir / "c.bin", LabelFormat::kitti).label, first.label);
-  EXPECT_EQ(read_labelled(dir / "d.npy", LabelFormat::evops).instance, first.instance);
+  const labels::LabelledPoints first =
+      labels::read_labelled(dir / "000000.npz", labels::LabelFormat::npz);
+  EXPECT_EQ(labels::read_labelled(dir / "b.pcd", labels::LabelFormat::pcd).pixel, first.pixel);
+  EXPECT_EQ(labels::read_labelled(dir / "c.bin", labels::LabelFormat::kitti).label, first.label);
+  EXPECT_EQ(labels::read_labelled(dir / "d.npy", labels::LabelFormat::evops).instance,
+            first.instance);
   expect_refused(convert("d.npy", "f.ply"), "ply needs coordinates");
   expect_refused(convert("d.npy", "f.txt"), "f.txt: expected a name that ends in");
 }
@@ -230,9 +232,9 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
   EXPECT_EQ(json["mean"]["mean_iou"], 1);
   EXPECT_EQ(json["frames_in_one_only"], Json::array({0}));
 
-  FrameLabels other = floor_and_wall_labels(*open_recording(rec), 1);
+  FrameLabels other = floor_and_wall_labels(*io::open_recording(rec), 1);
   for (int i = 0; i < 4000; ++i) other.plane.data[i] = 1;
-  write_frame_labels(ann, 1, other);
+  labels::write_frame_labels(ann, 1, other);
   json = Json::parse(compare({"--json"}).out);
   EXPECT_LT(json["mean"]["mean_iou"], 0.9);
   const Ran text = compare({"--recording", rec.string()});
@@ -240,7 +242,7 @@ TEST_F(Labels, CompareSaysHowFarTwoAnnotatorsAgree) {
   EXPECT_NE(text.out.find("mean"), std::string::npos);
 
   other.depth_sha256 = std::string(64, 'f');
-  write_frame_labels(ann, 1, other);
+  labels::write_frame_labels(ann, 1, other);
   expect_refused(compare({}), "made for different depth images");
   expect_refused(labels("compare", {own.string()}), "expected two");
 }
@@ -322,24 +324,24 @@ TEST_F(Labels, ScoreOtherLabelsInAnyFormatAndNameAFrameThatIsMissing) {
 TEST_F(Labels, OfAWindowThatWasKilledAreSaidToBeInTheJournal) {
   const fs::path killed = dir / "killed";
   {
-    LabelStore store(killed);
-    const FrameLabels all = floor_and_wall_labels(*open_recording(rec), 0);
+    labels::LabelStore store(killed);
+    const FrameLabels all = floor_and_wall_labels(*io::open_recording(rec), 0);
     FrameLabels none = all;
     std::fill(none.plane.data.begin(), none.plane.data.end(), 0);
     std::fill(none.hv.data.begin(), none.hv.data.end(), 0);
     none.planes.clear();
     store.open(0, none);
-    store.commit(make_edit(0, "all", none, all));
+    store.commit(labels::make_edit(0, "all", none, all));
   }
   expect_refused(labels("stats", {killed.string()}), "only a journal");
 }
 
 TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
-  FrameLabels labels_0 = floor_and_wall_labels(*open_recording(rec), 0);
+  FrameLabels labels_0 = floor_and_wall_labels(*io::open_recording(rec), 0);
   for (std::size_t i = 0; i < labels_0.plane.data.size(); ++i)
     if (labels_0.plane.data[i] == 2) labels_0.plane.data[i] = labels_0.hv.data[i] = 0;
   std::erase_if(labels_0.planes, [](const LabelPlane& plane) { return plane.id == 2; });
-  write_frame_labels(own, 0, labels_0);
+  labels::write_frame_labels(own, 0, labels_0);
   const Ran lax = labels("check", {own.string()});
   EXPECT_EQ(lax.code, 0) << lax.out;
   EXPECT_NE(lax.out.find("frame 0: hint: unlabelled"), std::string::npos) << lax.out;

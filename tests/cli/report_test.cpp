@@ -56,7 +56,7 @@ void expect_same_but_for_times(const std::filesystem::path& a, const std::filesy
 TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  write_ply(dir / "cloud.ply", floor_and_wall_cloud());
+  io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   const Ran ran =
       run(report_args({dir / "rec", dir / "cloud.ply"}, dir / "out", {"--max-range", "1.4"}));
   ASSERT_EQ(ran.code, 0) << ran.err;
@@ -72,7 +72,7 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
     const bool has_truth = recording["name"] == "cloud.ply";
     EXPECT_EQ(frame["pictures"].size(), has_truth ? 8u : 7u);
     for (const Json& picture : frame["pictures"]) {
-      const auto info = png_info(dir / "out" / picture["file"].get<std::string>());
+      const auto info = io::png_info(dir / "out" / picture["file"].get<std::string>());
       EXPECT_EQ(info.width, picture["width"]);
       EXPECT_EQ(info.channels, 3);
     }
@@ -86,9 +86,9 @@ TEST(Report, SeveralInputsGiveOnePageWithAPictureOfEveryStage) {
 TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
-  FrameLabels labels = floor_and_wall_labels(*open_recording(dir / "rec"));
+  FrameLabels labels = floor_and_wall_labels(*io::open_recording(dir / "rec"));
   for (int i = 0; i < 160 * 30; ++i) labels.plane.data[i] = labels.hv.data[i] = 0;
-  write_frame_labels(dir / "rec.labels", 0, labels);
+  labels::write_frame_labels(dir / "rec.labels", 0, labels);
   ASSERT_EQ(run(report_args({dir / "rec"}, dir / "out", {"--gravity", "0,1,0"})).code, 0);
   const Json frames = read_report(dir / "out")["recordings"][0]["frames"];
   const auto truth_of = [](const Json& frame) {
@@ -100,7 +100,7 @@ TEST(Report, LabelledFramesShowWhereLabelsAndResultDiffer) {
   ASSERT_FALSE(picture.is_null());
   EXPECT_NE(read_text(dir / "out/index.html").find("where they differ: invented 25"),
             std::string::npos);
-  const auto info = png_info(dir / "out" / picture["file"].get<std::string>());
+  const auto info = io::png_info(dir / "out" / picture["file"].get<std::string>());
   EXPECT_GT(info.width, 3 * info.height / 2) << "three pictures in a row";
   EXPECT_TRUE(truth_of(frames[1]).is_null()) << "the second frame has no labels";
 }
@@ -112,7 +112,7 @@ TEST(Report, PixelsAndFiguresAreTheSameForAnyNumberOfThreads) {
   for (const char* name : {"000001.png", "000004.png"}) {
     Image16 floor_alone = floor_and_wall();
     for (std::uint16_t& depth : floor_alone.data) depth = depth > 1000 ? 0 : depth;
-    write_png(dir / "rec" / "depth" / name, floor_alone);
+    io::write_png(dir / "rec" / "depth" / name, floor_alone);
   }
   Json first;
   for (const char* threads : {"1", "2", "8"}) {
@@ -149,7 +149,7 @@ TEST(Report, AnInterruptedRunLeavesAValidPartialReport) {
 TEST(Report, AFrameWithoutGravityIsToldAndTheOthersGoOn) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 3);
-  write_png(dir / "rec" / "depth" / "000001.png", Image16(160, 120));  // nothing was measured
+  io::write_png(dir / "rec" / "depth" / "000001.png", Image16(160, 120));  // nothing was measured
   const Ran ran = run(report_args({dir / "rec"}, dir / "out", {}));
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json frames = read_report(dir / "out")["recordings"][0]["frames"];
@@ -321,7 +321,7 @@ TEST(Report, GoesOnWhereAKilledRunWas) {
   expect_same_but_for_times(dir / "out", dir / "whole");
 
   // Another input under the same name is another frame.
-  write_png(dir / "rec" / "depth" / "000000.png", Image16(160, 120, 1, 900));
+  io::write_png(dir / "rec" / "depth" / "000000.png", Image16(160, 120, 1, 900));
   ASSERT_EQ(run(args("out")).code, 0);
   EXPECT_NE(read_report(dir / "out")["recordings"][0]["frames"][0]["sha256"],
             read_report(dir / "whole")["recordings"][0]["frames"][0]["sha256"]);

@@ -29,7 +29,7 @@ Image16 floor_and_wall() {
   return depth;
 }
 
-FrameLabels floor_and_wall_labels(const Recording& recording, int frame) {
+FrameLabels floor_and_wall_labels(const io::Recording& recording, int frame) {
   const Image16 depth = floor_and_wall();
   FrameLabels labels;
   labels.depth_sha256 = recording.frame_hash(frame);
@@ -63,7 +63,7 @@ void write_depth_folder(const fs::path& dir, const Image16& depth, int frames) {
   for (int i = 0; i < frames; ++i) {
     std::string name = std::to_string(i);
     name.insert(0, 6 - name.size(), '0');
-    write_png(dir / "depth" / (name + ".png"), depth);
+    io::write_png(dir / "depth" / (name + ".png"), depth);
   }
   write_intrinsics(dir, depth.width, depth.height);
 }

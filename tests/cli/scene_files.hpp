@@ -13,7 +13,7 @@ namespace planescope::testing_cli {
 Image16 floor_and_wall();
 
 /// Its exact truth: plane 1 the floor, 2 the wall.
-FrameLabels floor_and_wall_labels(const Recording& recording, int frame = 0);
+FrameLabels floor_and_wall_labels(const io::Recording& recording, int frame = 0);
 
 /// A folder recording with depth/000000.png ... and an Open3D intrinsics file.
 void write_depth_folder(const std::filesystem::path& dir, const Image16& depth, int frames = 1);

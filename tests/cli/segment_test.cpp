@@ -69,8 +69,8 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
   }
 
   // The picture and the cloud carry the same planes: pixels in raster order.
-  const Image16 image = read_png_16(dir / "out/frames/000000/planes.png");
-  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  const Image16 image = io::read_png_16(dir / "out/frames/000000/planes.png");
+  const PointSet cloud = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
   ASSERT_EQ(image.width, 160);
   ASSERT_EQ(image.height, 120);
   ASSERT_EQ(cloud.instance.size(), image.data.size());
@@ -85,7 +85,7 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
 TEST(Segment, ResultsAreTheSameBytesForAnyNumberOfThreads) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
-  write_ply(dir / "cloud.ply", floor_and_wall_cloud());
+  io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   for (const char* threads : {"1", "2", "8"}) {
     const auto out = dir / threads;
     ASSERT_EQ(
@@ -115,7 +115,8 @@ TEST(Segment, SaturatedCountsAreDroppedAndCounted) {
   const Json counts = planes_of(dir / "out")["counts"];
   EXPECT_EQ(counts["invalid"], 7);
   EXPECT_EQ(counts["no_measurement"], 5);
-  EXPECT_EQ(read_cloud_file(dir / "out/frames/000000/cloud.ply").points.size(), 160 * 120 - 12u);
+  EXPECT_EQ(io::read_cloud_file(dir / "out/frames/000000/cloud.ply").points.size(),
+            160 * 120 - 12u);
 }
 
 TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
@@ -125,7 +126,7 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
   set.points[17] = Vec3f(kNan, 0, 0);
   set.points[18] = Vec3f(0, std::numeric_limits<float>::infinity(), 0);
   set.points[19] = Vec3f::Zero();
-  write_ply(dir / "cloud.ply", set);
+  io::write_ply(dir / "cloud.ply", set);
   const Ran ran = run(segment_args(dir / "cloud.ply", dir / "out", {}));
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(files_below(dir / "out"),
@@ -135,7 +136,7 @@ TEST(Segment, ACloudKeepsEveryPointInItsPlace) {
   EXPECT_EQ(json["counts"]["invalid"], 2);
   EXPECT_EQ(json["counts"]["no_measurement"], 1);
   EXPECT_EQ(json["gravity"]["source"], "assumed");
-  const PointSet written = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  const PointSet written = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
   ASSERT_EQ(written.points.size(), set.points.size());
   for (std::size_t i = 0; i < written.points.size(); ++i) {
     if (i >= 17 && i <= 19) {
@@ -156,7 +157,7 @@ TEST(Segment, WhatIsCroppedStaysInTheCloudWithoutAPlane) {
   EXPECT_NE(ran.out.find("--max-range"), std::string::npos);
   const Json counts = planes_of(dir / "out")["counts"];
   EXPECT_GT(counts["beyond_range"].get<int>(), 1000);
-  const PointSet cloud = read_cloud_file(dir / "out/frames/000000/cloud.ply");
+  const PointSet cloud = io::read_cloud_file(dir / "out/frames/000000/cloud.ply");
   ASSERT_EQ(cloud.points.size(), 160u * 120u);
   int outside = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -194,7 +195,7 @@ TEST(Segment, AFrameWithoutGravityIsRefusedAndTheOthersAreDone) {
   const Image16 good = floor_and_wall();
   write_depth_folder(dir / "rec", good, 2);
   Image16 blind(good.width, good.height);  // nothing measured: nothing tells where down is
-  write_png(dir / "rec/depth/000001.png", blind);
+  io::write_png(dir / "rec/depth/000001.png", blind);
   const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--json"}));
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json json = Json::parse(ran.out);

@@ -27,7 +27,8 @@ struct Training {
            checkpoint = dir / "out.checkpoint";
 
   Training() {
-    write_weights(start, random_weights({.name = "tiny", .levels = {{4}, {4}}, .head = {4}}, 1));
+    planes::write_weights(
+        start, lab::random_weights({.name = "tiny", .levels = {{4}, {4}}, .head = {4}}, 1));
   }
 
   std::vector<std::string> command(std::vector<std::string> more) const {
@@ -62,7 +63,7 @@ struct Training {
 };
 
 Json training_record(const fs::path& weights) {
-  return Json::parse(read_weights(weights).training);
+  return Json::parse(planes::read_weights(weights).training);
 }
 
 /// A labelled recording of a staircase.
@@ -192,11 +193,11 @@ TEST(Train, OnOnesOwnRecordingsTeachesTheirTerrain) {
 TEST(Train, ABaselineThatLabelsBetterEndsItWithCode1) {
   const Training training;
   // Made by hand: v where a point has neighbours right above or below it.
-  NetworkWeights good;
+  planes::NetworkWeights good;
   good.config = {.name = "by hand", .levels = {{2}}, .head = {1}};
   good.tensors = {{0, 0, 0, 0, 1, -1}, {1, 1}, {0}, {0, 8}, {8, 0}};
   const fs::path baseline = training.dir / "good.safetensors";
-  write_weights(baseline, good);
+  planes::write_weights(baseline, good);
   const Ran ran = training.with({"--steps", "1", "--baseline", baseline.string()});
   EXPECT_EQ(ran.code, 1) << ran.out;
   EXPECT_NE(ran.out.find("worse"), std::string::npos) << ran.out;

@@ -35,8 +35,8 @@ FrameOutput read_frame_output(const std::filesystem::path& folder) {
     output.planes.push_back(plane);
   }
   if (std::filesystem::exists(folder / "planes.png"))
-    output.plane_ids = read_png_16(folder / "planes.png");
-  output.cloud = read_cloud_file(folder / "cloud.ply");
+    output.plane_ids = io::read_png_16(folder / "planes.png");
+  output.cloud = io::read_cloud_file(folder / "cloud.ply");
   return output;
 }
 

@@ -80,7 +80,7 @@ TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
   ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --size 640x400 --script '{}'",
                             frame, (kFolder / (labeled.name + ".json")).string())),
             0);
-  const auto labels = read_frame_labels(dir, labeled.frame, "");
+  const auto labels = labels::read_frame_labels(dir, labeled.frame, "");
   ASSERT_TRUE(labels);
 
   std::ifstream file(kFolder / "expected.json");

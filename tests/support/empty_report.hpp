@@ -5,14 +5,14 @@
 namespace planescope {
 
 /// What a report has before its first recording.
-inline Report empty_report() {
-  Report report;
+inline report::Report empty_report() {
+  report::Report report;
   report.version = "1.2.3";
   report.commit = std::string(40, 'c');
   report.command = "planescope report a.bag";
   report.created_utc = "2024-01-02T03:04:05Z";
   report.classifier = "pca";
-  report.options = make_report_options({});
+  report.options = report::make_report_options({});
   for (std::string& color : report.case_colors) color = "#e69f00";
   return report;
 }

@@ -14,7 +14,7 @@ namespace planescope::test {
 struct CloudWithGaps {
   LabelledCloud cloud;
   Vec3d sensor;
-  Measurements more;
+  planes::Measurements more;
 };
 
 /// Random measurements about each point, as the voxels of a noisy cloud hold them.

@@ -69,7 +69,7 @@ inline double area_of_a_point(const PlaneFit& f) {
 /// Criterion 4 of a list's plane and a candidate: their offset [m], if they are coplanar.
 inline std::optional<double> offset_of_coplanar(const PlaneFit& plane,
                                                 const PlaneFit& candidate,
-                                                const SegmentOptions& o) {
+                                                const planes::SegmentOptions& o) {
   const Vec3d dmu = plane.centroid - candidate.centroid;
   const double offset = std::abs(plane.normal.dot(dmu));
   const double most = 1 - o.theta_coplane;

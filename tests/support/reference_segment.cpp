@@ -39,10 +39,10 @@ class Method {
  public:
   Method(std::span<const Vec3f> points,
          std::span<const Label> labels,
-         Cube cube,
+         planes::Cube cube,
          const Vec3d& sensor,
-         const SegmentOptions& options,
-         const Measurements& more)
+         const planes::SegmentOptions& options,
+         const planes::Measurements& more)
       : points_(points),
         labels_(labels),
         cube_(cube),
@@ -51,7 +51,7 @@ class Method {
         more_(more) {}
 
   Result run() {
-    if (options_.cube_anchor == CubeAnchor::min_corner && !points_.empty()) {
+    if (options_.cube_anchor == planes::CubeAnchor::min_corner && !points_.empty()) {
       Vec3f low = points_[0];
       for (const Vec3f& p : points_) low = low.cwiseMin(p);
       cube_.min_corner = low.cast<double>();
@@ -189,7 +189,7 @@ class Method {
     const double variance = f.eigenvalues[0] / f.count;
     if (options_.noise.rms_criterion3)
       return std::sqrt(variance) <= noise_.theta_rms(range(f.centroid));
-    const bool mean = options_.mse_normalization == MseNormalization::mean;
+    const bool mean = options_.mse_normalization == planes::MseNormalization::mean;
     return (mean ? variance : f.eigenvalues[0]) <= options_.theta_e_n_m2;
   }
 
@@ -287,7 +287,7 @@ class Method {
         best = k;
         least = *cost;
       }
-      if (options_.merge_partner == MergePartner::first) break;
+      if (options_.merge_partner == planes::MergePartner::first) break;
     }
     if (best < 0)
       found(c);
@@ -442,7 +442,7 @@ class Method {
   void assign() {
     auto near = planes_near();
     for (const int i : std::exchange(leftovers_, {})) {
-      if (options_.leftover_rule == LeftoverRule::nearest) {
+      if (options_.leftover_rule == planes::LeftoverRule::nearest) {
         plane_of_[i] = nearest(near[coarse_of(i)], i);
         continue;
       }
@@ -606,8 +606,8 @@ class Method {
   }
 
   void split() {
-    if (options_.split_disconnected.rule == SplitRule::off) return;
-    const bool seen = options_.split_disconnected.rule == SplitRule::seen;
+    if (options_.split_disconnected.rule == planes::SplitRule::off) return;
+    const bool seen = options_.split_disconnected.rule == planes::SplitRule::seen;
     const double spacing = std::sqrt(typical_area());
     const double gap = seen ? std::max(options_.split_disconnected.gap_m, 2 * spacing)
                             : options_.split_disconnected.gap_m;
@@ -655,10 +655,10 @@ class Method {
 
   std::span<const Vec3f> points_;
   std::span<const Label> labels_;
-  Cube cube_;
+  planes::Cube cube_;
   Vec3d sensor_;
-  const SegmentOptions& options_;
-  const Measurements& more_;
+  const planes::SegmentOptions& options_;
+  const planes::Measurements& more_;
   Noise noise_;
   std::unique_ptr<Node> root_;
   std::vector<GrowingPlane> planes_;
@@ -673,10 +673,10 @@ class Method {
 
 Result segment(std::span<const Vec3f> points,
                std::span<const Label> labels,
-               const Cube& cube,
+               const planes::Cube& cube,
                const Vec3d& sensor,
-               const SegmentOptions& options,
-               const Measurements& more) {
+               const planes::SegmentOptions& options,
+               const planes::Measurements& more) {
   return Method(points, labels, cube, sensor, options, more).run();
 }
 

@@ -33,9 +33,9 @@ struct Result {
 
 Result segment(std::span<const Vec3f> points,
                std::span<const Label> labels,
-               const Cube& cube,
+               const planes::Cube& cube,
                const Vec3d& sensor,
-               const SegmentOptions& options,
-               const Measurements& more = {});
+               const planes::SegmentOptions& options,
+               const planes::Measurements& more = {});
 
 }  // namespace planescope::reference

@@ -14,27 +14,27 @@ namespace planescope::test {
 struct LabelledCloud {
   std::vector<Vec3f> points;
   std::vector<Label> labels;
-  Cube cube;
+  planes::Cube cube;
 };
 
-inline Cube cube_around(const std::vector<Vec3f>& points) {
+inline planes::Cube cube_around(const std::vector<Vec3f>& points) {
   Vec3f low = points[0], high = points[0];
   for (const Vec3f& p : points) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  Cube cube;
+  planes::Cube cube;
   cube.min_corner = ((low + high) / 2).cast<double>() - Vec3d::Constant(cube.edge_m / 2);
   return cube;
 }
 
 /// The points as a camera sees them that looks along x from `sensor`; of those behind one another
 /// the nearest.
-inline PixelGrid picture_of(const std::vector<Vec3f>& points, const Vec3d& sensor) {
-  PixelGrid picture{160, 120, 90, {}, {}};
+inline planes::PixelGrid picture_of(const std::vector<Vec3f>& points, const Vec3d& sensor) {
+  planes::PixelGrid picture{160, 120, 90, {}, {}};
   const std::size_t pixels = 160 * 120;
   picture.measured.resize(pixels);
-  picture.point.assign(pixels, PixelGrid::kNoPoint);
+  picture.point.assign(pixels, planes::PixelGrid::kNoPoint);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3d to = points[i].cast<double>() - sensor;
     if (to.x() < 0.05) continue;

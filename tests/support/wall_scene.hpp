@@ -29,17 +29,17 @@ inline Frame depth_frame(const std::function<double(double, double)>& depth_m,
   return frame;
 }
 
-inline FrameResult result_of(const Frame& frame,
-                             const std::function<void(SegmentOptions&)>& change = {}) {
-  PipelineOptions options;
+inline planes::FrameResult result_of(
+    const Frame& frame, const std::function<void(planes::SegmentOptions&)>& change = {}) {
+  planes::PipelineOptions options;
   options.cloud.max_range_m = 4;
   options.classifier = "pca";
   if (change) change(options.segment);
-  return run_frame(frame, options, make_pca_classifier().get());
+  return planes::run_frame(frame, options, planes::make_pca_classifier().get());
 }
 
 /// The plane of a pixel, 0 none.
-inline int plane_at(const FrameResult& result, int u, int v) {
+inline int plane_at(const planes::FrameResult& result, int u, int v) {
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     if (result.cloud.source[i] == static_cast<std::uint32_t>(v * 640 + u))
       return result.plane_of[i];

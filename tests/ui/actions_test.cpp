@@ -12,7 +12,7 @@
 namespace planescope::desktop {
 namespace {
 
-const TraceEvent& event_of(const State& state) { return *state.event(); }
+const planes::TraceEvent& event_of(const State& state) { return *state.event(); }
 
 TEST(Actions, HaveNamesAndKeysOfTheirOwn) {
   std::set<std::string> names, keys;  // keys: with their mode
@@ -81,7 +81,7 @@ TEST(Stepping, GoesForwardsAndBackAndStopsAtTheEnds) {
   EXPECT_EQ(state.view.step, 0);
   apply(state, {"step.next", ""});
   EXPECT_EQ(state.view.step, 1);
-  EXPECT_EQ(event_of(state).type, EventType::visit);
+  EXPECT_EQ(event_of(state).type, planes::EventType::visit);
   EXPECT_EQ(state.view.selected.node, 0);
   apply(state, {"step.last", ""});
   EXPECT_EQ(state.view.step, state.run()->steps());
@@ -102,8 +102,8 @@ TEST(Stepping, ToTheNextNodeOfThisCaseVisitsThemAllAndComesBack) {
     if (state.view.step != before) forwards.push_back(state.view.step);
   }
   int count = 0;
-  for (const TraceEvent& event : state.run()->trace.events)
-    count += event.type == EventType::decide && event.node_case == wanted ? 1 : 0;
+  for (const planes::TraceEvent& event : state.run()->trace.events)
+    count += event.type == planes::EventType::decide && event.node_case == wanted ? 1 : 0;
   EXPECT_EQ(static_cast<int>(forwards.size()), count);
   std::vector<int> back = {state.view.step};
   for (int before = -1; before != state.view.step;) {
@@ -234,10 +234,10 @@ TEST(Flashing, ShowsAAndKeepsTheNode) {
   State state = run_state();
   apply(state, {"step.goto", "40"});
   apply(state, {"run.pin", ""});
-  PipelineOptions other = state.document.options;
-  set_option(other, "theta_n_out", "12");
+  planes::PipelineOptions other = state.document.options;
+  planes::set_option(other, "theta_n_out", "12");
   auto view = std::make_shared<RunView>();
-  view->run = make_run(state.results.pinned->run->subject, other);
+  view->run = debug::make_run(state.results.pinned->run->subject, other);
   const auto before = state.results.current;
   state.results.current = view;
   follow_run(state, *before->run);
@@ -263,7 +263,7 @@ TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
 }
 
 TEST(Camera, OrbitsAtTheSameDistanceAndNeverTurnsOver) {
-  Camera camera;
+  render::Camera camera;
   camera.eye = Vec3d(-2, 0, 1);
   for (int i = 0; i < 40; ++i) camera = orbited(camera, 13, 7);
   EXPECT_NEAR((camera.eye - camera.target).norm(), std::sqrt(5.0), 1e-9);

@@ -15,8 +15,8 @@ namespace planescope::desktop {
 namespace {
 
 struct AnalysisPanels : OpenDesktop {
-  const Histogram& histogram(const std::string& quantity) const {
-    for (const Histogram& h : state().results.current->histograms)
+  const debug::Histogram& histogram(const std::string& quantity) const {
+    for (const debug::Histogram& h : state().results.current->histograms)
       if (h.quantity == quantity) return h;
     throw std::runtime_error("no histogram of " + quantity);
   }
@@ -25,7 +25,7 @@ struct AnalysisPanels : OpenDesktop {
 TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
   play(R"({"do": "select.pixel", "with": "320,300"}, "point.life")");
   const std::size_t source = 300 * 640 + 320;
-  const std::vector<LifeEvent> life = life_of(*state().run(), source);
+  const std::vector<debug::LifeEvent> life = debug::life_of(*state().run(), source);
   ASSERT_EQ(life[3].stage, "node");
   play(R"({"click": "point.life.3"})");
   EXPECT_EQ(state().view.step, life[3].step);
@@ -34,14 +34,15 @@ TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
 }
 
 TEST_F(AnalysisPanels, TheRemedyOfALostPointIsSetWhereItStands) {
-  const planescope::Run& run = *state().run();
+  const planescope::debug::Run& run = *state().run();
   for (std::uint32_t voxel = 0; voxel < run.subject->voxel_count(); ++voxel) {
     if (run.segmentation.plane_of[voxel] > 0) continue;
-    const Remedy remedy = why_not(run, source_of_voxel(*run.subject, voxel)).remedy;
+    const debug::Remedy remedy =
+        debug::why_not(run, debug::source_of_voxel(*run.subject, voxel)).remedy;
     if (remedy.option.empty()) continue;
     shell.perform({"select.voxel", std::to_string(voxel)});
     play(R"("point.life", {"click": "point.remedy"})");
-    EXPECT_EQ(find_option(remedy.option).get(state().document.options), remedy.value);
+    EXPECT_EQ(planes::find_option(remedy.option).get(state().document.options), remedy.value);
     EXPECT_EQ(state().undo.size(), 1u);
     return;
   }
@@ -58,7 +59,7 @@ TEST_F(AnalysisPanels, ADragOverBarsMakesAFilter) {
 }
 
 TEST_F(AnalysisPanels, ADraggedThresholdStaysUnderTheMouse) {
-  const Histogram before = histogram("n_in");
+  const debug::Histogram before = histogram("n_in");
   const HistogramAxis axis(before);
   const double from = axis.share(before.threshold);
   play(R"({"do": "tab.tool", "with": "histograms"})");
@@ -71,7 +72,7 @@ TEST_F(AnalysisPanels, APinnedRunIsComparedWithTheNext) {
   play(R"({"do": "tab.tool", "with": "compare"}, {"click": "compare.pin"},
           {"do": "option.set", "with": "theta_n_in=8"}, {"click": "compare.diverging"})");
   ASSERT_TRUE(state().results.comparison);
-  const Comparison& comparison = *state().results.comparison;
+  const debug::Comparison& comparison = *state().results.comparison;
   EXPECT_EQ(state().view.step, comparison.diverging_step_b);
   play(R"({"click": "compare.flash"})");
   EXPECT_TRUE(state().view.flash);
@@ -83,26 +84,26 @@ TEST_F(AnalysisPanels, APinnedRunIsComparedWithTheNext) {
 TEST_F(AnalysisPanels, AFixIsFoundAndApplied) {
   shell.perform({"tab.tool", "fix"});
   settle(shell, stage, {});
-  std::vector<TruthMatch> matches = state().results.current->score->planes;
+  std::vector<debug::TruthMatch> matches = state().results.current->score->planes;
   std::sort(matches.begin(), matches.end(),
-            [](const TruthMatch& a, const TruthMatch& b) { return a.iou < b.iou; });
-  for (const TruthMatch& match : matches) {
+            [](const debug::TruthMatch& a, const debug::TruthMatch& b) { return a.iou < b.iou; });
+  for (const debug::TruthMatch& match : matches) {
     ASSERT_LT(match.iou, 0.8) << "no lost plane that one change recovers";
     play(fmt::format(R"({{"do": "fix.plane", "with": "{}"}})", match.truth));
     ASSERT_TRUE(state().results.fix.finished);
     if (state().results.fix.fixes.empty()) continue;
-    const Fix fix = state().results.fix.fixes.front();
+    const debug::Fix fix = state().results.fix.fixes.front();
     play(R"({"click": "fix.check.0"})");
     EXPECT_EQ(state().results.fix.effects.size(), 3u) << "labelled frames of the sample";
     play(R"({"click": "fix.apply.0"})");
-    EXPECT_EQ(find_option(fix.option).get(state().document.options), fix.after);
+    EXPECT_EQ(planes::find_option(fix.option).get(state().document.options), fix.after);
     EXPECT_EQ(state().results.current->score->detected, fix.score.detected);
     return;
   }
 }
 
 TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {
-  Histogram histogram;
+  debug::Histogram histogram;
   histogram.quantity = "mse";
   histogram.logarithmic = true;
   histogram.bins = {{0.001, 0.01}, {0.01, 0.1}, {0.1, 7}};

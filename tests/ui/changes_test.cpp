@@ -47,7 +47,7 @@ struct Changes : testing::Test {
       set.points.push_back(
           Vec3f(1 + 0.01f * static_cast<float>(i % 80), 0.01f * static_cast<float>(i / 80), 0));
     const std::filesystem::path path = scratch_dir() / "cloud.ply";
-    write_ply(path, set);
+    io::write_ply(path, set);
     perform("recording.open", path.string());
   }
 };

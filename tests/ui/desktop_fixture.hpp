@@ -29,7 +29,7 @@ inline std::filesystem::path sample_labels() {
         fs::path(testing::TempDir()) / ("planescope_sample_labels." + std::to_string(::getpid()));
     Copy() {
       fs::remove_all(dir);  // of one that was killed
-      fs::copy(default_label_dir(sample_path()), dir);
+      fs::copy(labels::default_label_dir(sample_path()), dir);
     }
     ~Copy() {
       std::error_code gone;
@@ -41,28 +41,30 @@ inline std::filesystem::path sample_labels() {
 }
 
 /// The sample is open; nothing has been run yet.
-inline State open_state(Profile profile = Profile::paper) {
+inline State open_state(planes::Profile profile = planes::Profile::paper) {
   State state;
-  state.document.options.segment = profile_options(profile);
+  state.document.options.segment = planes::profile_options(profile);
   state.document.options.classifier = "pca";  // quicker than the network where a sanitizer looks
   state.document.recordings.push_back(
-      {sample_path(), open_recording(sample_path(), {}), sample_labels()});
+      {sample_path(), io::open_recording(sample_path(), {}), sample_labels()});
   state.document.recording = 0;
   return state;
 }
 
 /// Everything jobs would hand in for the frame, made at once.
-inline State run_state(Profile profile = Profile::paper) {
+inline State run_state(planes::Profile profile = planes::Profile::paper) {
   State state = open_state(profile);
-  const Recording& recording = *state.document.current()->recording;
+  const io::Recording& recording = *state.document.current()->recording;
   Frame frame = recording.frame(0);
-  auto truth = frame_truth(frame, state.document.current()->label_dir, recording.frame_hash(0));
-  const auto classifier = make_pca_classifier();
+  auto truth =
+      labels::frame_truth(frame, state.document.current()->label_dir, recording.frame_hash(0));
+  const auto classifier = planes::make_pca_classifier();
   auto view = std::make_shared<RunView>();
-  view->run = make_run(
-      make_subject(std::move(frame), std::move(truth), state.document.options, classifier.get()),
-      state.document.options);
-  view->score = quick_score(view->run->segmentation.plane_of, view->run->subject->voxel_truth);
+  view->run = debug::make_run(debug::make_subject(std::move(frame), std::move(truth),
+                                                  state.document.options, classifier.get()),
+                              state.document.options);
+  view->score =
+      debug::quick_score(view->run->segmentation.plane_of, view->run->subject->voxel_truth);
   state.results.current = view;
   state.view.step = 0;
   return state;

@@ -32,7 +32,8 @@ struct GravityClicks : testing::Test {
   const std::filesystem::path file = label_dir / "gravity.json";
   Shell shell{without_gravity(label_dir), nullptr, [] {}};
   NoStage stage{shell};
-  const Vec3d down = read_frame_labels(default_label_dir(sample_path()), 0, "")->gravity.direction;
+  const Vec3d down =
+      labels::read_frame_labels(labels::default_label_dir(sample_path()), 0, "")->gravity.direction;
 
   void SetUp() override { settle(shell, stage, {}, /*background=*/false); }
   const State& state() const { return shell.state(); }
@@ -49,18 +50,19 @@ struct GravityClicks : testing::Test {
   }
   bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
   FrameLabels truth() const {
-    return *read_frame_labels(default_label_dir(sample_path()), state().document.frame, "");
+    return *labels::read_frame_labels(labels::default_label_dir(sample_path()),
+                                      state().document.frame, "");
   }
   /// A measured pixel well inside the largest true plane that is asked for and has one.
   std::string pixel_of(const std::function<bool(const LabelPlane&)>& asked) const {
     const FrameLabels labels = truth();
     const Image16& depth = state().run()->subject->frame.depth;
-    std::vector<PixelSet> planes;
+    std::vector<labels::PixelSet> planes;
     for (const LabelPlane& plane : labels.planes)
-      if (asked(plane)) planes.push_back(pixels_of_plane(labels, plane.id));
-    std::ranges::sort(planes, std::greater{}, &PixelSet::size);
+      if (asked(plane)) planes.push_back(labels::pixels_of_plane(labels, plane.id));
+    std::ranges::sort(planes, std::greater{}, &labels::PixelSet::size);
     const int width = labels.plane.width;
-    for (const PixelSet& pixels : planes) {
+    for (const labels::PixelSet& pixels : planes) {
       const auto is_deep = [&](std::uint32_t pixel) {
         for (const int du : {-8, 0, 8})
           for (const int dv : {-8, 0, 8}) {
@@ -129,8 +131,8 @@ TEST_F(GravityClicks, ForAllFramesItHoldsOnTheNextAndAfterARestart) {
   run("frame.next");
   EXPECT_EQ(gravity().source, GravitySource::picked);
   EXPECT_EQ(gravity().direction, picked);
-  const auto recording = open_recording(sample_path());
-  EXPECT_EQ(read_picked_gravity(label_dir, *recording).recording->direction, picked);
+  const auto recording = io::open_recording(sample_path());
+  EXPECT_EQ(io::read_picked_gravity(label_dir, *recording).recording->direction, picked);
 
   State state = without_gravity(label_dir);
   read_picked(state, state.document.recordings[0]);
@@ -235,7 +237,7 @@ TEST_F(GravityClicks, DoNotGoBeforeTheRecordingsOwn) {
   EXPECT_EQ(gravity().source, GravitySource::sidecar);
   EXPECT_TRUE(state().view.message_is_error);
   EXPECT_NE(message().find("sidecar"), std::string::npos) << message();
-  EXPECT_FALSE(std::filesystem::exists(default_label_dir(copy) / "gravity.json"));
+  EXPECT_FALSE(std::filesystem::exists(labels::default_label_dir(copy) / "gravity.json"));
 }
 
 TEST_F(GravityClicks, OfAFolderThatCannotBeWrittenChangeNothing) {
@@ -261,7 +263,7 @@ TEST_F(GravityClicks, DoNotReplaceAFileThatWasRefused) {
   std::filesystem::copy(sample_path(), copy, std::filesystem::copy_options::recursive);
   std::filesystem::create_directories(kept.parent_path());
   std::ofstream(kept) << "{\"schema\": \"planescope.gravity/2\"}";
-  ASSERT_EQ(default_label_dir(copy), kept.parent_path());
+  ASSERT_EQ(labels::default_label_dir(copy), kept.parent_path());
   run("recording.open", copy.string());
   run("gravity.floor", pixel_of(Label::h));
   EXPECT_TRUE(state().view.message_is_error);
@@ -285,7 +287,7 @@ TEST_F(GravityClicks, OnACloudTakeThePlaneOfThePoint) {
   for (int i = 0; i < 8000; ++i)  // the floor lies in x = 0, seen from +x
     set.points.push_back(Vec3f(-1, 0.01f * static_cast<float>(i % 80) + 0.1f,
                                0.01f * static_cast<float>(i / 80) + 0.1f));
-  write_ply(dir / "cloud.ply", set);
+  io::write_ply(dir / "cloud.ply", set);
   run("recording.open", (dir / "cloud.ply").string());
   run("option.set", "gravity=none");
   ASSERT_FALSE(gravity().known());

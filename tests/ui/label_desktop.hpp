@@ -9,8 +9,8 @@ namespace planescope::desktop {
 
 inline State open_state_with_labels(const std::filesystem::path& label_dir,
                                     const std::filesystem::path& recording = sample_path()) {
-  State state = open_state(Profile::refined);
-  state.document.recordings[0] = {recording, open_recording(recording, {}), label_dir};
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings[0] = {recording, io::open_recording(recording, {}), label_dir};
   return state;
 }
 
@@ -27,7 +27,7 @@ struct LabelWindow {
   }
   const State& state() const { return shell.state(); }
   const FrameLabels& labels() const { return *state().labels(); }
-  const LabelStore& store() const { return *state().document.current()->labels; }
+  const labels::LabelStore& store() const { return *state().document.current()->labels; }
   /// Throws as the action does.
   void run(const std::string& action, const std::string& argument = {}) {
     shell.perform({action, argument}, true);

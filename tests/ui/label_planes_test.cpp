@@ -8,11 +8,11 @@ namespace {
 
 struct LabelPlanes : LabelDesktop {
   void SetUp() override { window.run("label.take"); }
-  std::size_t pixels_of(int plane) const { return pixels_of_plane(labels(), plane).size(); }
+  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
 };
 
 TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
-  const Segmentation& found = state().run()->segmentation;
+  const planes::Segmentation& found = state().run()->segmentation;
   ASSERT_GE(found.planes.size(), 3u);
   EXPECT_EQ(labels().planes.size(), found.planes.size());
   for (const LabelPlane& plane : labels().planes) {
@@ -28,16 +28,16 @@ TEST_F(LabelPlanes, LockedAndHiddenOnesStayWhenTheAlgorithmIsAskedAgain) {
   window.run("label.class.v", "1");
   window.run("label.lock", "1");
   window.run("label.take");
-  EXPECT_EQ(find_plane(labels(), 1)->label, Label::v);
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
 }
 
 TEST_F(LabelPlanes, TakeTheirClassFromAKeyAndGiveItBackOnUndo) {
-  const Label before = find_plane(labels(), 1)->label;
+  const Label before = labels::find_plane(labels(), 1)->label;
   window.run("label.class.v", "1");
-  EXPECT_EQ(find_plane(labels(), 1)->label, Label::v);
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
   EXPECT_EQ(state().view.message, "Make P1 v");
   window.run("label.undo");
-  EXPECT_EQ(find_plane(labels(), 1)->label, before);
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, before);
 }
 
 TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
@@ -49,20 +49,20 @@ TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
   choose(1);
   window.run("label.join", "P2");
   EXPECT_EQ(pixels_of(1), one + two);
-  EXPECT_EQ(find_plane(labels(), 2), nullptr);
+  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
   EXPECT_EQ(window.store().history(1).front().title, "Join P2 into P1");
   window.run("label.split");
   EXPECT_EQ(labelled(), before);
 }
 
 TEST_F(LabelPlanes, JoinTheOneUnderTheMouse) {
-  const PixelSet pixels = pixels_of_plane(labels(), 2);
+  const labels::PixelSet pixels = labels::pixels_of_plane(labels(), 2);
   const auto width = static_cast<std::uint32_t>(labels().plane.width);
   const auto pixel = std::to_string(pixels[0] % width) + "," + std::to_string(pixels[0] / width);
   choose(1);
   window.shell.perform({"label.hover", pixel}, true);
   window.run("label.join");
-  EXPECT_EQ(find_plane(labels(), 2), nullptr);
+  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
   EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
 }
 
@@ -78,7 +78,7 @@ TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
   EXPECT_FALSE(window.shows("planes.hidden"));
   window.run("label.hide", "1");
   EXPECT_TRUE(window.shows("planes.hidden"));
-  EXPECT_TRUE(find_plane(labels(), 1)->hidden);
+  EXPECT_TRUE(labels::find_plane(labels(), 1)->hidden);
   EXPECT_GT(pixels_of(1), 0u);
   window.run("label.show_all");
   EXPECT_FALSE(window.shows("planes.hidden"));
@@ -88,8 +88,8 @@ TEST_F(LabelPlanes, AreChosenLockedAndLookedAtInTheList) {
   play(R"({"click": "planes.2"})");
   EXPECT_EQ(state().view.label.plane, 2);
   play(R"({"click": "planes.2.lock"}, {"click": "planes.3.hide"})");
-  EXPECT_TRUE(find_plane(labels(), 2)->locked);
-  EXPECT_TRUE(find_plane(labels(), 3)->hidden);
+  EXPECT_TRUE(labels::find_plane(labels(), 2)->locked);
+  EXPECT_TRUE(labels::find_plane(labels(), 3)->hidden);
   ASSERT_FALSE(state().view.camera.has_value());
   play(R"({"click": "planes.1", "double": true})");
   EXPECT_EQ(state().view.label.plane, 1);

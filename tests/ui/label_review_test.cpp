@@ -18,7 +18,7 @@ struct LabelReview : LabelDesktop {
     window.run("review.start");
   }
   const ReviewQueue& queue() const { return *state().results.label.review; }
-  const Disagreement& chosen() const {
+  const labels::Disagreement& chosen() const {
     return queue().items[static_cast<std::size_t>(state().view.label.review_item)];
   }
 };
@@ -33,10 +33,10 @@ TEST_F(LabelReview, BeginsAtTheLargestDisagreement) {
 }
 
 TEST_F(LabelReview, TakingTheAlgorithmsSideEndsTheDisagreement) {
-  const PixelSet pixels = chosen().pixels;
+  const labels::PixelSet pixels = chosen().pixels;
   window.run("review.take");
   EXPECT_NE(labels().plane.data[pixels[pixels.size() / 2]], 0);
-  for (const Disagreement& item : queue().items) EXPECT_NE(item.pixels, pixels);
+  for (const labels::Disagreement& item : queue().items) EXPECT_NE(item.pixels, pixels);
   ASSERT_EQ(labels().review.size(), 1u);
   EXPECT_EQ(labels().review[0].decision, ReviewDecision::take);
   EXPECT_EQ(labels().review[0].reviewer, window.store().annotator());
@@ -83,7 +83,7 @@ TEST_F(LabelReview, IsNotDoneWhileRegionsAreOpen) {
 
 TEST_F(LabelReview, OfTwoAnnotatorsTellsHowMuchTheyAgree) {
   const std::filesystem::path other = dir / "other";
-  write_frame_labels(other, 0, labels());
+  labels::write_frame_labels(other, 0, labels());
   window.run("review.against", other.string());
   ASSERT_TRUE(queue().agreement.has_value());
   EXPECT_DOUBLE_EQ(queue().agreement->mean_iou, 1);
@@ -98,7 +98,7 @@ TEST_F(LabelReview, OfTwoAnnotatorsTellsHowMuchTheyAgree) {
 TEST_F(LabelReview, RefusesLabelsOfAnotherFrame) {
   FrameLabels strange = labels();
   strange.depth_sha256[0] = strange.depth_sha256[0] == '0' ? '1' : '0';
-  write_frame_labels(dir / "other", 0, strange);
+  labels::write_frame_labels(dir / "other", 0, strange);
   EXPECT_NE(window.refusal("review.against", (dir / "other").string()), "");
   EXPECT_NE(window.refusal("review.against", (dir / "none").string()).find("no labels"),
             std::string::npos);
@@ -114,7 +114,7 @@ TEST_F(LabelReview, IsMadeAnewWhenLabelsChange) {
 TEST_F(LabelReview, DrawingMovesNoView) {
   window.run("review.edit");
   const Vec2d center = state().view.image_center;
-  const Camera camera = *state().view.camera;
+  const render::Camera camera = *state().view.camera;
   const std::uint32_t pixel = chosen().pixel;
   const std::string place = fmt::format("{},{}", pixel % 640, pixel / 640);
   window.run("label.stroke", "image over 12 " + place);
@@ -128,8 +128,9 @@ TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
   window.run("label.class.v", "1");  // a floor
   window.run("check.next");
   ASSERT_NE(state().results.label.audit, nullptr);
-  const std::vector<Finding>& findings = state().results.label.audit->findings;
-  const auto contradicts = std::ranges::find(findings, FindingKind::class_normal, &Finding::kind);
+  const std::vector<labels::Finding>& findings = state().results.label.audit->findings;
+  const auto contradicts =
+      std::ranges::find(findings, labels::FindingKind::class_normal, &labels::Finding::kind);
   ASSERT_NE(contradicts, findings.end());
   EXPECT_EQ(state().view.label.tab, "checks");
   EXPECT_EQ(state().view.label.finding, 0);

@@ -90,7 +90,7 @@ TEST_F(LabelSafety, DamagedFilesAreNotInTheWayOfTheJournal) {
   EXPECT_EQ(again.labels().planes.size(), planes);
   EXPECT_NE(again.state().view.message.find("000000.plane.png"), std::string::npos);
   again.run("label.save");
-  EXPECT_EQ(read_frame_labels(copy, 0, "")->planes.size(), planes);
+  EXPECT_EQ(labels::read_frame_labels(copy, 0, "")->planes.size(), planes);
 }
 
 TEST_F(LabelSafety, WhatOthersChangedIsTold) {
@@ -100,7 +100,7 @@ TEST_F(LabelSafety, WhatOthersChangedIsTold) {
   fs::copy(label_dir, copy, fs::copy_options::recursive);
   FrameLabels others = labels();
   others.annotator = "other tool";
-  write_frame_labels(copy, 0, others);
+  labels::write_frame_labels(copy, 0, others);
   LabelWindow again(copy);
   EXPECT_NE(again.state().view.message.find("changed outside"), std::string::npos);
 }

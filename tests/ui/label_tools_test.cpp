@@ -7,7 +7,7 @@ namespace planescope::desktop {
 namespace {
 
 struct LabelTools : LabelDesktop {
-  std::size_t pixels_of(int plane) const { return pixels_of_plane(labels(), plane).size(); }
+  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
   std::size_t labelled() const {
     return labels().plane.data.size() -
            static_cast<std::size_t>(std::ranges::count(labels().plane.data, 0));
@@ -64,7 +64,7 @@ TEST_F(LabelTools, AddingLeavesOtherLabelsAndSubtractingTakesOnlyItsOwn) {
   window.run("label.undo");
   window.run("label.stroke", kStroke);  // over
   EXPECT_EQ(pixels_of(1), 0u);
-  EXPECT_EQ(find_plane(labels(), 1), nullptr);
+  EXPECT_EQ(labels::find_plane(labels(), 1), nullptr);
 }
 
 TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
@@ -83,10 +83,10 @@ TEST_F(LabelTools, IgnoreEraseAndAClassAloneArePaintedToo) {
 
 TEST_F(LabelTools, APreviewIsWhatTheStrokeThenChanges) {
   window.run("label.preview", kStroke);
-  const PixelSet shown = view().stroke->pixels;
+  const labels::PixelSet shown = view().stroke->pixels;
   window.run("label.stroke", kStroke);
   EXPECT_FALSE(view().stroke);
-  EXPECT_EQ(pixels_of_plane(labels(), 1), shown);
+  EXPECT_EQ(labels::pixels_of_plane(labels(), 1), shown);
 }
 
 TEST_F(LabelTools, StrokesInSpaceTakeHiddenPointsOnlyWhenTold) {
@@ -106,7 +106,7 @@ TEST_F(LabelTools, StrokesInSpaceTakeHiddenPointsOnlyWhenTold) {
 TEST_F(LabelTools, AStrokeInSpaceFollowsTheCamera) {
   const std::string stroke = "space:800x600 over 20 400,300";
   window.run("label.preview", stroke);
-  const PixelSet before = view().stroke->pixels;
+  const labels::PixelSet before = view().stroke->pixels;
   window.run("camera.orbit", "40,0");
   window.run("label.preview", stroke);
   EXPECT_NE(view().stroke->pixels, before);
@@ -115,10 +115,10 @@ TEST_F(LabelTools, AStrokeInSpaceFollowsTheCamera) {
 TEST_F(LabelTools, TheWandShowsAPlaneAndMakesItOnEnter) {
   window.run("label.wand", "320,330");
   ASSERT_TRUE(view().wand.found) << view().wand.why_not;
-  const PixelSet shown = view().wand.found->pixels;
+  const labels::PixelSet shown = view().wand.found->pixels;
   EXPECT_EQ(labelled(), 0u);
   key("Enter");
-  EXPECT_EQ(pixels_of_plane(labels(), 1), shown);
+  EXPECT_EQ(labels::pixels_of_plane(labels(), 1), shown);
   EXPECT_EQ(labels().planes[0].origin, LabelOrigin::wand);
   EXPECT_TRUE(view().wand.seeds.empty());
 }
@@ -144,7 +144,7 @@ TEST_F(LabelTools, TheWandFollowsItsToleranceAndEscapeLeavesIt) {
   ASSERT_TRUE(view().wand.found);
   const auto before = view().wand.found;
   key("]");
-  EXPECT_GT(view().wand_options.tolerance_m, WandOptions{}.tolerance_m);
+  EXPECT_GT(view().wand_options.tolerance_m, labels::WandOptions{}.tolerance_m);
   EXPECT_NE(view().wand.found, before);
   key("Escape");
   EXPECT_TRUE(view().wand.seeds.empty());
@@ -318,8 +318,8 @@ TEST_F(LabelTools, TheWheelSizesTheBrushAndZoomsWithCtrlOrAnotherTool) {
 
 TEST_F(LabelTools, ALockedPlaneIsLeftAsItIs) {
   window.run("label.stroke", kStroke);
-  state().document.current()->labels->commit(
-      make_edit(0, "Lock P1", labels(), with_flag(labels(), 1, PlaneFlag::locked, true)));
+  state().document.current()->labels->commit(labels::make_edit(
+      0, "Lock P1", labels(), labels::with_flag(labels(), 1, labels::PlaneFlag::locked, true)));
   const FrameLabels before = labels();
   EXPECT_EQ(window.refusal("label.stroke", kStroke), "P1 is locked");
   EXPECT_FALSE(window.refusal("label.cut", "image 330,0 330,479").empty());

@@ -22,7 +22,7 @@ struct Methods : OpenDesktop {
 
 TEST_F(Methods, ARivalShowsItsPlanesAndHasNoSteps) {
   perform("method.choose", "ransac");
-  const planescope::Run& run = *state().run();
+  const planescope::debug::Run& run = *state().run();
   EXPECT_FALSE(run.is_ours());
   EXPECT_GT(run.segmentation.planes.size(), 2u);
   EXPECT_EQ(run.steps(), 0);
@@ -42,7 +42,7 @@ TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
   perform("run.pin");
   perform("method.choose", "ransac");
   ASSERT_NE(state().results.comparison, nullptr);
-  const Comparison& comparison = *state().results.comparison;
+  const debug::Comparison& comparison = *state().results.comparison;
   EXPECT_FALSE(comparison.planes.empty());
   EXPECT_GT(comparison.compared_sources, 1000u);
   EXPECT_TRUE(comparison.nodes.empty());
@@ -81,7 +81,7 @@ TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
     SCOPED_TRACE(action.name);
     shell.perform({action.name, ""});
     stage.draw_frame();
-    if (state().document.options.method == Method::ours) perform("method.choose", "ransac");
+    if (state().document.options.method == planes::Method::ours) perform("method.choose", "ransac");
   }
 }
 
@@ -95,7 +95,7 @@ TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
 
 TEST(MethodsAtFirst, OursIsClassifiedThoughTheWindowOpenedWithARival) {
   State first = open_state();
-  first.document.options.method = Method::ransac;
+  first.document.options.method = planes::Method::ransac;
   Shell shell{std::move(first), nullptr, [] {}};
   NoStage stage{shell};
   settle(shell, stage, {});

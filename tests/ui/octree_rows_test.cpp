@@ -10,7 +10,7 @@ namespace {
 
 struct OctreeRows : testing::Test {
   State state = run_state();
-  const planescope::Run& run = *state.run();
+  const planescope::debug::Run& run = *state.run();
 
   std::vector<std::int32_t> nodes_at(std::int32_t step, std::int32_t selected = -1) const {
     std::vector<std::int32_t> nodes;
@@ -25,9 +25,9 @@ TEST_F(OctreeRows, HoldWhatWaitsAndNothingOfTheFuture) {
     const std::set<std::int32_t> shown(nodes.begin(), nodes.end());
     EXPECT_EQ(shown.size(), nodes.size());
     for (std::int32_t n = 0; n < static_cast<std::int32_t>(run.octree().nodes.size()); ++n) {
-      const NodeState now = run.timeline.node_state(n, step);
-      if (now == NodeState::unborn || now == NodeState::queued) {
-        EXPECT_EQ(shown.contains(n), now == NodeState::queued) << n << " at " << step;
+      const debug::NodeState now = run.timeline.node_state(n, step);
+      if (now == debug::NodeState::unborn || now == debug::NodeState::queued) {
+        EXPECT_EQ(shown.contains(n), now == debug::NodeState::queued) << n << " at " << step;
       }
     }
   }
@@ -48,7 +48,7 @@ TEST_F(OctreeRows, LeadToTheSelectedNode) {
 }
 
 TEST_F(OctreeRows, FindNodesByNumberAndByWhatHasHappened) {
-  FilterProblem problem;
+  debug::FilterProblem problem;
   ASSERT_EQ(octree_matches(run, run.steps(), "41", problem).size(), 1u);
   EXPECT_TRUE(octree_matches(run, 0, "41", problem).empty()) << "not born yet";
   EXPECT_TRUE(octree_matches(run, run.steps(), "99999999999", problem).empty());
@@ -66,11 +66,11 @@ TEST_F(OctreeRows, CountWhatIsBelow) {
       SubtreeCounts expected = {};
       for (std::int32_t n = top + 1; n < static_cast<std::int32_t>(run.octree().nodes.size());
            ++n) {
-        if (run.timeline.node_state(n, step) == NodeState::unborn) continue;
+        if (run.timeline.node_state(n, step) == debug::NodeState::unborn) continue;
         std::int32_t above = n;
         while (above > top) above = run.octree().nodes[static_cast<std::size_t>(above)].parent;
-        const bool settled = run.timeline.node_state(n, step) == NodeState::settled;
-        const Case decided = run.octree().nodes[static_cast<std::size_t>(n)].decided;
+        const bool settled = run.timeline.node_state(n, step) == debug::NodeState::settled;
+        const planes::Case decided = run.octree().nodes[static_cast<std::size_t>(n)].decided;
         if (above == top) ++expected[settled ? static_cast<std::size_t>(decided) : 0];
       }
       EXPECT_EQ(count_subtree(run, step, top), expected) << top << " at " << step;

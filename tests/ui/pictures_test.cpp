@@ -35,10 +35,11 @@ Image8 part_of(const Image8& whole, const WidgetRect& rect) {
 
 /// A window of its own, and what it shows after some actions.
 struct Window {
-  explicit Window(Theme theme = Theme::dark) : offscreen(themed(theme), 1280, 800, 1) {
+  explicit Window(render::Theme theme = render::Theme::dark)
+      : offscreen(themed(theme), 1280, 800, 1) {
     settle(offscreen.shell(), offscreen, {});
   }
-  static State themed(Theme theme) {
+  static State themed(render::Theme theme) {
     State state = open_state();
     state.view.theme = theme;
     return state;
@@ -68,15 +69,15 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
     const std::filesystem::path drawn =
         docs / "pictures" / ("tour_" + entry.path().stem().string() + ".png");
     const bool draws_labels = entry.path().stem().string().ends_with("_label");
-    ViewArgs args;  // --frames 1 --profile paper
+    app::ViewArgs args;  // --frames 1 --profile paper
     args.input.inputs = {sample_path()};
-    args.input.frames = parse_frame_slice("1");
-    args.input.pipeline.segment = profile_options(Profile::paper);
+    args.input.frames = app::parse_frame_slice("1");
+    args.input.pipeline.segment = planes::profile_options(planes::Profile::paper);
     if (draws_labels) args.input.label_dir = scratch_dir() / "tour.labels";
-    Offscreen offscreen(view_state(args), args.width, args.height, 1);
+    Offscreen offscreen(app::view_state(args), args.width, args.height, 1);
     settle(offscreen.shell(), offscreen, {});
     Script::read(entry.path()).play(offscreen.shell(), offscreen, {});
-    EXPECT_LE(difference(offscreen.picture(), read_png_rgb(drawn)), kSame)
+    EXPECT_LE(difference(offscreen.picture(), io::read_png_rgb(drawn)), kSame)
         << drawn << " is old: scripts/tour draws it again";
     ++pictures;
   }
@@ -87,7 +88,7 @@ TEST_F(Pictures, OfTheSameScriptAreTheSame) {
   const std::vector<Command> there = {{"step.goto", "120"}, {"color.planes", ""}};
   const Image8 a = Window().after(there).picture();
   EXPECT_LE(difference(a, Window().after(there).picture()), kSame);
-  EXPECT_GT(difference(a, Window(Theme::light).after(there).picture()), 0.3);
+  EXPECT_GT(difference(a, Window(render::Theme::light).after(there).picture()), 0.3);
 }
 
 TEST_F(Pictures, OfAStepDoNotTellHowItWasReached) {

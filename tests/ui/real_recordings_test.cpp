@@ -18,8 +18,9 @@ TEST_P(RealRecordings, AreSteppedThroughAndSearched) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const std::filesystem::path path = std::filesystem::path(data) / GetParam().path;
-  State state = open_state(Profile::refined);
-  state.document.recordings = {{path, open_recording(path, {}), default_label_dir(path)}};
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings = {
+      {path, io::open_recording(path, {}), labels::default_label_dir(path)}};
   state.view.tool_tab = "histograms";
   if (*GetParam().gravity)
     apply(state, {"option.set", std::string("gravity=") + GetParam().gravity});
@@ -40,7 +41,7 @@ TEST_P(RealRecordings, AreSteppedThroughAndSearched) {
     shell.perform(command, true);
     settle(shell, stage, {});
   }
-  EXPECT_EQ(shell.state().document.options.segment.profile, Profile::refined);
+  EXPECT_EQ(shell.state().document.options.segment.profile, planes::Profile::refined);
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings,

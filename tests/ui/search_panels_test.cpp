@@ -10,7 +10,7 @@ namespace planescope::desktop {
 namespace {
 
 struct SearchPanels : OpenDesktop {
-  const planescope::Run& run() const { return *state().run(); }
+  const planescope::debug::Run& run() const { return *state().run(); }
   bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
   std::vector<std::int32_t> numbers_of(const std::string& prefix) const {
     std::vector<std::int32_t> numbers;

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 State state_of(const fs::path& path) {
   State state = open_state();
-  state.document.recordings = {{path, open_recording(path, {}), default_label_dir(path)}};
+  state.document.recordings = {
+      {path, io::open_recording(path, {}), labels::default_label_dir(path)}};
   return state;
 }
 
@@ -36,7 +37,7 @@ fs::path depth_folder(const fs::path& dir, std::uint16_t value) {
   fs::create_directories(dir / "depth");
   Image16 depth(64, 48);
   std::fill(depth.data.begin(), depth.data.end(), value);
-  write_png(dir / "depth" / "000000.png", depth);
+  io::write_png(dir / "depth" / "000000.png", depth);
   std::ofstream(dir / "planescope.json")
       << R"({"schema": "planescope.recording/1", "depth_unit_m": 0.001, "gravity": [0, 1, 0],
              "intrinsics": {"width": 64, "height": 48, "fx": 60, "fy": 60, "cx": 32, "cy": 24}})";
@@ -93,7 +94,7 @@ TEST(Survival, TwoHundredThousandPointsInOneVoxelCubeOnATwoMillimetreGrid) {
   };
   for (int i = 0; i < 200000; ++i)
     set.points.push_back(Vec3f(1 + 0.02f * next(), 0.02f * next(), 0.02f * next()));
-  write_ply(path, set);
+  io::write_ply(path, set);
   State state = state_of(path);
   apply(state, {"option.set", "voxel_size_m=0.002"});
   Shell shell(std::move(state), nullptr, [] {});

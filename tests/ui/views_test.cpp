@@ -12,7 +12,7 @@ namespace {
 
 struct Views : OpenDesktop {
   double camera_distance() const {
-    const Camera camera = camera_of(state());
+    const render::Camera camera = camera_of(state());
     return (camera.eye - camera.target).norm();
   }
 };
@@ -65,9 +65,9 @@ TEST_F(Views, ADragInTheImageMarksOnlyWhileMarkingIsOn) {
 }
 
 TEST_F(Views, TheSceneTurnsAboutItsTargetMovesAndComesNearer) {
-  const Camera home = camera_of(state());
+  const render::Camera home = camera_of(state());
   play(R"({"drag": "view3d", "by": [60, 10]})");
-  const Camera turned = camera_of(state());
+  const render::Camera turned = camera_of(state());
   EXPECT_LT((turned.target - home.target).norm(), 1e-9);
   EXPECT_GT((turned.eye - home.eye).norm(), 0.05);
   play(R"({"drag": "view3d", "by": [60, 10], "button": "right"})");
@@ -85,7 +85,7 @@ TEST_F(Views, AFrameOfTheStripIsShown) {
 
 TEST(TimelineColumns, HoldEveryEventOnce) {
   const State state = run_state();
-  const planescope::Run& run = *state.run();
+  const planescope::debug::Run& run = *state.run();
   for (const int count : {1, 7, 500, 20'000}) {
     const std::vector<TimelineColumn> columns = timeline_columns(run, count);
     ASSERT_EQ(static_cast<int>(columns.size()), count);

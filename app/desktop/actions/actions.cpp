@@ -119,14 +119,14 @@ void say(State& state, std::string message, bool is_error) {
 
 namespace {
 /// The root; -1 where a frame without points has none.
-std::int32_t root_of(const Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
+std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
 }  // namespace
 
 void go_to_step(State& state, std::int32_t step) {
-  const Run* run = state.run();
+  const debug::Run* run = state.run();
   if (!run) return;
   state.view.step = std::clamp(step, 0, run->steps());
-  const TraceEvent* event = state.event();
+  const planes::TraceEvent* event = state.event();
   Selection selected;
   if (event) {
     selected.node = event->node;
@@ -153,26 +153,26 @@ void refresh_matches(State& state) {
   if (search.filter && state.run()) search.matches = search.filter->matching(*state.run());
 }
 
-void follow_run(State& state, const Run& before) {
-  const Run* now = state.run();
+void follow_run(State& state, const debug::Run& before) {
+  const debug::Run* now = state.run();
   if (!now || now == &before) return;
   Selection& selected = state.view.selected;
   const bool at_end = state.view.step == before.steps();
-  state.view.step = at_end ? now->steps() : same_step(before, state.view.step, *now);
+  state.view.step = at_end ? now->steps() : debug::same_step(before, state.view.step, *now);
   selected.plane = -1;
-  if (selected.node >= 0) selected.node = same_node(before, selected.node, *now);
+  if (selected.node >= 0) selected.node = debug::same_node(before, selected.node, *now);
   if (selected.node < 0) selected.node = root_of(*now);
   if (selected.voxel >= 0 && now->subject != before.subject) {
     const std::size_t source =
         selected.source >= 0
             ? static_cast<std::size_t>(selected.source)
-            : source_of_voxel(*before.subject, static_cast<std::uint32_t>(selected.voxel));
+            : debug::source_of_voxel(*before.subject, static_cast<std::uint32_t>(selected.voxel));
     const std::uint32_t voxel = now->subject->frame.index == before.subject->frame.index
                                     ? now->subject->voxel_of_source(source)
-                                    : kNoVoxel;
-    selected.voxel = voxel == kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
+                                    : planes::kNoVoxel;
+    selected.voxel = voxel == planes::kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
   }
-  if (const TraceEvent* event = state.event(); event && event->node == selected.node)
+  if (const planes::TraceEvent* event = state.event(); event && event->node == selected.node)
     selected.plane = event->plane;
   refresh_matches(state);
 }

@@ -78,21 +78,23 @@ void refresh_matches(State& state);
 /// What a breakpoint stops at, in the language of filters.
 std::string filter_of(const Breakpoint& breakpoint);
 /// Every step at which a breakpoint stops, ascending.
-std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document);
+std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
-void follow_run(State& state, const Run& before);
+void follow_run(State& state, const debug::Run& before);
 /// Shows B again where A is flashed.
 void unflash(State& state);
 /// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
-void change_options(State& state, const PipelineOptions& after);
+void change_options(State& state, const planes::PipelineOptions& after);
 /// Reads what was picked for a recording that is being opened; a file that cannot be used is told
 /// of, and the recording opens without.
 void read_picked(State& state, OpenRecording& open);
 /// Puts down what is picked for a recording of the list, in its folder and in the document. Throws
 /// Error, nothing changed, where it cannot be written.
-void keep_picked(State& state, const std::filesystem::path& recording, const PickedGravity& picked);
+void keep_picked(State& state,
+                 const std::filesystem::path& recording,
+                 const io::PickedGravity& picked);
 /// What was drawn on the frame so far, but is no label yet.
 void let_go(LabelView& view);
 /// Into the journal and onto the screen, or an Error.

@@ -24,19 +24,19 @@ void pin(State& state) {
 }
 
 void flash(State& state) {
-  const Run* before = state.run();
+  const debug::Run* before = state.run();
   state.view.flash = !state.view.flash;
   if (before) follow_run(state, *before);
 }
 
 void search_fix(State& state) {
   FixSearch& fix = state.results.fix;
-  const Run& run = *state.results.current->run;
+  const debug::Run& run = *state.results.current->run;
   if (!run.is_ours()) return say(state, "fixes are sought among the options of method ours");
   FixSearch begun;
   begun.target = state.view.truth_plane > 0
-                     ? target_of_truth(run, state.view.truth_plane)
-                     : FixTarget{state.document.marked, "marked region", false};
+                     ? debug::target_of_truth(run, state.view.truth_plane)
+                     : debug::FixTarget{state.document.marked, "marked region", false};
   if (begun.target.voxels.empty())
     return say(state, "nothing to recover: choose a plane of the ground truth, or mark a region");
   begun.running = true;
@@ -44,7 +44,7 @@ void search_fix(State& state) {
   state.view.tool_tab = "fix";
 }
 
-const Fix& fix_at(const State& state, const char* action, const std::string& text) {
+const debug::Fix& fix_at(const State& state, const char* action, const std::string& text) {
   const auto& fixes = state.results.fix.fixes;
   return fixes[static_cast<std::size_t>(
       whole_argument(action, text, 0, static_cast<int>(fixes.size()) - 1))];
@@ -108,7 +108,8 @@ std::vector<Action> compare_actions() {
            return say(s, "nothing to compare with: pin a run as A, then change an option");
          const auto& c = *s.results.comparison;
          const std::int32_t step = s.view.flash ? c.diverging_step_a : c.diverging_step_b;
-         if (step == kNever) return say(s, "A and B decide alike from the first event to the last");
+         if (step == planes::kNever)
+           return say(s, "A and B decide alike from the first event to the last");
          go_to_step(s, step);
        },
        has_current,
@@ -171,9 +172,9 @@ std::vector<Action> compare_actions() {
        "",
        "NUMBER",
        [](State& s, const std::string& text) {
-         const Fix fix = fix_at(s, "fix.apply", text);
-         PipelineOptions after = s.document.options;
-         set_option(after, fix.option, fix.after);
+         const debug::Fix fix = fix_at(s, "fix.apply", text);
+         planes::PipelineOptions after = s.document.options;
+         planes::set_option(after, fix.option, fix.after);
          change_options(s, after);
          say(s, fmt::format("{} = {} (was {}); Ctrl+Z takes it back", fix.option, fix.after,
                             fix.before));

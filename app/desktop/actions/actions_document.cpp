@@ -74,8 +74,8 @@ void open(State& state, const std::string& text) {
   const std::filesystem::path path = text;
   for (std::size_t i = 0; i < document.recordings.size(); ++i)
     if (document.recordings[i].path == path) return show_recording(state, static_cast<int>(i));
-  document.recordings.push_back(
-      {path, open_recording(path, document.recording_options), default_label_dir(path)});
+  document.recordings.push_back({path, io::open_recording(path, document.recording_options),
+                                 labels::default_label_dir(path)});
   read_picked(state, document.recordings.back());
   show_recording(state, static_cast<int>(document.recordings.size()) - 1);
 }

@@ -30,20 +30,22 @@ struct ClickedSurface {
   double rms_m = 0;
 };
 
-const Subject& subject_of(const State& state) { return *state.results.current->run->subject; }
+const debug::Subject& subject_of(const State& state) {
+  return *state.results.current->run->subject;
+}
 
 OpenRecording& current(State& state) {
   return state.document.recordings[static_cast<std::size_t>(state.document.recording)];
 }
 
 /// The surface around a pixel as the plane wand finds it: robustly, at any distance.
-ClickedSurface surface_at_pixel(const Subject& subject, std::uint32_t pixel) {
-  const LabelGrid grid = make_label_grid(subject.frame, subject.prepared.gravity);
+ClickedSurface surface_at_pixel(const debug::Subject& subject, std::uint32_t pixel) {
+  const labels::LabelGrid grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   std::string why_not;
   const std::uint32_t seeds[] = {pixel};
-  const auto found = grow_plane(grid, nullptr, seeds, {}, &why_not);
+  const auto found = labels::grow_plane(grid, nullptr, seeds, {}, &why_not);
   if (!found) throw Error(why_not);
-  const FittedPlane& plane = found->plane;
+  const labels::FittedPlane& plane = found->plane;
   if (plane.area_m2 < kLeastArea_m2 || plane.rms_m > kMostRoughness * std::sqrt(plane.area_m2))
     throw Error(
         fmt::format("the surface there is too small or too rough to tell a direction "
@@ -53,19 +55,19 @@ ClickedSurface surface_at_pixel(const Subject& subject, std::uint32_t pixel) {
 }
 
 ClickedSurface surface_of_plane(const State& state, std::int32_t plane) {
-  const Run& run = *state.run();
-  const PlaneChange* now = run.timeline.plane_at(plane, state.view.step);
+  const debug::Run& run = *state.run();
+  const planes::PlaneChange* now = run.timeline.plane_at(plane, state.view.step);
   if (!now || !now->alive) throw Error("no plane there");
-  const PreparedFrame& prepared = run.subject->prepared;
+  const planes::PreparedFrame& prepared = run.subject->prepared;
   Vec3d normal = now->fit.normal;
   if (normal.dot(prepared.sensor() - now->fit.centroid) < 0) normal = -normal;
   return {prepared.cloud.T_world_sensor.linear().transpose() * normal, 0, now->fit.rms_m()};
 }
 
 ClickedSurface surface_at_voxel(const State& state, int voxel) {
-  const Subject& subject = *state.run()->subject;
+  const debug::Subject& subject = *state.run()->subject;
   if (!subject.frame.is_cloud())
-    return surface_at_pixel(subject, static_cast<std::uint32_t>(source_of_voxel(
+    return surface_at_pixel(subject, static_cast<std::uint32_t>(debug::source_of_voxel(
                                          subject, static_cast<std::uint32_t>(voxel))));
   const std::int32_t plane = state.run()->timeline.point_at(voxel, state.view.step).plane;
   if (plane < 0) throw Error("no plane there");
@@ -80,7 +82,7 @@ int number_after(const std::string& action, const std::string& text, const char*
 ClickedSurface clicked_surface(const State& state,
                                const std::string& action,
                                const std::string& text) {
-  const Subject& subject = *state.run()->subject;
+  const debug::Subject& subject = *state.run()->subject;
   if (text == "nothing") throw Error("nothing was measured there");
   if (text.starts_with("voxel "))
     return surface_at_voxel(
@@ -117,15 +119,17 @@ void expect_effect(const State& state) {
 }
 
 /// What was picked before, where the next click is to hold.
-const PickedDirection* picked_before(const State& state) {
-  const PickedGravity& picked = state.document.current()->picked;
+const io::PickedDirection* picked_before(const State& state) {
+  const io::PickedGravity& picked = state.document.current()->picked;
   if (state.view.gravity_of_recording) return picked.recording ? &*picked.recording : nullptr;
   const auto own = picked.frames.find(state.document.frame);
   return own == picked.frames.end() ? nullptr : &own->second;
 }
 
 /// An undo step: what is picked, and the options with it.
-void change_picked(State& state, const PickedGravity& after, const PipelineOptions& options) {
+void change_picked(State& state,
+                   const io::PickedGravity& after,
+                   const planes::PipelineOptions& options) {
   const OpenRecording& open = current(state);
   OptionChange change{state.document.options, options, "", {}};
   change.gravity = GravityChange{open.path, open.picked, after};
@@ -137,18 +141,19 @@ void change_picked(State& state, const PickedGravity& after, const PipelineOptio
 
 /// Labels that were drawn while nobody knew gravity get their classes, as one step of their own.
 void tell_labels(State& state, const Gravity& gravity) {
-  const LabelStore* store = current(state).labels.get();
+  const labels::LabelStore* store = current(state).labels.get();
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if (state.view.mode != Mode::labels || !labels || !store->read_only().empty()) return;
-  if (!labels->planes.empty()) commit_labels(state, "Gravity", with_gravity(*labels, gravity));
+  if (!labels->planes.empty())
+    commit_labels(state, "Gravity", labels::with_gravity(*labels, gravity));
 }
 
-void keep_direction(State& state, PickedDirection picked, const std::string& said) {
+void keep_direction(State& state, io::PickedDirection picked, const std::string& said) {
   const OpenRecording& open = current(state);
   const int frame = state.document.frame;
   picked.frame = frame;
   picked.frame_sha256 = open.recording->frame_hash(frame);
-  PickedGravity after = open.picked;
+  io::PickedGravity after = open.picked;
   const bool all = state.view.gravity_of_recording;
   if (all) {
     after.recording = picked;
@@ -156,8 +161,9 @@ void keep_direction(State& state, PickedDirection picked, const std::string& sai
   } else {
     after.frames[frame] = picked;
   }
-  PipelineOptions options = state.document.options;
-  options.gravity.mode = GravityMode::automatic;  // a direction that they give would hide it
+  planes::PipelineOptions options = state.document.options;
+  options.gravity.mode =
+      planes::GravityMode::automatic;  // a direction that they give would hide it
   change_picked(state, after, options);
   state.view.gravity_click = GravityClick::none;
   std::string text = said;
@@ -180,8 +186,8 @@ void keep_direction(State& state, PickedDirection picked, const std::string& sai
 void pick_floor(State& state, const std::string& text) {
   expect_effect(state);
   const ClickedSurface surface = clicked_surface(state, "gravity.floor", text);
-  PickedDirection picked;
-  picked.direction = gravity_of_floor(surface.normal);
+  io::PickedDirection picked;
+  picked.direction = planes::gravity_of_floor(surface.normal);
   picked.note = "picked: a floor of " + surface_text(surface);
   keep_direction(state, picked, "from a floor of " + surface_text(surface));
 }
@@ -189,13 +195,13 @@ void pick_floor(State& state, const std::string& text) {
 void pick_wall(State& state, const std::string& text) {
   expect_effect(state);
   const ClickedSurface surface = clicked_surface(state, "gravity.wall", text);
-  PickedDirection picked;
-  if (const PickedDirection* before = picked_before(state)) picked.walls = before->walls;
+  io::PickedDirection picked;
+  if (const io::PickedDirection* before = picked_before(state)) picked.walls = before->walls;
   picked.walls.push_back(surface.normal);
   // Known so far, or where the camera's own lower edge points.
   const Vec3d before = subject_of(state).prepared.gravity.direction;
   std::string why_not;
-  const auto direction = gravity_of_walls(picked.walls, before, &why_not);
+  const auto direction = planes::gravity_of_walls(picked.walls, before, &why_not);
   if (!direction) throw Error(why_not);
   picked.direction = *direction;
   const std::size_t walls = picked.walls.size();
@@ -217,7 +223,7 @@ void try_pick(State& state, const std::string& text) {
 
 void forget(State& state) {
   const OpenRecording& open = current(state);
-  PickedGravity after = open.picked;
+  io::PickedGravity after = open.picked;
   const bool own = after.frames.erase(state.document.frame) > 0;
   if (!own) after.recording.reset();
   change_picked(state, after, state.document.options);
@@ -249,7 +255,7 @@ Action click_action(const char* name, const char* title, const char* key, Gravit
 
 void read_picked(State& state, OpenRecording& open) {
   try {
-    open.picked = read_picked_gravity(open.label_dir, *open.recording);
+    open.picked = io::read_picked_gravity(open.label_dir, *open.recording);
   } catch (const Error& error) {
     open.picked = {};
     open.picked_refused = error.what();
@@ -259,11 +265,11 @@ void read_picked(State& state, OpenRecording& open) {
 
 void keep_picked(State& state,
                  const std::filesystem::path& recording,
-                 const PickedGravity& picked) {
+                 const io::PickedGravity& picked) {
   auto& all = state.document.recordings;
   const auto open = std::ranges::find(all, recording, &OpenRecording::path);
   if (open == all.end()) return;
-  write_picked_gravity(open->label_dir, picked);
+  io::write_picked_gravity(open->label_dir, picked);
   open->picked = picked;
   state.view.camera.reset();  // it stands in a world that turns
 }

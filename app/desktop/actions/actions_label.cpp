@@ -9,7 +9,7 @@
 namespace planescope::desktop {
 namespace {
 
-LabelStore* store_of(const State& state) {
+labels::LabelStore* store_of(const State& state) {
   const OpenRecording* open = state.document.current();
   return open ? open->labels.get() : nullptr;
 }
@@ -32,7 +32,7 @@ void leave(State& state) {
 
 /// One step of the history, on the frame where it was made.
 void travel(State& state, bool back) {
-  LabelStore& store = *store_of(state);
+  labels::LabelStore& store = *store_of(state);
   const std::optional<int> frame = back ? store.undo_frame() : store.redo_frame();
   if (!frame) return say(state, back ? "nothing to undo" : "nothing to redo");
   if (*frame != state.document.frame) {
@@ -56,18 +56,18 @@ void let_go(LabelView& view) {
 }
 
 void commit_labels(State& state, const std::string& title, const FrameLabels& after) {
-  LabelStore* store = store_of(state);
+  labels::LabelStore* store = store_of(state);
   const std::shared_ptr<const FrameLabels> before = state.labels();
   if (!store || !before) throw Error("the frame is not ready for labels yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
-  store->commit(make_edit(state.document.frame, title, *before, after));
+  store->commit(labels::make_edit(state.document.frame, title, *before, after));
 }
 
 void open_labels(State& state) {
   OpenRecording& open =
       state.document.recordings[static_cast<std::size_t>(state.document.recording)];
-  if (!open.labels) open.labels = std::make_shared<LabelStore>(open.label_dir);
-  const LabelStore& store = *open.labels;
+  if (!open.labels) open.labels = std::make_shared<labels::LabelStore>(open.label_dir);
+  const labels::LabelStore& store = *open.labels;
   state.results.label.save_problem.clear();  // was another recording's
   if (!store.notices().empty())
     say(state, store.notices().front(), true);
@@ -78,7 +78,7 @@ void open_labels(State& state) {
 }
 
 void save_labels(State& state) {
-  LabelStore* store = store_of(state);
+  labels::LabelStore* store = store_of(state);
   if (!store || !store->read_only().empty() || !store->any_unsaved()) return;
   std::string& problem = state.results.label.save_problem;
   const std::size_t told = store->notices().size();
@@ -132,7 +132,7 @@ std::vector<Action> label_mode_actions() {
        "Ctrl+S",
        "",
        [](State& s, const std::string&) {
-         const LabelStore& store = *store_of(s);
+         const labels::LabelStore& store = *store_of(s);
          if (!store.read_only().empty()) throw Error(store.read_only());
          if (!store.any_unsaved()) return say(s, "the labels are saved already");
          say(s, "labels written to " + s.document.current()->label_dir.string());

@@ -46,14 +46,14 @@ void cut(State& state, const std::string& text) {
   const LabelGesture gesture = gesture_argument("label.cut", text, 2);
   const int plane = state.view.label.plane;
   if (plane == 0) throw Error("there is no active plane to cut: choose one first");
-  const LabelGrid& grid = state.label_frame()->grid;
-  const Vec2f &from = gesture.path.front(), &to = gesture.path.back();
+  const labels::LabelGrid& grid = state.label_frame()->grid;
+  const labels::Vec2f &from = gesture.path.front(), &to = gesture.path.back();
   const std::vector<float> sides =
       gesture.where == DrawnIn::image
-          ? sides_of_line(grid.width, grid.height, from, to)
+          ? labels::sides_of_line(grid.width, grid.height, from, to)
           : sides_in_space(state, gesture.width, gesture.height, from, to);
   const FrameLabels& labels = *state.labels();
-  const FrameLabels after = split_by_side(labels, grid, plane, sides);
+  const FrameLabels after = labels::split_by_side(labels, grid, plane, sides);
   const std::string name = name_of_paint({.plane = plane});
   if (after.planes.size() == labels.planes.size())
     return say(state, "all of " + name + " lies on one side of the line");
@@ -64,8 +64,8 @@ void cut(State& state, const std::string& text) {
 /// Another one where it is in another view than those before.
 void add_corner(State& state, const std::string& text) {
   const LabelGesture gesture = gesture_argument("label.corner", text, 1);
-  const Vec2f size(static_cast<float>(gesture.width), static_cast<float>(gesture.height));
-  const Camera camera = camera_of(state);
+  const labels::Vec2f size(static_cast<float>(gesture.width), static_cast<float>(gesture.height));
+  const render::Camera camera = camera_of(state);
   std::optional<OpenPolygon>& open = state.view.label.polygon;
   const bool goes_on = open && open->where == gesture.where && open->view_size == size &&
                        (gesture.where == DrawnIn::image || same_camera(open->camera, camera));

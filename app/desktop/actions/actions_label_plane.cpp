@@ -20,7 +20,7 @@ void set_class(State& state, const std::string& text, Label label) {
   const char* name = to_string(label);
   LabelView& view = state.view.label;
   const LabelWork work = label_work(state);
-  if (text.empty() && !find_plane(*work.labels, view.plane)) {
+  if (text.empty() && !labels::find_plane(*work.labels, view.plane)) {
     const Paints wanted = label == Label::h ? Paints::h_only : Paints::v_only;
     view.paints = view.paints == wanted ? Paints::plane : wanted;
     return say(state, view.paints == wanted ? fmt::format("strokes mark {}, without a plane", name)
@@ -28,7 +28,7 @@ void set_class(State& state, const std::string& text, Label label) {
   }
   const int plane = plane_argument(state, "label.class", text);
   commit_and_say(state, fmt::format("Make {} {}", name_of(plane), name),
-                 with_class(*work.labels, plane, label),
+                 labels::with_class(*work.labels, plane, label),
                  fmt::format("{} is {} already", name_of(plane), name));
 }
 
@@ -40,33 +40,34 @@ void join(State& state, const std::string& text) {
     from = plane_argument(state, "label.join", text);
   else if (state.view.label.hover >= 0)
     from = work.labels->plane.data[static_cast<std::size_t>(state.view.label.hover)];
-  if (!find_plane(*work.labels, from))
+  if (!labels::find_plane(*work.labels, from))
     throw Error(
         fmt::format("no plane is under the mouse that could be joined into {}", name_of(into)));
   if (from == into) throw Error(fmt::format("{} is under the mouse itself", name_of(into)));
   commit_and_say(state, fmt::format("Join {} into {}", name_of(from), name_of(into)),
-                 joined(*work.labels, work.frame.grid, into, from), "");
+                 labels::joined(*work.labels, work.frame.grid, into, from), "");
 }
 
 void split(State& state, const std::string& text) {
   const LabelWork work = label_work(state);
   const int plane = plane_argument(state, "label.split", text);
-  const FrameLabels after =
-      split_by_parts(*work.labels, work.frame.grid, plane, AuditOptions{}.min_area_m2);
+  const FrameLabels after = labels::split_by_parts(*work.labels, work.frame.grid, plane,
+                                                   labels::AuditOptions{}.min_area_m2);
   const std::size_t parts = 1 + after.planes.size() - work.labels->planes.size();
   commit_and_say(state, fmt::format("Split {} into its {} parts", name_of(plane), parts), after,
                  fmt::format("{} is in one part; Shift+S cuts it along a line", name_of(plane)));
 }
 
-void toggle(State& state, const std::string& text, PlaneFlag flag) {
+void toggle(State& state, const std::string& text, labels::PlaneFlag flag) {
   const LabelWork work = label_work(state);
   const int id =
-      plane_argument(state, flag == PlaneFlag::locked ? "label.lock" : "label.hide", text);
-  const LabelPlane& plane = *find_plane(*work.labels, id);
-  const bool on = flag == PlaneFlag::locked ? !plane.locked : !plane.hidden;
-  const char* verb = flag == PlaneFlag::locked ? (on ? "Lock" : "Unlock") : (on ? "Hide" : "Show");
+      plane_argument(state, flag == labels::PlaneFlag::locked ? "label.lock" : "label.hide", text);
+  const LabelPlane& plane = *labels::find_plane(*work.labels, id);
+  const bool on = flag == labels::PlaneFlag::locked ? !plane.locked : !plane.hidden;
+  const char* verb =
+      flag == labels::PlaneFlag::locked ? (on ? "Lock" : "Unlock") : (on ? "Hide" : "Show");
   commit_and_say(state, fmt::format("{} {}", verb, name_of(id)),
-                 with_flag(*work.labels, id, flag, on), "");
+                 labels::with_flag(*work.labels, id, flag, on), "");
 }
 
 void show_all(State& state) {
@@ -79,7 +80,7 @@ void remove(State& state, const std::string& text) {
   const LabelWork work = label_work(state);
   const int plane = plane_argument(state, "label.remove", text);
   commit_and_say(state, fmt::format("Remove {}", name_of(plane)),
-                 without_plane(*work.labels, work.frame.grid, plane), "");
+                 labels::without_plane(*work.labels, work.frame.grid, plane), "");
   if (state.view.label.plane == plane) state.view.label.plane = 0;
 }
 
@@ -87,21 +88,22 @@ void look(State& state, const std::string& text) {
   const LabelWork work = label_work(state);
   const int plane = plane_argument(state, "label.look", text);
   state.view.label.plane = plane;
-  look_at_pixels(state, pixels_of_plane(*work.labels, plane));
+  look_at_pixels(state, labels::pixels_of_plane(*work.labels, plane));
 }
 
 /// The run of the frame looked at; null while it is made.
-const Run* run_of_frame(const State& state) {
-  const Run* run = state.run();
+const debug::Run* run_of_frame(const State& state) {
+  const debug::Run* run = state.run();
   return run && run->subject->frame.index == state.document.frame ? run : nullptr;
 }
 
 /// How much of the frame the algorithm was not shown: labels there have to be drawn.
-std::string beyond_text(const Run& run, const LabelGrid& grid) {
+std::string beyond_text(const debug::Run& run, const labels::LabelGrid& grid) {
   const double range_m = run.options.cloud.max_range_m;
   std::size_t beyond = 0;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    if (grid.points[i].z() > range_m && run.subject->voxel_of_source(i) == kNoVoxel) ++beyond;
+    if (grid.points[i].z() > range_m && run.subject->voxel_of_source(i) == planes::kNoVoxel)
+      ++beyond;
   const double share = static_cast<double>(beyond) /
                        static_cast<double>(std::max<std::size_t>(grid.measured_count, 1));
   if (share < 0.05) return "";
@@ -111,15 +113,15 @@ std::string beyond_text(const Run& run, const LabelGrid& grid) {
 
 void take(State& state) {
   const LabelWork work = label_work(state);
-  const Run* run = run_of_frame(state);
+  const debug::Run* run = run_of_frame(state);
   if (!run) throw Error("the algorithm has not come to this frame yet");
-  const OtherLabels found = labels_of_run(*run, work.frame.grid);
-  const char* name =
-      run->is_ours() ? to_string(run->segment_options.profile) : to_string(run->options.method);
+  const labels::OtherLabels found = labels_of_run(*run, work.frame.grid);
+  const char* name = run->is_ours() ? planes::to_string(run->segment_options.profile)
+                                    : planes::to_string(run->options.method);
   const std::string title = fmt::format("Start from the algorithm ({})", name);
   const std::string beyond = beyond_text(*run, work.frame.grid);
   commit_and_say(state, title,
-                 from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
+                 labels::from_segmentation(*work.labels, work.frame.grid, found.plane, found.label),
                  "the labels are the algorithm's already" + beyond);
   if (!beyond.empty() && state.labels() != work.labels) say(state, title + beyond);
   state.view.label.wand = {};
@@ -167,7 +169,7 @@ std::vector<Action> label_plane_actions() {
                     [label](State& s, const std::string& text) { set_class(s, text, label); });
   };
   const auto flag_action = [](const char* name, const char* title, const char* key,
-                              PlaneFlag flag) {
+                              labels::PlaneFlag flag) {
     return on_plane(name, title, key,
                     [flag](State& s, const std::string& text) { toggle(s, text, flag); });
   };
@@ -178,8 +180,8 @@ std::vector<Action> label_plane_actions() {
       class_action("label.class.v", "Vertical", "V", Label::v),
       on_plane("label.join", "Join the plane under the mouse into the active one", "J", join),
       on_plane("label.split", "Split by connected parts", "S", split),
-      flag_action("label.lock", "Lock or unlock", "K", PlaneFlag::locked),
-      flag_action("label.hide", "Hide or show", "O", PlaneFlag::hidden),
+      flag_action("label.lock", "Lock or unlock", "K", labels::PlaneFlag::locked),
+      flag_action("label.hide", "Hide or show", "O", labels::PlaneFlag::hidden),
       on_frame("label.show_all", "Show all planes", "Shift+O", show_all),
       on_plane("label.remove", "Remove the plane", "Delete", remove),
       on_plane("label.look", "Look at the plane", "F", look),

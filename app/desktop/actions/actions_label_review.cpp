@@ -45,7 +45,7 @@ void decide_told(State& state,
 void edit(State& state, const std::string& text) {
   decide_told(state, "review.edit", ReviewDecision::edit, text);
   LabelView& view = state.view.label;
-  const Disagreement& item =
+  const labels::Disagreement& item =
       state.results.label.review->items[static_cast<std::size_t>(view.review_item)];
   view.tool = LabelTool::brush;
   view.paints = Paints::plane;
@@ -69,7 +69,7 @@ void finish(State& state) {
 void compare_with(State& state, const std::string& folder) {
   const LabelWork work = label_work(state);
   if (!folder.empty()) {  // so that a folder that cannot be compared with is refused at once
-    const auto other = read_frame_labels(folder, work.frame.frame, work.frame.sha256);
+    const auto other = labels::read_frame_labels(folder, work.frame.frame, work.frame.sha256);
     if (!other) throw Error(fmt::format("{}: has no labels of frame {}", folder, work.frame.frame));
   }
   LabelView& view = state.view.label;
@@ -86,9 +86,10 @@ void show_finding(State& state, int index) {
   view.tab = "checks";
   view.finding = index;
   if (index >= finding_count(state)) return;  // shown when the checks are done
-  const Finding& finding = state.results.label.audit->findings[static_cast<std::size_t>(index)];
+  const labels::Finding& finding =
+      state.results.label.audit->findings[static_cast<std::size_t>(index)];
   view.plane = finding.plane;
-  const PixelSet place{finding.pixel};
+  const labels::PixelSet place{finding.pixel};
   look_at_pixels(state, finding.pixels.empty() ? place : finding.pixels);
   say(state, finding.text);
 }

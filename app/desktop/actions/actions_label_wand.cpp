@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kLeastTolerance_m = 0.001, kLargestTolerance_m = 0.1;
 
-WandOptions options_of(const LabelView& view) {
-  WandOptions options = view.wand_options;
+labels::WandOptions options_of(const LabelView& view) {
+  labels::WandOptions options = view.wand_options;
   if (view.paints == Paints::erase) options.take_labelled = true;
   return options;
 }
@@ -26,9 +26,9 @@ void grow(State& state) {
   LabelView& view = state.view.label;
   WandPreview& wand = view.wand;
   wand.why_not.clear();
-  std::optional<WandResult> found = grow_plane(state.label_frame()->grid, state.labels().get(),
-                                               wand.seeds, options_of(view), &wand.why_not);
-  wand.found = found ? std::make_shared<WandResult>(std::move(*found)) : nullptr;
+  std::optional<labels::WandResult> found = labels::grow_plane(
+      state.label_frame()->grid, state.labels().get(), wand.seeds, options_of(view), &wand.why_not);
+  wand.found = found ? std::make_shared<labels::WandResult>(std::move(*found)) : nullptr;
   if (!wand.found) say(state, "no plane there: " + wand.why_not, true);
 }
 
@@ -70,20 +70,20 @@ void set_tolerance(State& state, const std::string& text) {
 
 /// The wand makes a plane at each click, unless one was chosen that has no pixels yet, or the first
 /// click held Shift.
-Paint paint_of_wand(const State& state) {
+labels::Paint paint_of_wand(const State& state) {
   const LabelView& view = state.view.label;
-  Paint paint = paint_in_hand(state);
+  labels::Paint paint = paint_in_hand(state);
   paint.origin = LabelOrigin::wand;
   const bool joins = view.wand.onto_active;
-  if (view.paints == Paints::plane && !joins && find_plane(*state.labels(), paint.plane))
-    paint.plane = free_plane_id(*state.labels());
+  if (view.paints == Paints::plane && !joins && labels::find_plane(*state.labels(), paint.plane))
+    paint.plane = labels::free_plane_id(*state.labels());
   return paint;
 }
 
 void accept_wand(State& state) {
-  const std::shared_ptr<const WandResult> found = state.view.label.wand.found;
-  const PaintMode mode =
-      options_of(state.view.label).take_labelled ? PaintMode::over : PaintMode::add;
+  const std::shared_ptr<const labels::WandResult> found = state.view.label.wand.found;
+  const labels::PaintMode mode =
+      options_of(state.view.label).take_labelled ? labels::PaintMode::over : labels::PaintMode::add;
   paint_pixels(state, "Wand", found->pixels, paint_of_wand(state), mode);
   state.view.label.wand = {};
 }

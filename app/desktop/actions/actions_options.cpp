@@ -23,7 +23,7 @@ std::pair<std::string, std::string> name_and_value(const std::string& action,
 }
 
 /// `gesture` empty: an entry of its own.
-void change_by(State& state, const PipelineOptions& after, const std::string& gesture) {
+void change_by(State& state, const planes::PipelineOptions& after, const std::string& gesture) {
   const bool goes_on =
       !gesture.empty() && !state.undo.empty() && state.undo.back().gesture == gesture;
   if (goes_on)
@@ -37,17 +37,17 @@ void change_by(State& state, const PipelineOptions& after, const std::string& ge
 
 void set(State& state, const std::string& action, const std::string& text, bool drag) {
   const auto [name, value] = name_and_value(action, text);
-  PipelineOptions after = state.document.options;
-  set_option(after, name, value);
+  planes::PipelineOptions after = state.document.options;
+  planes::set_option(after, name, value);
   change_by(state, after, drag ? name : "");
 }
 
 void reset(State& state, const std::string& name) {
-  const PipelineOptions& now = state.document.options;
-  PipelineOptions defaults;
-  defaults.segment = profile_options(now.segment.profile);
-  const OptionInfo& info = find_option(name);
-  PipelineOptions after = now;
+  const planes::PipelineOptions& now = state.document.options;
+  planes::PipelineOptions defaults;
+  defaults.segment = planes::profile_options(now.segment.profile);
+  const planes::OptionInfo& info = planes::find_option(name);
+  planes::PipelineOptions after = now;
   info.set(after, info.get(defaults));
   change_options(state, after);
 }
@@ -55,7 +55,7 @@ void reset(State& state, const std::string& name) {
 void move_change(State& state,
                  std::vector<OptionChange>& from,
                  std::vector<OptionChange>& to,
-                 PipelineOptions OptionChange::*which) {
+                 planes::PipelineOptions OptionChange::*which) {
   if (const auto& gravity = from.back().gravity)  // first: it may not be writable
     keep_picked(state, gravity->recording,
                 which == &OptionChange::before ? gravity->before : gravity->after);
@@ -71,7 +71,9 @@ void move_change(State& state,
 
 }  // namespace
 
-void change_options(State& state, const PipelineOptions& after) { change_by(state, after, ""); }
+void change_options(State& state, const planes::PipelineOptions& after) {
+  change_by(state, after, "");
+}
 
 std::vector<Action> option_actions() {
   const std::string menu = "Edit";
@@ -126,7 +128,7 @@ std::vector<Action> option_actions() {
        "NAME",
        [](State& s, const std::string& name) {
          s.view.tool_tab = "criteria";
-         const OptionInfo& info = find_option(name);
+         const planes::OptionInfo& info = planes::find_option(name);
          s.view.focus = "criteria." + info.name;
          if (!info.group.empty()) s.view.unfolded.insert(info.group);
        },
@@ -138,7 +140,8 @@ std::vector<Action> option_actions() {
        "",
        "GROUP",
        [](State& s, const std::string& group) {
-         if (std::ranges::find(option_table(), group, &OptionInfo::group) == option_table().end())
+         if (std::ranges::find(planes::option_table(), group, &planes::OptionInfo::group) ==
+             planes::option_table().end())
            throw Error(fmt::format("action option.unfold: there is no group '{}'", group));
          if (!s.view.unfolded.erase(group)) s.view.unfolded.insert(group);
        },
@@ -150,7 +153,7 @@ std::vector<Action> option_actions() {
        "Ctrl+R",
        "",
        [](State& s, const std::string&) {
-         PipelineOptions after;
+         planes::PipelineOptions after;
          after.threads = s.document.options.threads;
          change_options(s, after);
        },
@@ -160,7 +163,7 @@ std::vector<Action> option_actions() {
        "Method: what finds the planes",
        menu,
        "Ctrl+M",
-       fmt::format("{}", fmt::join(find_option("method").choices, "|")),
+       fmt::format("{}", fmt::join(planes::find_option("method").choices, "|")),
        [](State& s, const std::string& text) { set(s, "option.set", "method=" + text, false); },
        {},
        {}},
@@ -171,7 +174,7 @@ std::vector<Action> option_actions() {
        "",
        [](State& s, const std::string&) { set(s, "option.set", "profile=paper", false); },
        {},
-       [](const State& s) { return s.document.options.segment.profile == Profile::paper; }},
+       [](const State& s) { return s.document.options.segment.profile == planes::Profile::paper; }},
       {"profile.paper_closest",
        "Profile paper-closest: closest to the published tables",
        menu,
@@ -179,7 +182,9 @@ std::vector<Action> option_actions() {
        "",
        [](State& s, const std::string&) { set(s, "option.set", "profile=paper-closest", false); },
        {},
-       [](const State& s) { return s.document.options.segment.profile == Profile::paper_closest; }},
+       [](const State& s) {
+         return s.document.options.segment.profile == planes::Profile::paper_closest;
+       }},
       {"profile.refined",
        "Profile refined: the default",
        menu,
@@ -187,7 +192,9 @@ std::vector<Action> option_actions() {
        "",
        [](State& s, const std::string&) { set(s, "option.set", "profile=refined", false); },
        {},
-       [](const State& s) { return s.document.options.segment.profile == Profile::refined; }},
+       [](const State& s) {
+         return s.document.options.segment.profile == planes::Profile::refined;
+       }},
   };
 }
 

@@ -17,7 +17,7 @@ void set_filter(State& state, const std::string& text) {
   search.problem = {};
   search.filter = text.find_first_not_of(' ') == std::string::npos
                       ? std::nullopt
-                      : Filter::parse(text, search.problem);
+                      : debug::Filter::parse(text, search.problem);
   refresh_matches(state);
 }
 
@@ -39,7 +39,7 @@ void to_match(State& state, int direction) {
 }
 
 void run_to(State& state, int direction) {
-  const Run& run = *state.run();
+  const debug::Run& run = *state.run();
   const std::vector<std::int32_t> stops = breakpoint_steps(run, state.document);
   state.view.playing.direction = 0;
   if (direction > 0) {
@@ -81,12 +81,12 @@ std::string filter_of(const Breakpoint& breakpoint) {
   return fmt::format("{}=={}", what, breakpoint.index);
 }
 
-std::vector<std::int32_t> breakpoint_steps(const Run& run, const Document& document) {
+std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document) {
   std::vector<std::int32_t> stops;
   for (const Breakpoint& breakpoint : document.breakpoints) {
     if (!breakpoint.enabled) continue;
-    FilterProblem problem;
-    if (const auto filter = Filter::parse(filter_of(breakpoint), problem))
+    debug::FilterProblem problem;
+    if (const auto filter = debug::Filter::parse(filter_of(breakpoint), problem))
       for (const std::int32_t step : filter->matching(run)) stops.push_back(step);
   }
   std::sort(stops.begin(), stops.end());
@@ -178,8 +178,8 @@ std::vector<Action> search_actions() {
        "Alt+F9",
        "FILTER",
        [](State& s, const std::string& text) {
-         FilterProblem problem;
-         if (!Filter::parse(text, problem))
+         debug::FilterProblem problem;
+         if (!debug::Filter::parse(text, problem))
            throw Error("action break.on: '" + text + "': " + problem.message);
          toggle_breakpoint(s, {Kind::filter, text, -1, true});
        },

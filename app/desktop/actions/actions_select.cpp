@@ -9,7 +9,7 @@
 namespace planescope::desktop {
 namespace {
 
-int node_count(const Run& run) { return static_cast<int>(run.octree().nodes.size()); }
+int node_count(const debug::Run& run) { return static_cast<int>(run.octree().nodes.size()); }
 
 void select_node(State& state, std::int32_t node) {
   state.view.selected = {};
@@ -17,7 +17,7 @@ void select_node(State& state, std::int32_t node) {
 }
 
 void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
-  const Timeline& timeline = state.run()->timeline;
+  const debug::Timeline& timeline = state.run()->timeline;
   Selection& selected = state.view.selected;
   selected.voxel = voxel;
   selected.source = source;
@@ -26,20 +26,21 @@ void select_voxel(State& state, std::int32_t voxel, std::int64_t source) {
 }
 
 void select_pixel(State& state, double u, double v) {
-  const Subject& subject = *state.run()->subject;
+  const debug::Subject& subject = *state.run()->subject;
   const Image16& depth = subject.frame.depth;
   if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height))
     throw Error(fmt::format("action select.pixel: {},{} is outside the {} x {} image", u, v,
                             depth.width, depth.height));
   const std::int64_t source = static_cast<std::int64_t>(v) * depth.width + static_cast<int>(u);
   const std::uint32_t voxel = subject.voxel_of_source(static_cast<std::size_t>(source));
-  if (voxel != kNoVoxel) return select_voxel(state, static_cast<std::int32_t>(voxel), source);
+  if (voxel != planes::kNoVoxel)
+    return select_voxel(state, static_cast<std::int32_t>(voxel), source);
   state.view.selected = {};
   state.view.selected.source = source;
 }
 
 void mark_pixels(State& state, const std::vector<double>& box) {
-  const Subject& subject = *state.run()->subject;
+  const debug::Subject& subject = *state.run()->subject;
   const Image16& depth = subject.frame.depth;
   if (depth.empty()) throw Error("action mark.pixels: a cloud has no image to mark");
   std::vector<std::uint8_t> seen(subject.voxel_count(), 0);
@@ -55,7 +56,7 @@ void mark_pixels(State& state, const std::vector<double>& box) {
          u < inside(std::max(box[0], box[2]), depth.width); ++u) {
       const std::uint32_t voxel =
           subject.voxel_of_source(static_cast<std::size_t>(v) * depth.width + u);
-      if (voxel == kNoVoxel || seen[voxel]) continue;
+      if (voxel == planes::kNoVoxel || seen[voxel]) continue;
       seen[voxel] = 1;
       marked.push_back(voxel);
     }

@@ -14,26 +14,29 @@ void step_by(State& state, int by) {
 }
 
 /// The case of the node that the cursor is on, or the next it comes to looking backwards.
-Case case_at(const Run& run, std::int32_t step) {
+planes::Case case_at(const debug::Run& run, std::int32_t step) {
   for (; step > 0; --step)
-    if (const TraceEvent* event = run.event_at(step); event->type == EventType::decide)
-      return static_cast<Case>(event->node_case);
-  return Case::I;
+    if (const planes::TraceEvent* event = run.event_at(step);
+        event->type == planes::EventType::decide)
+      return static_cast<planes::Case>(event->node_case);
+  return planes::Case::I;
 }
 
 void to_same_case(State& state, int direction) {
-  const Run& run = *state.run();
-  const Case wanted = case_at(run, state.view.step);
+  const debug::Run& run = *state.run();
+  const planes::Case wanted = case_at(run, state.view.step);
   for (std::int32_t step = state.view.step + direction; step >= 1 && step <= run.steps();
        step += direction) {
-    const TraceEvent* event = run.event_at(step);
-    if (event->type != EventType::decide || static_cast<Case>(event->node_case) != wanted) continue;
+    const planes::TraceEvent* event = run.event_at(step);
+    if (event->type != planes::EventType::decide ||
+        static_cast<planes::Case>(event->node_case) != wanted)
+      continue;
     state.view.playing.direction = 0;
     go_to_step(state, step);
     return;
   }
   say(state, std::string("no ") + (direction > 0 ? "later" : "earlier") + " node of case " +
-                 to_string(wanted));
+                 planes::to_string(wanted));
 }
 
 void play(State& state, int direction) {
@@ -104,7 +107,8 @@ std::vector<Action> step_actions() {
        [](State& s, const std::string&) {
          const Selection selected = s.view.selected;
          const auto decided = s.run()->timeline.decided_at();
-         if (selected.node < 0 || decided[static_cast<std::size_t>(selected.node)] == kNever)
+         if (selected.node < 0 ||
+             decided[static_cast<std::size_t>(selected.node)] == planes::kNever)
            return say(s, "no node is selected");
          go_to_step(s, decided[static_cast<std::size_t>(selected.node)]);
        },

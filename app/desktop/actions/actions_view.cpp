@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kColorNames = {"cases",   "planes", "labels",
                                               "margins", "truth",  "camera"};
 
-Action color_action(ColorBy by, const std::string& title, const std::string& key) {
+Action color_action(render::ColorBy by, const std::string& title, const std::string& key) {
   const std::string name = kColorNames[static_cast<std::size_t>(by)];
   return {"color." + name,
           title,
@@ -85,12 +85,12 @@ void set_zoom(State& state, double zoom) {
 std::vector<Action> view_actions() {
   const std::string menu = "View";
   std::vector<Action> actions = {
-      color_action(ColorBy::cases, "Colour by case", "1"),
-      color_action(ColorBy::planes, "Colour by plane", "2"),
-      color_action(ColorBy::labels, "Colour by h and v", "3"),
-      color_action(ColorBy::margins, "Colour by how sure the label is", "4"),
-      color_action(ColorBy::truth, "Colour by ground truth", "5"),
-      color_action(ColorBy::camera, "Colour as the camera saw it", "6"),
+      color_action(render::ColorBy::cases, "Colour by case", "1"),
+      color_action(render::ColorBy::planes, "Colour by plane", "2"),
+      color_action(render::ColorBy::labels, "Colour by h and v", "3"),
+      color_action(render::ColorBy::margins, "Colour by how sure the label is", "4"),
+      color_action(render::ColorBy::truth, "Colour by ground truth", "5"),
+      color_action(render::ColorBy::camera, "Colour as the camera saw it", "6"),
       toggle("show.queue", "Nodes in the queue", "Q", &ViewState::show_queue),
       toggle("show.settled", "Boxes of settled nodes", "B", &ViewState::show_settled),
       toggle("show.planes", "Planes", "O", &ViewState::show_planes),
@@ -100,7 +100,8 @@ std::vector<Action> view_actions() {
        "I Shift+I",
        "",
        [](State& s, const std::string&) {
-         s.view.backdrop = s.view.backdrop == Backdrop::color ? Backdrop::depth : Backdrop::color;
+         s.view.backdrop = s.view.backdrop == render::Backdrop::color ? render::Backdrop::depth
+                                                                      : render::Backdrop::color;
        },
        {},
        {}},
@@ -137,7 +138,7 @@ std::vector<Action> view_actions() {
        "",
        [](State& s, const std::string&) {
          if (s.view.selected.node < 0) return say(s, "no node is selected");
-         s.view.camera = camera_on_node(*s.run(), s.view.selected.node, camera_of(s));
+         s.view.camera = render::camera_on_node(*s.run(), s.view.selected.node, camera_of(s));
        },
        has_run,
        {}},
@@ -148,7 +149,7 @@ std::vector<Action> view_actions() {
        "EYE_XYZ,TARGET_XYZ",
        [](State& s, const std::string& text) {
          const auto v = numbers_argument("camera.set", text, 6);
-         Camera camera = camera_of(s);
+         render::Camera camera = camera_of(s);
          camera.eye = Vec3d(v[0], v[1], v[2]);
          camera.target = Vec3d(v[3], v[4], v[5]);
          if ((camera.eye - camera.target).norm() < 1e-6)
@@ -195,7 +196,8 @@ std::vector<Action> view_actions() {
        "Ctrl+T",
        "",
        [](State& s, const std::string&) {
-         s.view.theme = s.view.theme == Theme::dark ? Theme::light : Theme::dark;
+         s.view.theme =
+             s.view.theme == render::Theme::dark ? render::Theme::light : render::Theme::dark;
        },
        {},
        {}},
@@ -205,8 +207,9 @@ std::vector<Action> view_actions() {
        "",
        "light|dark",
        [](State& s, const std::string& text) {
-         s.view.theme = choice_argument("theme.set", text, {"light", "dark"}) == 0 ? Theme::light
-                                                                                   : Theme::dark;
+         s.view.theme = choice_argument("theme.set", text, {"light", "dark"}) == 0
+                            ? render::Theme::light
+                            : render::Theme::dark;
        },
        {},
        {}},

@@ -13,16 +13,18 @@ constexpr int kShownCompletions = 9;
 bool has_problem(const FilterBox& box) { return box.problem && !box.problem->message.empty(); }
 
 /// Nothing where the word is whole and nothing else begins with it.
-std::vector<Completion> completions_at(const std::string& text, int cursor) {
-  std::vector<Completion> all = complete_filter(text, static_cast<std::size_t>(cursor));
-  const auto is_there = [&](const Completion& c) {
+std::vector<debug::Completion> completions_at(const std::string& text, int cursor) {
+  std::vector<debug::Completion> all =
+      debug::complete_filter(text, static_cast<std::size_t>(cursor));
+  const auto is_there = [&](const debug::Completion& c) {
     return text.substr(c.begin, c.end - c.begin) == c.insert;
   };
   if (all.size() == 1 && is_there(all[0])) all.clear();
   return all;
 }
 
-const Completion* chosen_of(const std::vector<Completion>& all, const FilterBoxMemory& memory) {
+const debug::Completion* chosen_of(const std::vector<debug::Completion>& all,
+                                   const FilterBoxMemory& memory) {
   if (all.empty()) return nullptr;
   const int last = static_cast<int>(all.size()) - 1;
   return &all[static_cast<std::size_t>(std::clamp(memory.chosen, 0, last))];
@@ -33,7 +35,7 @@ int on_input(ImGuiInputTextCallbackData* data) {
   auto& memory = *static_cast<FilterBoxMemory*>(data->UserData);
   if (data->EventFlag == ImGuiInputTextFlags_CallbackCompletion) {
     const auto all = completions_at(std::string(data->Buf, data->BufTextLen), data->CursorPos);
-    if (const Completion* completion = chosen_of(all, memory)) {
+    if (const debug::Completion* completion = chosen_of(all, memory)) {
       const int begin = static_cast<int>(completion->begin);
       data->DeleteChars(begin, static_cast<int>(completion->end) - begin);
       data->InsertChars(begin, completion->insert.c_str());
@@ -58,7 +60,7 @@ int on_input(ImGuiInputTextCallbackData* data) {
 }
 
 /// A wavy line under the part that is wrong.
-void underline(const Ui& ui, const FilterBoxMemory& memory, const FilterProblem& problem) {
+void underline(const Ui& ui, const FilterBoxMemory& memory, const debug::FilterProblem& problem) {
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
   const ImGuiInputTextState* input = ImGui::GetInputTextState(ImGui::GetItemID());
   const float scrolled = input ? input->ScrollX : 0;
@@ -83,7 +85,7 @@ void underline(const Ui& ui, const FilterBoxMemory& memory, const FilterProblem&
 void take(const Ui& ui,
           const FilterBox& box,
           FilterBoxMemory& memory,
-          const Completion& completion) {
+          const debug::Completion& completion) {
   memory.text.replace(completion.begin, completion.end - completion.begin, completion.insert);
   memory.applied = memory.text;
   memory.chosen = 0;
@@ -95,7 +97,7 @@ void take(const Ui& ui,
 }
 
 void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
-  const std::vector<Completion> all = completions_at(memory.text, memory.cursor);
+  const std::vector<debug::Completion> all = completions_at(memory.text, memory.cursor);
   if (all.empty()) {
     memory.popup_hovered = false;
     return;
@@ -108,7 +110,7 @@ void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
   const bool above = max.y + line + height > ImGui::GetIO().DisplaySize.y;
   const float below = max.y + (has_problem(box) ? line : 0) + ui.px(2);  // what is wrong stays read
   float widest = 0;
-  for (const Completion& completion : all)
+  for (const debug::Completion& completion : all)
     widest = std::max(widest, ImGui::CalcTextSize(completion.meaning.c_str()).x);
   const float width = std::min(ui.px(175) + widest, ImGui::GetIO().DisplaySize.x);
   const float left = std::min(min.x, ImGui::GetIO().DisplaySize.x - width);
@@ -120,9 +122,9 @@ void draw_popup(const Ui& ui, const FilterBox& box, FilterBoxMemory& memory) {
                    ImGuiWindowFlags_NoNav);
   ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
   memory.popup_hovered = ImGui::IsWindowHovered();
-  const Completion* chosen = chosen_of(all, memory);
-  const Completion* taken = nullptr;
-  for (const Completion& completion : all) {
+  const debug::Completion* chosen = chosen_of(all, memory);
+  const debug::Completion* taken = nullptr;
+  for (const debug::Completion& completion : all) {
     const bool is_chosen = &completion == chosen;
     ImGui::PushID(&completion);
     if (ImGui::Selectable("##take", is_chosen, ImGuiSelectableFlags_SelectOnClick))

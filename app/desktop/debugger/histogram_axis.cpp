@@ -9,7 +9,7 @@ namespace planescope::desktop {
 namespace {
 
 /// Bins grow by ratio on a logarithmic axis, but for the part of the first one below its edge.
-bool by_ratio(const Histogram& histogram, const HistogramBin& bin) {
+bool by_ratio(const debug::Histogram& histogram, const debug::HistogramBin& bin) {
   return histogram.logarithmic && bin.low > 0;
 }
 
@@ -18,7 +18,7 @@ bool by_ratio(const Histogram& histogram, const HistogramBin& bin) {
 double HistogramAxis::share(double value) const {
   const auto& bins = histogram_.bins;
   const auto at = std::find_if(bins.begin(), bins.end(),
-                               [&](const HistogramBin& bin) { return value < bin.high; });
+                               [&](const debug::HistogramBin& bin) { return value < bin.high; });
   if (at == bins.end()) return 1;
   if (value <= at->low)
     return at == bins.begin()
@@ -35,12 +35,12 @@ double HistogramAxis::value(double share) const {
   const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(bins.size());
   const std::size_t i = std::min(bins.size() - 1, static_cast<std::size_t>(position));
   const double inside = position - static_cast<double>(i);
-  const HistogramBin& bin = bins[i];
+  const debug::HistogramBin& bin = bins[i];
   return by_ratio(histogram_, bin) ? bin.low * std::pow(bin.high / bin.low, inside)
                                    : bin.low + inside * (bin.high - bin.low);
 }
 
-std::string filter_between(const Histogram& histogram, double from, double to) {
+std::string filter_between(const debug::Histogram& histogram, double from, double to) {
   if (histogram.quantity.empty()) return {};
   const HistogramAxis axis(histogram);
   const double low = axis.value(std::min(from, to)), high = axis.value(std::max(from, to));

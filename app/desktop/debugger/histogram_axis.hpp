@@ -8,16 +8,16 @@ namespace planescope::desktop {
 /// what lies far out, logarithmic bins take the decades.
 class HistogramAxis {
  public:
-  explicit HistogramAxis(const Histogram& histogram) : histogram_(histogram) {}
+  explicit HistogramAxis(const debug::Histogram& histogram) : histogram_(histogram) {}
   double share(double value) const;  // 0..1
   double value(double share) const;
 
  private:
-  const Histogram& histogram_;
+  const debug::Histogram& histogram_;
 };
 
 /// The filter for the values from one share to another; empty where the quantity is not in the
 /// language.
-std::string filter_between(const Histogram& histogram, double from, double to);
+std::string filter_between(const debug::Histogram& histogram, double from, double to);
 
 }  // namespace planescope::desktop

@@ -21,16 +21,16 @@ double SliderScale::value(double share) const {
   return std::round(value / unit) * unit;
 }
 
-SliderScale slider_scale(const OptionInfo& info, Profile profile) {
+SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile) {
   SliderScale scale;
-  scale.standard = parse_number(default_value(info, profile), "option " + info.name);
-  const double base = scale.standard > 0               ? scale.standard
-                      : info.kind == OptionKind::whole ? 10
-                                                       : 0.02;
+  scale.standard = parse_number(planes::default_value(info, profile), "option " + info.name);
+  const double base = scale.standard > 0                       ? scale.standard
+                      : info.kind == planes::OptionKind::whole ? 10
+                                                               : 0.02;
   if (info.range.max <= 90) {  // shares, angles, levels: all of it
     scale.low = info.range.min;
     scale.high = info.range.max;
-  } else if (info.kind == OptionKind::whole) {
+  } else if (info.kind == planes::OptionKind::whole) {
     scale.low = info.range.min;
     scale.high = 6 * base;
   } else if (scale.standard > 0) {
@@ -43,11 +43,11 @@ SliderScale slider_scale(const OptionInfo& info, Profile profile) {
   return scale;
 }
 
-bool is_folded(const State& state, const OptionInfo& info) {
+bool is_folded(const State& state, const planes::OptionInfo& info) {
   if (info.group.empty() || !info.is_number() || state.view.unfolded.contains(info.group))
     return false;
-  const PipelineOptions& options = state.document.options;
-  return info.get(options) == default_value(info, options.segment.profile);
+  const planes::PipelineOptions& options = state.document.options;
+  return info.get(options) == planes::default_value(info, options.segment.profile);
 }
 
 }  // namespace planescope::desktop

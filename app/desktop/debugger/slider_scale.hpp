@@ -17,9 +17,9 @@ struct SliderScale {
   double value(double share) const;
 };
 /// Wide enough to hold the default a few times over, inside what the option may take.
-SliderScale slider_scale(const OptionInfo& info, Profile profile);
+SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile);
 
 /// The numbers of a group of options are folded away, but for those that are not their default.
-bool is_folded(const State& state, const OptionInfo& info);
+bool is_folded(const State& state, const planes::OptionInfo& info);
 
 }  // namespace planescope::desktop

@@ -9,37 +9,37 @@ int column_of_step(std::int32_t step, std::int32_t steps, int count) {
   return static_cast<int>(static_cast<std::int64_t>(step) * (count - 1) / steps);
 }
 
-std::vector<TimelineColumn> timeline_columns(const Run& run, int count) {
+std::vector<TimelineColumn> timeline_columns(const debug::Run& run, int count) {
   std::vector<TimelineColumn> columns(static_cast<std::size_t>(std::max(count, 0)));
   if (columns.empty()) return columns;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
+    const planes::TraceEvent& event = *run.event_at(step);
     TimelineColumn& column =
         columns[static_cast<std::size_t>(column_of_step(step, run.steps(), count))];
     ++column.events;
     if (event.plane >= 0) column.plane = event.plane;
     switch (event.type) {
-      case EventType::decide:
+      case planes::EventType::decide:
         ++column.cases[event.node_case];
         break;
-      case EventType::found:
+      case planes::EventType::found:
         ++column.found;
         break;
-      case EventType::merge:
+      case planes::EventType::merge:
         ++column.merged;
         break;
-      case EventType::assign:
+      case planes::EventType::assign:
         ++column.assigned;
         break;
-      case EventType::drop:
-      case EventType::leave:
+      case planes::EventType::drop:
+      case planes::EventType::leave:
         ++column.dropped;
         break;
-      case EventType::refine:
+      case planes::EventType::refine:
         ++column.refined;
         break;
-      case EventType::visit:
-      case EventType::wait:
+      case planes::EventType::visit:
+      case planes::EventType::wait:
         break;
     }
   }

@@ -19,7 +19,7 @@ struct TimelineColumn {
 };
 
 /// The events of a run spread over `count` columns. Step k stands at column_of_step(k).
-std::vector<TimelineColumn> timeline_columns(const Run& run, int count);
+std::vector<TimelineColumn> timeline_columns(const debug::Run& run, int count);
 int column_of_step(std::int32_t step, std::int32_t steps, int count);
 
 }  // namespace planescope::desktop

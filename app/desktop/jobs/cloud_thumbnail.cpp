@@ -9,7 +9,7 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr Rgba kBackground = {30, 33, 38, 255};
+constexpr render::Rgba kBackground = {30, 33, 38, 255};
 constexpr double kCutOff = 0.01;  // of the voxels, on each side: strays do not set the scale
 
 struct Range {
@@ -32,11 +32,11 @@ Range range_of(const std::vector<Vec3f>& points, int axis) {
 
 }  // namespace
 
-Image8 cloud_thumbnail(const Run& run, int width) {
-  const VoxelCloud& voxels = run.subject->prepared.voxels;
+Image8 cloud_thumbnail(const debug::Run& run, int width) {
+  const planes::VoxelCloud& voxels = run.subject->prepared.voxels;
   const int height = 3 * width / 4;
   Image8 image(width, height, 3);
-  const auto paint = [&](int u, int v, Rgba color) {
+  const auto paint = [&](int u, int v, render::Rgba color) {
     std::uint8_t* pixel = &image.data[3 * (static_cast<std::size_t>(v) * width + u)];
     pixel[0] = color.r;
     pixel[1] = color.g;
@@ -61,7 +61,7 @@ Image8 cloud_thumbnail(const Run& run, int width) {
     if (across < 0 || across >= width || down < 0 || down >= height) continue;
     const int u = static_cast<int>(across), v = static_cast<int>(down);
     const std::int32_t plane = run.segmentation.plane_of[i];
-    const Rgba color = plane > 0 ? plane_color(plane) : leftover_color();
+    const render::Rgba color = plane > 0 ? render::plane_color(plane) : render::leftover_color();
     for (int b = std::max(0, v - half); b <= std::min(height - 1, v + half); ++b)
       for (int a = std::max(0, u - half); a <= std::min(width - 1, u + half); ++a) {
         float& top = highest[static_cast<std::size_t>(b) * width + a];

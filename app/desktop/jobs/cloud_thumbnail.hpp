@@ -10,6 +10,6 @@ namespace planescope::desktop {
 
 /// width x 3/4 width pixels, x of the world to the right, y upwards; the highest voxel of a pixel
 /// shows. The outermost percent of the voxels on each side may be cut off.
-Image8 cloud_thumbnail(const Run& run, int width);
+Image8 cloud_thumbnail(const debug::Run& run, int width);
 
 }  // namespace planescope::desktop

@@ -15,21 +15,21 @@ namespace planescope::desktop {
 class Classifiers {
  public:
   /// Null: the labels of the ground truth, or a method that needs none.
-  std::shared_ptr<const Classifier> get(const PipelineOptions& options);
+  std::shared_ptr<const planes::Classifier> get(const planes::PipelineOptions& options);
 
  private:
   std::mutex mutex_;
   std::string key_;
-  std::shared_ptr<const Classifier> chosen_;
+  std::shared_ptr<const planes::Classifier> chosen_;
 };
 
 /// What is wanted of a frame.
 struct Wanted {
-  std::shared_ptr<const Recording> recording;
+  std::shared_ptr<const io::Recording> recording;
   std::filesystem::path label_dir;
   int frame = 0;
-  PipelineOptions options;
-  PickedGravity picked = {};
+  planes::PipelineOptions options;
+  io::PickedGravity picked = {};
   int labels_version = 0;                // truth is read from label files
   std::string prepare_key, segment_key;  // of the options: equal texts, equal results
 
@@ -48,17 +48,18 @@ struct Wanted {
   }
 };
 Wanted wanted_of(const Document& document, int frame);
-Wanted with_options(Wanted wanted, const PipelineOptions& options);
+Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
 // All throw what reading and preparing throw.
 /// A frame whose gravity cannot be told is prepared without h and v.
 /// `refused_labels`: takes why label files cannot be ground truth, and the frame goes without;
 /// where it is null, that is thrown.
-std::shared_ptr<const Subject> load_subject(const Wanted& wanted,
-                                            Classifiers& classifiers,
-                                            std::string* refused_labels = nullptr);
-std::shared_ptr<const RunView> view_run(std::shared_ptr<const Run> run, const Camera& home);
-Camera home_of(const Run& run);
+std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
+                                                   Classifiers& classifiers,
+                                                   std::string* refused_labels = nullptr);
+std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
+                                        const render::Camera& home);
+render::Camera home_of(const debug::Run& run);
 /// A frame that cannot be run says why.
 Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers);
 

@@ -26,7 +26,7 @@ constexpr std::chrono::milliseconds kStripDelay{300};
 enum class Analysis : std::uint8_t { none, search, check, sensitivity };
 
 /// Nodes and voxels are other ones in a world that was turned: none of them can be found again.
-bool same_world(const Subject& a, const Subject& b) {
+bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }
 
@@ -56,7 +56,7 @@ struct Jobs::Impl {
   std::optional<Wanted> run_wanted;
   std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
-  std::shared_ptr<const Recording> strip_of;
+  std::shared_ptr<const io::Recording> strip_of;
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
@@ -68,8 +68,8 @@ struct Jobs::Impl {
 
   // Touched by the run worker's thread only.
   std::optional<Wanted> loaded;
-  std::shared_ptr<const Subject> subject;
-  Camera home;
+  std::shared_ptr<const debug::Subject> subject;
+  render::Camera home;
 
   // Last: their threads use the above. One that comes to rest may be what another waits for.
   Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
@@ -107,7 +107,7 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
     subject = load_subject(wanted, classifiers, &refused_labels);
     loaded = wanted;
   }
-  auto run = make_run(subject, wanted.options);
+  auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
   return view_run(std::move(run), home);
 }
@@ -208,8 +208,8 @@ void Jobs::Impl::pursue_comparison(State& state) {
     return;
   }
   compares.replace([this, a, b, against](std::stop_token) {
-    const auto comparison = std::make_shared<const Comparison>(a ? compare_runs(*a->run, *b->run)
-                                                                 : compare_with_truth(*b->run));
+    const auto comparison = std::make_shared<const debug::Comparison>(
+        a ? debug::compare_runs(*a->run, *b->run) : debug::compare_with_truth(*b->run));
     deliver([this, a, b, against, comparison](State& s) {
       if (a != compared_a || b != compared_b || against != compared_against) return;
       s.results.comparison = comparison;
@@ -294,7 +294,7 @@ void Jobs::Impl::pursue_fix(State& state) {
     fix.begun = true;
     analyse(Analysis::search, [this, target = fix.target, view = state.results.current](
                                   std::stop_token stop, int number) {
-      const auto found = find_fixes(*view->run, target, stop, [&](int done, int total) {
+      const auto found = debug::find_fixes(*view->run, target, stop, [&](int done, int total) {
         deliver_analysis(number, [done, total](State& s) {
           s.results.fix.done = done;
           s.results.fix.total = total;
@@ -309,17 +309,17 @@ void Jobs::Impl::pursue_fix(State& state) {
   }
   if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
     fix.check_begun = true;
-    const Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+    const debug::Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
     analyse(Analysis::check, [this, wanted = wanted_of(state.document, 0), chosen](
                                  std::stop_token stop, int number) mutable {
-      PipelineOptions after = wanted.options;
-      set_option(after, chosen.option, chosen.after);
+      planes::PipelineOptions after = wanted.options;
+      planes::set_option(after, chosen.option, chosen.after);
       for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
         wanted.frame = i;
         try {
           const auto with = load_subject(wanted, classifiers);
           if (!with->voxel_truth.known()) continue;
-          FixEffect effect = effect_of(*make_run(with, wanted.options), after);
+          debug::FixEffect effect = debug::effect_of(*debug::make_run(with, wanted.options), after);
           effect.frame = i;
           deliver_analysis(number, [effect](State& s) { s.results.fix.effects.push_back(effect); });
         } catch (const std::exception&) {
@@ -346,13 +346,13 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
     return;
   }
   std::vector<std::string> shown;
-  for (const OptionInfo& info : option_table())
+  for (const planes::OptionInfo& info : planes::option_table())
     if (info.is_number() && info.steers_segmentation() && !is_folded(state, info) &&
         !state.results.sensitivity.contains(info.name))
       shown.push_back(info.name);
   analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {
     for (const std::string& name : shown) {
-      const Sensitivity sensitivity = sensitivity_of(*view->run, name, stop);
+      const debug::Sensitivity sensitivity = debug::sensitivity_of(*view->run, name, stop);
       if (stop.stop_requested()) return;
       deliver_analysis(number, [sensitivity, view](State& s) {
         if (s.results.current == view) s.results.sensitivity[sensitivity.option] = sensitivity;

@@ -9,12 +9,12 @@
 namespace planescope::desktop {
 namespace {
 
-std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const Recording> recording,
-                                                   const Subject& subject) {
+std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const io::Recording> recording,
+                                                   const debug::Subject& subject) {
   auto made = std::make_shared<LabelFrame>();
   made->frame = subject.frame.index;
   made->sha256 = recording->frame_hash(made->frame);
-  made->grid = make_label_grid(subject.frame, subject.prepared.gravity);
+  made->grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   made->T_world_sensor = subject.prepared.cloud.T_world_sensor;
   const Eigen::Isometry3f T = made->T_world_sensor.cast<float>();
   made->world.reserve(made->grid.pixels());
@@ -30,9 +30,9 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   LabelResults& label = state.results.label;
   label.refusal.clear();
   try {
-    if (LabelStore* store = open->labels.get()) {
+    if (labels::LabelStore* store = open->labels.get()) {
       const std::size_t told = store->notices().size();
-      store->open(made->frame, empty_labels(made->grid, made->sha256));
+      store->open(made->frame, labels::empty_labels(made->grid, made->sha256));
       if (store->notices().size() > told) say(state, store->notices().back(), true);
     }
     label.frame = std::move(made);
@@ -43,12 +43,14 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
 }
 
 /// A finding that is still there stays chosen; once it is mended, the next one is.
-void take_audit(State& state, std::shared_ptr<const Audit> audit, std::vector<WorkTime> work) {
+void take_audit(State& state,
+                std::shared_ptr<const Audit> audit,
+                std::vector<labels::WorkTime> work) {
   LabelResults& label = state.results.label;
   int& chosen = state.view.label.finding;
   const bool is_first = !label.audit;
-  const auto same = [&, before = label.audit](const Finding& one) {
-    const Finding& was = before->findings[static_cast<std::size_t>(chosen)];
+  const auto same = [&, before = label.audit](const labels::Finding& one) {
+    const labels::Finding& was = before->findings[static_cast<std::size_t>(chosen)];
     return one.kind == was.kind && one.plane == was.plane && one.pixel == was.pixel;
   };
   const auto count = static_cast<int>(audit->findings.size());
@@ -82,8 +84,8 @@ LabelJobs::~LabelJobs() {
 void LabelJobs::pursue_frame(State& state) {
   const RunView* view = state.run_view();
   if (!view) return;  // its refusal is shown
-  const std::shared_ptr<const Subject>& subject = view->run->subject;
-  const std::shared_ptr<const Recording>& recording = state.document.current()->recording;
+  const std::shared_ptr<const debug::Subject>& subject = view->run->subject;
+  const std::shared_ptr<const io::Recording>& recording = state.document.current()->recording;
   const Gravity& known = subject->prepared.gravity;
   const Vec3d gravity = known.known() ? known.direction : Vec3d::Zero();
   if (subject->frame.index != state.document.frame) return;
@@ -161,16 +163,16 @@ void LabelJobs::pursue_audit(State& state) {
   if (labels == audited_ && (auditing_ || state.results.label.audit)) return;
   audited_ = labels;
   auditing_ = true;
-  const LabelStore& store = *state.document.current()->labels;
+  const labels::LabelStore& store = *state.document.current()->labels;
   audits_.replace([this, labels, frame = state.results.label.frame, dir = store.dir(),
                    version = store.version(state.document.frame)](std::stop_token) {
     auto audit = std::make_shared<Audit>();
     audit->labels_version = version;
-    audit->findings = audit_labels(*labels, frame->grid);
-    audit->statistics = statistics_of(*labels, frame->grid);
-    std::vector<WorkTime> work;
+    audit->findings = labels::audit_labels(*labels, frame->grid);
+    audit->statistics = labels::statistics_of(*labels, frame->grid);
+    std::vector<labels::WorkTime> work;
     try {
-      work = work_times(dir);
+      work = labels::work_times(dir);
     } catch (const Error&) {
       // A journal that cannot be read is told of where the store is opened.
     }

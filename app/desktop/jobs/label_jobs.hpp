@@ -33,11 +33,11 @@ class LabelJobs {
   void deliver_carried(State& state,
                        int number,
                        const std::shared_ptr<const FrameLabels>& existing,
-                       const std::shared_ptr<const CarriedLabels>& carried);
+                       const std::shared_ptr<const labels::CarriedLabels>& carried);
 
   std::function<void(std::function<void(State&)>)> deliver_;
   // What was asked for last; touched by the window's thread only.
-  std::shared_ptr<const Recording> recording_, marked_;
+  std::shared_ptr<const io::Recording> recording_, marked_;
   int frame_ = -1;
   Vec3d gravity_ = Vec3d::Zero();
   ReviewSides reviewed_;

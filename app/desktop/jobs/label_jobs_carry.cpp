@@ -42,9 +42,9 @@ void LabelJobs::pursue_carry(State& state) {
       });
     };
     try {
-      const auto carried = std::make_shared<const CarriedLabels>(
-          carry_labels(from->recording->frame(from->frame), from->grid, *labels,
-                       to->recording->frame(to->frame), to->grid, *existing, {}, stop, tell));
+      const auto carried = std::make_shared<const labels::CarriedLabels>(labels::carry_labels(
+          from->recording->frame(from->frame), from->grid, *labels, to->recording->frame(to->frame),
+          to->grid, *existing, {}, stop, tell));
       deliver_([this, number, existing, carried](State& s) {
         deliver_carried(s, number, existing, carried);
       });
@@ -64,7 +64,7 @@ void LabelJobs::pursue_carry(State& state) {
 void LabelJobs::deliver_carried(State& state,
                                 int number,
                                 const std::shared_ptr<const FrameLabels>& existing,
-                                const std::shared_ptr<const CarriedLabels>& carried) {
+                                const std::shared_ptr<const labels::CarriedLabels>& carried) {
   CarryJob& carry = state.results.label.carry;
   if (number != carry_number_ || !carry.running) return;
   carrying_ = false;

@@ -12,7 +12,7 @@ namespace {
 using Voxels = std::vector<std::uint32_t>;
 
 /// Where a report has no samples: a disk about the plane's centre, as large as the plane.
-Voxels voxels_about(const PlaneSummary& plane, const Subject& subject) {
+Voxels voxels_about(const report::PlaneSummary& plane, const debug::Subject& subject) {
   constexpr double kThickness = 0.02;  // [m]
   const double radius2 = std::max(plane.area_m2, 1e-4) / 3.14159;
   Voxels voxels;
@@ -27,15 +27,15 @@ Voxels voxels_about(const PlaneSummary& plane, const Subject& subject) {
 
 /// Planes of a report, and where they are in run B.
 struct Region {
-  const RecordedFrame& frame;
+  const report::RecordedFrame& frame;
   std::vector<int> planes;
   Voxels voxels = {};
 };
 
 /// The voxels of the planes' samples, ascending. `whole`: of all pixels that a sample stands for.
-Voxels voxels_of(const Region& region, const Subject& subject, bool whole = false) {
+Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole = false) {
   const auto& [frame, planes, in_b] = region;
-  const RegionSample& sample = frame.regions;
+  const report::RegionSample& sample = frame.regions;
   if (sample.runs.empty())
     return voxels_about(frame.planes[static_cast<std::size_t>(planes[0]) - 1], subject);
   const Image16& depth = subject.frame.depth;
@@ -52,7 +52,7 @@ Voxels voxels_of(const Region& region, const Subject& subject, bool whole = fals
       for (int x = u; x < std::min(u + reach, width); ++x)
         if (const std::uint32_t voxel =
                 subject.voxel_of_source(static_cast<std::size_t>(y) * width + x);
-            voxel != kNoVoxel)
+            voxel != planes::kNoVoxel)
           voxels.push_back(voxel);
   }
   std::ranges::sort(voxels);
@@ -60,26 +60,28 @@ Voxels voxels_of(const Region& region, const Subject& subject, bool whole = fals
   return voxels;
 }
 
-std::string name_of(const Run& run, std::int32_t plane) {
+std::string name_of(const debug::Run& run, std::int32_t plane) {
   return fmt::format(
       "{} (plane {})",
-      plane_name(run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded), plane);
+      debug::plane_name(run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded),
+      plane);
 }
 
 /// To where the plane of the result was founded.
-void go_to_founding(const Run& run, std::int32_t plane, ReportArrival& arrival) {
+void go_to_founding(const debug::Run& run, std::int32_t plane, ReportArrival& arrival) {
   arrival.plane = run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded;
   arrival.step = run.timeline.changes_of_plane(arrival.plane).front().step;
 }
 
 class Guide {
  public:
-  Guide(const ReportPlace& place, const Run* a, const Run& b) : place_(place), a_(a), b_(b) {}
+  Guide(const ReportPlace& place, const debug::Run* a, const debug::Run& b)
+      : place_(place), a_(a), b_(b) {}
 
   ReportArrival to_plane_of_now() const {
     Region region{place_.now, {place_.plane}};
     region.voxels = voxels_of(region, *b_.subject);
-    const std::int32_t plane = plane_of_region(b_, region.voxels);
+    const std::int32_t plane = debug::plane_of_region(b_, region.voxels);
     ReportArrival arrival;
     if (plane == 0) {
       arrive_at_loss(region, fmt::format("plane {}", place_.plane), arrival);
@@ -88,7 +90,7 @@ class Guide {
     }
     go_to_founding(b_, plane, arrival);
     arrival.message = fmt::format("plane {} is {}", place_.plane, name_of(b_, plane));
-    if (is(PlaneFate::merged)) {
+    if (is(report::PlaneFate::merged)) {
       arrive_at_merge(arrival);
     } else if (b_.is_ours()) {
       arrival.message += fmt::format(", founded at step {}", arrival.step);
@@ -97,18 +99,18 @@ class Guide {
   }
 
   ReportArrival to_plane_of_baseline() const {
-    const Subject& subject = *b_.subject;
+    const debug::Subject& subject = *b_.subject;
     Region region{*place_.baseline, {place_.plane}};
     region.voxels = voxels_of(region, subject);
-    const std::int32_t plane = plane_of_region(b_, region.voxels);
+    const std::int32_t plane = debug::plane_of_region(b_, region.voxels);
     const std::string name = fmt::format("the baseline's plane {}", place_.plane);
     ReportArrival arrival;
     arrival.marked = voxels_of(region, subject, true);
-    if (is(PlaneFate::merged) && plane > 0) {
+    if (is(report::PlaneFate::merged) && plane > 0) {
       go_to_founding(b_, plane, arrival);
       arrival.message = fmt::format("{} is part of {}", name, name_of(b_, plane));
       arrive_at_merge(arrival);
-    } else if (is(PlaneFate::split) && plane > 0) {
+    } else if (is(report::PlaneFate::split) && plane > 0) {
       std::erase_if(region.voxels,
                     [&](std::uint32_t voxel) { return b_.segmentation.plane_of[voxel] == plane; });
       arrive_at_loss(region,
@@ -116,7 +118,8 @@ class Guide {
                      arrival);
     } else if (plane > 0) {
       go_to_founding(b_, plane, arrival);
-      arrival.message = is(PlaneFate::lost) ? "the report lost it, this version does not: " : "";
+      arrival.message =
+          is(report::PlaneFate::lost) ? "the report lost it, this version does not: " : "";
       arrival.message += fmt::format("{} is {}", name, name_of(b_, plane));
     } else {
       arrive_at_loss(region, name + " is lost", arrival);
@@ -125,17 +128,17 @@ class Guide {
   }
 
  private:
-  bool is(PlaneFate fate) const { return place_.fate && place_.fate->fate == fate; }
+  bool is(report::PlaneFate fate) const { return place_.fate && place_.fate->fate == fate; }
 
   void arrive_at_loss(const Region& region, const std::string& what, ReportArrival& arrival) const {
     arrival.message = what;
     const Voxels& voxels = region.voxels;
     if (!voxels.empty()) arrival.voxel = static_cast<std::int32_t>(voxels[voxels.size() / 2]);
-    const RegionDecision loss = loss_of_region(b_, voxels);
+    const debug::RegionDecision loss = debug::loss_of_region(b_, voxels);
     if (loss.step > 0)
       arrive_at(region, loss, "left over at", arrival);
     else
-      arrive_at(region, joining_of_region(b_, voxels), "joined at", arrival);
+      arrive_at(region, debug::joining_of_region(b_, voxels), "joined at", arrival);
   }
 
   /// Where the planes that are one now became one.
@@ -143,24 +146,24 @@ class Guide {
     Region region{*place_.baseline, place_.fate->others};
     region.planes.push_back(place_.fate->baseline);
     region.voxels = voxels_of(region, *b_.subject);
-    arrive_at(region, joining_of_region(b_, region.voxels), "joined at", arrival);
+    arrive_at(region, debug::joining_of_region(b_, region.voxels), "joined at", arrival);
   }
 
   /// Where B first decided otherwise than A, or A did what B never asked. Where neither is so for
   /// more than a tenth of the region: at `otherwise`.
   void arrive_at(const Region& region,
-                 const RegionDecision& otherwise,
+                 const debug::RegionDecision& otherwise,
                  const char* verb,
                  ReportArrival& arrival) const {
-    const auto counts = [](const RegionDecision& decision, const Voxels& voxels) {
+    const auto counts = [](const debug::RegionDecision& decision, const Voxels& voxels) {
       return 10 * decision.points > voxels.size();
     };
     if (a_) {
-      const RegionDecision in_b = first_difference(b_, *a_, region.voxels);
+      const debug::RegionDecision in_b = debug::first_difference(b_, *a_, region.voxels);
       if (counts(in_b, region.voxels))
         return stand_at(in_b, region.voxels, "A and B part at", arrival);
       const Voxels there = voxels_of(region, *a_->subject);
-      const RegionDecision in_a = first_difference(*a_, b_, there);
+      const debug::RegionDecision in_a = debug::first_difference(*a_, b_, there);
       if (counts(in_a, there)) {
         arrival.in_a = true;
         return stand_at(in_a, there, "A alone has", arrival);
@@ -169,7 +172,7 @@ class Guide {
     if (otherwise.step > 0) stand_at(otherwise, region.voxels, verb, arrival);
   }
 
-  static void stand_at(const RegionDecision& decision,
+  static void stand_at(const debug::RegionDecision& decision,
                        const Voxels& voxels,
                        const char* verb,
                        ReportArrival& arrival) {
@@ -183,13 +186,13 @@ class Guide {
   }
 
   const ReportPlace& place_;
-  const Run* a_;
-  const Run& b_;
+  const debug::Run* a_;
+  const debug::Run& b_;
 };
 
 }  // namespace
 
-ReportArrival arrival_at(const ReportPlace& place, const Run* a, const Run& b) {
+ReportArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b) {
   const Guide guide(place, a, b);
   ReportArrival arrival;
   if (place.plane > 0)

@@ -20,10 +20,10 @@ struct ReportPlace {
   int frame = 0;
   int plane = 0;             // 0: the frame alone
   bool of_baseline = false;  // whose plane it is
-  RecordedFrame now;
-  std::optional<RecordedFrame> baseline;  // where it has the same input
-  std::optional<PlaneComparison> fate;    // of the plane since the baseline
-  std::optional<PipelineOptions> options_a;
+  report::RecordedFrame now;
+  std::optional<report::RecordedFrame> baseline;  // where it has the same input
+  std::optional<report::PlaneComparison> fate;    // of the plane since the baseline
+  std::optional<planes::PipelineOptions> options_a;
   std::string note;  // what is not as it was, one line
 };
 
@@ -36,6 +36,6 @@ struct ReportArrival {
 };
 
 /// The decision that made the plane what it is, or that lost it. `a` null: there is no such run.
-ReportArrival arrival_at(const ReportPlace& place, const Run* a, const Run& b);
+ReportArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b);
 
 }  // namespace planescope::desktop

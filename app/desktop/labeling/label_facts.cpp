@@ -2,9 +2,9 @@
 
 namespace planescope::desktop {
 
-LabelFacts facts_of(const FrameLabels& labels, const LabelGrid& grid) {
+LabelFacts facts_of(const FrameLabels& labels, const labels::LabelGrid& grid) {
   LabelFacts facts;
-  facts.statistics = statistics_of(labels, grid);
+  facts.statistics = labels::statistics_of(labels, grid);
   facts.planes.resize(labels.planes.size());
   std::vector<int> place(kPlaneIgnore + 1, -1);  // in the list, by id
   for (std::size_t i = 0; i < labels.planes.size(); ++i)

@@ -14,10 +14,10 @@ struct PlaneFacts {
   double area_m2 = 0;
 };
 struct LabelFacts {
-  LabelStatistics statistics;
+  labels::LabelStatistics statistics;
   std::vector<PlaneFacts> planes;  // as FrameLabels::planes
 };
-LabelFacts facts_of(const FrameLabels& labels, const LabelGrid& grid);
+LabelFacts facts_of(const FrameLabels& labels, const labels::LabelGrid& grid);
 
 /// Kept while the labels stay as they are.
 struct KeptLabelFacts {

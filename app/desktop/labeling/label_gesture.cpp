@@ -20,7 +20,7 @@ const std::vector<std::string> kModes = {"over", "add", "subtract"};
 
 bool is_place(const std::string& part) { return part.find(',') != std::string::npos; }
 
-Vec2f place_argument(const std::string& action, const std::string& text) {
+labels::Vec2f place_argument(const std::string& action, const std::string& text) {
   const std::vector<double> xy = numbers_argument(action, text, 2);
   for (const double value : xy)
     if (!(std::abs(value) <= kFarthest_px))
@@ -54,7 +54,7 @@ LabelGesture gesture_argument(const std::string& action,
   read_view(action, parts[0], gesture);
   std::size_t next = 1;
   if (next < parts.size() && std::isalpha(static_cast<unsigned char>(parts[next][0])))
-    gesture.mode = static_cast<PaintMode>(choice_argument(action, parts[next++], kModes));
+    gesture.mode = static_cast<labels::PaintMode>(choice_argument(action, parts[next++], kModes));
   if (next < parts.size() && !is_place(parts[next])) {
     const double radius = number_argument(action, parts[next++]);
     if (!(radius > 0 && radius <= kLargestView_px))
@@ -74,7 +74,7 @@ std::string gesture_text(const LabelGesture& gesture) {
                          : fmt::format("space:{}x{}", gesture.width, gesture.height);
   text += ' ' + kModes[static_cast<std::size_t>(gesture.mode)];
   if (gesture.radius_px) text += fmt::format(" {:.4g}", *gesture.radius_px);
-  for (const Vec2f& place : gesture.path)
+  for (const labels::Vec2f& place : gesture.path)
     text += fmt::format(" {:.2f},{:.2f}", place.x(), place.y());
   return text;
 }
@@ -82,10 +82,10 @@ std::string gesture_text(const LabelGesture& gesture) {
 std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text) {
   const LabelGesture where =
       gesture_argument(action, text.find(' ') == std::string::npos ? "image " + text : text, 1);
-  const Vec2f& at = where.path.front();
+  const labels::Vec2f& at = where.path.front();
   if (where.where == DrawnIn::space)
     return pixel_seen_at(sight(state, where.width, where.height), at);
-  const LabelGrid& grid = state.label_frame()->grid;
+  const labels::LabelGrid& grid = state.label_frame()->grid;
   const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
   if (u < 0 || v < 0 || u >= grid.width || v >= grid.height)
     throw Error(fmt::format("action {}: {},{} is outside the {} x {} image", action, u, v,
@@ -93,16 +93,17 @@ std::int64_t pixel_argument(State& state, const std::string& action, const std::
   return static_cast<std::int64_t>(v) * grid.width + u;
 }
 
-SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
-  DrawnShape shape;
-  shape.kind = gesture.radius_px ? DrawnShape::Kind::stroke : DrawnShape::Kind::area;
+labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
+  labels::DrawnShape shape;
+  shape.kind =
+      gesture.radius_px ? labels::DrawnShape::Kind::stroke : labels::DrawnShape::Kind::area;
   shape.path = gesture.path;
   if (gesture.radius_px) shape.radius_px = *gesture.radius_px;
   if (gesture.where == DrawnIn::space)
-    return points_in_space(sight(state, gesture.width, gesture.height), shape,
-                           state.view.label.through);
-  const std::vector<std::uint8_t> shown = shown_pixels(*state.labels());
-  return {pixels_on_image(state.label_frame()->grid, shape, shown), 0};
+    return labels::points_in_space(sight(state, gesture.width, gesture.height), shape,
+                                   state.view.label.through);
+  const std::vector<std::uint8_t> shown = labels::shown_pixels(*state.labels());
+  return {labels::pixels_on_image(state.label_frame()->grid, shape, shown), 0};
 }
 
 }  // namespace planescope::desktop

@@ -17,9 +17,9 @@ bool labels_at_hand(const State& state);
 struct LabelGesture {
   DrawnIn where = DrawnIn::image;
   int width = 0, height = 0;  // of the view in space
-  PaintMode mode = PaintMode::over;
+  labels::PaintMode mode = labels::PaintMode::over;
   std::optional<float> radius_px;
-  std::vector<Vec2f> path;
+  std::vector<labels::Vec2f> path;
 };
 /// Throws Error naming the action where it is none, or has fewer places than that.
 LabelGesture gesture_argument(const std::string& action,
@@ -31,6 +31,6 @@ std::string gesture_text(const LabelGesture& gesture);
 std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text);
 
 /// What a stroke (where a radius is given) or a closed path takes.
-SpaceSelection selected_by(State& state, const LabelGesture& gesture);
+labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture);
 
 }  // namespace planescope::desktop

@@ -15,18 +15,19 @@ std::span<const std::uint32_t> marked_pixels(const State& state) {
   const LabelView& view = state.view.label;
   const LabelResults& results = state.results.label;
   if (view.tab == "review" && results.review)
-    if (const Disagreement* about = item(results.review->items, view.review_item))
+    if (const labels::Disagreement* about = item(results.review->items, view.review_item))
       return about->pixels;
   if (view.tab == "checks" && results.audit)
-    if (const Finding* about = item(results.audit->findings, view.finding)) return about->pixels;
+    if (const labels::Finding* about = item(results.audit->findings, view.finding))
+      return about->pixels;
   return {};
 }
 
 }  // namespace
 
-LabelLook label_look_of(const State& state) {
+render::LabelLook label_look_of(const State& state) {
   const LabelView& view = state.view.label;
-  LabelLook look;
+  render::LabelLook look;
   look.labels = state.labels();
   look.plane = view.plane;
   look.show_class = view.show_class;

@@ -6,6 +6,6 @@
 namespace planescope::desktop {
 
 /// What both views of the label mode draw. Its spans are the state's.
-LabelLook label_look_of(const State& state);
+render::LabelLook label_look_of(const State& state);
 
 }  // namespace planescope::desktop

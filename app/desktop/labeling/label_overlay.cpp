@@ -16,16 +16,17 @@ constexpr ImU32 kInk = IM_COL32(255, 255, 255, 255), kHalo = IM_COL32(0, 0, 0, 1
 void draw_names(const Ui& ui, const DrawingSurface& surface) {
   const std::shared_ptr<const FrameLabels> labels = ui.state.labels();
   LabelNames& names = ui.memory.label_names;
-  if (names.of != labels) names = {labels, label_places(*labels)};
+  if (names.of != labels) names = {labels, render::label_places(*labels)};
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float size = ui.bold->FontSize;
-  std::vector<LabelPlace> places = names.places;
+  std::vector<render::LabelPlace> places = names.places;
   const int active = ui.state.view.label.plane;
-  std::ranges::stable_partition(places, [&](const LabelPlace& one) { return one.plane == active; });
+  std::ranges::stable_partition(places,
+                                [&](const render::LabelPlace& one) { return one.plane == active; });
   // Names on top of each other are of no use: where there is no room for all, zooming in makes
   // room.
   std::vector<ImVec4> drawn;  // from x, y to z, w
-  for (const LabelPlace& place : places) {
+  for (const render::LabelPlace& place : places) {
     const std::optional<ImVec2> at = surface.screen_of_pixel(place.pixel);
     if (!at) continue;
     const std::string name = fmt::format("P{}", place.plane);
@@ -76,7 +77,7 @@ void draw_drag(const Ui& ui, const DrawingSurface& surface) {
   }
   if (!here) return;
   std::vector<ImVec2> line;
-  for (const Vec2f& place : drag.path) line.push_back(surface.to_screen(place));
+  for (const labels::Vec2f& place : drag.path) line.push_back(surface.to_screen(place));
   if (view.tool == LabelTool::rectangle && line.size() > 1)
     line = {line[0], ImVec2(line[1].x, line[0].y), line[1], ImVec2(line[0].x, line[1].y)};
   draw_line(ui, line, view.tool != LabelTool::cut);
@@ -87,7 +88,7 @@ void draw_polygon(const Ui& ui, const DrawingSurface& surface) {
   const std::optional<OpenPolygon>& open = ui.state.view.label.polygon;
   if (!open || open->where != surface.where) return;
   std::vector<ImVec2> line;
-  for (const Vec2f& corner : open->corners) line.push_back(surface.to_screen(corner));
+  for (const labels::Vec2f& corner : open->corners) line.push_back(surface.to_screen(corner));
   for (const ImVec2& corner : line) draw_circle(ui, corner, ui.px(3));
   if (ImGui::IsItemHovered()) line.push_back(ImGui::GetIO().MousePos);
   draw_line(ui, line, line.size() > 2);
@@ -111,8 +112,8 @@ std::vector<std::string> wand_lines(const LabelView& view) {
   if (!view.wand.found) {
     lines.push_back(view.wand.why_not.empty() ? "no plane there" : view.wand.why_not);
   } else {
-    const WandResult& found = *view.wand.found;
-    const FittedPlane& plane = found.plane;
+    const labels::WandResult& found = *view.wand.found;
+    const labels::FittedPlane& plane = found.plane;
     const char* label = found.label == Label::h   ? "h, horizontal"
                         : found.label == Label::v ? "v, vertical"
                                                   : "class not known";
@@ -128,7 +129,7 @@ std::vector<std::string> wand_lines(const LabelView& view) {
 
 std::string pointed_text(const State& state) {
   const std::int64_t pixel = state.view.label.hover;
-  const LabelGrid& grid = state.label_frame()->grid;
+  const labels::LabelGrid& grid = state.label_frame()->grid;
   if (pixel < 0 || pixel >= static_cast<std::int64_t>(grid.pixels())) return {};
   const auto at = static_cast<std::size_t>(pixel);
   std::string text = fmt::format("{}, {}", pixel % grid.width, pixel / grid.width);
@@ -140,7 +141,7 @@ std::string pointed_text(const State& state) {
   if (id == kPlaneIgnore) return text + "   ignored";
   if (id == 0) return text + "   unlabelled" + label;
   text += fmt::format("   P{}{}", id, label);
-  if (const LabelPlane* plane = find_plane(labels, id))
+  if (const LabelPlane* plane = labels::find_plane(labels, id))
     text += std::string(plane->locked ? ", locked" : "") + (plane->hidden ? ", hidden" : "");
   return text;
 }

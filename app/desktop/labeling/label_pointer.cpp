@@ -17,10 +17,10 @@ constexpr double kNotch = 1.15;  // of the wheel
 bool draws(LabelTool tool) { return tool != LabelTool::wand && tool != LabelTool::polygon; }
 
 /// Window managers like to keep drags with Alt to themselves: Ctrl takes off, too.
-PaintMode mode_of(const ImGuiIO& io) {
-  return io.KeyShift               ? PaintMode::add
-         : io.KeyAlt || io.KeyCtrl ? PaintMode::subtract
-                                   : PaintMode::over;
+labels::PaintMode mode_of(const ImGuiIO& io) {
+  return io.KeyShift               ? labels::PaintMode::add
+         : io.KeyAlt || io.KeyCtrl ? labels::PaintMode::subtract
+                                   : labels::PaintMode::over;
 }
 
 LabelGesture gesture_of(const Ui& ui, const DrawingSurface& surface, const LabelDrag& drag) {
@@ -33,7 +33,7 @@ LabelGesture gesture_of(const Ui& ui, const DrawingSurface& surface, const Label
   const LabelView& view = ui.state.view.label;
   if (view.tool == LabelTool::brush) gesture.radius_px = static_cast<float>(view.brush_px);
   if (view.tool == LabelTool::rectangle) {
-    const Vec2f a = drag.path.front(), b = drag.path.back();
+    const labels::Vec2f a = drag.path.front(), b = drag.path.back();
     gesture.path = {a, {b.x(), a.y()}, b, {a.x(), b.y()}};
   }
   return gesture;
@@ -41,7 +41,7 @@ LabelGesture gesture_of(const Ui& ui, const DrawingSurface& surface, const Label
 
 /// True where the path has changed.
 bool follow(const DrawingSurface& surface, LabelTool tool, LabelDrag& drag) {
-  const Vec2f at = surface.to_view(ImGui::GetIO().MousePos);
+  const labels::Vec2f at = surface.to_view(ImGui::GetIO().MousePos);
   if ((at - drag.path.back()).norm() * surface.scale < kStep) return false;
   const bool two_ends = tool == LabelTool::rectangle || tool == LabelTool::cut;
   if (two_ends && drag.path.size() > 1)
@@ -102,8 +102,9 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
   LabelGesture gesture = gesture_of(ui, surface, drag);
   if (ui.state.view.label.tool == LabelTool::polygon)
     return ui.emit("label.corner", gesture_text(gesture));
-  gesture.mode = PaintMode::over;
-  ui.emit(drag.mode == PaintMode::add ? "label.wand.add" : "label.wand", gesture_text(gesture));
+  gesture.mode = labels::PaintMode::over;
+  ui.emit(drag.mode == labels::PaintMode::add ? "label.wand.add" : "label.wand",
+          gesture_text(gesture));
 }
 
 /// What is under the mouse in either view is a depth pixel.
@@ -126,7 +127,7 @@ void point(const Ui& ui, const DrawingSurface& surface) {
     return;
   }
   const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
-  const Vec2f at = surface.to_view(ImGui::GetIO().MousePos);
+  const labels::Vec2f at = surface.to_view(ImGui::GetIO().MousePos);
   const bool same = pointing.now && pointing.where == surface.where && pointing.at == at;
   if (pressed || same) return;
   pointing = {.now = true, .where = surface.where, .at = at};

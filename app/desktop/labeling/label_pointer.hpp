@@ -20,8 +20,10 @@ struct DrawingSurface {
   float scale = 1;            // ... and their size on screen
   std::function<std::optional<ImVec2>(std::uint32_t)> screen_of_pixel;  // where it can be seen
 
-  Vec2f to_view(ImVec2 at) const { return {(at.x - origin.x) / scale, (at.y - origin.y) / scale}; }
-  ImVec2 to_screen(const Vec2f& place) const {
+  labels::Vec2f to_view(ImVec2 at) const {
+    return {(at.x - origin.x) / scale, (at.y - origin.y) / scale};
+  }
+  ImVec2 to_screen(const labels::Vec2f& place) const {
     return ImVec2(origin.x + scale * place.x(), origin.y + scale * place.y());
   }
 };

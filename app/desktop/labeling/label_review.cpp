@@ -16,22 +16,24 @@ namespace {
 FrameLabels read_other(const ReviewSides& sides) {
   const std::filesystem::path& folder = sides.folder;
   std::optional<FrameLabels> other =
-      read_frame_labels(folder, sides.frame->frame, sides.frame->sha256);
+      labels::read_frame_labels(folder, sides.frame->frame, sides.frame->sha256);
   if (!other)
     throw Error(fmt::format("{}: has no labels of frame {}", folder.string(), sides.frame->frame));
   return std::move(*other);
 }
 
-bool same_region(const Disagreement& a, const Disagreement& b) {
+bool same_region(const labels::Disagreement& a, const labels::Disagreement& b) {
   return a.kind == b.kind && a.pixel == b.pixel;
 }
 
-bool is_about(const ReviewNote& note, const Disagreement& item) {
+bool is_about(const ReviewNote& note, const labels::Disagreement& item) {
   return note.kind == item.kind && note.pixel == item.pixel;
 }
 
 /// Whether its pixels still have the labels that the queue was made from.
-bool still_holds(const Disagreement& item, const FrameLabels& before, const FrameLabels& now) {
+bool still_holds(const labels::Disagreement& item,
+                 const FrameLabels& before,
+                 const FrameLabels& now) {
   return std::ranges::all_of(item.pixels, [&](std::uint32_t pixel) {
     return before.plane.data[pixel] == now.plane.data[pixel] &&
            before.hv.data[pixel] == now.hv.data[pixel];
@@ -46,7 +48,8 @@ std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
   after->items[item].note = note;
   after->labels_decided =
       note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
-  std::ranges::stable_partition(after->items, [](const Disagreement& one) { return !one.note; });
+  std::ranges::stable_partition(after->items,
+                                [](const labels::Disagreement& one) { return !one.note; });
   return after;
 }
 
@@ -55,7 +58,7 @@ std::int64_t now_s() {
   return duration_cast<seconds>(system_clock::now().time_since_epoch()).count();
 }
 
-std::string title_of(const Disagreement& item, ReviewDecision decision) {
+std::string title_of(const labels::Disagreement& item, ReviewDecision decision) {
   std::string title = fmt::format("Review: {} {}", to_string(item.kind), past_tense(decision));
   if (item.label_plane > 0) title += fmt::format(" (P{})", item.label_plane);
   return title;
@@ -77,17 +80,18 @@ std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides) {
   queue->labels_version = sides.labels_version;
   queue->labels = sides.labels;
   queue->run = sides.run;
-  const LabelGrid& grid = sides.frame->grid;
+  const labels::LabelGrid& grid = sides.frame->grid;
   if (sides.run) {
-    queue->other = to_string(sides.run->segment_options.profile);
-    queue->other_labels = std::make_shared<const OtherLabels>(labels_of_run(*sides.run, grid));
+    queue->other = planes::to_string(sides.run->segment_options.profile);
+    queue->other_labels =
+        std::make_shared<const labels::OtherLabels>(labels_of_run(*sides.run, grid));
   } else {
     const FrameLabels other = read_other(sides);
     queue->other = sides.folder.string();
-    queue->other_labels = std::make_shared<const OtherLabels>(other_of(other));
-    queue->agreement = agreement_of(*sides.labels, other);
+    queue->other_labels = std::make_shared<const labels::OtherLabels>(labels::other_of(other));
+    queue->agreement = labels::agreement_of(*sides.labels, other);
   }
-  queue->items = find_disagreements(*sides.labels, *queue->other_labels, grid);
+  queue->items = labels::find_disagreements(*sides.labels, *queue->other_labels, grid);
   return queue;
 }
 
@@ -98,9 +102,9 @@ void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue) {
   state.results.label.review_refusal.clear();
   if (!before) return choose_item(state, queue->undecided() > 0 ? 0 : -1);
   if (chosen >= 0 && chosen < static_cast<int>(before->items.size())) {
-    const Disagreement& item = before->items[static_cast<std::size_t>(chosen)];
+    const labels::Disagreement& item = before->items[static_cast<std::size_t>(chosen)];
     const auto same = std::ranges::find_if(
-        queue->items, [&](const Disagreement& one) { return same_region(one, item); });
+        queue->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
     if (same != queue->items.end()) {
       state.view.label.review_item = static_cast<int>(same - queue->items.begin());
       return;
@@ -126,13 +130,14 @@ void decide(State& state, ReviewDecision decision) {
   if (!queue || chosen < 0 || chosen >= static_cast<int>(queue->items.size()))
     throw Error("no region is chosen: D opens the review, Down chooses the next one");
   const auto index = static_cast<std::size_t>(chosen);
-  const Disagreement& item = queue->items[index];
+  const labels::Disagreement& item = queue->items[index];
   if (!still_holds(item, *queue->labels, *work.labels))
     throw Error("labels have changed there since: the list is being made anew");
 
-  LabelStore& store = *state.document.current()->labels;
-  const FrameLabels after = decided(*work.labels, work.frame.grid, item, *queue->other_labels,
-                                    decision, store.annotator(), now_s());
+  labels::LabelStore& store = *state.document.current()->labels;
+  const FrameLabels after =
+      labels::decided(*work.labels, work.frame.grid, item, *queue->other_labels, decision,
+                      store.annotator(), now_s());
   const auto note = std::find_if(after.review.rbegin(), after.review.rend(),
                                  [&](const ReviewNote& one) { return is_about(one, item); });
   if (note == after.review.rend()) throw Error("the decision could not be noted");
@@ -147,7 +152,7 @@ void decide(State& state, ReviewDecision decision) {
   state.results.label.review = next;
   if (decision == ReviewDecision::edit) {
     const auto moved = std::ranges::find_if(
-        next->items, [&](const Disagreement& one) { return same_region(one, item); });
+        next->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
     return choose_item(state, static_cast<int>(moved - next->items.begin()));
   }
   if (was_open) go_on(state, chosen);
@@ -157,7 +162,7 @@ std::vector<Decided> decided_items(const FrameLabels& labels, const ReviewQueue&
   std::vector<Decided> all;
   for (auto note = labels.review.rbegin(); note != labels.review.rend(); ++note) {
     const auto item = std::ranges::find_if(
-        queue.items, [&](const Disagreement& one) { return one.note == *note; });
+        queue.items, [&](const labels::Disagreement& one) { return one.note == *note; });
     all.push_back(
         {*note, item == queue.items.end() ? -1 : static_cast<int>(item - queue.items.begin())});
   }

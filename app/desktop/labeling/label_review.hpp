@@ -15,7 +15,7 @@ struct ReviewSides {
   std::shared_ptr<const LabelFrame> frame;
   std::shared_ptr<const FrameLabels> labels;
   std::uint64_t labels_version = 0;
-  std::shared_ptr<const Run> run;  // null: `folder`
+  std::shared_ptr<const debug::Run> run;  // null: `folder`
   std::filesystem::path folder;
 
   bool operator==(const ReviewSides&) const = default;

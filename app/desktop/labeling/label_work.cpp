@@ -16,7 +16,9 @@ namespace {
 
 constexpr double kRoom = 2;  // what is around a region says where it is
 
-void look_on_image(ViewState& view, const LabelGrid& grid, std::span<const std::uint32_t> pixels) {
+void look_on_image(ViewState& view,
+                   const labels::LabelGrid& grid,
+                   std::span<const std::uint32_t> pixels) {
   int u0 = grid.width, u1 = 0, v0 = grid.height, v1 = 0;
   for (const std::uint32_t pixel : pixels) {
     const int u = static_cast<int>(pixel) % grid.width, v = static_cast<int>(pixel) / grid.width;
@@ -32,7 +34,9 @@ void look_on_image(ViewState& view, const LabelGrid& grid, std::span<const std::
 }
 
 /// From where the camera stands now.
-Camera camera_at(Camera camera, const LabelFrame& frame, std::span<const std::uint32_t> pixels) {
+render::Camera camera_at(render::Camera camera,
+                         const LabelFrame& frame,
+                         std::span<const std::uint32_t> pixels) {
   Eigen::AlignedBox3f box;
   for (const std::uint32_t pixel : pixels)
     if (frame.grid.measured[pixel]) box.extend(frame.world[pixel]);
@@ -63,7 +67,7 @@ int plane_argument(const State& state, const std::string& action, const std::str
   const int plane =
       text.empty() ? state.view.label.plane : whole_argument(action, number, 1, kPlaneIgnore - 1);
   if (plane == 0) throw Error("no plane is active: click one in the list, or press its number");
-  if (!find_plane(labels, plane)) throw Error(fmt::format("there is no plane P{}", plane));
+  if (!labels::find_plane(labels, plane)) throw Error(fmt::format("there is no plane P{}", plane));
   return plane;
 }
 
@@ -83,14 +87,15 @@ void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
   state.view.camera = camera_at(camera_of(state), *frame, pixels);
 }
 
-OtherLabels labels_of_run(const Run& run, const LabelGrid& grid) {
-  OtherLabels labels;
+labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {
+  labels::OtherLabels labels;
   labels.plane.assign(grid.pixels(), -1);
   for (std::size_t i = 0; i < grid.pixels(); ++i) {
     const std::uint32_t voxel = run.subject->voxel_of_source(i);
-    if (voxel != kNoVoxel) labels.plane[i] = run.segmentation.plane_of[voxel];
+    if (voxel != planes::kNoVoxel) labels.plane[i] = run.segmentation.plane_of[voxel];
   }
-  for (const PlaneRegion& plane : run.segmentation.planes) labels.label.push_back(plane.label);
+  for (const planes::PlaneRegion& plane : run.segmentation.planes)
+    labels.label.push_back(plane.label);
   return labels;
 }
 

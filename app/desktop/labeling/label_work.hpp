@@ -32,6 +32,6 @@ void commit_and_say(State& state,
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels);
 
 /// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
-OtherLabels labels_of_run(const Run& run, const LabelGrid& grid);
+labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid);
 
 }  // namespace planescope::desktop

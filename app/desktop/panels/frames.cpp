@@ -105,7 +105,7 @@ struct LabelMark {
 };
 LabelMark label_mark(const State& state, int frame) {
   LabelMark mark;
-  const LabelStore* store = state.document.current()->labels.get();
+  const labels::LabelStore* store = state.document.current()->labels.get();
   if (state.view.mode != Mode::labels || !store) return mark;
   const std::vector<FrameMark>& files = state.results.label.marks;
   if (const auto labels = store->labels(frame)) {

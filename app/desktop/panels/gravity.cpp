@@ -27,7 +27,7 @@ std::string source_text(const Gravity& gravity) {
 }  // namespace
 
 void draw_gravity_line(const Ui& ui) {
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   if (!run) return;
   const GravityClick click = ui.state.view.gravity_click;
   const Gravity& gravity = run->subject->prepared.gravity;
@@ -43,7 +43,7 @@ void draw_gravity_line(const Ui& ui) {
 }
 
 void draw_gravity(const Ui& ui) {
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   if (run) paragraph(ui.colors.text, source_text(run->subject->prepared.gravity));
   ui.name("gravity.source");
   ImGui::AlignTextToFramePadding();

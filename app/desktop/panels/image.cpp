@@ -49,7 +49,7 @@ void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
 
 /// "u 320, v 240: 1.234 m" and what is known of the voxel.
 std::string readout(const State& state, ImVec2 uv) {
-  const Subject& subject = *state.run()->subject;
+  const debug::Subject& subject = *state.run()->subject;
   const int u = static_cast<int>(uv.x), v = static_cast<int>(uv.y);
   const std::uint16_t count = subject.frame.depth.at(u, v);
   std::string text = fmt::format("u {}, v {}: ", u, v);
@@ -57,14 +57,14 @@ std::string readout(const State& state, ImVec2 uv) {
   text += fmt::format("{:.3f} m", count * subject.frame.depth_unit_m);
   const std::uint32_t voxel =
       subject.voxel_of_source(static_cast<std::size_t>(v) * subject.frame.depth.width + u);
-  if (voxel == kNoVoxel) return text + ", out of range";
+  if (voxel == planes::kNoVoxel) return text + ", out of range";
   return text + "\n" + describe_voxel(state, static_cast<std::int32_t>(voxel));
 }
 
 }  // namespace
 
 void draw_image(const Ui& ui) {
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   const bool pictured = run && !run->subject->frame.depth.empty();
   ImGui::BeginDisabled(!pictured);
   action_button(ui, "mark.toggle", "mark");

@@ -13,8 +13,8 @@ std::string left_text(const State& state) {
   const int frames = open->recording->frame_count();
   std::string text = fmt::format("{}  ·  frame {} ({} frame{})", open->path.filename().string(),
                                  state.document.frame, frames, frames == 1 ? "" : "s");
-  if (const Run* run = state.run()) {
-    const PreparedFrame& prepared = run->subject->prepared;
+  if (const debug::Run* run = state.run()) {
+    const planes::PreparedFrame& prepared = run->subject->prepared;
     text +=
         fmt::format("  ·  {} voxels  ·  gravity: {}", prepared.voxels.points.size(),
                     prepared.gravity.known() ? to_string(prepared.gravity.source) : "not known");
@@ -26,7 +26,7 @@ std::string left_text(const State& state) {
 
 /// The state of the labels: what keeps them from being saved comes first.
 std::string label_text(const State& state) {
-  const LabelStore* store = state.document.current()->labels.get();
+  const labels::LabelStore* store = state.document.current()->labels.get();
   if (!store) return "";
   if (!store->read_only().empty()) return store->read_only();
   const std::string& problem = state.results.label.save_problem;
@@ -35,22 +35,22 @@ std::string label_text(const State& state) {
                      store->any_unsaved() ? "not saved yet" : "saved");
 }
 bool labels_are_barred(const State& state) {
-  const LabelStore* store = state.document.current()->labels.get();
+  const labels::LabelStore* store = state.document.current()->labels.get();
   return store && (!store->read_only().empty() || !state.results.label.save_problem.empty());
 }
 
 std::string right_text(const State& state) {
   if (state.view.mode == Mode::labels) return label_text(state);
-  const Run* run = state.run();
+  const debug::Run* run = state.run();
   if (!run) return "";
   std::string text = state.view.flash ? "A  ·  " : "";
   if (run->is_ours())
-    text +=
-        fmt::format("{}  ·  {}", to_string(run->segment_options.profile), run->options.classifier);
+    text += fmt::format("{}  ·  {}", planes::to_string(run->segment_options.profile),
+                        run->options.classifier);
   else
-    text += fmt::format("method {}", to_string(run->options.method));
+    text += fmt::format("method {}", planes::to_string(run->options.method));
   if (state.run_view()->score) {
-    const QuickScore& score = *state.run_view()->score;
+    const debug::QuickScore& score = *state.run_view()->score;
     text += fmt::format("  ·  {} of {} true planes found", score.detected, score.planes.size());
   } else {
     text += fmt::format("  ·  {} planes", run->segmentation.planes.size());

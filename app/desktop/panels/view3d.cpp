@@ -15,13 +15,15 @@ namespace {
 
 void draw_tools(const Ui& ui) {
   static const struct {
-    ColorBy by;
+    render::ColorBy by;
     const char* action;
     const char* title;
-  } colors[] = {
-      {ColorBy::cases, "color.cases", "case"},     {ColorBy::planes, "color.planes", "plane"},
-      {ColorBy::labels, "color.labels", "h or v"}, {ColorBy::margins, "color.margins", "sureness"},
-      {ColorBy::truth, "color.truth", "truth"},    {ColorBy::camera, "color.camera", "camera"}};
+  } colors[] = {{render::ColorBy::cases, "color.cases", "case"},
+                {render::ColorBy::planes, "color.planes", "plane"},
+                {render::ColorBy::labels, "color.labels", "h or v"},
+                {render::ColorBy::margins, "color.margins", "sureness"},
+                {render::ColorBy::truth, "color.truth", "truth"},
+                {render::ColorBy::camera, "color.camera", "camera"}};
   const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
@@ -63,34 +65,35 @@ void move_camera(const Ui& ui, float height) {
     ui.emit("camera.zoom", fmt::format("{:.6g}", std::pow(1.15, io.MouseWheel)));
 }
 
-void select(const Ui& ui, const Picked& what) {
+void select(const Ui& ui, const render::Picked& what) {
   const GravityClick picks = ui.state.view.gravity_click;
   if (picks != GravityClick::none) {
     const char* action = picks == GravityClick::floor ? "gravity.floor" : "gravity.wall";
-    if (what.kind == Picked::Kind::voxel)
+    if (what.kind == render::Picked::Kind::voxel)
       return ui.emit(action, fmt::format("voxel {}", what.index));
-    if (what.kind == Picked::Kind::plane)
+    if (what.kind == render::Picked::Kind::plane)
       return ui.emit(action, fmt::format("plane {}", what.index + 1));
     return ui.emit(action, "nothing");
   }
   switch (what.kind) {
-    case Picked::Kind::voxel:
+    case render::Picked::Kind::voxel:
       return ui.emit("select.voxel", std::to_string(what.index));
-    case Picked::Kind::node:
+    case render::Picked::Kind::node:
       return ui.emit("select.node", std::to_string(what.index));
-    case Picked::Kind::plane:
+    case render::Picked::Kind::plane:
       return ui.emit("select.plane", std::to_string(what.index + 1));
     default:
       return ui.emit("select.none");
   }
 }
 
-void tell(const Ui& ui, const Picked& what) {
-  if (what.kind == Picked::Kind::voxel)
+void tell(const Ui& ui, const render::Picked& what) {
+  if (what.kind == render::Picked::Kind::voxel)
     ImGui::SetTooltip("%s", describe_voxel(ui.state, what.index).c_str());
-  if (what.kind == Picked::Kind::node)
+  if (what.kind == render::Picked::Kind::node)
     ImGui::SetTooltip("%s", describe_node(ui.state, what.index).c_str());
-  if (what.kind == Picked::Kind::plane) ImGui::SetTooltip("%s", plane_name(what.index).c_str());
+  if (what.kind == render::Picked::Kind::plane)
+    ImGui::SetTooltip("%s", debug::plane_name(what.index).c_str());
 }
 
 }  // namespace
@@ -122,8 +125,8 @@ void draw_view3d(const Ui& ui) {
     const bool clicked = ImGui::IsMouseReleased(0) && !was_dragged();
     const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
     if (!pressed && (clicked || !playing)) {
-      const Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),
-                                          static_cast<int>(io.MousePos.y - at.y));
+      const render::Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),
+                                                  static_cast<int>(io.MousePos.y - at.y));
       if (clicked)
         select(ui, what);
       else

@@ -27,10 +27,10 @@ enum class Mode : std::uint8_t { debugger, labels };
 
 /// A frame made ready for labeling, by a job.
 struct LabelFrame {
-  std::shared_ptr<const Recording> recording;
+  std::shared_ptr<const io::Recording> recording;
   int frame = 0;
   std::string sha256;  // Recording::frame_hash
-  LabelGrid grid;
+  labels::LabelGrid grid;
   Pose T_world_sensor = Pose::Identity();
   std::vector<Vec3f> world;  // per pixel, as the scene draws it [m]; NaN where not measured
 };
@@ -39,23 +39,23 @@ struct LabelFrame {
 struct ReviewQueue {
   std::uint64_t labels_version = 0;
   std::shared_ptr<const FrameLabels> labels;  // the version's own
-  std::shared_ptr<const Run> run;             // null: with another annotator
+  std::shared_ptr<const debug::Run> run;      // null: with another annotator
   std::string other;                          // "refined", or the folder of another annotator
-  std::shared_ptr<const OtherLabels> other_labels;
-  std::vector<Disagreement> items;     // undecided first, then by area
-  std::optional<Agreement> agreement;  // with another annotator
-  bool labels_decided = false;         // and changed by that: the queue after it goes on
+  std::shared_ptr<const labels::OtherLabels> other_labels;
+  std::vector<labels::Disagreement> items;     // undecided first, then by area
+  std::optional<labels::Agreement> agreement;  // with another annotator
+  bool labels_decided = false;                 // and changed by that: the queue after it goes on
 
   std::size_t undecided() const {
     return static_cast<std::size_t>(
-        std::ranges::count_if(items, [](const Disagreement& item) { return !item.note; }));
+        std::ranges::count_if(items, [](const labels::Disagreement& item) { return !item.note; }));
   }
 };
 
 struct Audit {
   std::uint64_t labels_version = 0;
-  std::vector<Finding> findings;
-  LabelStatistics statistics;
+  std::vector<labels::Finding> findings;
+  labels::LabelStatistics statistics;
 };
 
 /// Labels being carried to the frame looked at.
@@ -65,7 +65,8 @@ struct CarryJob {
   std::shared_ptr<const LabelFrame> from_frame;
   std::shared_ptr<const FrameLabels> from_labels;
   double progress = 0;
-  std::shared_ptr<const CarriedLabels> done;  // its doubt is shown until Escape or another frame
+  std::shared_ptr<const labels::CarriedLabels>
+      done;  // its doubt is shown until Escape or another frame
 };
 
 /// What the label folder has of a frame.
@@ -79,7 +80,7 @@ struct LabelResults {
   std::shared_ptr<const ReviewQueue> review;
   std::string review_refusal;  // why there is nothing to compare with, one line
   std::shared_ptr<const Audit> audit;
-  std::vector<WorkTime> work;    // of all frames, with `audit`
+  std::vector<labels::WorkTime> work;  // of all frames, with `audit`
   std::vector<FrameMark> marks;  // by frame, as the mode was entered; frames at hand know better
   std::string save_problem;      // why the label files could not be written last, one line
   CarryJob carry;
@@ -93,14 +94,14 @@ enum class Paints : std::uint8_t { plane, ignore, erase, h_only, v_only };
 /// A wand preview: what `Enter` would make a plane.
 struct WandPreview {
   std::vector<std::uint32_t> seeds;
-  bool onto_active = false;                 // it joins the active plane instead
-  std::shared_ptr<const WandResult> found;  // null: `why_not` says why
+  bool onto_active = false;                         // it joins the active plane instead
+  std::shared_ptr<const labels::WandResult> found;  // null: `why_not` says why
   std::string why_not;
 };
 
 /// What a stroke that is being drawn would change, in both views.
 struct StrokePreview {
-  PixelSet pixels;
+  labels::PixelSet pixels;
   std::size_t hidden = 0;  // points under it that are not visible
   bool takes = false;      // it takes labels off
 };
@@ -110,17 +111,17 @@ struct SpaceSight {
   std::shared_ptr<const LabelFrame> frame;
   std::shared_ptr<const FrameLabels> labels;  // that say what is hidden
   std::vector<std::uint8_t> shown;
-  Camera camera;
-  SeenPoints points;
+  render::Camera camera;
+  labels::SeenPoints points;
 };
 
 /// A polygon, corner by corner; closed by Enter.
 struct OpenPolygon {
   DrawnIn where = DrawnIn::image;
-  PaintMode mode = PaintMode::over;
-  std::vector<Vec2f> corners;       // depth pixels; in space, pixels of a view of `view_size`
-  Vec2f view_size = Vec2f::Zero();  // in space
-  Camera camera;                    // in space: it is let go of where that moves
+  labels::PaintMode mode = labels::PaintMode::over;
+  std::vector<labels::Vec2f> corners;  // depth pixels; in space, pixels of a view of `view_size`
+  labels::Vec2f view_size = labels::Vec2f::Zero();  // in space
+  render::Camera camera;                            // in space: it is let go of where that moves
 };
 
 struct LabelView {
@@ -129,7 +130,7 @@ struct LabelView {
   int plane = 0;         // the active one; 0: a new plane with the next gesture
   double brush_px = 10;  // radius, in pixels of the view or depth pixels of the image
   bool through = false;  // strokes in space take hidden points too
-  WandOptions wand_options;
+  labels::WandOptions wand_options;
   WandPreview wand;
   std::optional<StrokePreview> stroke;
   std::optional<OpenPolygon> polygon;

@@ -44,7 +44,8 @@ std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   return places;
 }
 
-const RecordedRecording& recording_of(const RecordedReport& report, const ReportTarget& target) {
+const report::RecordedRecording& recording_of(const report::RecordedReport& report,
+                                              const report::ReportTarget& target) {
   const auto count = report.recordings.size();
   if (static_cast<std::size_t>(target.recording) > count)
     throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
@@ -52,9 +53,10 @@ const RecordedRecording& recording_of(const RecordedReport& report, const Report
   return report.recordings[static_cast<std::size_t>(target.recording) - 1];
 }
 
-const RecordedFrame& frame_of(const RecordedRecording& recording, const ReportTarget& target) {
+const report::RecordedFrame& frame_of(const report::RecordedRecording& recording,
+                                      const report::ReportTarget& target) {
   std::vector<int> numbers;
-  for (const RecordedFrame& frame : recording.frames) {
+  for (const report::RecordedFrame& frame : recording.frames) {
     if (target.frame < 0 || frame.index == target.frame) return frame;
     numbers.push_back(frame.index);
   }
@@ -67,7 +69,9 @@ const RecordedFrame& frame_of(const RecordedRecording& recording, const ReportTa
 }
 
 /// `file`: whose frame it is.
-void expect_plane(const RecordedFrame& frame, const ReportTarget& target, const fs::path& file) {
+void expect_plane(const report::RecordedFrame& frame,
+                  const report::ReportTarget& target,
+                  const fs::path& file) {
   const char* letters = target.of_baseline ? "was" : "p";
   const auto count = frame.planes.size();
   if (!frame.refused.empty())
@@ -84,23 +88,23 @@ void add_note(std::string& note, const std::string& more) {
 
 /// The options of the report's run. Throws Error where they can no longer be had; `note` says what
 /// may differ.
-PipelineOptions options_from(const RecordedReport& report,
-                             const fs::path& file,
-                             std::string& note) {
+planes::PipelineOptions options_from(const report::RecordedReport& report,
+                                     const fs::path& file,
+                                     std::string& note) {
   std::vector<std::string> unknown;
-  PipelineOptions options;
+  planes::PipelineOptions options;
   try {
-    options = options_of(report, unknown);
+    options = report::options_of(report, unknown);
   } catch (const Error& error) {
     throw Error(file.string() + ": its options cannot be taken: " + error.what());
   }
   if (!unknown.empty())
     add_note(note, fmt::format("{} has options that are no more: {}", file.filename().string(),
                                fmt::join(unknown, ", ")));
-  if (report.weights_sha256.empty() || options.method != Method::ours) return options;
-  if (!names_weights_file(options.classifier)) {
+  if (report.weights_sha256.empty() || options.method != planes::Method::ours) return options;
+  if (!planes::names_weights_file(options.classifier)) {
     const fs::path shipped =
-        find_asset("classifier.safetensors", "the weights of classifier gcn are");
+        app::find_asset("classifier.safetensors", "the weights of classifier gcn are");
     if (sha256_hex_of_file(shipped) != report.weights_sha256)
       add_note(note, fmt::format("the weights of {} are not those of {}", options.classifier,
                                  file.filename().string()));
@@ -120,7 +124,7 @@ PipelineOptions options_from(const RecordedReport& report,
 
 /// Why it is not the report's recording; empty: it is.
 std::string why_other(const OpenRecording& open,
-                      const RecordedFrame& frame,
+                      const report::RecordedFrame& frame,
                       const fs::path& report) {
   const std::string other =
       fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
@@ -137,12 +141,12 @@ std::string why_other(const OpenRecording& open,
 /// A recording that may be the report's.
 struct Candidate {
   fs::path path;
-  RecordingOptions options;
+  io::RecordingOptions options;
   fs::path label_dir;
 };
 
 std::vector<Candidate> candidates_of(const State& state,
-                                     const RecordedRecording& recorded,
+                                     const report::RecordedRecording& recorded,
                                      const ReportLink& link,
                                      const fs::path& report) {
   std::vector<Candidate> candidates;
@@ -155,21 +159,21 @@ std::vector<Candidate> candidates_of(const State& state,
   if (link.only_given) return candidates;
   for (const fs::path& path : places_of(recorded.path, report))
     candidates.push_back(
-        {path, recorded.options, link.label_dir.value_or(default_label_dir(path))});
+        {path, recorded.options, link.label_dir.value_or(labels::default_label_dir(path))});
   return candidates;
 }
 
 /// The first that is the report's recording. Throws Error.
 OpenRecording open_recorded(const State& state,
-                            const RecordedRecording& recorded,
-                            const RecordedFrame& frame,
+                            const report::RecordedRecording& recorded,
+                            const report::RecordedFrame& frame,
                             const ReportLink& link,
                             const fs::path& report) {
   std::string refusal;
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
     // The report says what is wrong with a damaged frame; the others can still be seen.
     candidate.options.damaged_frames_later = true;
-    const OpenRecording open{candidate.path, open_recording(candidate.path, candidate.options),
+    const OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
                              candidate.label_dir};
     const std::string why = why_other(open, frame, report);
     if (why.empty()) return open;
@@ -182,8 +186,8 @@ OpenRecording open_recorded(const State& state,
       report.string(), recorded.path.string(), report.string()));
 }
 
-bool same_options(const PipelineOptions& a, const PipelineOptions& b) {
-  return std::ranges::all_of(option_table(), [&](const OptionInfo& info) {
+bool same_options(const planes::PipelineOptions& a, const planes::PipelineOptions& b) {
+  return std::ranges::all_of(planes::option_table(), [&](const planes::OptionInfo& info) {
     return info.get(a) == info.get(b) || !info.matters(b);
   });
 }
@@ -191,12 +195,12 @@ bool same_options(const PipelineOptions& a, const PipelineOptions& b) {
 /// The baseline of a report, where there is one.
 struct Baseline {
   fs::path file;
-  RecordedReport report;
+  report::RecordedReport report;
 };
 
-std::optional<Baseline> baseline_of(const RecordedReport& report,
+std::optional<Baseline> baseline_of(const report::RecordedReport& report,
                                     const ReportLink& link,
-                                    const ReportTarget& target,
+                                    const report::ReportTarget& target,
                                     std::string& note) {
   const fs::path& typed = link.baseline.empty() ? report.baseline : link.baseline;
   if (typed.empty()) {
@@ -220,7 +224,7 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
   const fs::path& file = places[0];
   if (file != typed)
     add_note(note, fmt::format("the baseline is {}", file.lexically_normal().string()));
-  Baseline baseline{file, read_report(file)};
+  Baseline baseline{file, report::read_report(file)};
   if (target.of_baseline && baseline.report.created_utc == report.created_utc &&
       baseline.report.command == report.command)
     throw Error(fmt::format("{}: is {} itself, approved since: was{} was of an earlier baseline",
@@ -230,13 +234,13 @@ std::optional<Baseline> baseline_of(const RecordedReport& report,
 
 /// The frame as the baseline has it, and what became of the plane.
 void find_fate(const Baseline& baseline,
-               const RecordedReport& report,
-               const RecordedFrame& frame,
-               const ReportTarget& target,
+               const report::RecordedReport& report,
+               const report::RecordedFrame& frame,
+               const report::ReportTarget& target,
                ReportPlace& place) {
-  const ReportComparison comparison = compare_reports(baseline.report, report);
-  const auto same = std::ranges::find(comparison.frames, &frame, &FrameComparison::now);
-  const bool usable = same->baseline && same->fate != FrameFate::other_input;
+  const report::ReportComparison comparison = report::compare_reports(baseline.report, report);
+  const auto same = std::ranges::find(comparison.frames, &frame, &report::FrameComparison::now);
+  const bool usable = same->baseline && same->fate != report::FrameFate::other_input;
   if (target.of_baseline && !usable)
     throw Error(fmt::format("{}: was{} is not in it, {} frame {} {}", baseline.file.string(),
                             target.plane, same->recording, frame.index,
@@ -244,7 +248,8 @@ void find_fate(const Baseline& baseline,
   if (!usable) return;
   if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
   place.baseline = *same->baseline;
-  const auto id = target.of_baseline ? &PlaneComparison::baseline : &PlaneComparison::now;
+  const auto id =
+      target.of_baseline ? &report::PlaneComparison::baseline : &report::PlaneComparison::now;
   const auto fate = std::ranges::find(same->planes, target.plane, id);
   if (target.plane > 0 && fate != same->planes.end()) place.fate = *fate;
 }
@@ -259,10 +264,10 @@ bool is_report(const std::string& where) {
 }
 
 void open_report(State& state, const ReportLink& link) {
-  const ReportTarget target = parse_report_target(link.target);
-  const RecordedReport report = read_report(target.file);
-  const RecordedRecording& recording = recording_of(report, target);
-  const RecordedFrame& frame = frame_of(recording, target);
+  const report::ReportTarget target = report::parse_report_target(link.target);
+  const report::RecordedReport report = report::read_report(target.file);
+  const report::RecordedRecording& recording = recording_of(report, target);
+  const report::RecordedFrame& frame = frame_of(recording, target);
   if (target.plane > 0 && !target.of_baseline) expect_plane(frame, target, target.file);
 
   auto place = std::make_shared<ReportPlace>();
@@ -272,7 +277,7 @@ void open_report(State& state, const ReportLink& link) {
   place->now = frame;
   const auto baseline = baseline_of(report, link, target, place->note);
   if (baseline) find_fate(*baseline, report, frame, target, *place);
-  PipelineOptions options = options_from(report, target.file, place->note);
+  planes::PipelineOptions options = options_from(report, target.file, place->note);
   options.threads = state.document.options.threads;
   if (baseline) {
     try {

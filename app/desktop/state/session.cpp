@@ -21,10 +21,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.session/1";
 
-Json options_json(const PipelineOptions& options) {
+Json options_json(const planes::PipelineOptions& options) {
   Json json;
-  const PipelineOptions defaults;
-  for (const OptionInfo& info : option_table()) {
+  const planes::PipelineOptions defaults;
+  for (const planes::OptionInfo& info : planes::option_table()) {
     const std::string value = info.get(options);
     // Builds without a peer do not know its options: they are named only where they are changed.
     if (info.section != "rivals" || value != info.get(defaults)) json[info.name] = value;
@@ -33,13 +33,13 @@ Json options_json(const PipelineOptions& options) {
 }
 
 /// Throws Error. The profile first: it sets what the others then change.
-PipelineOptions options_of(const Json& json, const PipelineOptions& now) {
-  PipelineOptions options = now;
-  options.method = Method::ours;  // sessions from before there were others do not name it
+planes::PipelineOptions options_of(const Json& json, const planes::PipelineOptions& now) {
+  planes::PipelineOptions options = now;
+  options.method = planes::Method::ours;  // sessions from before there were others do not name it
   options.rivals = {};
-  if (json.contains("profile")) set_option(options, "profile", json.at("profile"));
+  if (json.contains("profile")) planes::set_option(options, "profile", json.at("profile"));
   for (const auto& [name, value] : json.items())
-    if (name != "profile") set_option(options, name, value.get<std::string>());
+    if (name != "profile") planes::set_option(options, name, value.get<std::string>());
   return options;
 }
 
@@ -67,7 +67,7 @@ fs::path find_recording(const fs::path& session, const fs::path& written) {
 struct Session {
   OpenRecording recording;
   int frame = 0;
-  PipelineOptions options;
+  planes::PipelineOptions options;
   Bookmark cursor;
   ViewState view;
   std::vector<Breakpoint> breakpoints;
@@ -97,8 +97,8 @@ Session read_session(const State& state, const fs::path& path) {
 
     OpenRecording& open = session.recording;
     open.path = find_recording(path, json.at("recording").at("path").get<std::string>());
-    open.recording = open_recording(open.path, state.document.recording_options);
-    open.label_dir = default_label_dir(open.path);
+    open.recording = io::open_recording(open.path, state.document.recording_options);
+    open.label_dir = labels::default_label_dir(open.path);
     const int count = open.recording->frame_count();
     if (session.frame < 0 || session.frame >= count)
       throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),

@@ -13,13 +13,13 @@ Vec3d vector_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-Json camera_json(const Camera& camera) {
+Json camera_json(const render::Camera& camera) {
   return {{"eye", vector_json(camera.eye)},
           {"target", vector_json(camera.target)},
           {"up", vector_json(camera.up)}};
 }
-Camera camera_of(const Json& json) {
-  Camera camera;
+render::Camera camera_of(const Json& json) {
+  render::Camera camera;
   camera.eye = vector_of(json.at("eye"));
   camera.target = vector_of(json.at("target"));
   camera.up = vector_of(json.at("up"));

@@ -15,8 +15,8 @@ struct Settings {
   bool maximized = false;
   std::filesystem::path last_recording;  // empty: none yet
   int last_frame = 0;
-  std::optional<Camera> camera;  // on that recording
-  ViewState view;                // panels, colours, theme, layout
+  std::optional<render::Camera> camera;  // on that recording
+  ViewState view;                        // panels, colours, theme, layout
 };
 
 std::filesystem::path settings_path();

@@ -34,11 +34,11 @@ struct ReportPlace;
 
 struct OpenRecording {
   std::filesystem::path path;
-  std::shared_ptr<const Recording> recording;
-  std::filesystem::path label_dir;          // may not exist
-  std::shared_ptr<LabelStore> labels = {};  // null before the label mode was entered on it
-  PickedGravity picked = {};                // as it lies in label_dir
-  std::string picked_refused = {};          // why it is left alone; empty: it could be read
+  std::shared_ptr<const io::Recording> recording;
+  std::filesystem::path label_dir;                  // may not exist
+  std::shared_ptr<labels::LabelStore> labels = {};  // null before the label mode was entered on it
+  io::PickedGravity picked = {};                    // as it lies in label_dir
+  std::string picked_refused = {};                  // why it is left alone; empty: it could be read
 };
 
 /// Where running stops. Kept by what it means, so that it outlives a run.
@@ -56,15 +56,15 @@ struct Bookmark {
   std::int32_t step = 0;
   std::int32_t node = -1, plane = -1, voxel = -1;
   std::string filter;
-  Camera camera;
+  render::Camera camera;
 };
 
 struct Document {
   std::vector<OpenRecording> recordings;
   int recording = -1;  // the one looked at; -1: none
   int frame = 0;
-  RecordingOptions recording_options;
-  PipelineOptions options;
+  io::RecordingOptions recording_options;
+  planes::PipelineOptions options;
   std::vector<Breakpoint> breakpoints;
   std::vector<Bookmark> bookmarks;
   std::vector<std::uint32_t> marked;  // voxels of the region that the user marked
@@ -84,41 +84,41 @@ struct Thumbnail {
   bool ready = false;
   Image8 image;  // planes over the camera's image; empty where the frame was refused
   int planes = 0;
-  std::optional<QuickScore> score;  // where it has ground truth
-  std::string refusal;              // why there is none
+  std::optional<debug::QuickScore> score;  // where it has ground truth
+  std::string refusal;                     // why there is none
 };
 
 /// A run with what panels show of it.
 struct RunView {
-  std::shared_ptr<const Run> run;
-  std::vector<Histogram> histograms;
-  std::optional<QuickScore> score;
-  Camera home;  // the frame's own, the same for all runs on it
+  std::shared_ptr<const debug::Run> run;
+  std::vector<debug::Histogram> histograms;
+  std::optional<debug::QuickScore> score;
+  render::Camera home;  // the frame's own, the same for all runs on it
 };
 
 struct FixSearch {
-  FixTarget target;
+  debug::FixTarget target;
   bool running = false;
   bool begun = false;  // the job knows of it
   int done = 0, total = 0;
   bool finished = false;  // fixes is what there is
-  std::vector<Fix> fixes;
-  int checked = -1;                // the fix whose effect is shown
-  bool check_begun = false;        // the job knows of that, too
-  std::vector<FixEffect> effects;  // of it, on the labelled frames of the recording
+  std::vector<debug::Fix> fixes;
+  int checked = -1;                       // the fix whose effect is shown
+  bool check_begun = false;               // the job knows of that, too
+  std::vector<debug::FixEffect> effects;  // of it, on the labelled frames of the recording
 };
 
 struct Results {
-  std::shared_ptr<const RunView> current;        // B, what the options give; null before the first
-  std::shared_ptr<const RunView> pinned;         // A
-  std::shared_ptr<const Comparison> comparison;  // A with B, or truth with B
-  std::shared_ptr<const RunView> compared_a;     // what it compares: `current` may be newer
-  std::shared_ptr<const RunView> compared_b;     // `compared_a` null: the truth
-  std::string refusal;                           // why the frame could not be run, one line
-  bool loading = false;                          // a frame is read and prepared
-  std::vector<Thumbnail> strip;                  // of the recording looked at
+  std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
+  std::shared_ptr<const RunView> pinned;   // A
+  std::shared_ptr<const debug::Comparison> comparison;  // A with B, or truth with B
+  std::shared_ptr<const RunView> compared_a;            // what it compares: `current` may be newer
+  std::shared_ptr<const RunView> compared_b;            // `compared_a` null: the truth
+  std::string refusal;                                  // why the frame could not be run, one line
+  bool loading = false;                                 // a frame is read and prepared
+  std::vector<Thumbnail> strip;                         // of the recording looked at
   int strip_done = 0;
-  std::map<std::string, Sensitivity> sensitivity;  // by option; of `current`
+  std::map<std::string, debug::Sensitivity> sensitivity;  // by option; of `current`
   FixSearch fix;
   LabelResults label;
 };
@@ -144,9 +144,9 @@ struct Layout {
 
 struct Search {
   std::string text;
-  FilterProblem problem;              // message empty: the text is a filter
-  std::optional<Filter> filter;       // of text; nothing where it is empty or wrong
-  std::vector<std::int32_t> matches;  // steps of the run shown
+  debug::FilterProblem problem;         // message empty: the text is a filter
+  std::optional<debug::Filter> filter;  // of text; nothing where it is empty or wrong
+  std::vector<std::int32_t> matches;    // steps of the run shown
 };
 
 /// What a histogram or a slider is being dragged to, and such: lives for a gesture.
@@ -169,16 +169,16 @@ struct ViewState {
   Playing playing;
 
   // 3D and image.
-  std::optional<Camera> camera;  // nothing: the frame's own
-  ColorBy color_by = ColorBy::cases;
+  std::optional<render::Camera> camera;  // nothing: the frame's own
+  render::ColorBy color_by = render::ColorBy::cases;
   bool show_queue = true, show_settled = true, show_planes = true;
-  Backdrop backdrop = Backdrop::color;
+  render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
   Vec2d image_center = Vec2d(0.5, 0.5);  // of the view, as a share of the image
 
   // Panels.
-  Theme theme = Theme::dark;
+  render::Theme theme = render::Theme::dark;
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
   std::string inspector_tab = "inspector";  // inspector | point | bookmarks
@@ -207,12 +207,12 @@ struct ViewState {
 /// What was picked for a recording before and after a click.
 struct GravityChange {
   std::filesystem::path recording;
-  PickedGravity before, after;
+  io::PickedGravity before, after;
 };
 
 /// One undo step: the options before and after a gesture.
 struct OptionChange {
-  PipelineOptions before, after;
+  planes::PipelineOptions before, after;
   std::string gesture;                   // same gesture, same step
   std::optional<GravityChange> gravity;  // of one that picked or forgot gravity
 };
@@ -224,7 +224,7 @@ struct State {
   std::vector<OptionChange> undo, redo;
 
   /// The run that is looked at: B, or A while it is flashed. Null before the first.
-  const Run* run() const {
+  const debug::Run* run() const {
     const RunView* shown = run_view();
     return shown ? shown->run.get() : nullptr;
   }
@@ -245,7 +245,7 @@ struct State {
     return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
   }
   /// The event that led to the cursor; null at step 0.
-  const TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }
+  const planes::TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }
 };
 
 }  // namespace planescope::desktop

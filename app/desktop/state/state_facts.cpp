@@ -13,7 +13,7 @@ void add_label_facts(const State& state, nlohmann::ordered_json& json) {
   static constexpr const char* kTools[] = {"wand", "brush", "rectangle", "lasso", "polygon", "cut"};
   const LabelView& view = state.view.label;
   const OpenRecording* open = state.document.current();
-  const LabelStore* store = open ? open->labels.get() : nullptr;
+  const labels::LabelStore* store = open ? open->labels.get() : nullptr;
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   json["mode"] = state.view.mode == Mode::labels ? "labels" : "debugger";
   json["label_tool"] = kTools[static_cast<std::size_t>(view.tool)];
@@ -41,22 +41,23 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["idle"] = idle;
   json["recording"] = document.current() ? document.current()->path.string() : "";
   json["frame"] = document.frame;
-  json["profile"] = to_string(document.options.segment.profile);
-  json["method"] = to_string(document.options.method);
+  json["profile"] = planes::to_string(document.options.segment.profile);
+  json["method"] = planes::to_string(document.options.method);
   json["refusal"] = state.results.refusal;
   json["step"] = view.step;
-  const Run* run = state.run();
+  const debug::Run* run = state.run();
   static constexpr const char* kClicks[] = {"", "floor", "wall"};
   json["gravity"] = run ? to_string(run->subject->prepared.gravity.source) : "";
   json["gravity_click"] = kClicks[static_cast<std::size_t>(view.gravity_click)];
   json["steps"] = run ? run->steps() : 0;
-  json["event"] = run && view.step > 0 ? describe_event(*run, view.step) : "";
+  json["event"] = run && view.step > 0 ? debug::describe_event(*run, view.step) : "";
   json["node"] = view.selected.node;
-  json["plane"] = view.selected.plane >= 0 ? plane_name(view.selected.plane) : "";
+  json["plane"] = view.selected.plane >= 0 ? debug::plane_name(view.selected.plane) : "";
   json["voxel"] = view.selected.voxel;
   json["case"] =
       run && view.selected.node >= 0
-          ? to_string(run->octree().nodes[static_cast<std::size_t>(view.selected.node)].decided)
+          ? planes::to_string(
+                run->octree().nodes[static_cast<std::size_t>(view.selected.node)].decided)
           : "";
   json["planes"] = run ? run->segmentation.planes.size() : 0;
   json["detected"] =
@@ -70,16 +71,16 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["pinned"] = state.results.pinned != nullptr;
   json["flash"] = view.flash;
   json["fixes"] = nlohmann::ordered_json::array();
-  for (const Fix& fix : state.results.fix.fixes)
+  for (const debug::Fix& fix : state.results.fix.fixes)
     json["fixes"].push_back(fix.option + "=" + fix.after);
   json["strip"] = state.results.strip_done;
-  json["theme"] = view.theme == Theme::dark ? "dark" : "light";
+  json["theme"] = view.theme == render::Theme::dark ? "dark" : "light";
   json["tab"] = view.inspector_tab;
   json["tool"] = view.tool_tab;
   json["message"] = view.message;
   json["undo"] = state.undo.size();
   add_label_facts(state, json);
-  for (const OptionInfo& info : option_table())
+  for (const planes::OptionInfo& info : planes::option_table())
     json["options"][info.name] = info.get(document.options);
   return json;
 }

@@ -11,7 +11,7 @@
 #include "render/scenes.hpp"
 #include "render/truth_image.hpp"
 
-namespace planescope::figures {
+namespace planescope::app::figures {
 namespace {
 
 constexpr int kPanelWidth = 640, kPanelHeight = 560;
@@ -26,10 +26,10 @@ int frames_looked_at(const Work& work) {
 }
 
 struct Scored {
-  EvaluationFrame frame;
-  FrameResult result;
-  SourceTruth truth;
-  Metrics metrics;
+  lab::EvaluationFrame frame;
+  planes::FrameResult result;
+  planes::SourceTruth truth;
+  planes::Metrics metrics;
 
   /// In the cloud's own axes, which stand upright.
   const Vec3d& truth_normal(std::int32_t plane) const {
@@ -37,26 +37,28 @@ struct Scored {
   }
 };
 
-Scored run_and_score(const EvaluationSet& set, int index, const Work& work) {
-  EvaluationOptions evaluation;
+Scored run_and_score(const lab::EvaluationSet& set, int index, const Work& work) {
+  lab::EvaluationOptions evaluation;
   evaluation.seed = work.results.seed;
   evaluation.noise_m = set.depth ? 0 : kNoiseM;
-  evaluation.errors = DepthErrors::d435;
-  const CellKey frames = set.depth ? depth_of(set.name, work.results.seed, "d435")
-                                   : clouds_of(set.name, work.results.seed, 100 * kNoiseM);
-  const PipelineOptions options = options_of(with_ours(frames, "refined", "gcn"), work);
+  evaluation.errors = lab::DepthErrors::d435;
+  const lab::CellKey frames = set.depth
+                                  ? lab::depth_of(set.name, work.results.seed, "d435")
+                                  : lab::clouds_of(set.name, work.results.seed, 100 * kNoiseM);
+  const planes::PipelineOptions options =
+      options_of(lab::with_ours(frames, "refined", "gcn"), work);
   Scored scored;
-  scored.frame = make_evaluation_frame(set, index, evaluation);
-  scored.truth = set.depth ? truth_of_labels(*scored.frame.labels)
-                           : *truth_of_cloud(*scored.frame.frame.cloud);
-  scored.result = run_frame(scored.frame.frame, options, work.network.get());
-  scored.metrics = set.depth ? score_voxels(scored.result, scored.truth, kMinTruthVoxels)
-                             : score_frame(scored.result, scored.truth);
+  scored.frame = lab::make_evaluation_frame(set, index, evaluation);
+  scored.truth = set.depth ? planes::truth_of_labels(*scored.frame.labels)
+                           : *planes::truth_of_cloud(*scored.frame.frame.cloud);
+  scored.result = planes::run_frame(scored.frame.frame, options, work.network.get());
+  scored.metrics = set.depth ? planes::score_voxels(scored.result, scored.truth, kMinTruthVoxels)
+                             : planes::score_frame(scored.result, scored.truth);
   return scored;
 }
 
 /// From above and from the side on which most true planes show their outer side.
-Camera truth_camera(const Scored& scored) {
+render::Camera truth_camera(const Scored& scored) {
   constexpr int kSides = 8;
   constexpr double kDown = -0.7;
   Vec3d best = Vec3d::UnitX();
@@ -76,20 +78,21 @@ Camera truth_camera(const Scored& scored) {
 }
 
 /// Truth, what was found, and where they differ.
-Image8 three_panels(const Scored& scored, const JudgedFrame& judged, const Work& work) {
+Image8 three_panels(const Scored& scored, const planes::JudgedFrame& judged, const Work& work) {
   const Frame& frame = scored.frame.frame;
   const std::vector<int> colors = colors_by_truth(judged, scored.result.segmentation.planes.size());
-  if (!frame.is_cloud()) return image_truth(frame, scored.result, judged, colors);
-  const Camera camera = truth_camera(scored);
+  if (!frame.is_cloud()) return render::image_truth(frame, scored.result, judged, colors);
+  const render::Camera camera = truth_camera(scored);
   std::vector<Image8> panels;
-  for (DrawList& list : scenes_truth(scored.result, judged, colors)) {
+  for (render::DrawList& list : render::scenes_truth(scored.result, judged, colors)) {
     list.points[0].size_m = 0.02F;  // sparse clouds close
-    panels.push_back(work.renderer.render(list, camera, kPanelWidth, kPanelHeight, Theme::light));
+    panels.push_back(
+        work.renderer.render(list, camera, kPanelWidth, kPanelHeight, render::Theme::light));
   }
-  return side_by_side(panels);
+  return render::side_by_side(panels);
 }
 
-void add_worst(PaperFigure& figure, const Work& work, const EvaluationSet& set) {
+void add_worst(lab::PaperFigure& figure, const Work& work, const lab::EvaluationSet& set) {
   const int frames = std::min(set.frames, frames_looked_at(work));
   std::optional<Scored> worst;
   double sum = 0;
@@ -100,19 +103,19 @@ void add_worst(PaperFigure& figure, const Work& work, const EvaluationSet& set) 
     if (!worst || scored.metrics.mean_iou < worst->metrics.mean_iou) worst = std::move(scored);
   }
   if (!worst) return;
-  const JudgedFrame judged = judge_frame(worst->result, worst->truth);
-  const Metrics& m = worst->metrics;
+  const planes::JudgedFrame judged = planes::judge_frame(worst->result, worst->truth);
+  const planes::Metrics& m = worst->metrics;
   const std::string text = fmt::format(
       "{}: {}. Mean IoU {:.1f} %, of these {} frames {:.1f} %; {} planes found of {}; {}",
       worst->frame.name, set.meaning, m.mean_iou, frames, sum / frames, m.planes_found,
-      m.planes_truth, errors_text(judged));
+      m.planes_truth, render::errors_text(judged));
   add_picture(figure, set.name, "", text, three_panels(*worst, judged, work), kCopyWidth);
 }
 
 }  // namespace
 
-PaperFigure failures(const Work& work) {
-  PaperFigure figure;
+lab::PaperFigure failures(const Work& work) {
+  lab::PaperFigure figure;
   figure.id = "failures";
   figure.title = "Where planes are lost";
   figure.note = fmt::format(
@@ -120,8 +123,8 @@ PaperFigure failures(const Work& work) {
       "of the 3D-GCN: truth, found, and the points that are wrong. To look into one: planescope "
       "synth set NAME --seed {1} --noise {2} (clouds) or --errors d435 (depth images) -o DIR",
       frames_looked_at(work), work.results.seed, kNoiseM);
-  for (const EvaluationSet& set : evaluation_sets()) add_worst(figure, work, set);
+  for (const lab::EvaluationSet& set : lab::evaluation_sets()) add_worst(figure, work, set);
   return figure;
 }
 
-}  // namespace planescope::figures
+}  // namespace planescope::app::figures

@@ -10,51 +10,58 @@
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 
-namespace planescope::figures {
+namespace planescope::app::figures {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 560;
 constexpr double kMostEdgeM = 0.41;  // larger nodes are no close-up
 constexpr double kContext = 0.35;    // of the edge: how far around the node points are shown
-constexpr Rgba kNormal{0, 140, 70, 255};
+constexpr render::Rgba kNormal{0, 140, 70, 255};
 
 /// What the criteria say of a node.
 struct Judged {
-  Purity purity;
-  Candidate candidate;  // its inliers
+  planes::Purity purity;
+  planes::Candidate candidate;  // its inliers
   double e_n = 0;
 };
-Judged judge(const Octree& octree, std::int32_t node, const SegmentOptions& options) {
+Judged judge(const planes::Octree& octree,
+             std::int32_t node,
+             const planes::SegmentOptions& options) {
   Judged judged;
-  judged.purity = purity_of(octree.nodes[node], options.use_labels, options.one_label);
-  judged.candidate = fit_label(octree, node, judged.purity.inlier, options.use_labels);
-  judged.e_n = normal_error(judged.candidate.fit, options.mse_normalization);
+  judged.purity = planes::purity_of(octree.nodes[node], options.use_labels, options.one_label);
+  judged.candidate = planes::fit_label(octree, node, judged.purity.inlier, options.use_labels);
+  judged.e_n = planes::normal_error(judged.candidate.fit, options.mse_normalization);
   return judged;
 }
 
 /// How well a node shows its case: the clearest and largest are preferred.
-double clarity(Case c, const OctreeNode& node, double edge_m, const Judged& judged) {
+double clarity(planes::Case c,
+               const planes::OctreeNode& node,
+               double edge_m,
+               const Judged& judged) {
   switch (c) {
-    case Case::I:
+    case planes::Case::I:
       return std::min(node.count_h, node.size() - node.count_h);
-    case Case::II:
+    case planes::Case::II:
       return node.size() - edge_m;
-    case Case::III:  // e_n grows with the number of points, too
+    case planes::Case::III:  // e_n grows with the number of points, too
       return judged.candidate.fit.rms_m();
-    case Case::IV:
+    case planes::Case::IV:
       return judged.purity.n_out > 0 ? node.size() : 0.1 * node.size();
-    case Case::none:
+    case planes::Case::none:
       break;
   }
   return 0;
 }
 
 /// The clearest node of a case, of equally clear ones the first.
-std::optional<std::int32_t> pick(const Octree& octree, Case c, const SegmentOptions& options) {
+std::optional<std::int32_t> pick(const planes::Octree& octree,
+                                 planes::Case c,
+                                 const planes::SegmentOptions& options) {
   std::optional<std::int32_t> best;
   double most = -1;
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
-    const OctreeNode& node = octree.nodes[i];
+    const planes::OctreeNode& node = octree.nodes[i];
     const double edge_m = octree.node_edge_m(node);
     if (node.decided != c || edge_m > kMostEdgeM) continue;
     const auto index = static_cast<std::int32_t>(i);
@@ -66,28 +73,28 @@ std::optional<std::int32_t> pick(const Octree& octree, Case c, const SegmentOpti
   return best;
 }
 
-std::string caption(Case c, const Judged& judged, const SegmentOptions& options) {
-  const Purity& purity = judged.purity;
+std::string caption(planes::Case c, const Judged& judged, const planes::SegmentOptions& options) {
+  const planes::Purity& purity = judged.purity;
   switch (c) {
-    case Case::I:
+    case planes::Case::I:
       return fmt::format(
           "Criterion 1 fails: N_out = {} of at most {}, r_out = {:.0f} % of at most {:.0f} %. "
           "Divided.",
           purity.n_out, options.theta_n_out, 100 * purity.r_out(), 100 * options.theta_r_out);
-    case Case::II:
+    case planes::Case::II:
       return fmt::format("Criterion 2 fails: N_in = {} of at least {}. Left over.", purity.n_in,
                          options.theta_n_in);
-    case Case::III:
+    case planes::Case::III:
       return fmt::format(
           "N_out = {}, N_in = {}, but Criterion 3 fails: e_n = {:.4f} m² of at most {:.4f} m². "
           "Divided.",
           purity.n_out, purity.n_in, judged.e_n, options.theta_e_n_m2);
-    case Case::IV:
+    case planes::Case::IV:
       return fmt::format(
           "All criteria hold: N_out = {}, N_in = {}, e_n = {:.4f} m² of at most {:.4f} m². A plane "
           "candidate, its outliers left over.",
           purity.n_out, purity.n_in, judged.e_n, options.theta_e_n_m2);
-    case Case::none:
+    case planes::Case::none:
       break;
   }
   return "";
@@ -95,15 +102,17 @@ std::string caption(Case c, const Judged& judged, const SegmentOptions& options)
 
 /// The node's points in the colours of their labels inside its cell, what lies around it grey; of a
 /// candidate its centroid and normal.
-DrawList close_up(const FrameResult& result, std::int32_t index, const Judged& judged) {
-  const Octree& octree = result.segmentation.octree;
-  const OctreeNode& node = octree.nodes[index];
-  DrawBox cell = cell_box(octree, node);
-  cell.color = kSceneText;
+render::DrawList close_up(const planes::FrameResult& result,
+                          std::int32_t index,
+                          const Judged& judged) {
+  const planes::Octree& octree = result.segmentation.octree;
+  const planes::OctreeNode& node = octree.nodes[index];
+  render::DrawBox cell = render::cell_box(octree, node);
+  cell.color = render::kSceneText;
   const auto edge = static_cast<float>(octree.node_edge_m(node));
   const float around = static_cast<float>(kContext) * edge;
 
-  DrawPoints inside, outside;
+  render::DrawPoints inside, outside;
   inside.size_m = 0.4F * static_cast<float>(result.voxels.size_m);
   outside.size_m = 0.25F * static_cast<float>(result.voxels.size_m);
   inside.max_px = outside.max_px = 24;
@@ -113,14 +122,14 @@ DrawList close_up(const FrameResult& result, std::int32_t index, const Judged& j
         ((p - cell.min).array() >= -around).all() && ((cell.max - p).array() >= -around).all();
     const bool own = i >= node.begin && i < node.end;
     if (!near) continue;
-    DrawPoints& points = own ? inside : outside;
+    render::DrawPoints& points = own ? inside : outside;
     points.positions.push_back(p);
-    points.colors.push_back(own ? label_color(octree.labels[i]) : kSceneFaded);
+    points.colors.push_back(own ? render::label_color(octree.labels[i]) : render::kSceneFaded);
   }
-  DrawList list;
+  render::DrawList list;
   list.points = {std::move(outside), std::move(inside)};
   list.boxes = {cell};
-  if (node.decided == Case::IV) {
+  if (node.decided == planes::Case::IV) {
     const PlaneFit& fit = judged.candidate.fit;
     const Vec3d toward = result.sensor() - fit.centroid;
     const Vec3d normal = fit.normal.dot(toward) < 0 ? Vec3d(-fit.normal) : fit.normal;
@@ -132,9 +141,9 @@ DrawList close_up(const FrameResult& result, std::int32_t index, const Judged& j
 }
 
 /// From where the sensor is, but more from the side: the cell is seen as a cube.
-Camera camera_of(const FrameResult& result, const DrawBox& cell) {
+render::Camera camera_of(const planes::FrameResult& result, const render::DrawBox& cell) {
   std::vector<Vec3f> corners;
-  each_edge(cell, [&](const Vec3f& from, const Vec3f& to) {
+  render::each_edge(cell, [&](const Vec3f& from, const Vec3f& to) {
     corners.push_back(from);
     corners.push_back(to);
   });
@@ -147,14 +156,14 @@ Camera camera_of(const FrameResult& result, const DrawBox& cell) {
 
 }  // namespace
 
-PaperFigure node_cases(const Work& work) {
+lab::PaperFigure node_cases(const Work& work) {
   work.begin("node cases");
-  const Frame frame = make_sample_frame({.seed = work.results.seed}, 2).frame;
-  const PipelineOptions options = options_of(with_ours({}, "paper", "gcn"), work);
-  const FrameResult result = run_frame(frame, options, work.network.get());
-  const Octree& octree = result.segmentation.octree;
+  const Frame frame = lab::make_sample_frame({.seed = work.results.seed}, 2).frame;
+  const planes::PipelineOptions options = options_of(lab::with_ours({}, "paper", "gcn"), work);
+  const planes::FrameResult result = planes::run_frame(frame, options, work.network.get());
+  const planes::Octree& octree = result.segmentation.octree;
 
-  PaperFigure figure;
+  lab::PaperFigure figure;
   figure.id = "node_cases";
   figure.title = "Cases of a node";
   figure.note = fmt::format(
@@ -165,17 +174,18 @@ PaperFigure node_cases(const Work& work) {
       work.results.seed);
   constexpr const char* kColumns[] = {"", "(a) Case I", "(b) Case II", "(c) Case III",
                                       "(d) Case IV"};
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV}) {
+  for (const planes::Case c :
+       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV}) {
     const std::optional<std::int32_t> node = pick(octree, c, options.segment);
     if (!node) continue;
     const Judged judged = judge(octree, *node, options.segment);
-    const Camera camera = camera_of(result, cell_box(octree, octree.nodes[*node]));
+    const render::Camera camera = camera_of(result, render::cell_box(octree, octree.nodes[*node]));
     add_picture(figure, "", kColumns[static_cast<int>(c)],
                 fmt::format("Node {}. {}", *node, caption(c, judged, options.segment)),
                 work.renderer.render(close_up(result, *node, judged), camera, kWidth, kHeight,
-                                     Theme::light));
+                                     render::Theme::light));
   }
   return figure;
 }
 
-}  // namespace planescope::figures
+}  // namespace planescope::app::figures

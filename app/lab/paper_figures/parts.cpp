@@ -12,10 +12,10 @@
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope::figures {
+namespace planescope::app::figures {
 namespace {
 
-constexpr Rgba kInNone{40, 40, 44, 255};
+constexpr render::Rgba kInNone{40, 40, 44, 255};
 constexpr int kCopyQuality = 86;
 
 }  // namespace
@@ -25,31 +25,31 @@ void Work::begin(const std::string& what) const {
   if (args.progress) args.progress(what);
 }
 
-PipelineOptions options_of(const CellKey& key, const Work& work) {
-  PipelineOptions options = cell_options(key);
+planes::PipelineOptions options_of(const lab::CellKey& key, const Work& work) {
+  planes::PipelineOptions options = lab::cell_options(key);
   options.threads = work.args.threads;
   return options;
 }
 
-void add_picture(PaperFigure& figure,
+void add_picture(lab::PaperFigure& figure,
                  const std::string& row,
                  const std::string& column,
                  const std::string& caption,
                  const Image8& image,
                  int copy_width) {
-  PaperPicture picture;
+  lab::PaperPicture picture;
   picture.row = row;
   picture.column = column;
   picture.caption = caption;
   picture.png = fmt::format("{}_{:02}.png", figure.id, figure.pictures.size());
-  picture.bytes = encode_png(image);
-  picture.jpeg = encode_jpeg(shrink(image, copy_width), kCopyQuality);
+  picture.bytes = io::encode_png(image);
+  picture.jpeg = report::encode_jpeg(report::shrink(image, copy_width), kCopyQuality);
   picture.width = image.width;
   picture.height = image.height;
   figure.pictures.push_back(std::move(picture));
 }
 
-std::string planes_text(const FrameResult& result) {
+std::string planes_text(const planes::FrameResult& result) {
   const std::size_t planes = result.segmentation.planes.size();
   std::size_t kept = 0, in_none = 0;
   for (std::size_t i = 0; i < result.plane_of.size(); ++i) {
@@ -62,7 +62,7 @@ std::string planes_text(const FrameResult& result) {
   return fmt::format("{} plane{}, {:.1f} % in none", planes, planes == 1 ? "" : "s", share);
 }
 
-std::vector<int> colors_by_truth(const JudgedFrame& judged, std::size_t planes) {
+std::vector<int> colors_by_truth(const planes::JudgedFrame& judged, std::size_t planes) {
   std::vector<int> colors(planes, 0);
   for (std::size_t t = 0; t < judged.found_of.size(); ++t)
     if (judged.found_of[t] > 0)
@@ -73,10 +73,10 @@ std::vector<int> colors_by_truth(const JudgedFrame& judged, std::size_t planes) 
   return colors;
 }
 
-DrawList bare_planes(std::span<const Vec3f> points,
-                     std::span<const std::int32_t> plane_of,
-                     std::span<const int> color_of_plane) {
-  DrawPoints splats;
+render::DrawList bare_planes(std::span<const Vec3f> points,
+                             std::span<const std::int32_t> plane_of,
+                             std::span<const int> color_of_plane) {
+  render::DrawPoints splats;
   splats.size_m = 0.02F;
   splats.min_px = 2;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -85,15 +85,15 @@ DrawList bare_planes(std::span<const Vec3f> points,
     splats.colors.push_back(
         id <= 0
             ? kInNone
-            : plane_color(
+            : render::plane_color(
                   color_of_plane.empty() ? id : color_of_plane[static_cast<std::size_t>(id) - 1]));
   }
-  DrawList list;
+  render::DrawList list;
   list.points.push_back(std::move(splats));
   return bare(std::move(list));
 }
 
-DrawList bare(DrawList list) {
+render::DrawList bare(render::DrawList list) {
   list.title.clear();
   list.subtitle.clear();
   list.legend.clear();
@@ -104,7 +104,7 @@ DrawList bare(DrawList list) {
   return list;
 }
 
-Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double aspect) {
+render::Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double aspect) {
   constexpr double kRoom = 1.05;
   const Vec3d ahead = forward.normalized();
   const Vec3d right = ahead.cross(Vec3d::UnitZ()).normalized();
@@ -115,7 +115,7 @@ Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double 
     bounds.add({p.dot(right), p.dot(up), p.dot(ahead)});
   }
   const Vec3d middle = (bounds.min + bounds.max) / 2;
-  Camera camera;
+  render::Camera camera;
   camera.target = middle.x() * right + middle.y() * up + middle.z() * ahead;
   const double slope = std::tan(camera.fov_y_deg * std::numbers::pi / 360);
   double distance = 0.05;
@@ -128,4 +128,4 @@ Camera close_camera(std::span<const Vec3f> points, const Vec3d& forward, double 
   return camera;
 }
 
-}  // namespace planescope::figures
+}  // namespace planescope::app::figures

@@ -9,7 +9,7 @@
 #include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope::figures {
+namespace planescope::app::figures {
 namespace {
 
 constexpr int kCloudWidth = 960, kCloudHeight = 720;  // of clouds
@@ -50,68 +50,69 @@ std::vector<RealScene> scenes_of(std::span<const PaperRecording> recordings) {
 
 const std::vector<Contestant>& contestants() {
   static const std::vector<Contestant> all = {
-      {"ours, refined", with_ours({}, "refined", "gcn")},
-      {"ours, paper", with_ours({}, "paper", "gcn")},
-      {"RANSAC, 0.01 m", with_rival({}, "ransac")},
-      {"RANSAC, 0.02 m", with_rival({}, "ransac", kRansacCoarse)},
-      {"region growing", with_rival({}, "region-growing")},
+      {"ours, refined", lab::with_ours({}, "refined", "gcn")},
+      {"ours, paper", lab::with_ours({}, "paper", "gcn")},
+      {"RANSAC, 0.01 m", lab::with_rival({}, "ransac")},
+      {"RANSAC, 0.02 m", lab::with_rival({}, "ransac", lab::kRansacCoarse)},
+      {"region growing", lab::with_rival({}, "region-growing")},
   };
   return all;
 }
 
-PipelineOptions scene_options(const RealScene& scene,
-                              const Contestant& contestant,
-                              const Work& work) {
-  PipelineOptions options = options_of(contestant.key, work);
+planes::PipelineOptions scene_options(const RealScene& scene,
+                                      const Contestant& contestant,
+                                      const Work& work) {
+  planes::PipelineOptions options = options_of(contestant.key, work);
   options.cloud.max_range_m = scene.max_range_m;
   options.gravity = scene.recording->input.pipeline.gravity;
   return options;
 }
 
 /// What is there to be segmented: the camera's image, the depth's relief, or the cloud by height.
-Image8 plain_view(const LoadedFrame& loaded, const Work& work, const Camera& camera) {
+Image8 plain_view(const LoadedFrame& loaded, const Work& work, const render::Camera& camera) {
   const Frame& frame = loaded.frame;
   if (frame.is_cloud())
-    return work.renderer.render(bare(scene_heights(loaded.result)), camera, kCloudWidth,
-                                kCloudHeight, Theme::light);
-  const Image8 image = frame.color.empty() ? shaded_depth(frame) : frame.color;
-  return enlarge(image, enlargement(image.width));
+    return work.renderer.render(bare(render::scene_heights(loaded.result)), camera, kCloudWidth,
+                                kCloudHeight, render::Theme::light);
+  const Image8 image = frame.color.empty() ? render::shaded_depth(frame) : frame.color;
+  return render::enlarge(image, render::enlargement(image.width));
 }
 
 Image8 found_view(const LoadedFrame& loaded,
                   const std::vector<int>& colors,
                   const Work& work,
-                  const Camera& camera) {
-  if (!loaded.frame.is_cloud()) return image_overlay(loaded.frame, loaded.result, colors);
-  const FrameResult& result = loaded.result;
+                  const render::Camera& camera) {
+  if (!loaded.frame.is_cloud()) return render::image_overlay(loaded.frame, loaded.result, colors);
+  const planes::FrameResult& result = loaded.result;
   return work.renderer.render(bare_planes(result.cloud.points, result.plane_of, colors), camera,
-                              kCloudWidth, kCloudHeight, Theme::light);
+                              kCloudWidth, kCloudHeight, render::Theme::light);
 }
 
 /// Colours that follow those of the first method, so that the same plane looks the same.
-std::vector<int> colors_after(const FrameResult& result, std::vector<ColoredPlane>& first) {
-  std::vector<ColoredPlane> now;
-  for (const PlaneRegion& plane : result.segmentation.planes)
+std::vector<int> colors_after(const planes::FrameResult& result,
+                              std::vector<render::ColoredPlane>& first) {
+  std::vector<render::ColoredPlane> now;
+  for (const planes::PlaneRegion& plane : result.segmentation.planes)
     now.push_back({plane.label, plane.fit.normal,
                    plane.fit.normal.dot(plane.fit.centroid + result.cloud.origin),
                    plane.fit.centroid + result.cloud.origin, 0});
-  keep_colors(first, now);
+  render::keep_colors(first, now);
   if (first.empty()) first = now;
   std::vector<int> colors;
-  for (const ColoredPlane& plane : now) colors.push_back(plane.color_id);
+  for (const render::ColoredPlane& plane : now) colors.push_back(plane.color_id);
   return colors;
 }
 
-void add_scene(PaperFigure& figure, const Work& work, const RealScene& scene) {
+void add_scene(lab::PaperFigure& figure, const Work& work, const RealScene& scene) {
   const std::vector<OpenInput> inputs = open_inputs(scene.recording->input);
-  std::vector<ColoredPlane> first;
-  Camera camera;
+  std::vector<render::ColoredPlane> first;
+  render::Camera camera;
   for (const Contestant& contestant : contestants()) {
     work.begin(fmt::format("{}, {}", scene.name, contestant.name));
     const LoadedFrame loaded = run_input_frame(
         inputs[0], scene.frame, scene_options(scene, contestant, work), work.network.get(), false);
     if (first.empty()) {
-      camera = frame_camera(loaded.result, static_cast<double>(kCloudWidth) / kCloudHeight);
+      camera = render::frame_camera(loaded.result, static_cast<double>(kCloudWidth) / kCloudHeight);
       add_picture(figure, scene.name, "scene",
                   fmt::format("{}, frame {}; {} points", scene.recording->name, scene.frame,
                               loaded.result.cloud.counts.kept),
@@ -124,8 +125,8 @@ void add_scene(PaperFigure& figure, const Work& work, const RealScene& scene) {
 
 }  // namespace
 
-PaperFigure real_scenes(const Work& work) {
-  PaperFigure figure;
+lab::PaperFigure real_scenes(const Work& work) {
+  lab::PaperFigure figure;
   figure.id = "real_scenes";
   figure.title = "Real scenes, method by method";
   figure.note =
@@ -137,4 +138,4 @@ PaperFigure real_scenes(const Work& work) {
   return figure;
 }
 
-}  // namespace planescope::figures
+}  // namespace planescope::app::figures

@@ -9,7 +9,7 @@
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope::figures {
+namespace planescope::app::figures {
 namespace {
 
 constexpr int kStairWidth = 600, kStairHeight = 640;
@@ -18,16 +18,16 @@ constexpr int kMostStairs = 100;  // of the set; one in five has 10 planes
 
 /// The first staircase of the set that has as many planes as the paper's.
 int find_stairs(std::uint64_t seed) {
-  StairsOptions options;
+  lab::StairsOptions options;
   options.seed = seed;
   options.points = 64;  // the size does not depend on them
   for (int index = 0; index < kMostStairs; ++index)
-    if (make_stairs(index, options).normals.size() == kPlanes) return index;
+    if (lab::make_stairs(index, options).normals.size() == kPlanes) return index;
   throw Error(fmt::format("seed {}: none of the first {} stairs has {} planes", seed, kMostStairs,
                           kPlanes));
 }
 
-Frame frame_of(const Stairs& stairs) {
+Frame frame_of(const lab::Stairs& stairs) {
   Frame frame;
   frame.cloud = stairs.cloud;
   frame.gravity = Gravity{-Vec3d::UnitZ(), GravitySource::sidecar, 1, "stairs stand upright"};
@@ -35,66 +35,66 @@ Frame frame_of(const Stairs& stairs) {
 }
 
 /// From before the first step, to the side and above: every tread and every riser is seen.
-Vec3d view_of(const Stairs& stairs) {
+Vec3d view_of(const lab::Stairs& stairs) {
   const double yaw = stairs.yaw_rad + 0.62;
   return {std::cos(yaw), std::sin(yaw), -0.62};
 }
 
 struct Scene {
-  Stairs stairs;
+  lab::Stairs stairs;
   Frame frame;
-  SourceTruth truth;
+  planes::SourceTruth truth;
   std::string noise;  // "noise 0.3 cm"
-  Camera camera;
+  render::Camera camera;
 };
 
 Scene make_scene(int index, std::uint64_t seed, double noise_cm) {
-  StairsOptions options;
+  lab::StairsOptions options;
   options.seed = seed;
   options.noise_m = noise_cm / 100;
   Scene scene;
-  scene.stairs = make_stairs(index, options);
+  scene.stairs = lab::make_stairs(index, options);
   scene.frame = frame_of(scene.stairs);
-  scene.truth = *truth_of_cloud(*scene.frame.cloud);
+  scene.truth = *planes::truth_of_cloud(*scene.frame.cloud);
   scene.noise = fmt::format("noise {:.1f} cm", noise_cm);
   return scene;
 }
 
-void add_truth(PaperFigure& figure, const Work& work, Scene& scene) {
+void add_truth(lab::PaperFigure& figure, const Work& work, Scene& scene) {
   const PointSet& cloud = *scene.frame.cloud;
   scene.camera =
       close_camera(cloud.points, view_of(scene.stairs), double(kStairWidth) / kStairHeight);
   add_picture(figure, "truth", scene.noise + ", with PC",
               fmt::format("{} planes, {} points", kPlanes, cloud.points.size()),
               work.renderer.render(bare_planes(cloud.points, cloud.instance, {}), scene.camera,
-                                   kStairWidth, kStairHeight, Theme::light));
+                                   kStairWidth, kStairHeight, render::Theme::light));
 }
 
-void add_found(PaperFigure& figure,
+void add_found(lab::PaperFigure& figure,
                const Work& work,
                const Scene& scene,
                const Contestant& contestant) {
   const bool with_labels = contestant.key.method == "ours" && contestant.key.classifier != "none";
   const std::string column = scene.noise + (with_labels ? ", with PC" : ", w/o PC");
   work.begin(contestant.name + ", " + column);
-  const PipelineOptions options = options_of(contestant.key, work);
-  const FrameResult result = run_frame(scene.frame, options, work.network.get());
-  const JudgedFrame judged = judge_frame(result, scene.truth);
+  const planes::PipelineOptions options = options_of(contestant.key, work);
+  const planes::FrameResult result = planes::run_frame(scene.frame, options, work.network.get());
+  const planes::JudgedFrame judged = planes::judge_frame(result, scene.truth);
   const std::vector<int> colors = colors_by_truth(judged, result.segmentation.planes.size());
   std::vector<Vec3f> points;  // where the file has them: all pictures share a camera
   for (const std::uint32_t source : result.cloud.source)
     points.push_back(scene.frame.cloud->points[source]);
   add_picture(figure, contestant.name, column, planes_text(result),
               work.renderer.render(bare_planes(points, result.plane_of, colors), scene.camera,
-                                   kStairWidth, kStairHeight, Theme::light));
+                                   kStairWidth, kStairHeight, render::Theme::light));
 }
 
 }  // namespace
 
-PaperFigure stairs_noise(const Work& work) {
+lab::PaperFigure stairs_noise(const Work& work) {
   const std::uint64_t seed = work.results.seed;
   const int index = find_stairs(seed);
-  PaperFigure figure;
+  lab::PaperFigure figure;
   figure.id = "stairs_noise";
   figure.title = "A staircase of 10 planes";
   figure.note = fmt::format(
@@ -107,16 +107,16 @@ PaperFigure stairs_noise(const Work& work) {
       index, seed);
   Scene scenes[] = {make_scene(index, seed, 0), make_scene(index, seed, 0.3)};
   for (Scene& scene : scenes) add_truth(figure, work, scene);
-  const CellKey frames = stairs_of(seed, StairsOptions{}.points, 0);
+  const lab::CellKey frames = lab::stairs_of(seed, lab::StairsOptions{}.points, 0);
   std::vector<Contestant> contestants;
   for (const char* profile : {"paper", "paper-closest", "refined"})
     for (const char* labels : {"gcn", "none"})
-      contestants.push_back({profile, with_ours(frames, profile, labels)});
-  contestants.push_back({"region growing", with_rival(frames, "region-growing")});
-  contestants.push_back({"RANSAC, 0.01 m", with_rival(frames, "ransac")});
+      contestants.push_back({profile, lab::with_ours(frames, profile, labels)});
+  contestants.push_back({"region growing", lab::with_rival(frames, "region-growing")});
+  contestants.push_back({"RANSAC, 0.01 m", lab::with_rival(frames, "ransac")});
   for (const Contestant& contestant : contestants)
     for (const Scene& scene : scenes) add_found(figure, work, scene, contestant);
   return figure;
 }
 
-}  // namespace planescope::figures
+}  // namespace planescope::app::figures

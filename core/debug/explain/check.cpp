@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 Check answered(Check check, double value, const char* op, double threshold, double spare) {
@@ -48,7 +48,7 @@ double least_margin(const std::vector<Check>& checks) {
 }
 
 Check planarity_check(const std::string& criterion,
-                      const SegmentOptions& options,
+                      const planes::SegmentOptions& options,
                       double value,
                       double threshold) {
   if (options.noise.rms_criterion3)
@@ -56,7 +56,7 @@ Check planarity_check(const std::string& criterion,
         {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
          "m", options.noise.estimate_sigma ? "" : "fixed_rms_m"},
         value, threshold);
-  const bool mean = options.mse_normalization == MseNormalization::mean;
+  const bool mean = options.mse_normalization == planes::MseNormalization::mean;
   return at_most({criterion, "Eq. (5)", mean ? "e_n / N" : "e_n",
                   mean ? "mean square error along the normal"
                        : "square error along the normal, over all inliers",
@@ -64,7 +64,8 @@ Check planarity_check(const std::string& criterion,
                  value, threshold);
 }
 
-std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options) {
+std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
+                                      const planes::SegmentOptions& options) {
   const std::string name = "Criterion 4", source = "Eq. (6)", option = "theta_coplane";
   const double most = 1 - options.theta_coplane;
   std::vector<Check> checks{
@@ -85,7 +86,7 @@ std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOpt
   return checks;
 }
 
-std::vector<Check> distance_checks(const DistanceTerms& terms) {
+std::vector<Check> distance_checks(const planes::DistanceTerms& terms) {
   std::vector<Check> checks;
   const auto ask = [&](const char* quantity, const char* meaning, const char* unit, double value,
                        double most) {
@@ -110,4 +111,4 @@ std::string distance_text(double metres) {
                        : fmt::format("{:.1f} cm", 100 * metres);
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

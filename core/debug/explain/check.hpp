@@ -9,7 +9,7 @@
 #include "core/planes/segment/criteria.hpp"
 #include "core/planes/segment/options.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 // The answer to a check that says what is asked.
 Check at_most(Check check, double value, double threshold);
@@ -22,14 +22,15 @@ double least_margin(const std::vector<Check>& checks);
 
 /// Criterion 3 as the options have it: of e_n, or of the RMS. `criterion`: "Criterion 3" or "R4".
 Check planarity_check(const std::string& criterion,
-                      const SegmentOptions& options,
+                      const planes::SegmentOptions& options,
                       double value,
                       double threshold);
 /// Criterion 4, Eq. (6).
-std::vector<Check> coplanarity_checks(const Coplanarity& terms, const SegmentOptions& options);
+std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
+                                      const planes::SegmentOptions& options);
 /// R1, which measures distances instead.
-std::vector<Check> distance_checks(const DistanceTerms& terms);
+std::vector<Check> distance_checks(const planes::DistanceTerms& terms);
 
 std::string distance_text(double metres);  // for sentences: "4.2 mm", "12.3 cm"
 
-}  // namespace planescope
+}  // namespace planescope::debug

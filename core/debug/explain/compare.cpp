@@ -8,11 +8,11 @@
 
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Best first, each plane once; then those without a counterpart.
-std::vector<PlanePair> match_planes(const TruthOverlap& overlap) {
+std::vector<PlanePair> match_planes(const planes::TruthOverlap& overlap) {
   std::vector<PlanePair> touching, pairs;
   for (int a = 1; a <= overlap.truth; ++a)
     for (int b = 1; b <= overlap.found; ++b)
@@ -38,7 +38,7 @@ Planes by_source(const Subject& subject, const Planes& by_voxel) {
   Planes planes;
   for (std::size_t i = 0; i < subject.point_of_source.size(); ++i) {
     const std::uint32_t voxel = subject.voxel_of_source(i);
-    planes.push_back(voxel == kNoVoxel ? -1 : by_voxel[voxel]);
+    planes.push_back(voxel == planes::kNoVoxel ? -1 : by_voxel[voxel]);
   }
   return planes;
 }
@@ -79,14 +79,14 @@ void compare_nodes(const Run& a, const Run& b, const Correspondence& to_b, Compa
   const auto& nodes_b = b.octree().nodes;
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes_a.size()); ++n) {
     const std::int32_t other = to_b.node(n);
-    const Case there = other >= 0 ? nodes_b[other].decided : Case::none;
+    const planes::Case there = other >= 0 ? nodes_b[other].decided : planes::Case::none;
     if (nodes_a[n].decided != there) result.nodes.push_back({n, other, nodes_a[n].decided, there});
   }
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes_b.size()); ++n)
-    if (to_a.node(n) < 0) result.nodes.push_back({-1, n, Case::none, nodes_b[n].decided});
+    if (to_a.node(n) < 0) result.nodes.push_back({-1, n, planes::Case::none, nodes_b[n].decided});
 
   const auto key = [&](const NodeChange& change) {
-    const OctreeNode& node = change.a >= 0 ? nodes_a[change.a] : nodes_b[change.b];
+    const planes::OctreeNode& node = change.a >= 0 ? nodes_a[change.a] : nodes_b[change.b];
     return std::tuple(node.depth, -static_cast<std::int64_t>(node.size()), node.code);
   };
   std::ranges::stable_sort(result.nodes, {}, key);
@@ -103,7 +103,7 @@ Comparison compare_runs(const Run& a, const Run& b) {
   } else {
     result.divergence =
         fmt::format("A is {}, B is {}: their planes are compared, there are no steps to compare",
-                    to_string(a.options.method), to_string(b.options.method));
+                    planes::to_string(a.options.method), planes::to_string(b.options.method));
   }
 
   Planes sources_a = by_source(*a.subject, a.segmentation.plane_of);
@@ -112,9 +112,10 @@ Comparison compare_runs(const Run& a, const Run& b) {
   sources_b.resize(sources_a.size());
   for (std::size_t i = 0; i < sources_a.size(); ++i)
     if (sources_b[i] < 0) sources_a[i] = -1;  // cropped in one of them
-  result.planes = match_planes(
-      same.same_voxels() ? count_truth_overlap(a.segmentation.plane_of, b.segmentation.plane_of)
-                         : count_truth_overlap(sources_a, sources_b));
+  result.planes =
+      match_planes(same.same_voxels() ? planes::count_truth_overlap(a.segmentation.plane_of,
+                                                                    b.segmentation.plane_of)
+                                      : planes::count_truth_overlap(sources_a, sources_b));
   compare_sources(sources_a, sources_b, static_cast<int>(a.segmentation.planes.size()), result);
   return result;
 }
@@ -125,10 +126,10 @@ Comparison compare_with_truth(const Run& run) {
   const VoxelTruth& truth = subject.voxel_truth;
   if (!truth.known()) return result;
   const Planes& found = run.segmentation.plane_of;
-  result.planes = match_planes(count_truth_overlap(truth.plane, found));
+  result.planes = match_planes(planes::count_truth_overlap(truth.plane, found));
   compare_sources(by_source(subject, truth.plane), by_source(subject, found), truth.plane_count,
                   result);
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

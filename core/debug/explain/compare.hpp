@@ -10,11 +10,11 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 struct NodeChange {
   std::int32_t a = -1, b = -1;  // node in each run; -1 where it does not exist there
-  Case case_a = Case::none, case_b = Case::none;
+  planes::Case case_a = planes::Case::none, case_b = planes::Case::none;
 };
 
 /// A plane of the result. iou 0: there is no counterpart.
@@ -24,9 +24,10 @@ struct PlanePair {
 };
 
 struct Comparison {
-  std::int32_t diverging_step_a = kNever, diverging_step_b = kNever;  // first differing event
-  std::string divergence;                                             // one sentence
-  std::vector<NodeChange> nodes;               // settled otherwise, larger nodes first
+  std::int32_t diverging_step_a = planes::kNever,
+               diverging_step_b = planes::kNever;  // first differing event
+  std::string divergence;                          // one sentence
+  std::vector<NodeChange> nodes;                   // settled otherwise, larger nodes first
   std::vector<PlanePair> planes;               // matched best first, then lost (b 0), gained (a 0)
   std::vector<std::uint32_t> changed_sources;  // points whose plane is not the matched one
   std::size_t compared_sources = 0;
@@ -46,7 +47,7 @@ class Correspondence {
   /// Of the voxel's first pixel; -1 where the other run cropped that.
   std::int32_t voxel(std::int32_t voxel) const { return same_voxels_ ? voxel : voxels_[voxel]; }
   /// The same decision, whatever the planes' numbers and the measured values.
-  bool same_event(const TraceEvent& from, const TraceEvent& to) const;
+  bool same_event(const planes::TraceEvent& from, const planes::TraceEvent& to) const;
 
  private:
   const Run& from_;
@@ -61,4 +62,4 @@ std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
 /// node or point, the same share of the way otherwise.
 std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -2,22 +2,22 @@
 
 #include "core/debug/explain/compare.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 std::vector<std::int32_t> voxels_by_source(const Subject& from, const Subject& to) {
   std::vector<std::int32_t> voxels(from.voxel_count(), -1);
   const std::vector<std::uint32_t>& voxel_of = from.prepared.voxels.voxel_of;
   for (std::size_t i = voxel_of.size(); i-- > 0;) {  // the first one stays
-    if (voxel_of[i] == kNoVoxel) continue;
+    if (voxel_of[i] == planes::kNoVoxel) continue;
     const std::uint32_t other = to.voxel_of_source(from.prepared.cloud.source[i]);
-    if (other != kNoVoxel) voxels[voxel_of[i]] = static_cast<std::int32_t>(other);
+    if (other != planes::kNoVoxel) voxels[voxel_of[i]] = static_cast<std::int32_t>(other);
   }
   return voxels;
 }
 
 /// The step of the last event of `to` that answers to `event`, 0 where there is none.
-std::int32_t step_of(const Correspondence& same, const TraceEvent& event, const Run& to) {
+std::int32_t step_of(const Correspondence& same, const planes::TraceEvent& event, const Run& to) {
   for (std::int32_t step = to.steps(); step > 0; --step)
     if (same.same_event(event, *to.event_at(step))) return step;
   return 0;
@@ -30,7 +30,8 @@ std::int32_t step_of_node(const Correspondence& same,
                           const Run& to) {
   for (; node >= 0; node = from.octree().nodes[node].parent)
     if (const std::int32_t found = same.node(node); found >= 0)
-      if (const std::int32_t step = to.timeline.decided_at()[found]; step != kNever) return step;
+      if (const std::int32_t step = to.timeline.decided_at()[found]; step != planes::kNever)
+        return step;
   return 0;
 }
 
@@ -44,14 +45,14 @@ Correspondence::Correspondence(const Run& from, const Run& to) : from_(from), to
 }
 
 std::int32_t Correspondence::node(std::int32_t node) const {
-  const Octree& octree = to_.octree();
-  const Cube &here = from_.octree().cube, &there = octree.cube;
+  const planes::Octree& octree = to_.octree();
+  const planes::Cube &here = from_.octree().cube, &there = octree.cube;
   if (octree.nodes.empty() || here.min_corner != there.min_corner || here.edge_m != there.edge_m)
     return -1;
-  const OctreeNode& wanted = from_.octree().nodes[node];
+  const planes::OctreeNode& wanted = from_.octree().nodes[node];
   std::int32_t at = 0;
   while (octree.nodes[at].depth < wanted.depth) {
-    const OctreeNode& above = octree.nodes[at];
+    const planes::OctreeNode& above = octree.nodes[at];
     const std::uint64_t code = wanted.code >> (3 * (wanted.depth - above.depth - 1));
     at = -1;
     for (std::int32_t c = above.first_child; c >= 0 && c < above.first_child + above.child_count;
@@ -62,7 +63,8 @@ std::int32_t Correspondence::node(std::int32_t node) const {
   return at;
 }
 
-bool Correspondence::same_event(const TraceEvent& from, const TraceEvent& to) const {
+bool Correspondence::same_event(const planes::TraceEvent& from,
+                                const planes::TraceEvent& to) const {
   if (from.type != to.type || from.node_case != to.node_case || from.label != to.label ||
       from.stage != to.stage || (from.node < 0) != (to.node < 0) ||
       (from.point < 0) != (to.point < 0))
@@ -80,7 +82,7 @@ std::int32_t same_step(const Run& run, std::int32_t step, const Run& other) {
   if (step <= 0) return 0;
   if (step >= run.steps()) return other.steps();
   const Correspondence same(run, other);
-  const TraceEvent& event = *run.event_at(step);
+  const planes::TraceEvent& event = *run.event_at(step);
   if (const std::int32_t found = step_of(same, event, other)) return found;
   if (event.node >= 0)
     if (const std::int32_t found = step_of_node(same, event.node, run, other)) return found;
@@ -89,4 +91,4 @@ std::int32_t same_step(const Run& run, std::int32_t step, const Run& other) {
   return static_cast<std::int32_t>(static_cast<std::int64_t>(step) * other.steps() / run.steps());
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

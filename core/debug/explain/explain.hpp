@@ -9,7 +9,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 enum class Verdict : std::uint8_t { pass, fail, not_asked };
 
@@ -80,4 +80,4 @@ struct LeftoverReport {
 /// Of an assign or drop event; an empty report for others.
 LeftoverReport explain_leftover(const Run& run, std::int32_t step);
 
-}  // namespace planescope
+}  // namespace planescope::debug

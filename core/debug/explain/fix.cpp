@@ -9,7 +9,7 @@
 
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// IoU of the target with the plane that overlaps it most; of a part the share that is in it.
@@ -32,7 +32,10 @@ constexpr double kFarthest = 4.7;  // a hundredfold
 /// Tries values of one option, all others as they are.
 class Search {
  public:
-  Search(const Run& run, const FixTarget& target, const OptionInfo& info, std::stop_token stop)
+  Search(const Run& run,
+         const FixTarget& target,
+         const planes::OptionInfo& info,
+         std::stop_token stop)
       : run_(run), target_(target), info_(info), stop_(std::move(stop)) {}
 
   /// Appends the option's smallest change that recovers the target or, of a switch or a choice,
@@ -42,13 +45,13 @@ class Search {
       if (fix) fixes.push_back(std::move(*fix));
       return fix.has_value();
     };
-    if (info_.kind == OptionKind::on_off) {
+    if (info_.kind == planes::OptionKind::on_off) {
       for (const char* value : {"on", "off"}) append(by_value(value));
     } else if (!info_.is_number()) {
       for (const std::string& value : info_.choices) append(by_value(value));
     } else if (info_.name != "merge_offset_m") {
       append(by_number());
-    } else if (number_of(info_, run_.options) == 0) {
+    } else if (planes::number_of(info_, run_.options) == 0) {
       append(by_limit());
     } else if (!append(by_number())) {
       append(by_value("0"));  // asks nothing
@@ -57,7 +60,7 @@ class Search {
 
  private:
   bool recovers(const std::string& value) {
-    PipelineOptions options = run_.options;
+    planes::PipelineOptions options = run_.options;
     info_.set(options, value);
     planes_ = planes_with(run_, options);
     return iou_of(planes_, target_) >= kDetectedIou;
@@ -117,7 +120,7 @@ class Search {
   }
 
   std::optional<Fix> by_number() {
-    const double start = scale_position(info_, number_of(info_, run_.options));
+    const double start = scale_position(info_, planes::number_of(info_, run_.options));
     const std::optional<double> success = nearest_success(start);
     if (!success) return {};
     const double fails = *success > start ? *success - kStep : *success + kStep;
@@ -128,10 +131,10 @@ class Search {
 
   std::optional<Fix> by_value(const std::string& value) {
     if (stop_.stop_requested() || value == info_.get(run_.options) || !recovers(value)) return {};
-    PipelineOptions changed = run_.options;
+    planes::PipelineOptions changed = run_.options;
     info_.set(changed, value);
     double changes = 0;  // a profile sets many
-    for (const OptionInfo& info : option_table())
+    for (const planes::OptionInfo& info : planes::option_table())
       changes += info.name != "profile" && info.get(changed) != info.get(run_.options);
     return fix(value, std::max(1.0, changes));
   }
@@ -151,7 +154,7 @@ class Search {
 
   const Run& run_;
   const FixTarget& target_;
-  const OptionInfo& info_;
+  const planes::OptionInfo& info_;
   std::stop_token stop_;
   std::map<std::string, bool> tried_{{info_.get(run_.options), false}};
   std::vector<std::int32_t> planes_;  // of the last trial
@@ -181,9 +184,9 @@ std::vector<Fix> find_fixes(const Run& run,
   std::erase_if(target.voxels,
                 [&](std::uint32_t voxel) { return voxel >= run.subject->voxel_count(); });
   if (target.voxels.empty() || is_recovered(run, target)) return fixes;
-  std::vector<const OptionInfo*> options;  // those that steer the segmentation
-  for (const OptionInfo& info : option_table())
-    if (info.steers_segmentation() && !is_idle(info, run.options)) options.push_back(&info);
+  std::vector<const planes::OptionInfo*> options;  // those that steer the segmentation
+  for (const planes::OptionInfo& info : planes::option_table())
+    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
   for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
     Search(run, target, *options[i], stop).append_to(fixes);
     if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));
@@ -192,4 +195,4 @@ std::vector<Fix> find_fixes(const Run& run,
   return fixes;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -13,9 +13,11 @@
 #include "core/debug/explain/score.hpp"
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
-
+namespace planescope::planes {
 struct OptionInfo;
+}
+
+namespace planescope::debug {
 
 /// What is to come out: these voxels as one plane, IoU >= kDetectedIou.
 struct FixTarget {
@@ -51,18 +53,18 @@ struct FixEffect {
   double iou_before = 0, iou_after = 0;
   std::vector<std::int32_t> recovered = {}, broken = {};  // truth plane ids
 };
-FixEffect effect_of(const Run& before, const PipelineOptions& after);
+FixEffect effect_of(const Run& before, const planes::PipelineOptions& after);
 
 /// Plane of each voxel of the run's frame with other options, 0 none. Of these, the segment options
 /// alone count.
-std::vector<std::int32_t> planes_with(const Run& run, const PipelineOptions& options);
+std::vector<std::int32_t> planes_with(const Run& run, const planes::PipelineOptions& options);
 
 // How far a number is from another, so that changes of different options can be compared: positions
 // on a logarithmic axis, log value or, for shares between 0 and 1, log of their odds, since 0.98 is
 // as far from 0.99 as 0.02 from 0.01. 0 itself stands at the far end.
-double scale_position(const OptionInfo& info, double value);
+double scale_position(const planes::OptionInfo& info, double value);
 /// The value there as --set takes it, within the option's range.
-std::string scale_value(const OptionInfo& info, double position);
+std::string scale_value(const planes::OptionInfo& info, double position);
 
 /// Score against value, for the strip under a slider.
 struct Sensitivity {
@@ -73,4 +75,4 @@ struct Sensitivity {
 };
 Sensitivity sensitivity_of(const Run& run, const std::string& option, std::stop_token stop);
 
-}  // namespace planescope
+}  // namespace planescope::debug

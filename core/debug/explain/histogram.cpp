@@ -7,7 +7,7 @@
 #include "core/debug/replay/state_walk.hpp"
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 constexpr double kVaries = std::numeric_limits<double>::quiet_NaN();
@@ -25,7 +25,7 @@ using Samples = std::vector<Sample>;
 
 /// Of the event that led to the step.
 Judgement judgement_at(const Run& run, std::int32_t step) {
-  if (run.wrong.empty() || step == kNever) return &HistogramBin::unknown;
+  if (run.wrong.empty() || step == planes::kNever) return &HistogramBin::unknown;
   return run.wrong[static_cast<std::size_t>(step - 1)] ? &HistogramBin::wrong
                                                        : &HistogramBin::right;
 }
@@ -87,16 +87,17 @@ std::vector<HistogramBin> logarithmic_bins(const Samples& samples) {
 
 /// The terms of nodes, each over the nodes where its criterion was asked.
 void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
-  const SegmentOptions& options = run.segment_options;
+  const planes::SegmentOptions& options = run.segment_options;
   Samples n_out, r_out, n_in, e_n;
   for (std::size_t i = 0; i < run.facts.size(); ++i) {
     const NodeFacts& facts = run.facts[i];
     const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
     n_out.push_back({static_cast<double>(facts.purity.n_out), judgement});
     r_out.push_back({facts.purity.r_out(), judgement});
-    if (!is_pure(facts.purity, options)) continue;
+    if (!planes::is_pure(facts.purity, options)) continue;
     n_in.push_back({static_cast<double>(facts.purity.n_in), judgement});
-    if (has_enough_inliers(facts.purity.n_in, options)) e_n.push_back({facts.e_n, judgement});
+    if (planes::has_enough_inliers(facts.purity.n_in, options))
+      e_n.push_back({facts.e_n, judgement});
   }
   const auto append_count = [&](const char* quantity, const char* title, const char* option,
                                 double threshold, const Samples& samples) {
@@ -108,52 +109,55 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
       {"r_out", "r_out", "", "theta_r_out", options.theta_r_out, false, linear_bins(r_out, 0.5)});
   append_count("n_in", "N_in", "theta_n_in", options.theta_n_in, n_in);
 
-  const NoiseModel& noise = run.segmentation.noise;
+  const planes::NoiseModel& noise = run.segmentation.noise;
   if (options.noise.rms_criterion3)
     histograms.push_back({"rms", "RMS", "m", noise.estimated ? "" : "fixed_rms_m",
                           noise.by_range ? kVaries : noise.theta_rms(1), false,
                           linear_bins(e_n, 0.05)});
   else
-    histograms.push_back({"mse",
-                          options.mse_normalization == MseNormalization::mean ? "e_n / N" : "e_n",
-                          "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
+    histograms.push_back(
+        {"mse", options.mse_normalization == planes::MseNormalization::mean ? "e_n / N" : "e_n",
+         "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
 }
 
 /// The pair to show for a candidate: with the plane it joined or, where it founded one, with the
 /// plane that it came nearest to joining.
-std::optional<Pair> pair_of(const SegmentState& state,
-                            const TraceEvent& event,
-                            const Candidate& candidate) {
-  const MeasuredPlane measured = state.measured(candidate);
-  if (event.type == EventType::merge) return compare(state, event.plane, candidate, measured);
-  std::vector<Pair> pairs;
+std::optional<planes::Pair> pair_of(const planes::SegmentState& state,
+                                    const planes::TraceEvent& event,
+                                    const planes::Candidate& candidate) {
+  const planes::MeasuredPlane measured = state.measured(candidate);
+  if (event.type == planes::EventType::merge)
+    return planes::compare(state, event.plane, candidate, measured);
+  std::vector<planes::Pair> pairs;
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
-    if (const auto pair = compare(state, k, candidate, measured)) pairs.push_back(*pair);
-  const Pair* nearest = nearest_pair(pairs, state.options);
+    if (const auto pair = planes::compare(state, k, candidate, measured)) pairs.push_back(*pair);
+  const planes::Pair* nearest = planes::nearest_pair(pairs, state.options);
   return nearest ? std::optional(*nearest) : std::nullopt;
 }
 
 /// The terms of merges, and how far from planes the leftovers were.
 void append_merges(const Run& run, std::vector<Histogram>& histograms) {
-  const SegmentOptions& options = run.segment_options;
+  const planes::SegmentOptions& options = run.segment_options;
   Samples offset, normals, n1_dmu, n2_dmu, angle, distance;
   StateWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
+    const planes::TraceEvent& event = *run.event_at(step);
     const Judgement judgement = judgement_at(run, step);
-    if ((event.type == EventType::assign || event.type == EventType::drop) && event.value >= 0)
+    if ((event.type == planes::EventType::assign || event.type == planes::EventType::drop) &&
+        event.value >= 0)
       distance.push_back({event.value, judgement});
-    if (event.node < 0 || (event.type != EventType::found && event.type != EventType::merge))
+    if (event.node < 0 ||
+        (event.type != planes::EventType::found && event.type != planes::EventType::merge))
       continue;
-    const SegmentState& state = walk.advance_to(step - 1);
-    const Candidate candidate = candidate_of(state, event.node, event.label);
-    const std::optional<Pair> pair = pair_of(state, event, candidate);
+    const planes::SegmentState& state = walk.advance_to(step - 1);
+    const planes::Candidate candidate = planes::candidate_of(state, event.node, event.label);
+    const std::optional<planes::Pair> pair = pair_of(state, event, candidate);
     if (!pair) continue;
-    if (const auto* by_distance = std::get_if<DistanceTerms>(&pair->terms)) {
+    if (const auto* by_distance = std::get_if<planes::DistanceTerms>(&pair->terms)) {
       offset.push_back({std::sqrt(by_distance->offset2_m2), judgement});
       angle.push_back({by_distance->angle_deg, judgement});
     } else {
-      const auto& terms = std::get<Coplanarity>(pair->terms);
+      const auto& terms = std::get<planes::Coplanarity>(pair->terms);
       offset.push_back({terms.offset_m, judgement});
       normals.push_back({terms.normals, judgement});
       n1_dmu.push_back({terms.n1_dmu, judgement});
@@ -173,7 +177,7 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   append({"offset", "offset", "m", limited ? "merge_offset_m" : "",
           limited ? options.merge_offset_m : kVaries},
          offset, 0.2);
-  const bool nearest = options.leftover_rule == LeftoverRule::nearest;
+  const bool nearest = options.leftover_rule == planes::LeftoverRule::nearest;
   append({"distance", "leftover's distance", "m", nearest ? "" : "leftover_distance_m",
           nearest ? kVaries : options.leftover_distance_m},
          distance, 0.05);
@@ -189,4 +193,4 @@ std::vector<Histogram> histograms_of(const Run& run) {
   return histograms;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -8,7 +8,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 struct HistogramBin {
   double low = 0, high = 0;
@@ -29,4 +29,4 @@ struct Histogram {
 /// N_out, r_out, N_in, e_n over the nodes where the criterion was asked, and the terms of merges.
 std::vector<Histogram> histograms_of(const Run& run);
 
-}  // namespace planescope
+}  // namespace planescope::debug

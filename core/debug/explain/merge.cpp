@@ -12,23 +12,24 @@
 #include "core/debug/replay/state_walk.hpp"
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
-PartnerReport report_of(const Pair& pair, const SegmentOptions& options) {
-  const auto* by_distance = std::get_if<DistanceTerms>(&pair.terms);
+PartnerReport report_of(const planes::Pair& pair, const planes::SegmentOptions& options) {
+  const auto* by_distance = std::get_if<planes::DistanceTerms>(&pair.terms);
   return {.plane = pair.plane,
-          .checks = by_distance ? distance_checks(*by_distance)
-                                : coplanarity_checks(std::get<Coplanarity>(pair.terms), options),
+          .checks = by_distance
+                        ? distance_checks(*by_distance)
+                        : coplanarity_checks(std::get<planes::Coplanarity>(pair.terms), options),
           .coplanar = pair.coplanar,
           .cost = pair.cost};
 }
 
 /// What a choice that is made again asks, and which partner it takes.
 template <typename Choose>
-std::vector<PartnerReport> partners_asked(const SegmentOptions& options, Choose choose) {
+std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options, Choose choose) {
   std::vector<PartnerReport> partners;
-  const PairVisitor visitor = [&](const Pair& pair) {
+  const planes::PairVisitor visitor = [&](const planes::Pair& pair) {
     partners.push_back(report_of(pair, options));
   };
   const std::int32_t chosen = choose(&visitor);
@@ -37,13 +38,13 @@ std::vector<PartnerReport> partners_asked(const SegmentOptions& options, Choose 
 }
 
 /// The planes of the list that stand behind the one that was taken first: never asked.
-void append_never_asked(const SegmentState& state,
-                        const Candidate& candidate,
+void append_never_asked(const planes::SegmentState& state,
+                        const planes::Candidate& candidate,
                         std::vector<PartnerReport>& partners) {
-  const MeasuredPlane measured = state.measured(candidate);
+  const planes::MeasuredPlane measured = state.measured(candidate);
   const std::int32_t asked = partners.empty() ? -1 : partners.back().plane;
   for (auto k = asked + 1; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
-    const std::optional<Pair> pair = compare(state, k, candidate, measured);
+    const std::optional<planes::Pair> pair = planes::compare(state, k, candidate, measured);
     if (!pair) continue;
     partners.push_back(report_of(*pair, state.options));
     partners.back().never_asked = true;
@@ -54,8 +55,9 @@ void append_never_asked(const SegmentState& state,
 
 /// The step at which the strong candidates had all been merged: R3's first event follows.
 std::int32_t end_of_strong(const Run& run) {
-  const auto first = std::ranges::find_if(run.trace.events, [](const TraceEvent& event) {
-    return event.stage == Stage::r3_weak_candidates && event.type != EventType::wait;
+  const auto first = std::ranges::find_if(run.trace.events, [](const planes::TraceEvent& event) {
+    return event.stage == planes::Stage::r3_weak_candidates &&
+           event.type != planes::EventType::wait;
   });
   return static_cast<std::int32_t>(first - run.trace.events.begin());
 }
@@ -63,30 +65,32 @@ std::int32_t end_of_strong(const Run& run) {
 std::vector<PartnerReport> partners_of_weak(const Run& run,
                                             StateWalk& walk,
                                             std::int32_t step,
-                                            const Candidate& candidate) {
-  const Neighbourhood strong(walk.advance_to(end_of_strong(run)));
-  const SegmentState& state = walk.advance_to(step);
-  return partners_asked(state.options, [&](const PairVisitor* visitor) {
-    return choose_partner_of_weak(state, candidate, strong, visitor);
+                                            const planes::Candidate& candidate) {
+  const planes::Neighbourhood strong(walk.advance_to(end_of_strong(run)));
+  const planes::SegmentState& state = walk.advance_to(step);
+  return partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
+    return planes::choose_partner_of_weak(state, candidate, strong, visitor);
   });
 }
 
-std::vector<PartnerReport> partners_in_list(const SegmentState& state, const Candidate& candidate) {
-  auto partners = partners_asked(state.options, [&](const PairVisitor* visitor) {
-    return choose_partner(state, candidate, visitor);
+std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
+                                            const planes::Candidate& candidate) {
+  auto partners = partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
+    return planes::choose_partner(state, candidate, visitor);
   });
   append_never_asked(state, candidate, partners);
   return partners;
 }
 
 /// R7: a plane against those that are no smaller.
-std::vector<PartnerReport> partners_of_plane(const SegmentState& state, std::int32_t plane) {
+std::vector<PartnerReport> partners_of_plane(const planes::SegmentState& state,
+                                             std::int32_t plane) {
   std::vector<std::int32_t> larger;
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
     if (k != plane && state.planes[k].moments.count >= state.planes[plane].moments.count)
       larger.push_back(k);
-  return partners_asked(state.options, [&](const PairVisitor* visitor) {
-    return choose_partner_of_plane(state, plane, larger, visitor);
+  return partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
+    return planes::choose_partner_of_plane(state, plane, larger, visitor);
   });
 }
 
@@ -99,32 +103,34 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
   std::ranges::stable_sort(partners, {}, key);
 }
 
-std::string outcome_of(const MergeReport& report, const TraceEvent& event, double sigma_ang) {
-  if (event.type == EventType::merge)
+std::string outcome_of(const MergeReport& report,
+                       const planes::TraceEvent& event,
+                       double sigma_ang) {
+  if (event.type == planes::EventType::merge)
     return fmt::format("merged into {}, {} off it", plane_name(event.plane),
                        distance_text(event.value));
   const std::string because =
       report.partners.empty() ? "nothing to compare with" : "no coplanar plane";
-  if (event.stage != Stage::r3_weak_candidates)
+  if (event.stage != planes::Stage::r3_weak_candidates)
     return fmt::format("founded {}: {}", plane_name(event.plane), because);
   const std::string known = fmt::format("{} points, normal known to {:.2g}°", report.points,
                                         sigma_ang * 180 / std::numbers::pi);
-  if (event.type == EventType::found)
+  if (event.type == planes::EventType::found)
     return fmt::format("founded {}: {}; {}", plane_name(event.plane), because, known);
   return fmt::format("left over: {}, and too weak for a plane of its own ({})", because, known);
 }
 
 MergeReport explain_candidate(const Run& run, std::int32_t step) {
-  const TraceEvent& event = *run.event_at(step);
+  const planes::TraceEvent& event = *run.event_at(step);
   StateWalk walk(run);
-  const Candidate candidate = candidate_of(walk.state(), event.node, event.label);
+  const planes::Candidate candidate = planes::candidate_of(walk.state(), event.node, event.label);
 
   MergeReport report;
   report.node = event.node;
   report.label = event.label;
   report.points = static_cast<std::uint32_t>(candidate.moments.count);
   report.candidate = candidate.fit;
-  report.partners = event.stage == Stage::r3_weak_candidates
+  report.partners = event.stage == planes::Stage::r3_weak_candidates
                         ? partners_of_weak(run, walk, step - 1, candidate)
                         : partners_in_list(walk.advance_to(step - 1), candidate);
   report.outcome = outcome_of(report, event, candidate.sigma_ang);
@@ -132,10 +138,10 @@ MergeReport explain_candidate(const Run& run, std::int32_t step) {
 }
 
 MergeReport explain_second_merge(const Run& run, std::int32_t step) {
-  const TraceEvent& event = *run.event_at(step);
+  const planes::TraceEvent& event = *run.event_at(step);
   StateWalk walk(run);
-  const SegmentState& state = walk.advance_to(step - 1);
-  const GrowingPlane& plane = state.planes[event.plane];
+  const planes::SegmentState& state = walk.advance_to(step - 1);
+  const planes::GrowingPlane& plane = state.planes[event.plane];
   MergeReport report;
   report.label = plane.label;
   report.points = static_cast<std::uint32_t>(plane.moments.count);
@@ -148,15 +154,16 @@ MergeReport explain_second_merge(const Run& run, std::int32_t step) {
 }
 
 MergeReport explain_split(const Run& run, std::int32_t step) {
-  const TraceEvent& event = *run.event_at(step);
+  const planes::TraceEvent& event = *run.event_at(step);
   MergeReport report;
   report.label = run.timeline.label_of_plane(event.plane);
-  const bool seen = event.stage == Stage::split_disconnected &&
-                    run.segment_options.split_disconnected.rule == SplitRule::seen &&
+  const bool seen = event.stage == planes::Stage::split_disconnected &&
+                    run.segment_options.split_disconnected.rule == planes::SplitRule::seen &&
                     !run.subject->prepared.from_cloud;
-  report.outcome = fmt::format("{} split off {}: {}{}", plane_name(event.plane),
-                               plane_name(event.other), refinement_of(event.stage)->why_parted,
-                               seen ? ", and the sensor looked through the gap" : "");
+  report.outcome =
+      fmt::format("{} split off {}: {}{}", plane_name(event.plane), plane_name(event.other),
+                  planes::refinement_of(event.stage)->why_parted,
+                  seen ? ", and the sensor looked through the gap" : "");
   return report;
 }
 
@@ -164,14 +171,16 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
 
 MergeReport explain_merge(const Run& run, std::int32_t step) {
   MergeReport report;
-  if (const TraceEvent* event = run.event_at(step)) {
-    const bool weak_left =
-        event->type == EventType::leave && event->stage == Stage::r3_weak_candidates;
-    if (event->type == EventType::found && event->node < 0)
+  if (const planes::TraceEvent* event = run.event_at(step)) {
+    const bool weak_left = event->type == planes::EventType::leave &&
+                           event->stage == planes::Stage::r3_weak_candidates;
+    if (event->type == planes::EventType::found && event->node < 0)
       report = explain_split(run, step);
-    else if (event->type == EventType::found || event->type == EventType::merge || weak_left)
+    else if (event->type == planes::EventType::found || event->type == planes::EventType::merge ||
+             weak_left)
       report = explain_candidate(run, step);
-    else if (event->type == EventType::refine && event->stage == Stage::r7_second_merge)
+    else if (event->type == planes::EventType::refine &&
+             event->stage == planes::Stage::r7_second_merge)
       report = explain_second_merge(run, step);
   }
   sort_for_reading(report.partners);
@@ -179,4 +188,4 @@ MergeReport explain_merge(const Run& run, std::int32_t step) {
   return report;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

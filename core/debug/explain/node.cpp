@@ -8,14 +8,14 @@
 #include "core/debug/explain/explain.hpp"
 #include "core/planes/segment/candidate.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 constexpr double kDeg = 180 / std::numbers::pi;
 
 Check enough_points(const std::string& criterion,
-                    const Purity& purity,
-                    const SegmentOptions& options) {
+                    const planes::Purity& purity,
+                    const planes::SegmentOptions& options) {
   return at_least(
       {criterion, "Eq. (3)", "N_in", "points of the majority label", "points", "theta_n_in"},
       purity.n_in, options.theta_n_in);
@@ -46,17 +46,19 @@ class Questions {
 
 /// R4 asks Criteria 2 and 3 of an impure node again, of each label for itself.
 void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
-  const SegmentOptions& options = run.segment_options;
+  const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
-  const Purity& purity = facts.purity;
+  const planes::Purity& purity = facts.purity;
   Questions questions(checks);
   questions.ask({enough_points("R4", purity, options)});
   questions.ask({planarity_check("R4", options, facts.e_n, facts.theta_e_n)});
-  if (!has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
+  if (!planes::has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
   const Label other = purity.inlier == Label::h ? Label::v : Label::h;
-  const Candidate outliers = fit_label(run.octree(), node, other, options.use_labels);
+  const planes::Candidate outliers =
+      planes::fit_label(run.octree(), node, other, options.use_labels);
   const double range = (outliers.fit.centroid - run.subject->prepared.sensor()).norm();
-  const Planarity planar = planarity(outliers.fit, run.segmentation.noise, range, options);
+  const planes::Planarity planar =
+      planes::planarity(outliers.fit, run.segmentation.noise, range, options);
   Check check = planarity_check("R4", options, planar.value, planar.threshold);
   check.quantity += " of the outliers";
   questions.ask({check});
@@ -76,22 +78,22 @@ std::string stopped_at(const NodeReport& report) {
 std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
   std::string text;
   for (const std::int32_t step : steps) {
-    const TraceEvent& event = *run.event_at(step);
+    const planes::TraceEvent& event = *run.event_at(step);
     if (!text.empty()) text += ", ";
     if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
-    if (event.type == EventType::found) text += "founded " + plane_name(event.plane);
-    if (event.type == EventType::merge) text += "merged into " + plane_name(event.plane);
-    if (event.type == EventType::wait) text += "waits for the sure ones (R3)";
-    if (event.type == EventType::leave) text += "left over (R3)";
+    if (event.type == planes::EventType::found) text += "founded " + plane_name(event.plane);
+    if (event.type == planes::EventType::merge) text += "merged into " + plane_name(event.plane);
+    if (event.type == planes::EventType::wait) text += "waits for the sure ones (R3)";
+    if (event.type == planes::EventType::leave) text += "left over (R3)";
   }
   return text;
 }
 
 std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std::int32_t>& steps) {
-  const OctreeNode& node = run.octree().nodes[index];
-  const std::string name = fmt::format("case {}", to_string(node.decided));
+  const planes::OctreeNode& node = run.octree().nodes[index];
+  const std::string name = fmt::format("case {}", planes::to_string(node.decided));
   if (node.impure_fit) return name + ", fitted label by label (R4): " + fate(run, steps);
-  if (node.decided == Case::IV) {
+  if (node.decided == planes::Case::IV) {
     const std::uint32_t outliers = run.facts[index].purity.n_out;
     return name + ": candidate " + fate(run, steps) +
            (outliers > 0 ? fmt::format("; {} outliers left over", outliers) : "");
@@ -104,7 +106,7 @@ std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std
 }  // namespace
 
 NodeReport explain_node(const Run& run, std::int32_t node) {
-  const SegmentOptions& options = run.segment_options;
+  const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
   NodeReport report;
   report.node = node;
@@ -127,12 +129,13 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
   if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
 
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
-    if (event.node == node && event.type != EventType::visit && event.type != EventType::decide)
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.node == node && event.type != planes::EventType::visit &&
+        event.type != planes::EventType::decide)
       report.outcome_steps.push_back(step);
   }
   report.outcome = outcome_of(run, node, report.outcome_steps);
   return report;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -10,7 +10,7 @@
 #include "core/debug/explain/check.hpp"
 #include "core/debug/explain/score.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// "pixel (320, 240): depth 0.842 m", "point 17 of the file: (1.20, 0.03, -0.40) m".
@@ -27,7 +27,7 @@ std::string describe_source(const Frame& frame, std::size_t source) {
 }
 
 std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
-  const VoxelCloud& voxels = subject.prepared.voxels;
+  const planes::VoxelCloud& voxels = subject.prepared.voxels;
   const Vec3d p = voxels.points[voxel].cast<double>() + subject.prepared.cloud.origin;
   const std::string place = fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
   if (voxels.size_m <= 0) return fmt::format("voxel {}: the point itself, at {}", voxel, place);
@@ -37,10 +37,11 @@ std::string describe_voxel(const Subject& subject, std::uint32_t voxel) {
 
 std::string describe_label(const Run& run, std::uint32_t voxel) {
   if (!run.is_ours())
-    return fmt::format("not labelled: method {} labels no points", to_string(run.options.method));
+    return fmt::format("not labelled: method {} labels no points",
+                       planes::to_string(run.options.method));
   if (!run.subject->prepared.gravity.known())
     return "not labelled: nobody knows gravity, so nothing is h or v";
-  const Classification& labels = run.subject->prepared.classification;
+  const planes::Classification& labels = run.subject->prepared.classification;
   const VoxelTruth& truth = run.subject->voxel_truth;
   std::string text =
       fmt::format("labelled {} with margin {:.2f}", labels.labels[voxel] == Label::v ? "v" : "h",
@@ -54,17 +55,17 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
   return text;
 }
 
-std::string station_of(const TraceEvent& event) {
+std::string station_of(const planes::TraceEvent& event) {
   switch (event.type) {
-    case EventType::found:
-    case EventType::merge:
-    case EventType::wait:
+    case planes::EventType::found:
+    case planes::EventType::merge:
+    case planes::EventType::wait:
       return event.node < 0 ? "refinement" : "merge";
-    case EventType::assign:
-    case EventType::drop:
-    case EventType::leave:
+    case planes::EventType::assign:
+    case planes::EventType::drop:
+    case planes::EventType::leave:
       return "leftover";
-    case EventType::refine:
+    case planes::EventType::refine:
       return "refinement";
     default:
       return "node";
@@ -73,11 +74,12 @@ std::string station_of(const TraceEvent& event) {
 
 /// Where an event left the point over, what it was there.
 std::string after(const Run& run, std::int32_t step, std::int32_t voxel) {
-  const PointChange now = run.timeline.point_at(voxel, step);
-  const TraceEvent& event = *run.event_at(step);
-  if (now.step != step || !now.leftover || event.type != EventType::decide) return {};
-  const Case decided = run.octree().nodes[event.node].decided;
-  if (decided == Case::II || run.octree().nodes[event.node].at_max_depth) return "; left over";
+  const planes::PointChange now = run.timeline.point_at(voxel, step);
+  const planes::TraceEvent& event = *run.event_at(step);
+  if (now.step != step || !now.leftover || event.type != planes::EventType::decide) return {};
+  const planes::Case decided = run.octree().nodes[event.node].decided;
+  if (decided == planes::Case::II || run.octree().nodes[event.node].at_max_depth)
+    return "; left over";
   return "; an outlier there: left over";
 }
 
@@ -116,7 +118,7 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
   std::set<std::int32_t> steps = steps_of_point(run, point);
   if (decisive > 0) steps.insert(decisive);  // also where it was another node's merge
   for (const std::int32_t step : steps) {
-    const TraceEvent& event = *run.event_at(step);
+    const planes::TraceEvent& event = *run.event_at(step);
     life.push_back({station_of(event), describe_event(run, step) + after(run, step, point), step,
                     event.node, event.plane, step == decisive});
   }
@@ -127,8 +129,8 @@ std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
 }
 
 std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
-  const Cloud& cloud = subject.prepared.cloud;
-  const VoxelCloud& voxels = subject.prepared.voxels;
+  const planes::Cloud& cloud = subject.prepared.cloud;
+  const planes::VoxelCloud& voxels = subject.prepared.voxels;
   std::size_t best = 0;
   float least = -1;
   for (std::size_t i = 0; i < voxels.voxel_of.size(); ++i) {
@@ -142,7 +144,7 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
 }
 
 std::string describe_plane(const Run& run, std::int32_t id) {
-  const PlaneRegion& plane = run.segmentation.planes[id - 1];
+  const planes::PlaneRegion& plane = run.segmentation.planes[id - 1];
   const char* label = plane.label == Label::v ? ", v" : plane.label == Label::h ? ", h" : "";
   return fmt::format("plane {} ({}{})", id, plane_name(plane.founded), label);
 }
@@ -159,34 +161,35 @@ std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel) {
   std::set<std::int32_t> steps;
   for (const std::int32_t node : run.timeline.path_of_point(voxel))
     steps.insert(run.timeline.decided_at()[node]);
-  for (const PointChange& change : run.timeline.changes_of_point(voxel)) steps.insert(change.step);
+  for (const planes::PointChange& change : run.timeline.changes_of_point(voxel))
+    steps.insert(change.step);
   const std::int32_t leaf = run.timeline.node_of_point(voxel, run.steps());
   const Label label = run.subject->prepared.classification.labels[voxel];
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
-    const bool of_candidate = event.type == EventType::wait && event.node == leaf &&
+    const planes::TraceEvent& event = *run.event_at(step);
+    const bool of_candidate = event.type == planes::EventType::wait && event.node == leaf &&
                               (!run.segment_options.use_labels || event.label == label);
     if (of_candidate || event.point == voxel) steps.insert(step);
   }
   steps.erase(0);
-  steps.erase(kNever);
+  steps.erase(planes::kNever);
   return steps;
 }
 
 std::int32_t step_of_plane(const Run& run, std::int32_t voxel) {
-  const PointChange last = run.timeline.point_at(voxel, run.steps());
+  const planes::PointChange last = run.timeline.point_at(voxel, run.steps());
   return last.plane >= 0 ? last.step : 0;
 }
 
 Loss loss_of(const Run& run, std::int32_t voxel) {
   Loss loss;
-  for (const PointChange& change : run.timeline.changes_of_point(voxel))
+  for (const planes::PointChange& change : run.timeline.changes_of_point(voxel))
     if (change.plane < 0) loss.left = change.step;
   for (std::int32_t step = loss.left + 1; step <= run.steps() && loss.dropped == 0; ++step) {
-    const TraceEvent& event = *run.event_at(step);
-    if (event.type == EventType::drop && event.point == voxel) loss.dropped = step;
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.type == planes::EventType::drop && event.point == voxel) loss.dropped = step;
   }
   return loss;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

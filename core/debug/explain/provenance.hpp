@@ -10,7 +10,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// One station of a point's life. `step` -1: before the segmentation.
 struct LifeEvent {
@@ -69,4 +69,4 @@ std::string describe_plane(const Run& run, std::int32_t id);
 /// The true plane of most voxels in a plane of the result, 0 where none is known.
 std::int32_t truth_of_plane(const Run& run, std::int32_t id);
 
-}  // namespace planescope
+}  // namespace planescope::debug

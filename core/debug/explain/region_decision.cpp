@@ -10,7 +10,7 @@
 #include "core/debug/explain/provenance.hpp"
 #include "core/debug/explain/score.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Decisions by how many points they are about. A plane is seldom lost in one step: of the kind of
@@ -20,7 +20,7 @@ class Ballot {
   explicit Ballot(const Run& run) : run_(run) {}
   void vote(std::int32_t step, std::uint32_t voxel) {
     if (step <= 0) return;
-    const TraceEvent& event = *run_.event_at(step);
+    const planes::TraceEvent& event = *run_.event_at(step);
     Kind& kind =
         kinds_[{static_cast<int>(event.type), event.node_case, static_cast<int>(event.stage)}];
     ++kind.points;
@@ -49,7 +49,7 @@ class Ballot {
   std::map<std::tuple<int, int, int>, Kind> kinds_;  // by type, case and stage
 };
 
-const TraceEvent& founding_of(const Run& run, std::int32_t plane) {
+const planes::TraceEvent& founding_of(const Run& run, std::int32_t plane) {
   return *run.event_at(run.timeline.changes_of_plane(plane).front().step);
 }
 
@@ -73,7 +73,7 @@ class Parting {
   }
 
  private:
-  bool are_alike(const TraceEvent& a, const TraceEvent& b) const {
+  bool are_alike(const planes::TraceEvent& a, const planes::TraceEvent& b) const {
     const bool of_planes = a.node < 0 && a.point < 0;
     const bool same = of_planes
                           ? a.type == b.type && a.stage == b.stage && b.node < 0 && b.point < 0
@@ -81,7 +81,7 @@ class Parting {
     return same && (a.plane < 0) == (b.plane < 0) && (a.plane < 0 || same_plane(a.plane, b.plane));
   }
   bool same_plane(std::int32_t plane_a, std::int32_t plane_b) const {
-    const TraceEvent& a = founding_of(a_, plane_a);
+    const planes::TraceEvent& a = founding_of(a_, plane_a);
     // Of a part that split off, its number must do: nothing else tells the parts apart.
     return to_b_.same_event(a, founding_of(b_, plane_b)) && (a.node >= 0 || plane_a == plane_b);
   }
@@ -117,7 +117,7 @@ RegionDecision joining_of_region(const Run& run, std::span<const std::uint32_t> 
   if (run.is_ours())
     for (const std::uint32_t voxel : voxels) {
       const std::int32_t step = step_of_plane(run, static_cast<std::int32_t>(voxel));
-      if (step == 0 || run.event_at(step)->type == EventType::found) continue;
+      if (step == 0 || run.event_at(step)->type == planes::EventType::found) continue;
       (run.event_at(step)->point < 0 ? merges : single).vote(step, voxel);
     }
   const RegionDecision merge = merges.winner();
@@ -131,4 +131,4 @@ std::int32_t plane_of_region(const Run& run, std::span<const std::uint32_t> voxe
   return 2 * std::ranges::count(planes, most) > std::ssize(planes) ? most : 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

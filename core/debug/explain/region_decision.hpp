@@ -8,7 +8,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 struct RegionDecision {
   std::int32_t step = 0;    // the one about the most points; 0: there is none
@@ -33,4 +33,4 @@ RegionDecision joining_of_region(const Run& run, std::span<const std::uint32_t> 
 /// The plane of the result that most of the region is in, 0 where most of it is in none.
 std::int32_t plane_of_region(const Run& run, std::span<const std::uint32_t> voxels);
 
-}  // namespace planescope
+}  // namespace planescope::debug

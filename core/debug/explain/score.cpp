@@ -5,10 +5,10 @@
 
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
-TruthMatch match_of(const TruthOverlap& overlap, int t) {
+TruthMatch match_of(const planes::TruthOverlap& overlap, int t) {
   TruthMatch match{t, 0, 0, static_cast<std::uint32_t>(overlap.truth_size[t])};
   std::uint64_t most = 0;
   for (int f = 1; f <= overlap.found; ++f)
@@ -20,7 +20,7 @@ TruthMatch match_of(const TruthOverlap& overlap, int t) {
   return match;
 }
 
-TruthVerdict verdict_of(const TruthMatch& match, const TruthOverlap& overlap) {
+TruthVerdict verdict_of(const TruthMatch& match, const planes::TruthOverlap& overlap) {
   constexpr double kPart = 0.1;  // of a true plane, for a found one to be a part of it
   if (match.iou >= kDetectedIou) return TruthVerdict::detected;
   if (match.found == 0) return TruthVerdict::missed;
@@ -39,7 +39,7 @@ TruthVerdict verdict_of(const TruthMatch& match, const TruthOverlap& overlap) {
 
 QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth& truth) {
   QuickScore score;
-  const TruthOverlap overlap = count_truth_overlap(truth.plane, plane_of);
+  const planes::TruthOverlap overlap = planes::count_truth_overlap(truth.plane, plane_of);
   score.found_planes = overlap.found;
   double in_truth = 0, in_none = 0;
   for (int t = 1; t <= overlap.truth; ++t) {
@@ -59,7 +59,7 @@ QuickScore quick_score(std::span<const std::int32_t> plane_of, const VoxelTruth&
 std::vector<TruthVerdict> verdicts_of(const QuickScore& score,
                                       std::span<const std::int32_t> plane_of,
                                       const VoxelTruth& truth) {
-  const TruthOverlap overlap = count_truth_overlap(truth.plane, plane_of);
+  const planes::TruthOverlap overlap = planes::count_truth_overlap(truth.plane, plane_of);
   std::vector<TruthVerdict> verdicts;
   for (const TruthMatch& match : score.planes) verdicts.push_back(verdict_of(match, overlap));
   return verdicts;
@@ -78,4 +78,4 @@ std::int32_t most_common_plane(std::span<const std::int32_t> planes) {
       ->first;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -9,7 +9,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 inline constexpr double kDetectedIou = 0.8;  // as eval counts planes
 
@@ -41,4 +41,4 @@ const char* to_string(TruthVerdict verdict);
 /// The plane that most of them name, of equals the one with the least id; 0 where none names one.
 std::int32_t most_common_plane(std::span<const std::int32_t> planes);
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -12,7 +12,7 @@
 #include "core/debug/explain/score.hpp"
 #include "core/debug/explain/trace_lines.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 constexpr std::size_t kMostOfAKind = 400;  // nodes, events of a type, points of a region
@@ -65,7 +65,7 @@ void write_leftover(const LeftoverReport& report, TraceLines& lines) {
               plane.considered ? " considered" : "", plane.chosen ? " chosen" : "", plane.why_not);
 }
 
-std::vector<std::int32_t> steps_of_type(const Run& run, EventType type) {
+std::vector<std::int32_t> steps_of_type(const Run& run, planes::EventType type) {
   std::vector<std::int32_t> steps;
   for (std::int32_t step = 1; step <= run.steps(); ++step)
     if (run.event_at(step)->type == type) steps.push_back(step);
@@ -75,7 +75,7 @@ std::vector<std::int32_t> steps_of_type(const Run& run, EventType type) {
 /// Calls `write` with some steps of each type.
 template <typename Write>
 void for_events_of(const Run& run,
-                   std::initializer_list<std::pair<EventType, const char*>> types,
+                   std::initializer_list<std::pair<planes::EventType, const char*>> types,
                    TraceLines& lines,
                    Write write) {
   for (const auto& [type, name] : types) {
@@ -189,11 +189,11 @@ void write_nodes(const Run& run, TraceLines& lines) {
 void write_merges(const Run& run, TraceLines& lines) {
   lines.title("Why candidates founded planes or joined them");
   for_events_of(run,
-                {{EventType::found, "found"},
-                 {EventType::merge, "merge"},
-                 {EventType::wait, "wait"},
-                 {EventType::leave, "leave"},
-                 {EventType::refine, "refine"}},
+                {{planes::EventType::found, "found"},
+                 {planes::EventType::merge, "merge"},
+                 {planes::EventType::wait, "wait"},
+                 {planes::EventType::leave, "leave"},
+                 {planes::EventType::refine, "refine"}},
                 lines, [&](std::int32_t step) {
                   const MergeReport report = explain_merge(run, step);
                   if (!report.outcome.empty() || !report.partners.empty())
@@ -203,13 +203,15 @@ void write_merges(const Run& run, TraceLines& lines) {
 
 void write_leftovers(const Run& run, TraceLines& lines) {
   lines.title("Why leftover points went where they did");
-  for_events_of(
-      run,
-      {{EventType::assign, "assign"}, {EventType::drop, "drop"}, {EventType::refine, "refine"}},
-      lines, [&](std::int32_t step) {
-        const LeftoverReport report = explain_leftover(run, step);
-        if (!report.outcome.empty() || !report.planes.empty()) write_leftover(report, lines);
-      });
+  for_events_of(run,
+                {{planes::EventType::assign, "assign"},
+                 {planes::EventType::drop, "drop"},
+                 {planes::EventType::refine, "refine"}},
+                lines, [&](std::int32_t step) {
+                  const LeftoverReport report = explain_leftover(run, step);
+                  if (!report.outcome.empty() || !report.planes.empty())
+                    write_leftover(report, lines);
+                });
 }
 
 void write_lives(const Run& run, TraceLines& lines) {
@@ -246,8 +248,8 @@ void write_comparison(const Run& run, const Run& pinned, TraceLines& lines) {
   lines.add("first different events: step {} of A, step {} of B: {}", comparison.diverging_step_a,
             comparison.diverging_step_b, comparison.divergence);
   for (const NodeChange& node : comparison.nodes)
-    lines.add("nodes {} and {}: {} and {}", node.a, node.b, to_string(node.case_a),
-              to_string(node.case_b));
+    lines.add("nodes {} and {}: {} and {}", node.a, node.b, planes::to_string(node.case_a),
+              planes::to_string(node.case_b));
   write_result_of(comparison, lines);
   write_same("of A in B", pinned, run, lines);
   write_same("of B in A", run, pinned, lines);
@@ -259,4 +261,4 @@ void write_comparison_with_truth(const Run& run, TraceLines& lines) {
   write_result_of(compare_with_truth(run), lines);
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -13,7 +13,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// Text that is written line by line.
 struct TraceLines {
@@ -62,4 +62,4 @@ void write_regions(const Run& run, const Run* pinned, TraceLines& lines);
 void write_comparison(const Run& run, const Run& pinned, TraceLines& lines);
 void write_comparison_with_truth(const Run& run, TraceLines& lines);
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -5,7 +5,7 @@
 #include "core/debug/explain/trace_lines.hpp"
 #include "core/debug/filter/filter.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Together they use every name of docs/filter.md.
@@ -52,18 +52,18 @@ std::vector<std::int32_t> matches_of(const Run& run, const std::string& text) {
 std::vector<const char*> refinements_of(const Run& run) {
   std::vector<const char*> names(static_cast<std::size_t>(run.steps()), "-");
   for (std::int32_t step = 1; step <= run.steps(); ++step)
-    if (const Stage stage = run.event_at(step)->stage; refinement_of(stage))
-      names[static_cast<std::size_t>(step - 1)] = to_string(stage);
+    if (const planes::Stage stage = run.event_at(step)->stage; planes::refinement_of(stage))
+      names[static_cast<std::size_t>(step - 1)] = planes::to_string(stage);
   return names;
 }
 
 std::string step_or_never(std::int32_t step) {
-  return step == kNever ? "never" : std::to_string(step);
+  return step == planes::kNever ? "never" : std::to_string(step);
 }
 
 void write_head(const Run& run, TraceLines& lines) {
-  lines.add("planescope trace: method {}, profile {}", to_string(run.options.method),
-            to_string(run.options.segment.profile));
+  lines.add("planescope trace: method {}, profile {}", planes::to_string(run.options.method),
+            planes::to_string(run.options.segment.profile));
   lines.add("{} steps, {} nodes, {} points, {} planes founded, {} in the result", run.steps(),
             run.octree().nodes.size(), run.subject->voxel_count(), run.timeline.plane_count(),
             run.segmentation.planes.size());
@@ -71,7 +71,7 @@ void write_head(const Run& run, TraceLines& lines) {
 
 void write_result(const Run& run, TraceLines& lines) {
   lines.title("Planes of the result");
-  for (const PlaneRegion& plane : run.segmentation.planes) {
+  for (const planes::PlaneRegion& plane : run.segmentation.planes) {
     lines.add("plane {} ({}, {}): {} points, {}", plane.id, plane_name(plane.founded),
               to_string(plane.label, "?"), plane.points, exact(plane.fit));
     lines.add("  there theta_rms {}, tau {}", exact(run.theta_rms(plane.fit.centroid)),
@@ -87,12 +87,12 @@ void write_events(const Run& run, TraceLines& lines) {
   const std::vector<const char*> refinements = refinements_of(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const auto i = static_cast<std::size_t>(step - 1);
-    const TraceEvent& e = *run.event_at(step);
+    const planes::TraceEvent& e = *run.event_at(step);
     lines.add(
         "step {}: {} | {} by {}, case {}, label {}, node {}, plane {}, other {}, point {}, "
         "value {:.9g}{}",
         step, describe_event(run, step), kTypes[static_cast<std::size_t>(e.type)], refinements[i],
-        to_string(static_cast<Case>(e.node_case)), to_string(e.label, "?"), e.node,
+        planes::to_string(static_cast<planes::Case>(e.node_case)), to_string(e.label, "?"), e.node,
         plane_or_none(e.plane), plane_or_none(e.other), e.point, e.value,
         !run.wrong.empty() && run.wrong[i] ? ", wrong" : "");
   }
@@ -104,7 +104,7 @@ void write_changes_of_planes(const Run& run, TraceLines& lines) {
     lines.add("{} ({}), {} in the result", plane_name(plane),
               to_string(run.timeline.label_of_plane(plane), "?"),
               run.timeline.result_of_plane(plane));
-    for (const PlaneChange& change : run.timeline.changes_of_plane(plane))
+    for (const planes::PlaneChange& change : run.timeline.changes_of_plane(plane))
       lines.add("  step {}: {}, into {}, {}", change.step, change.alive ? "alive" : "gone",
                 plane_or_none(change.into), exact(change.fit));
   }
@@ -115,7 +115,7 @@ void write_changes_of_points(const Run& run, TraceLines& lines) {
   const auto count = static_cast<std::int32_t>(run.subject->voxel_count());
   for (std::int32_t point = 0; point < count; ++point) {
     std::string changes, path;
-    for (const PointChange& change : run.timeline.changes_of_point(point))
+    for (const planes::PointChange& change : run.timeline.changes_of_point(point))
       changes += fmt::format(" {}:{}{}", change.step, plane_or_none(change.plane),
                              change.leftover ? "*" : "");
     for (const std::int32_t node : run.timeline.path_of_point(point))
@@ -143,11 +143,11 @@ void write_states(const Run& run, TraceLines& lines) {
     for (std::size_t n = 0; n < run.octree().nodes.size(); ++n)
       ++nodes[static_cast<int>(run.timeline.node_state(static_cast<std::int32_t>(n), step))];
     for (std::int32_t p = 0; p < run.timeline.plane_count(); ++p) {
-      const PlaneChange* plane = run.timeline.plane_at(p, step);
+      const planes::PlaneChange* plane = run.timeline.plane_at(p, step);
       planes += plane && plane->alive;
     }
     for (std::size_t v = 0; v < run.subject->voxel_count(); ++v) {
-      const PointChange point = run.timeline.point_at(static_cast<std::int32_t>(v), step);
+      const planes::PointChange point = run.timeline.point_at(static_cast<std::int32_t>(v), step);
       in_planes += point.plane >= 0;
       leftovers += point.leftover;
     }
@@ -221,4 +221,4 @@ std::string trace_text(const Run& run, const Run* pinned) {
   return std::move(lines.text);
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -7,7 +7,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// Every event in words and numbers; the changes of every plane, point and node; which events a
 /// fixed list of filters finds; and what core/debug/explain answers about nodes, merges, leftover
@@ -15,4 +15,4 @@ namespace planescope {
 /// same frame: where the two part. Numbers of planes and nodes have all their digits.
 std::string trace_text(const Run& run, const Run* pinned = nullptr);
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -8,7 +8,7 @@
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/provenance.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Why a point was left over, and what would have kept it.
@@ -40,7 +40,7 @@ Cause too_few(const Run& run, std::int32_t node) {
 
 Cause at_greatest_depth(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
-  if (run.octree().nodes[node].decided == Case::I)
+  if (run.octree().nodes[node].decided == planes::Case::I)
     return {fmt::format("node {} is mixed ({} and {} points) at the greatest depth (case I)", node,
                         facts.purity.n_in, facts.purity.n_out)};
   constexpr const char* kText =
@@ -53,8 +53,8 @@ Cause at_greatest_depth(const Run& run, std::int32_t node) {
 }
 
 Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
-  const Purity& purity = run.facts[node].purity;
-  const Classification& labels = run.subject->prepared.classification;
+  const planes::Purity& purity = run.facts[node].purity;
+  const planes::Classification& labels = run.subject->prepared.classification;
   return {fmt::format("labelled {} (margin {:.2f}) among {} points of {} in node {}",
                       labels.labels[voxel] == Label::v ? "v" : "h", labels.margins[voxel],
                       purity.n_in, purity.inlier == Label::v ? "v" : "h", node),
@@ -62,36 +62,36 @@ Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
           true};
 }
 
-Cause cause_of(const Run& run, const TraceEvent& event, std::int32_t voxel) {
-  if (event.type == EventType::decide) {
-    const OctreeNode& node = run.octree().nodes[event.node];
-    if (node.decided == Case::II) return too_few(run, event.node);
+Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t voxel) {
+  if (event.type == planes::EventType::decide) {
+    const planes::OctreeNode& node = run.octree().nodes[event.node];
+    if (node.decided == planes::Case::II) return too_few(run, event.node);
     if (node.at_max_depth) return at_greatest_depth(run, event.node);
     return outlier(run, event.node, voxel);
   }
-  if (event.type == EventType::refine) {
-    const std::string why = refinement_of(event.stage)->why_dropped;
-    return {fmt::format("{} was dropped ({}){}{}", plane_name(event.plane), to_string(event.stage),
-                        why.empty() ? "" : ": ", why),
-            switched_off(switch_of(event.stage), "keep it")};
+  if (event.type == planes::EventType::refine) {
+    const std::string why = planes::refinement_of(event.stage)->why_dropped;
+    return {fmt::format("{} was dropped ({}){}{}", plane_name(event.plane),
+                        planes::to_string(event.stage), why.empty() ? "" : ": ", why),
+            switched_off(planes::switch_of(event.stage), "keep it")};
   }
   if (event.node < 0)
     return {plane_name(event.plane) + ", split off for not touching, has too few points",
-            switched_off(switch_of(event.stage), "keep it")};
-  return {
-      fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
-                  "known to {:.1f}° only",
-                  event.node, event.value * 180 / std::numbers::pi),
-      switched_off(switch_of(event.stage), fmt::format("let node {} found a plane", event.node))};
+            switched_off(planes::switch_of(event.stage), "keep it")};
+  return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
+                      "known to {:.1f}° only",
+                      event.node, event.value * 180 / std::numbers::pi),
+          switched_off(planes::switch_of(event.stage),
+                       fmt::format("let node {} found a plane", event.node))};
 }
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
   if (!run.is_ours())
     return {fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
-                        to_string(run.options.method))};
+                        planes::to_string(run.options.method))};
   const Loss loss = loss_of(run, voxel);
   if (loss.left == 0) return {"Lost: its plane has no point left"};
-  const TraceEvent& left = *run.event_at(loss.left);
+  const planes::TraceEvent& left = *run.event_at(loss.left);
   const Cause cause = cause_of(run, left, voxel);
   WhyNot why{fmt::format("Lost at step {}: {}", loss.left, cause.text), loss.left, left.node,
              left.plane, cause.remedy};
@@ -106,7 +106,7 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   if (leftover.planes.empty()) return why;
   const LeftoverPlane& nearest = leftover.planes.front();
   why.plane = nearest.plane;
-  if (run.segment_options.leftover_rule == LeftoverRule::first)
+  if (run.segment_options.leftover_rule == planes::LeftoverRule::first)
     why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
                               nearest.distance_m, plane_name(nearest.plane)),
                   "leftover_distance_m", rounded_up(nearest.distance_m)};
@@ -125,16 +125,17 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   bool has_own = false, has_most = false;
   std::int32_t fused = 0;
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const TraceEvent& event = *run.event_at(step);
-    if (event.type == EventType::found && event.node < 0 && ends_in(event.other) == id)
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.type == planes::EventType::found && event.node < 0 && ends_in(event.other) == id)
       has_own = has_most = false, fused = 0;  // parted since
-    const bool joins = event.type == EventType::found || event.type == EventType::merge;
+    const bool joins =
+        event.type == planes::EventType::found || event.type == planes::EventType::merge;
     if (!joins || event.node < 0 || ends_in(event.plane) != id) continue;
     const std::int32_t truth = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
     if (truth != own && truth != most) continue;
     const bool had_both = has_own && has_most;
     (truth == own ? has_own : has_most) = true;
-    if (has_own && has_most && !had_both && event.type == EventType::merge) fused = step;
+    if (has_own && has_most && !had_both && event.type == planes::EventType::merge) fused = step;
   }
   return fused;
 }
@@ -144,7 +145,7 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   WhyNot why;
   why.step = step_of_plane(run, voxel);
   why.plane = run.segmentation.planes[id - 1].founded;
-  if (const TraceEvent* event = run.event_at(why.step)) why.node = event->node;
+  if (const planes::TraceEvent* event = run.event_at(why.step)) why.node = event->node;
   why.answer = "It is in " + describe_plane(run, id);
   if (run.is_ours()) why.answer += fmt::format(" since step {}", why.step);
 
@@ -175,9 +176,10 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
 std::optional<Absence> absence_of(const Run& run, std::size_t source) {
   const Subject& subject = *run.subject;
   if (source >= subject.point_of_source.size()) return Absence{"no such point"};
-  if (subject.point_of_source[source] == kNoVoxel) return Absence{"nothing was measured here"};
-  if (subject.voxel_of_source(source) != kNoVoxel) return {};
-  const CloudOptions& options = run.options.cloud;
+  if (subject.point_of_source[source] == planes::kNoVoxel)
+    return Absence{"nothing was measured here"};
+  if (subject.voxel_of_source(source) != planes::kNoVoxel) return {};
+  const planes::CloudOptions& options = run.options.cloud;
   const Frame& frame = subject.frame;
   const double range = frame.is_cloud() ? frame.cloud->points[source].cast<double>().norm()
                                         : frame.depth.data[source] * frame.depth_unit_m;
@@ -199,4 +201,4 @@ WhyNot why_not(const Run& run, std::size_t source) {
   return run.segmentation.plane_of[voxel] > 0 ? in_a_plane(run, voxel) : lost(run, voxel);
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -4,7 +4,7 @@
 
 #include "core/debug/filter/filter_parse.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Empty where the run has no such point.
@@ -14,7 +14,7 @@ PointTrack track_of(double number, const Run& run) {
   if (number >= count || number != std::floor(number)) return track;
   const auto point = static_cast<std::int32_t>(number);
   track.nodes = run.timeline.path_of_point(point);
-  for (const PointChange& change : run.timeline.changes_of_point(point))
+  for (const planes::PointChange& change : run.timeline.changes_of_point(point))
     track.steps.push_back(change.step);
   return track;
 }
@@ -24,8 +24,8 @@ std::vector<std::int32_t> matching_of(const ParsedFilter& filter,
                                       std::int32_t first,
                                       std::int32_t last) {
   std::vector<double> options;
-  for (const OptionInfo* option : filter.options)
-    options.push_back(number_of(*option, run.options));
+  for (const planes::OptionInfo* option : filter.options)
+    options.push_back(planes::number_of(*option, run.options));
   std::vector<PointTrack> points;
   for (const double number : filter.points) points.push_back(track_of(number, run));
   std::vector<std::int32_t> steps;
@@ -68,4 +68,4 @@ const std::vector<FilterName>& filter_names() {
   return names;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

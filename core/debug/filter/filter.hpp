@@ -11,7 +11,7 @@
 
 #include "core/debug/replay/run.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// What is wrong with a filter's text, and where: bytes [begin, end).
 struct FilterProblem {
@@ -52,4 +52,4 @@ struct FilterName {
 };
 const std::vector<FilterName>& filter_names();
 
-}  // namespace planescope
+}  // namespace planescope::debug

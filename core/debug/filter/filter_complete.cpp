@@ -4,7 +4,7 @@
 
 #include "core/debug/filter/filter_parse.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 using Tokens = std::vector<FilterToken>;
@@ -87,4 +87,4 @@ std::vector<Completion> complete_filter(const std::string& text, std::size_t cur
   return completions;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -4,22 +4,22 @@
 
 #include "core/debug/replay/truth_check.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
 using View = const EventView&;
-using Node = const OctreeNode&;
+using Node = const planes::OctreeNode&;
 using Facts = const NodeFacts&;
 
-bool is_decide(View e) { return e.event.type == EventType::decide; }
+bool is_decide(View e) { return e.event.type == planes::EventType::decide; }
 
 /// The facts where the fit came to be: asked for by Criterion 3, or the candidate's own.
 const NodeFacts* fitted(View e) {
   const NodeFacts* known = e.facts();
   if (!known) return nullptr;
-  const bool asked = is_decide(e) ? e.event.node_case >= static_cast<int>(Case::III)
+  const bool asked = is_decide(e) ? e.event.node_case >= static_cast<int>(planes::Case::III)
                                   : e.event.label == known->purity.inlier;
   return asked ? known : nullptr;
 }
@@ -27,7 +27,7 @@ const NodeFacts* fitted(View e) {
 /// The facts where ground truth is known.
 const NodeFacts* judged(View e) { return e.run.subject->voxel_truth.known() ? e.facts() : nullptr; }
 
-template <EventType type>
+template <planes::EventType type>
 double is_kind(View e) {
   return e.event.type == type;
 }
@@ -60,8 +60,8 @@ double at_place(View e) {
 template <int axis>
 double coordinate(View e) {
   const double origin = e.run.subject->prepared.cloud.origin[axis];
-  if (const OctreeNode* node = e.node()) {
-    const Octree& octree = e.run.octree();
+  if (const planes::OctreeNode* node = e.node()) {
+    const planes::Octree& octree = e.run.octree();
     return origin + octree.node_min(*node)[axis] + octree.node_edge_m(*node) / 2;
   }
   return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
@@ -85,14 +85,15 @@ double result_of(View e) {
   if (e.event.plane < 0) return kAbsent;
   const Timeline& timeline = e.run.timeline;
   std::int32_t plane = e.event.plane;
-  for (const PlaneChange* last = timeline.plane_at(plane, timeline.steps()); last->into >= 0;
-       last = timeline.plane_at(plane, timeline.steps()))
+  for (const planes::PlaneChange* last = timeline.plane_at(plane, timeline.steps());
+       last->into >= 0; last = timeline.plane_at(plane, timeline.steps()))
     plane = last->into;
   return timeline.result_of_plane(plane);
 }
 
 double sigma_ang_deg(View e) {
-  const bool stated = e.event.type == EventType::wait || e.event.type == EventType::leave;
+  const bool stated =
+      e.event.type == planes::EventType::wait || e.event.type == planes::EventType::leave;
   if (stated && e.event.node >= 0) return e.event.value * kDegreesPerRadian;
   const NodeFacts* facts = fitted(e);
   return facts ? facts->sigma_ang * kDegreesPerRadian : kAbsent;
@@ -105,7 +106,7 @@ double true_plane(View e) {
 }
 
 std::vector<FilterSymbol> fields_of_events() {
-  using enum EventType;
+  using enum planes::EventType;
   using enum FilterType;
   return {
       {"visit", "a node is dequeued", boolean, is_kind<visit>},
@@ -123,7 +124,7 @@ std::vector<FilterSymbol> fields_of_events() {
        [](View e) { return static_cast<double>(e.event.stage); }},
       {"refinement", "the refinement that decided", stage,
        [](View e) {
-         return refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
+         return planes::refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
        }},
       {"label", "h or v: of the candidate, node, point or plane", label, label_of},
       {"plane", "planes that the event concerns, as P7 or 7", plane,
@@ -189,7 +190,7 @@ std::vector<FilterSymbol> fields_of_events() {
 }
 
 void append_options(std::vector<FilterSymbol>& all) {
-  for (const OptionInfo& info : option_table())
+  for (const planes::OptionInfo& info : planes::option_table())
     if (info.is_number() && info.steers_segmentation())
       all.push_back({info.name, info.meaning, FilterType::number, nullptr, &info});
 }
@@ -198,15 +199,16 @@ void append_values(std::vector<FilterSymbol>& all) {
   const auto add = [&](const char* name, const char* meaning, FilterType type, auto value) {
     all.push_back({name, meaning, type, nullptr, nullptr, static_cast<double>(value)});
   };
-  add(to_string(Case::I), "impure", FilterType::node_case, Case::I);
-  add(to_string(Case::II), "too few inliers", FilterType::node_case, Case::II);
-  add(to_string(Case::III), "not planar", FilterType::node_case, Case::III);
-  add(to_string(Case::IV), "a plane", FilterType::node_case, Case::IV);
+  add(planes::to_string(planes::Case::I), "impure", FilterType::node_case, planes::Case::I);
+  add(planes::to_string(planes::Case::II), "too few inliers", FilterType::node_case,
+      planes::Case::II);
+  add(planes::to_string(planes::Case::III), "not planar", FilterType::node_case, planes::Case::III);
+  add(planes::to_string(planes::Case::IV), "a plane", FilterType::node_case, planes::Case::IV);
   add("h", "level, like treads", FilterType::label, Label::h);
   add("v", "upright, like risers", FilterType::label, Label::v);
-  for (const Stage stage : stages()) {
-    const RefinementInfo* refinement = refinement_of(stage);
-    add(to_string(stage), refinement ? refinement->title : "a stage of the paper",
+  for (const planes::Stage stage : planes::stages()) {
+    const planes::RefinementInfo* refinement = planes::refinement_of(stage);
+    add(planes::to_string(stage), refinement ? refinement->title : "a stage of the paper",
         FilterType::stage, stage);
   }
 }
@@ -253,4 +255,4 @@ const char* to_string(FilterType type) {
   return kTexts[static_cast<std::size_t>(type)];
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -13,7 +13,7 @@
 #include "core/debug/replay/run.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// Where to find a point that a filter names.
 struct PointTrack {
@@ -25,16 +25,17 @@ struct PointTrack {
 struct EventView {
   const Run& run;
   std::int32_t step;
-  const TraceEvent& event;
+  const planes::TraceEvent& event;
   std::span<const double> options = {};     // of ParsedFilter::options
   std::span<const PointTrack> points = {};  // of ParsedFilter::points
 
-  const OctreeNode* node() const {
+  const planes::OctreeNode* node() const {
     return event.node >= 0 ? &run.octree().nodes[event.node] : nullptr;
   }
   /// What the criteria see of the node; null when it is visited: nothing has been computed yet.
   const NodeFacts* facts() const {
-    return event.node >= 0 && event.type != EventType::visit ? &run.facts[event.node] : nullptr;
+    return event.node >= 0 && event.type != planes::EventType::visit ? &run.facts[event.node]
+                                                                     : nullptr;
   }
 };
 
@@ -61,7 +62,7 @@ struct FilterSymbol {
   FilterType type = FilterType::number;
   /// Booleans are 0 or 1, names the number of what they name. `plane`, `point`: is there any?
   double (*field)(const EventView&) = nullptr;
-  const OptionInfo* option = nullptr;
+  const planes::OptionInfo* option = nullptr;
   std::optional<double> value = {};
 };
 const std::vector<FilterSymbol>& filter_symbols();
@@ -70,4 +71,4 @@ const std::vector<FilterSymbol>& filter_symbols();
 const FilterSymbol* find_filter_symbol(std::string_view name,
                                        std::optional<FilterType> wanted = {});
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -10,7 +10,7 @@
 
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Deeper than anyone writes, and not too deep for the stack.
@@ -297,4 +297,4 @@ ParsedFilter parse_filter(std::string_view text) {
   return Parser(text, std::move(tokens)).run();
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

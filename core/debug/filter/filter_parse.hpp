@@ -11,7 +11,7 @@
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/filter/filter_fields.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 struct FilterPlace {
   std::size_t begin = 0, end = 0;  // bytes of the text
@@ -34,10 +34,10 @@ using FilterFormula = std::function<double(const EventView&)>;
 
 struct ParsedFilter {
   FilterFormula formula;
-  std::vector<const OptionInfo*> options;  // EventView::options are their numbers
-  std::vector<double> points;              // EventView::points are their tracks
+  std::vector<const planes::OptionInfo*> options;  // EventView::options are their numbers
+  std::vector<double> points;                      // EventView::points are their tracks
 };
 /// docs/filter.md has the grammar. Throws a FilterProblem.
 ParsedFilter parse_filter(std::string_view text);
 
-}  // namespace planescope
+}  // namespace planescope::debug

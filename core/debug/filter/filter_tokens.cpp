@@ -5,7 +5,7 @@
 
 #include "core/debug/filter/filter_parse.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Of two that begin alike, the longer one first.
@@ -75,4 +75,4 @@ void fail_filter(const FilterPlace& place, std::string message) {
   throw FilterProblem{place.begin, place.end, std::move(message)};
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -3,7 +3,7 @@
 #include "core/debug/replay/facts.hpp"
 #include "core/debug/replay/truth_check.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 double Run::theta_rms(const Vec3d& p) const {
   return segmentation.noise.theta_rms((p - subject->prepared.sensor()).norm());
@@ -14,14 +14,14 @@ double Run::tau(const Vec3d& p) const {
 }
 
 std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
-                                    const PipelineOptions& options) {
+                                    const planes::PipelineOptions& options) {
   auto run = std::make_shared<Run>();
-  const PreparedFrame& prepared = subject->prepared;
+  const planes::PreparedFrame& prepared = subject->prepared;
   run->subject = std::move(subject);
   run->options = options;
-  run->segment_options = segment_options(prepared, options);
+  run->segment_options = planes::segment_options(prepared, options);
   run->segmentation =
-      find_regions(run->subject->frame, prepared, options, &run->trace).segmentation;
+      planes::find_regions(run->subject->frame, prepared, options, &run->trace).segmentation;
   run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation)
                                  : Timeline(run->segmentation, prepared.voxels.points);
   run->facts = facts_of(*run);
@@ -29,4 +29,4 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
   return run;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -1,9 +1,9 @@
 #include "core/debug/replay/state_walk.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
-const Measurements kNoMeasurements;
+const planes::Measurements kNoMeasurements;
 
 }  // namespace
 
@@ -14,11 +14,11 @@ StateWalk::StateWalk(const Run& run)
   state_.plane_of.assign(run.octree().order.size(), -1);
 }
 
-const SegmentState& StateWalk::advance_to(std::int32_t step) {
-  const std::vector<Trace::Point>& points = run_.trace.points;
+const planes::SegmentState& StateWalk::advance_to(std::int32_t step) {
+  const std::vector<planes::Trace::Point>& points = run_.trace.points;
   for (; points_ < points.size() && points[points_].change.step <= step; ++points_)
     state_.plane_of[points[points_].point] = points[points_].change.plane;
-  const std::vector<Trace::Plane>& planes = run_.trace.planes;
+  const std::vector<planes::Trace::Plane>& planes = run_.trace.planes;
   for (; planes_ < planes.size() && planes[planes_].change.step <= step; ++planes_) {
     const auto plane = static_cast<std::size_t>(planes[planes_].plane);
     if (plane == state_.planes.size()) state_.planes.emplace_back();
@@ -27,4 +27,4 @@ const SegmentState& StateWalk::advance_to(std::int32_t step) {
   return state_;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -5,7 +5,7 @@
 #include "core/debug/replay/run.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// Walks forward through the changes of a trace: planes, and the points in them. The octree is that
 /// of the run's end, with all nodes. What the state does not hold: Measurements (what the split
@@ -14,13 +14,13 @@ class StateWalk {
  public:
   explicit StateWalk(const Run& run);
   /// To the state at `step`, not before where it is.
-  const SegmentState& advance_to(std::int32_t step);
-  const SegmentState& state() const { return state_; }
+  const planes::SegmentState& advance_to(std::int32_t step);
+  const planes::SegmentState& state() const { return state_; }
 
  private:
   const Run& run_;
-  SegmentState state_;
+  planes::SegmentState state_;
   std::size_t points_ = 0, planes_ = 0;  // changes that are made
 };
 
-}  // namespace planescope
+}  // namespace planescope::debug

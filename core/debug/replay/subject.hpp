@@ -10,7 +10,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 /// Ground truth by voxel, by majority of its points. Empty vectors where the frame has none.
 struct VoxelTruth {
@@ -23,8 +23,8 @@ struct VoxelTruth {
 
 struct Subject {
   Frame frame;
-  PreparedFrame prepared;
-  std::optional<SourceTruth> truth;
+  planes::PreparedFrame prepared;
+  std::optional<planes::SourceTruth> truth;
   VoxelTruth voxel_truth;
   std::vector<std::uint32_t> point_of_source;  // pixel v * width + u, or index in the file -> cloud
                                                // point; kNoVoxel where nothing was measured
@@ -36,8 +36,8 @@ struct Subject {
 
 /// Throws as prepare_frame() does.
 std::shared_ptr<const Subject> make_subject(Frame frame,
-                                            std::optional<SourceTruth> truth,
-                                            const PipelineOptions& options,
-                                            const Classifier* classifier);
+                                            std::optional<planes::SourceTruth> truth,
+                                            const planes::PipelineOptions& options,
+                                            const planes::Classifier* classifier);
 
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// The part of a CSR that belongs to `index`.
@@ -40,30 +40,30 @@ void to_rows(const std::vector<Record>& records,
 
 }  // namespace
 
-Timeline::Timeline(const Trace& trace, const Segmentation& segmentation)
+Timeline::Timeline(const planes::Trace& trace, const planes::Segmentation& segmentation)
     : steps_(trace.steps()),
       queued_at_(trace.queued_at),
       visited_at_(trace.visited_at),
       decided_at_(trace.decided_at) {
-  const Octree& octree = segmentation.octree;
+  const planes::Octree& octree = segmentation.octree;
   for (auto* at : {&queued_at_, &visited_at_, &decided_at_})
-    at->resize(octree.nodes.size(), kNever);
+    at->resize(octree.nodes.size(), planes::kNever);
   std::size_t planes = 0;
-  for (const Trace::Plane& plane : trace.planes)
+  for (const planes::Trace::Plane& plane : trace.planes)
     planes = std::max(planes, static_cast<std::size_t>(plane.plane) + 1);
   to_rows(
-      trace.points, [&](const Trace::Point& record) { return octree.order[record.point]; },
+      trace.points, [&](const planes::Trace::Point& record) { return octree.order[record.point]; },
       octree.order.size(), points_first_, point_changes_);
   to_rows(
-      trace.planes, [](const Trace::Plane& record) { return record.plane; }, planes, planes_first_,
-      plane_changes_);
+      trace.planes, [](const planes::Trace::Plane& record) { return record.plane; }, planes,
+      planes_first_, plane_changes_);
   result_of_plane_.assign(planes, 0);
-  for (const PlaneRegion& region : segmentation.planes)
+  for (const planes::PlaneRegion& region : segmentation.planes)
     if (region.founded < plane_count()) result_of_plane_[region.founded] = region.id;
 
   leaf_of_point_.assign(octree.order.size(), -1);
   for (std::size_t n = 0; n < octree.nodes.size(); ++n) {
-    const OctreeNode& node = octree.nodes[n];
+    const planes::OctreeNode& node = octree.nodes[n];
     parents_.push_back(node.parent);
     if (node.first_child >= 0) continue;
     for (std::uint32_t i = node.begin; i < node.end; ++i)
@@ -71,7 +71,7 @@ Timeline::Timeline(const Trace& trace, const Segmentation& segmentation)
   }
 }
 
-Timeline::Timeline(const Segmentation& segmentation, std::span<const Vec3f> points) {
+Timeline::Timeline(const planes::Segmentation& segmentation, std::span<const Vec3f> points) {
   const std::size_t count = segmentation.planes.size();
   std::vector<Moments> moments(count);
   points_first_ = {0};
@@ -82,8 +82,8 @@ Timeline::Timeline(const Segmentation& segmentation, std::span<const Vec3f> poin
     points_first_.push_back(static_cast<std::uint32_t>(i + 1));
   }
   for (std::size_t k = 0; k < count; ++k) {
-    const PlaneRegion& region = segmentation.planes[k];
-    PlaneChange& change = plane_changes_.emplace_back();
+    const planes::PlaneRegion& region = segmentation.planes[k];
+    planes::PlaneChange& change = plane_changes_.emplace_back();
     change.label = region.label;
     change.moments = moments[k];
     change.fit = region.fit;
@@ -99,13 +99,13 @@ NodeState Timeline::node_state(std::int32_t node, std::int32_t step) const {
   return queued_at_[node] <= step ? NodeState::queued : NodeState::unborn;
 }
 
-std::span<const PointChange> Timeline::changes_of_point(std::int32_t point) const {
+std::span<const planes::PointChange> Timeline::changes_of_point(std::int32_t point) const {
   return row(point_changes_, points_first_, point);
 }
 
-PointChange Timeline::point_at(std::int32_t point, std::int32_t step) const {
-  const PointChange* change = last_until(changes_of_point(point), step);
-  return change ? *change : PointChange{};
+planes::PointChange Timeline::point_at(std::int32_t point, std::int32_t step) const {
+  const planes::PointChange* change = last_until(changes_of_point(point), step);
+  return change ? *change : planes::PointChange{};
 }
 
 std::int32_t Timeline::node_of_point(std::int32_t point, std::int32_t step) const {
@@ -122,12 +122,12 @@ std::vector<std::int32_t> Timeline::path_of_point(std::int32_t point) const {
   return path;
 }
 
-std::span<const PlaneChange> Timeline::changes_of_plane(std::int32_t plane) const {
+std::span<const planes::PlaneChange> Timeline::changes_of_plane(std::int32_t plane) const {
   return row(plane_changes_, planes_first_, plane);
 }
 
-const PlaneChange* Timeline::plane_at(std::int32_t plane, std::int32_t step) const {
+const planes::PlaneChange* Timeline::plane_at(std::int32_t plane, std::int32_t step) const {
   return last_until(changes_of_plane(plane), step);
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

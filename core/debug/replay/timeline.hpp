@@ -10,7 +10,7 @@
 
 #include "core/planes/segment/segment.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 
 enum class NodeState : std::uint8_t {
   unborn,   // its parent is not divided yet
@@ -23,10 +23,10 @@ class Timeline {
  public:
   Timeline() = default;
   /// Of what segment() made with a trace.
-  Timeline(const Trace& trace, const Segmentation& segmentation);
+  Timeline(const planes::Trace& trace, const planes::Segmentation& segmentation);
 
   /// Of a result without a trace: its planes stand from step 0 on, and no step follows.
-  Timeline(const Segmentation& segmentation, std::span<const Vec3f> points);
+  Timeline(const planes::Segmentation& segmentation, std::span<const Vec3f> points);
 
   std::int32_t steps() const { return steps_; }
 
@@ -37,8 +37,8 @@ class Timeline {
   NodeState node_state(std::int32_t node, std::int32_t step) const;
 
   // Points, by their index in segment()'s input.
-  std::span<const PointChange> changes_of_point(std::int32_t point) const;  // by step
-  PointChange point_at(std::int32_t point, std::int32_t step) const;
+  std::span<const planes::PointChange> changes_of_point(std::int32_t point) const;  // by step
+  planes::PointChange point_at(std::int32_t point, std::int32_t step) const;
   /// The node that holds the point among those settled or queued at `step`: the deepest born one;
   /// -1 where there is no octree.
   std::int32_t node_of_point(std::int32_t point, std::int32_t step) const;
@@ -47,9 +47,9 @@ class Timeline {
 
   // Planes of the trace, in order of founding.
   std::int32_t plane_count() const { return static_cast<std::int32_t>(planes_first_.size()) - 1; }
-  std::span<const PlaneChange> changes_of_plane(std::int32_t plane) const;  // by step
+  std::span<const planes::PlaneChange> changes_of_plane(std::int32_t plane) const;  // by step
   /// Null before it is founded.
-  const PlaneChange* plane_at(std::int32_t plane, std::int32_t step) const;
+  const planes::PlaneChange* plane_at(std::int32_t plane, std::int32_t step) const;
   Label label_of_plane(std::int32_t plane) const { return changes_of_plane(plane).front().label; }
   /// Id in the result (PlaneRegion::id), 0 where it is not part of it.
   std::int32_t result_of_plane(std::int32_t plane) const { return result_of_plane_[plane]; }
@@ -58,11 +58,11 @@ class Timeline {
   std::int32_t steps_ = 0;
   std::vector<std::int32_t> queued_at_, visited_at_, decided_at_;
   std::vector<std::uint32_t> points_first_, planes_first_{0};
-  std::vector<PointChange> point_changes_;
-  std::vector<PlaneChange> plane_changes_;
+  std::vector<planes::PointChange> point_changes_;
+  std::vector<planes::PlaneChange> plane_changes_;
   std::vector<std::int32_t> result_of_plane_;
   std::vector<std::int32_t> leaf_of_point_;  // the deepest node that ever held each point
   std::vector<std::int32_t> parents_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::debug

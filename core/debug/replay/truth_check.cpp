@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// How many points of each true plane a plane of the trace has.
@@ -43,18 +43,18 @@ class TruthChecker {
         tallies_(static_cast<std::size_t>(run.timeline.plane_count())) {}
 
   bool is_wrong(std::int32_t step) {
-    const TraceEvent& event = *run_.event_at(step);
+    const planes::TraceEvent& event = *run_.event_at(step);
     take_changes_until(step - 1);
     switch (event.type) {
-      case EventType::decide:
+      case planes::EventType::decide:
         return is_wrong_case(event);
-      case EventType::found:
+      case planes::EventType::found:
         return event.node >= 0 && stands_already(truth_of_candidate(event), step - 1);
-      case EventType::merge:
+      case planes::EventType::merge:
         return differ(truth_of_candidate(event), event.plane);
-      case EventType::assign:
+      case planes::EventType::assign:
         return differ(truth_of(event.point), event.plane);
-      case EventType::drop:
+      case planes::EventType::drop:
         return truth_of(event.point) > 0;
       default:
         return false;
@@ -63,10 +63,10 @@ class TruthChecker {
 
  private:
   void take_changes_until(std::int32_t step) {
-    const std::vector<Trace::Point>& changes = run_.trace.points;
+    const std::vector<planes::Trace::Point>& changes = run_.trace.points;
     while (taken_ < changes.size() && changes[taken_].change.step <= step) {
       // All that one event gives to a plane comes at once.
-      const PointChange first = changes[taken_].change;
+      const planes::PointChange first = changes[taken_].change;
       TruthTally given;
       for (; taken_ < changes.size() && changes[taken_].change.step == first.step &&
              changes[taken_].change.plane == first.plane;
@@ -81,22 +81,22 @@ class TruthChecker {
     }
   }
 
-  bool is_wrong_case(const TraceEvent& event) const {
+  bool is_wrong_case(const planes::TraceEvent& event) const {
     const NodeFacts& facts = run_.facts[event.node];
-    switch (static_cast<Case>(event.node_case)) {
-      case Case::I:
-      case Case::III:
+    switch (static_cast<planes::Case>(event.node_case)) {
+      case planes::Case::I:
+      case planes::Case::III:
         return is_pure_in_truth(facts, run_.segment_options);
-      case Case::IV:
+      case planes::Case::IV:
         return is_mixed_in_truth(facts, run_.segment_options);
       default:
         return false;
     }
   }
 
-  std::int32_t truth_of_candidate(const TraceEvent& event) const {
-    const Octree& octree = run_.octree();
-    const OctreeNode& node = octree.nodes[event.node];
+  std::int32_t truth_of_candidate(const planes::TraceEvent& event) const {
+    const planes::Octree& octree = run_.octree();
+    const planes::OctreeNode& node = octree.nodes[event.node];
     TruthTally tally;
     for (std::uint32_t i = node.begin; i < node.end; ++i) {
       if (run_.segment_options.use_labels && octree.labels[i] != event.label) continue;
@@ -110,7 +110,7 @@ class TruthChecker {
 
   bool stands_already(std::int32_t truth, std::int32_t step) const {
     for (std::int32_t k = 0; truth > 0 && k < run_.timeline.plane_count(); ++k) {
-      const PlaneChange* plane = run_.timeline.plane_at(k, step);
+      const planes::PlaneChange* plane = run_.timeline.plane_at(k, step);
       if (!plane) break;  // the others are founded later
       if (plane->alive && tallies_[k].majority() == truth) return true;
     }
@@ -129,15 +129,16 @@ class TruthChecker {
 
 }  // namespace
 
-bool is_mixed_in_truth(const NodeFacts& facts, const SegmentOptions& options) {
-  return !is_pure({.n_in = facts.truth_points, .n_out = facts.truth_known - facts.truth_points},
-                  options);
+bool is_mixed_in_truth(const NodeFacts& facts, const planes::SegmentOptions& options) {
+  return !planes::is_pure(
+      {.n_in = facts.truth_points, .n_out = facts.truth_known - facts.truth_points}, options);
 }
 
-bool is_pure_in_truth(const NodeFacts& facts, const SegmentOptions& options) {
+bool is_pure_in_truth(const NodeFacts& facts, const planes::SegmentOptions& options) {
   const std::uint32_t size = facts.purity.n_in + facts.purity.n_out;
-  return is_pure({.n_in = facts.truth_points, .n_out = size - facts.truth_points}, options) &&
-         has_enough_inliers(facts.truth_points, options);
+  return planes::is_pure({.n_in = facts.truth_points, .n_out = size - facts.truth_points},
+                         options) &&
+         planes::has_enough_inliers(facts.truth_points, options);
 }
 
 std::vector<std::uint8_t> wrong_decisions(const Run& run) {
@@ -149,4 +150,4 @@ std::vector<std::uint8_t> wrong_decisions(const Run& run) {
   return wrong;
 }
 
-}  // namespace planescope
+}  // namespace planescope::debug

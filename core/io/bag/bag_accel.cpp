@@ -7,7 +7,7 @@
 #include "core/io/bag/ros_messages.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 constexpr std::size_t kMaxSamples = 64;
@@ -64,4 +64,4 @@ std::optional<Gravity> gravity_near(const rosbag1::Bag& bag,
   return Gravity{-(R_depth_accel * mean).normalized(), GravitySource::imu, 1, note};
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

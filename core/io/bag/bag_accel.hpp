@@ -6,7 +6,7 @@
 #include "core/io/bag/rosbag1.hpp"
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest it measures the
 /// reaction to gravity, so things fall along the negative of their mean. nullopt where there are
@@ -16,4 +16,4 @@ std::optional<Gravity> gravity_near(const rosbag1::Bag& bag,
                                     std::uint64_t time_ns,
                                     const Mat3d& R_depth_accel);
 
-}  // namespace planescope
+}  // namespace planescope::io

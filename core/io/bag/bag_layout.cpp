@@ -7,7 +7,7 @@
 #include "core/io/bag/ros_messages.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using rosbag1::Bag;
@@ -249,4 +249,4 @@ BagLayout find_bag_layout(const Bag& bag) {
               "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw");
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -5,7 +5,7 @@
 #include "core/io/bag/rosbag1.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Which topics of a bag play which part. Empty names where there is none.
 struct BagLayout {
@@ -25,4 +25,4 @@ struct BagLayout {
 /// Throws Error that lists the image topics found when there is none with depth.
 BagLayout find_bag_layout(const rosbag1::Bag& bag);
 
-}  // namespace planescope
+}  // namespace planescope::io

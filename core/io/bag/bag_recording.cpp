@@ -9,7 +9,7 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using rosbag1::Bag;
@@ -305,4 +305,4 @@ std::unique_ptr<Recording> open_bag(const std::filesystem::path& path,
   return std::make_unique<BagRecording>(path, options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -4,7 +4,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope::ros {
+namespace planescope::io::ros {
 namespace {
 
 struct Layout {
@@ -76,4 +76,4 @@ double decimal(float value) {
   return result;
 }
 
-}  // namespace planescope::ros
+}  // namespace planescope::io::ros

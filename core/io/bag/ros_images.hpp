@@ -6,7 +6,7 @@
 #include "core/io/bag/ros_messages.hpp"
 #include "core/model/image.hpp"
 
-namespace planescope::ros {
+namespace planescope::io::ros {
 
 /// Throws Error naming bag and topic unless the image holds 16-bit depth counts.
 void check_depth_encoding(const Image& image,
@@ -20,4 +20,4 @@ Image8 to_rgb(const Image& image, const std::filesystem::path& bag, const std::s
 /// A float as the decimal number that was meant: 0.001f becomes 0.001, not 0.0010000000475.
 double decimal(float value);
 
-}  // namespace planescope::ros
+}  // namespace planescope::io::ros

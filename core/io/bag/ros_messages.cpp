@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace planescope::ros {
+namespace planescope::io::ros {
 namespace {
 
 constexpr std::uint32_t kMaxSide = 1 << 15;
@@ -140,4 +140,4 @@ KeyValue parse_key_value(Bytes message) {
 
 float parse_float32(Bytes message) { return ByteReader(message).read<float>(); }
 
-}  // namespace planescope::ros
+}  // namespace planescope::io::ros

@@ -7,7 +7,7 @@
 #include "core/io/byte_reader.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope::ros {
+namespace planescope::io::ros {
 
 // The ROS 1 messages that recordings of depth cameras use. Every function throws OutOfBytes when
 // the bytes end early.
@@ -67,4 +67,4 @@ KeyValue parse_key_value(Bytes message);
 
 float parse_float32(Bytes message);
 
-}  // namespace planescope::ros
+}  // namespace planescope::io::ros

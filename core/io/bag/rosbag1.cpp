@@ -5,7 +5,7 @@
 #include "core/io/bag/rosbag1_records.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 namespace {
 
 constexpr std::size_t kCachedChunks = 8;
@@ -103,4 +103,4 @@ MessageBytes Bag::read(const MessageRef& message) const {
               " of chunk " + std::to_string(message.chunk) + ", where its index places one");
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -11,7 +11,7 @@
 #include "core/io/bag/rosbag1_records.hpp"
 #include "core/io/mapped_file.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 
 struct Connection {
   std::string topic;
@@ -94,4 +94,4 @@ class Bag {
   mutable std::vector<Cached> cache_;  // last used at the back
 };
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

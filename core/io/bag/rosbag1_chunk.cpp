@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <memory>
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 namespace {
 
 constexpr std::size_t kStepBytes = 1 << 20;
@@ -146,4 +146,4 @@ Unpacked unpack(Compression compression, Bytes stored, std::uint32_t raw_bytes) 
   return {};
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -5,7 +5,7 @@
 
 #include "core/io/byte_reader.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 
 enum class Compression : std::uint8_t { none, lz4, bz2, unknown };
 Compression parse_compression(std::string_view name);
@@ -21,4 +21,4 @@ struct Unpacked {
 /// for LZ4 to the byte, for BZ2 to its blocks of 900 kB.
 Unpacked unpack(Compression compression, Bytes stored, std::uint32_t raw_bytes);
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -1,6 +1,6 @@
 #include "core/io/bag/rosbag1.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 namespace {
 
 Record read_record_of(Op op, ByteReader& reader) {
@@ -77,4 +77,4 @@ bool read_index(Bytes file, Index& index) {
   }
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

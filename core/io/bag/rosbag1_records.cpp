@@ -1,6 +1,6 @@
 #include "core/io/bag/rosbag1_records.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 
 std::optional<Bytes> Fields::find(std::string_view name) const {
   ByteReader reader(header_);
@@ -22,4 +22,4 @@ std::string_view Fields::text(std::string_view name) const {
   return {reinterpret_cast<const char*>(value->data()), value->size()};
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -5,7 +5,7 @@
 
 #include "core/io/byte_reader.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 
 // ROS bag format 2.0: http://wiki.ros.org/Bags/Format/2.0
 inline constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
@@ -55,4 +55,4 @@ inline std::uint64_t nanoseconds(std::uint64_t time) {
   return (time & 0xffffffffu) * 1'000'000'000u + (time >> 32);
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -2,7 +2,7 @@
 
 #include "core/io/bag/rosbag1.hpp"
 
-namespace planescope::rosbag1 {
+namespace planescope::io::rosbag1 {
 namespace {
 
 /// The walk through a bag whose index is missing, cut or damaged.
@@ -175,4 +175,4 @@ Index scan(Bytes file) {
   return std::move(scan.index);
 }
 
-}  // namespace planescope::rosbag1
+}  // namespace planescope::io::rosbag1

@@ -8,7 +8,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 // Beyond this a float no longer resolves hundredths of a millimetre: coordinates get an origin.
@@ -175,4 +175,4 @@ PointSet CloudBuilder::finish() {
   return std::move(set_);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -12,7 +12,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Number types of cloud files.
 enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
@@ -57,4 +57,4 @@ class CloudBuilder {
   PointSet set_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::io

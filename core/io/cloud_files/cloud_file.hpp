@@ -7,7 +7,7 @@
 
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Fields of a cloud file that are wanted as they stand there, beside what PointSet keeps.
 struct CloudExtras {
@@ -33,4 +33,4 @@ void write_ply(const std::filesystem::path& path, const PointSet& set);
 /// The same fields as binary PCD, colour as PCL packs it.
 std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more = {});
 
-}  // namespace planescope
+}  // namespace planescope::io

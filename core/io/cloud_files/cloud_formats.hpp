@@ -11,7 +11,7 @@
 
 // Shared by the readers of cloud files. Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 /// Each checks the header against the file's size, reading nothing else. Throws Error.
 void check_ply(const std::filesystem::path& path);
@@ -49,4 +49,4 @@ class HeaderLines {
 /// A count as decimal digits only.
 std::optional<std::uint64_t> parse_count(std::string_view text);
 
-}  // namespace planescope
+}  // namespace planescope::io

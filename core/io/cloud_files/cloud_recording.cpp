@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ std::unique_ptr<Recording> open_clouds(const fs::path& path, const RecordingOpti
   return std::make_unique<CloudRecording>(path, options.instance_field);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

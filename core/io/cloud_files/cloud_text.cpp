@@ -3,7 +3,7 @@
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\n\f\v";
@@ -47,4 +47,4 @@ std::optional<std::uint64_t> parse_count(std::string_view text) {
   return value;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

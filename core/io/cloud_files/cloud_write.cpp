@@ -5,7 +5,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -117,4 +117,4 @@ std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntFie
   return out;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

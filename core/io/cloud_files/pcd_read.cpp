@@ -8,7 +8,7 @@
 // https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 // Read by our own code: Open3D's reader trusts the header (a padding field of another size than
 // its namesake, or a short compressed block, makes it read outside its buffers).
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 enum class PcdData : std::uint8_t { ascii, binary, compressed };
@@ -253,4 +253,4 @@ PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
   return builder.finish();
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 
 // http://paulbourke.net/dataformats/ply/
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 enum class PlyFormat : std::uint8_t { ascii, little_endian, big_endian };
@@ -225,4 +225,4 @@ PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
   return builder.finish();
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -11,7 +11,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -215,4 +215,4 @@ CameraFiles find_camera_files(const fs::path& folder) {
   return {};
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

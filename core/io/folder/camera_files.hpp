@@ -9,7 +9,7 @@
 
 // Calibration files beside the images of a folder. Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 struct CameraFiles {
   CameraFacts depth;
@@ -26,4 +26,4 @@ std::optional<CameraFacts> camera_from_json(const std::filesystem::path& path);
 std::optional<CameraFiles> camera_from_opencv_xml(const std::filesystem::path& path);
 std::optional<CameraFacts> camera_from_text(const std::filesystem::path& path);
 
-}  // namespace planescope
+}  // namespace planescope::io

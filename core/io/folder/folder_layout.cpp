@@ -9,7 +9,7 @@
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -186,4 +186,4 @@ FolderLayout find_folder_layout(const fs::path& folder) {
   return layout;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

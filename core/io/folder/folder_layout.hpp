@@ -7,7 +7,7 @@
 
 // Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 /// Which images of a folder are depth, and which colour belongs to each.
 struct FolderLayout {
@@ -26,4 +26,4 @@ FolderLayout find_folder_layout(const std::filesystem::path& folder);
 /// the point (seconds, milli-, micro- or nanoseconds since 1970). [s]
 std::optional<double> timestamp_in_name(const std::filesystem::path& path);
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -9,7 +9,7 @@
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -220,4 +220,4 @@ std::unique_ptr<Recording> open_image_folder(const fs::path& path,
   return std::make_unique<FolderRecording>(path, options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -8,7 +8,7 @@
 
 // The matrices that OpenCV's FileStorage writes as XML, read without an XML library: an element
 // <NAME type_id="opencv-matrix"> with <rows>, <cols> and <data>.
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
   return files;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

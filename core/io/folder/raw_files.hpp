@@ -5,7 +5,7 @@
 
 // Internal to core/io.
 
-namespace planescope {
+namespace planescope::io {
 
 struct RawFile {
   std::filesystem::path raw;
@@ -15,4 +15,4 @@ struct RawFile {
 /// Depth snapshots of the RealSense Viewer: at the .raw or .csv given, or all in the folder given.
 std::vector<RawFile> viewer_raw_files(const std::filesystem::path& path);
 
-}  // namespace planescope
+}  // namespace planescope::io

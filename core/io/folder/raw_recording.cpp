@@ -11,7 +11,7 @@
 
 // Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what they
 // are in X_metadata.csv. The picture X.png beside them is coloured, no depth.
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -174,4 +174,4 @@ std::unique_ptr<Recording> open_viewer_raw(const fs::path& path, const Recording
   return std::make_unique<RawRecording>(path, options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

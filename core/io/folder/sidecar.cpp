@@ -5,7 +5,7 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using nlohmann::json;
@@ -123,4 +123,4 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -13,7 +13,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using Bytes = std::vector<unsigned char>;
@@ -155,4 +155,4 @@ void ApngWriter::finish() {
   write_chunk(out_, "IEND", {});
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

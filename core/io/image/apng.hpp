@@ -7,7 +7,7 @@
 
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Writes one RGB frame after the other, without loss; only one is in memory. Whoever owns the
 /// stream checks it.
@@ -25,4 +25,4 @@ class ApngWriter {
   std::uint32_t sequence_ = 0;
 };
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 /// libjpeg's state. Its errors longjmp: the steps below hold plain values only.
@@ -89,4 +89,4 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path) {
   return image;
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -4,9 +4,9 @@
 
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// Reads a JPEG as RGB. Throws Error naming the file when it is cut short or is no JPEG.
 Image8 read_jpeg_rgb(const std::filesystem::path& path);
 
-}  // namespace planescope
+}  // namespace planescope::io

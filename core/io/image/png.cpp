@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 constexpr std::uint32_t kMaxSide = 1 << 15;
@@ -213,4 +213,4 @@ Image8 read_png_rgb(const std::filesystem::path& path) {
   return decode<std::uint8_t>(decoder, info, bytes.size(), 3, path);
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

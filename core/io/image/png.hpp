@@ -6,7 +6,7 @@
 
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// What a PNG holds, read from its header without decoding it.
 struct PngInfo {
@@ -31,4 +31,4 @@ void write_png(const std::filesystem::path& path, const Image8& image);
 std::vector<unsigned char> encode_png(const Image8& image);
 std::vector<unsigned char> encode_png(const Image16& image);
 
-}  // namespace planescope
+}  // namespace planescope::io

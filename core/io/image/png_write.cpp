@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 /// See png.cpp: libpng's errors longjmp, so everything with a destructor lives outside the step.
@@ -91,4 +91,4 @@ void write_png(const std::filesystem::path& path, const Image8& image) {
   write_file_bytes(path, encode(image));
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

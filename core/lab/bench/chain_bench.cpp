@@ -4,34 +4,35 @@
 #include "core/model/work_list.hpp"
 #include "core/planes/pipeline/score.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
-                                    const SegmentOptions& segment,
+                                    const planes::SegmentOptions& segment,
                                     const LabelBenchOptions& options,
                                     const std::function<void(int, int)>& progress) {
   constexpr double kNoiseCm[] = {0, 0.1, 0.2, 0.3};
-  PipelineOptions pipeline;
+  planes::PipelineOptions pipeline;
   pipeline.segment = segment;
   pipeline.cloud.voxel_size_m = 0;
 
   const auto count = static_cast<std::size_t>(options.count), n = classifiers.size() + 1;
   // [noises][labels][stairs], so that those of a row lie side by side
-  std::vector<Metrics> of_stairs(std::size(kNoiseCm) * n * count);
+  std::vector<planes::Metrics> of_stairs(std::size(kNoiseCm) * n * count);
   const auto measure = [&](int number) {
     const auto work = static_cast<std::size_t>(number);
     const std::size_t noise = work / count, i = work % count;
     Stairs stairs =
         make_stairs(static_cast<int>(i), {.seed = options.seed, .noise_m = kNoiseCm[noise] / 100});
-    SourceTruth truth = *truth_of_cloud(stairs.cloud);
+    planes::SourceTruth truth = *planes::truth_of_cloud(stairs.cloud);
     truth.normals = stairs.normals;
     Frame frame;
     frame.cloud = std::move(stairs.cloud);
-    const FrameTruth on_points = truth_on_points(truth.values, measured_sources(frame));
+    const planes::FrameTruth on_points =
+        planes::truth_on_points(truth.values, planes::measured_sources(frame));
     for (std::size_t c = 0; c < n; ++c) {
-      const Classifier* classifier = c > 0 ? classifiers[c - 1].classifier.get() : nullptr;
+      const planes::Classifier* classifier = c > 0 ? classifiers[c - 1].classifier.get() : nullptr;
       of_stairs[(noise * n + c) * count + i] =
-          score_frame(run_frame(frame, pipeline, classifier, &on_points), truth);
+          planes::score_frame(planes::run_frame(frame, pipeline, classifier, &on_points), truth);
     }
   };
   work_through(static_cast<int>(std::size(kNoiseCm) * count), options.threads, measure, progress);
@@ -39,9 +40,10 @@ std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers
   std::vector<ChainRow> rows;
   for (std::size_t noise = 0; noise < std::size(kNoiseCm); ++noise)
     for (std::size_t c = 0; c < n; ++c)
-      rows.push_back({kNoiseCm[noise], c > 0 ? classifiers[c - 1].name : "truth",
-                      mean_of(std::span(of_stairs).subspan((noise * n + c) * count, count))});
+      rows.push_back(
+          {kNoiseCm[noise], c > 0 ? classifiers[c - 1].name : "truth",
+           planes::mean_of(std::span(of_stairs).subspan((noise * n + c) * count, count))});
   return rows;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

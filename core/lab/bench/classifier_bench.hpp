@@ -14,11 +14,12 @@
 #include "core/lab/bench/table.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct ClassifierBench {
-  std::string command;                                          // as it was typed
-  std::vector<std::pair<std::string, WeightsRecord>> networks;  // name in the tables, where from
+  std::string command;  // as it was typed
+  std::vector<std::pair<std::string, planes::WeightsRecord>>
+      networks;  // name in the tables, where from
 
   LabelBenchOptions labels;
   bool accuracy = false, gravity = false;  // which of the label rows' figures are asked for
@@ -39,4 +40,4 @@ std::string results_json(const ClassifierBench& bench);
 std::vector<Table> timing_tables(const ClassifierBench& bench);
 std::string timings_json(const ClassifierBench& bench);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,12 +2,12 @@
 
 #include "core/lab/bench/classifier_bench.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const LabelAccuracy& accuracy) {
+Json json_of(const planes::LabelAccuracy& accuracy) {
   return {{"edge_percent", accuracy.edge_percent()},
           {"inner_percent", accuracy.inner_percent()},
           {"edge_points", accuracy.edge},
@@ -107,4 +107,4 @@ std::string timings_json(const ClassifierBench& bench) {
   return text_of(json);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

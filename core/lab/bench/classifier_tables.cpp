@@ -2,7 +2,7 @@
 
 #include "core/lab/bench/classifier_bench.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
@@ -153,4 +153,4 @@ std::vector<Table> timing_tables(const ClassifierBench& bench) {
   return tables;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,19 +5,19 @@
 #include "core/lab/bench/statistics.hpp"
 #include "core/planes/pipeline/frame_times.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr int kWarmUp = 3;
 
-FrameResult load_and_run(const Recording& recording,
-                         int frame_number,
-                         const PipelineOptions& options,
-                         const Classifier& classifier) {
+planes::FrameResult load_and_run(const io::Recording& recording,
+                                 int frame_number,
+                                 const planes::PipelineOptions& options,
+                                 const planes::Classifier& classifier) {
   const auto started = std::chrono::steady_clock::now();
   const Frame frame = recording.frame(frame_number);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - started;
-  FrameResult result = run_frame(frame, options, &classifier);
+  planes::FrameResult result = planes::run_frame(frame, options, &classifier);
   result.timings.load_ms = load.count();
   return result;
 }
@@ -31,10 +31,10 @@ double median_of(const std::vector<FrameRow>& runs, const Value& value) {
 
 }  // namespace
 
-FrameRow measure_frames(const Recording& recording,
+FrameRow measure_frames(const io::Recording& recording,
                         const std::vector<int>& frames,
-                        const PipelineOptions& options,
-                        const Classifier& classifier,
+                        const planes::PipelineOptions& options,
+                        const planes::Classifier& classifier,
                         const std::function<void(int, int)>& progress,
                         int runs) {
   const std::size_t used = std::min(frames.size(), static_cast<std::size_t>(runs));
@@ -42,7 +42,7 @@ FrameRow measure_frames(const Recording& recording,
   for (int run = -kWarmUp; run < runs; ++run) {
     if (progress) progress(run + kWarmUp, runs + kWarmUp);
     const std::size_t nth = static_cast<std::size_t>(run + kWarmUp) % used;
-    const FrameResult result =
+    const planes::FrameResult result =
         load_and_run(recording, frames[nth * frames.size() / used], options, classifier);
     if (run < 0) continue;
     FrameRow& row = rows.emplace_back();
@@ -58,16 +58,18 @@ FrameRow measure_frames(const Recording& recording,
   medians.runs = runs;
   for (double FrameRow::*value : {&FrameRow::points, &FrameRow::voxels, &FrameRow::planes})
     medians.*value = median_of(rows, [&](const FrameRow& run) { return run.*value; });
-  for (double FrameTimings::*stage :
-       {&FrameTimings::load_ms, &FrameTimings::cloud_ms, &FrameTimings::t_d_ms,
-        &FrameTimings::t_c_ms, &FrameTimings::t_b_ms, &FrameTimings::t_s_ms})
+  for (double planes::FrameTimings::*stage :
+       {&planes::FrameTimings::load_ms, &planes::FrameTimings::cloud_ms,
+        &planes::FrameTimings::t_d_ms, &planes::FrameTimings::t_c_ms, &planes::FrameTimings::t_b_ms,
+        &planes::FrameTimings::t_s_ms})
     medians.ms.*stage = median_of(rows, [&](const FrameRow& run) { return run.ms.*stage; });
   if (medians.voxels == 0) return medians;
-  medians.fps = 1000 / median_of(rows, [](const FrameRow& run) { return paper_ms(run.ms); });
+  medians.fps =
+      1000 / median_of(rows, [](const FrameRow& run) { return planes::paper_ms(run.ms); });
   medians.whole_fps = 1000 / median_of(rows, [](const FrameRow& run) {
-                        return run.ms.cloud_ms + paper_ms(run.ms);
+                        return run.ms.cloud_ms + planes::paper_ms(run.ms);
                       });
   return medians;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 #include "core/io/recording.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Medians over runs of frames.
 struct FrameRow {
@@ -18,7 +18,7 @@ struct FrameRow {
   int frames = 0, runs = 0;  // different frames, and how often one was run
   double points = 0;         // measured, within range or not
   double voxels = 0, planes = 0;
-  FrameTimings ms;
+  planes::FrameTimings ms;
   double fps = 0;        // as the paper's: of t_d + t_c + t_b + t_s; 0 if nothing is within range
   double whole_fps = 0;  // of these, back-projection and cropping; not of loading
 };
@@ -27,11 +27,11 @@ struct FrameRow {
 /// count. Frames are loaded anew for each run. `options.threads` as given. Throws Error where a
 /// frame cannot be read or has no gravity. `progress` is called before each run with its number and
 /// that of all; it may be empty and may throw to stop.
-FrameRow measure_frames(const Recording& recording,
+FrameRow measure_frames(const io::Recording& recording,
                         const std::vector<int>& frames,
-                        const PipelineOptions& options,
-                        const Classifier& classifier,
+                        const planes::PipelineOptions& options,
+                        const planes::Classifier& classifier,
                         const std::function<void(int, int)>& progress = {},
                         int runs = 30);
 
-}  // namespace planescope
+}  // namespace planescope::lab

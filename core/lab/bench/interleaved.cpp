@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace planescope {
+namespace planescope::lab {
 
 std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
                                                 int rounds,
@@ -24,4 +24,4 @@ std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
   return spent;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Wall-clock milliseconds of every contestant, [contestants][rounds]. In each round each of them
 /// runs once, so that all share what the machine was busy with; who begins changes from round to
@@ -15,4 +15,4 @@ std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
                                                 const std::function<void()>& before,
                                                 const std::function<void(std::size_t, int)>& body);
 
-}  // namespace planescope
+}  // namespace planescope::lab

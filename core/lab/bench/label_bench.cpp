@@ -8,17 +8,17 @@
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/work_list.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 enum Stream : std::uint64_t { kTiltAxis = 301, kTiltOfSet = 302 };
 
 struct Set {
   const char* name;
-  LabelledCloud (*make)(std::uint64_t seed, int index);
+  planes::LabelledCloud (*make)(std::uint64_t seed, int index);
 };
 
-LabelledCloud stairs(double noise_m, std::uint64_t seed, int index) {
+planes::LabelledCloud stairs(double noise_m, std::uint64_t seed, int index) {
   return labelled(make_stairs(index, {.seed = seed, .noise_m = noise_m}));
 }
 
@@ -33,16 +33,19 @@ const std::array<Set, 6> kSets = {{
      [](std::uint64_t seed, int index) { return make_test_scan(seed, index); }},
 }};
 
-LabelAccuracy accuracy_on(const LabelledCloud& cloud, const Classifier& classifier) {
-  return label_accuracy(cloud, classifier.classify(cloud.points, 1).labels);
+planes::LabelAccuracy accuracy_on(const planes::LabelledCloud& cloud,
+                                  const planes::Classifier& classifier) {
+  return planes::label_accuracy(cloud, classifier.classify(cloud.points, 1).labels);
 }
 
 }  // namespace
 
-LabelledCloud tilted(const LabelledCloud& cloud, double angle_deg, std::uint64_t seed) {
+planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
+                             double angle_deg,
+                             std::uint64_t seed) {
   const double azimuth_deg = 360 * random_uniform(seed, kTiltAxis, 0);
   const Mat3d turn = rotation({cos_deg(azimuth_deg), sin_deg(azimuth_deg), 0}, angle_deg);
-  LabelledCloud turned = cloud;
+  planes::LabelledCloud turned = cloud;
   for (Vec3f& p : turned.points) p = (turn * p.cast<double>()).cast<float>();
   return turned;
 }
@@ -54,12 +57,12 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
   std::vector<LabelRow> of_cloud(kSets.size() * count * n);  // [sets][clouds][classifiers]
   const auto measure = [&](int number) {
     const auto work = static_cast<std::size_t>(number);
-    const LabelledCloud cloud =
+    const planes::LabelledCloud cloud =
         kSets[work / count].make(options.seed, static_cast<int>(work % count));
     const std::uint64_t tilt_seed = random_bits(options.seed, kTiltOfSet, work);
-    const LabelledCloud off = tilted(cloud, options.tilt_deg, tilt_seed);
+    const planes::LabelledCloud off = tilted(cloud, options.tilt_deg, tilt_seed);
     for (std::size_t c = 0; c < n; ++c) {
-      const Classifier& classifier = *classifiers[c].classifier;
+      const planes::Classifier& classifier = *classifiers[c].classifier;
       of_cloud[work * n + c].level = accuracy_on(cloud, classifier);
       if (options.tilt_deg != 0) of_cloud[work * n + c].tilted = accuracy_on(off, classifier);
     }
@@ -80,4 +83,4 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
   return rows;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

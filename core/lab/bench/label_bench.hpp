@@ -12,11 +12,11 @@
 #include "core/planes/classify/labelled_cloud.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct NamedClassifier {
   std::string name;  // in the tables
-  std::shared_ptr<const Classifier> classifier;
+  std::shared_ptr<const planes::Classifier> classifier;
 };
 
 struct LabelBenchOptions {
@@ -29,8 +29,9 @@ struct LabelBenchOptions {
 struct LabelRow {
   std::string set;
   std::string classifier;
-  LabelAccuracy level;
-  LabelAccuracy tilted;  // with the labels of the level cloud; nothing counted without tilt_deg
+  planes::LabelAccuracy level;
+  planes::LabelAccuracy
+      tilted;  // with the labels of the level cloud; nothing counted without tilt_deg
 };
 
 /// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed scenes and of
@@ -41,6 +42,8 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
                                      const std::function<void(int, int)>& progress = {});
 
 /// The cloud turned by exactly `angle_deg` about a level axis of random direction.
-LabelledCloud tilted(const LabelledCloud& cloud, double angle_deg, std::uint64_t seed);
+planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
+                             double angle_deg,
+                             std::uint64_t seed);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <thread>
 
-namespace planescope {
+namespace planescope::lab {
 
 Machine this_machine() {
   Machine machine;
@@ -21,4 +21,4 @@ Machine this_machine() {
   return machine;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 
 #include "core/model/simd.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What timings were measured on.
 struct Machine {
@@ -14,4 +14,4 @@ struct Machine {
 };
 Machine this_machine();
 
-}  // namespace planescope
+}  // namespace planescope::lab

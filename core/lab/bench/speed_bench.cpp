@@ -11,7 +11,7 @@
 #include "core/planes/rivals/nanoflann_pca.hpp"
 #include "core/planes/rivals/plain_gcn.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Points = std::vector<Vec3f>;
@@ -53,13 +53,13 @@ SpeedRow race(const BenchNetwork& network,
               int rounds,
               int threads,
               Turns& turns) {
-  std::vector<std::unique_ptr<Classifier>> classifiers;
+  std::vector<std::unique_ptr<planes::Classifier>> classifiers;
   const std::vector<Simd> sets = instruction_sets();
   for (const Simd simd : sets)
-    classifiers.push_back(make_gcn_classifier(network.weights, network.name, simd));
-  const PcaClassifierOptions pca{.neighbours = 16};
-  classifiers.push_back(make_nanoflann_pca_classifier(pca));
-  classifiers.push_back(make_pca_classifier(pca));
+    classifiers.push_back(planes::make_gcn_classifier(network.weights, network.name, simd));
+  const planes::PcaClassifierOptions pca{.neighbours = 16};
+  classifiers.push_back(planes::make_nanoflann_pca_classifier(pca));
+  classifiers.push_back(planes::make_pca_classifier(pca));
 
   const auto ms = interleaved_ms(
       classifiers.size(), rounds, [&] { turns.next(); },
@@ -80,25 +80,26 @@ ReferenceRow race_reference(const BenchNetwork& network,
                             const Points& cloud,
                             int rounds,
                             Turns& turns) {
-  const NetworkConfig& config = network.weights.config;
+  const planes::NetworkConfig& config = network.weights.config;
   const Simd simd = best_simd();
-  const NeighbourGrid grid(cloud, config.neighbours + 1, simd);
+  const planes::NeighbourGrid grid(cloud, config.neighbours + 1, simd);
   const std::span<const Vec3f> points = grid.points();  // the order in which pooling counts
-  const PlainGraph plain_graph = make_plain_graph(points, config);
-  const PlainNetwork<float> plain{config, network.weights.tensors};
-  gcn::Graph graph;
-  gcn::make_graph(points, config, 1, simd, graph);
-  const gcn::Layers layers = gcn::make_layers(network.weights);
-  gcn::Activations activations;
-  const Gcn whole(network.weights, simd);
+  const planes::PlainGraph plain_graph = planes::make_plain_graph(points, config);
+  const planes::PlainNetwork<float> plain{config, network.weights.tensors};
+  planes::gcn::Graph graph;
+  planes::gcn::make_graph(points, config, 1, simd, graph);
+  const planes::gcn::Layers layers = planes::gcn::make_layers(network.weights);
+  planes::gcn::Activations activations;
+  const planes::Gcn whole(network.weights, simd);
 
   enum { kWhole, kForward, kPlain, kCount };
   const auto ms = interleaved_ms(
       kCount, rounds, [&] { turns.next(); },
       [&](std::size_t who, int) {
         if (who == kWhole) whole.forward(points, 1);
-        if (who == kForward) gcn::forward(graph, layers, gcn::kernels(simd), 1, false, activations);
-        if (who == kPlain) plain_forward(plain, plain_graph, points);
+        if (who == kForward)
+          planes::gcn::forward(graph, layers, planes::gcn::kernels(simd), 1, false, activations);
+        if (who == kPlain) planes::plain_forward(plain, plain_graph, points);
       });
   return {network.name,
           static_cast<int>(points.size()),
@@ -131,4 +132,4 @@ SpeedBench measure_speed(std::span<const BenchNetwork> networks,
   return bench;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

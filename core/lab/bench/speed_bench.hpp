@@ -13,11 +13,11 @@
 #include "core/model/simd.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct BenchNetwork {
   std::string name;  // in the tables
-  NetworkWeights weights;
+  planes::NetworkWeights weights;
 };
 
 struct SpeedBenchOptions {
@@ -56,4 +56,4 @@ SpeedBench measure_speed(std::span<const BenchNetwork> networks,
                          const SpeedBenchOptions& options,
                          const std::function<void(int, int)>& progress = {});
 
-}  // namespace planescope
+}  // namespace planescope::lab

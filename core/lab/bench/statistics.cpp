@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::lab {
 
 double median(std::vector<double> values) {
   assert(!values.empty());
@@ -34,4 +34,4 @@ MeanAndDeviation mean_and_deviation(std::span<const double> values) {
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

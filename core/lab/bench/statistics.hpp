@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace planescope {
+namespace planescope::lab {
 
 /// The middle value, the mean of the middle two where the count is even. At least one value.
 double median(std::vector<double> values);
@@ -18,4 +18,4 @@ struct MeanAndDeviation {
 };
 MeanAndDeviation mean_and_deviation(std::span<const double> values);
 
-}  // namespace planescope
+}  // namespace planescope::lab

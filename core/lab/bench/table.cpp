@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 std::vector<std::size_t> widths(const Table& table) {
@@ -63,4 +63,4 @@ std::string to_markdown(const Table& table) {
   return table.note.empty() ? text : text + "\n" + table.note + "\n";
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A table for people. Its first `names` columns are words, the others figures.
 struct Table {
@@ -17,4 +17,4 @@ struct Table {
 std::string to_text(const Table& table);      // aligned, for a terminal
 std::string to_markdown(const Table& table);  // a heading of the third level, the table, the note
 
-}  // namespace planescope
+}  // namespace planescope::lab

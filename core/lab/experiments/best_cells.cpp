@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// How bad a value is: less is better. nullopt where the column's name implies no goal.
@@ -73,4 +73,4 @@ std::vector<std::vector<bool>> best_cells(const Table& table) {
   return best;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 
 #include "core/lab/bench/table.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// By row and column, whether a method is best there: in its column, which says by its name whether
 /// the least, the most or the nearest to 100 is good; or in its row, where methods are columns (a
@@ -12,4 +12,4 @@ namespace planescope {
 /// nothing is best.
 std::vector<std::vector<bool>> best_cells(const Table& table);
 
-}  // namespace planescope
+}  // namespace planescope::lab

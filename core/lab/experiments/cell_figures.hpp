@@ -10,7 +10,7 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 inline std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
@@ -20,4 +20,4 @@ inline double percent(int part, int whole) { return whole > 0 ? 100.0 * part / w
 /// was not measured.
 std::optional<Cell> joined_cell(const PaperResults& results, std::span<const CellKey> keys);
 
-}  // namespace planescope
+}  // namespace planescope::lab

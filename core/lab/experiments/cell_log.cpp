@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -93,4 +93,4 @@ void CellLog::finish() {
   std::filesystem::remove(file_, ignored);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// DIR/cells.jsonl: a line that tells the run, then one for each cell.
 class CellLog {
@@ -27,4 +27,4 @@ class CellLog {
   std::vector<Cell> cells_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::lab

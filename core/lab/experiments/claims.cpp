@@ -11,18 +11,18 @@
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/printed.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 struct Measure {
   const char* name;
-  double (*of)(const Metrics&);
+  double (*of)(const planes::Metrics&);
   int digits;
 };
-const Measure kRp = {"r_p", [](const Metrics& m) { return m.r_p; }, 2};
-const Measure kRm = {"r_m [%]", [](const Metrics& m) { return m.r_m; }, 3};
-const Measure kAlpha = {"alpha [deg]", [](const Metrics& m) { return m.alpha_deg; }, 3};
-const Measure kIou = {"mean IoU [%]", [](const Metrics& m) { return m.mean_iou; }, 2};
+const Measure kRp = {"r_p", [](const planes::Metrics& m) { return m.r_p; }, 2};
+const Measure kRm = {"r_m [%]", [](const planes::Metrics& m) { return m.r_m; }, 3};
+const Measure kAlpha = {"alpha [deg]", [](const planes::Metrics& m) { return m.alpha_deg; }, 3};
+const Measure kIou = {"mean IoU [%]", [](const planes::Metrics& m) { return m.mean_iou; }, 2};
 
 /// A value is to be at least or at most a bound, or this near to 100.
 struct Bar {
@@ -87,9 +87,10 @@ class Claims {
       if (of_paper && paper.method == "ours" && paper.with_labels && paper.table != "V" &&
           paper.points == printed.points && paper.noise_cm == printed.noise_cm && others.empty())
         others.push_back(fmt::format("the paper {}", paper.*of_paper));
-    for (const Method method : built_methods())
-      if (const auto rival = value(with_rival(printed, to_string(method))))
-        others.push_back(fmt::format("{} {}", to_string(method), fixed(*rival, measure.digits)));
+    for (const planes::Method method : planes::built_methods())
+      if (const auto rival = value(with_rival(printed, planes::to_string(method))))
+        others.push_back(
+            fmt::format("{} {}", planes::to_string(method), fixed(*rival, measure.digits)));
     if (const auto oracle = value(with_rival(printed, "oracle")))
       others.push_back(fmt::format("oracle {}{}", fixed(*oracle, measure.digits),
                                    bar.met(*oracle) ? "" : ", which misses the bar too"));
@@ -138,4 +139,4 @@ Table claim_table(std::span<const Claim> claims) {
   return table;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,49 +2,49 @@
 
 #include "core/lab/experiments/paper_plan.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
-SourceTruth truth_of(const EvaluationFrame& frame) {
-  SourceTruth truth =
-      frame.labels ? truth_of_labels(*frame.labels) : *truth_of_cloud(*frame.frame.cloud);
+planes::SourceTruth truth_of(const EvaluationFrame& frame) {
+  planes::SourceTruth truth = frame.labels ? planes::truth_of_labels(*frame.labels)
+                                           : *planes::truth_of_cloud(*frame.frame.cloud);
   if (!frame.normals.empty()) truth.normals = frame.normals;  // exact ones, where they are known
   return truth;
 }
 
 Contest::Contest(const Frame& frame,
                  const Labellers& labellers,
-                 const SourceTruth* truth,
+                 const planes::SourceTruth* truth,
                  std::optional<double> max_range_m)
     : frame_(frame), labellers_(labellers), max_range_m_(max_range_m) {
-  if (truth) on_points_ = truth_on_points(truth->values, measured_sources(frame));
+  if (truth) on_points_ = planes::truth_on_points(truth->values, planes::measured_sources(frame));
 }
 
-FrameResult Contest::run(const CellKey& key) {
-  const PipelineOptions options = this->options(key);
-  if (options.method != Method::ours) return run_frame(frame_, options, nullptr);
-  FrameResult result{prepared(key.classifier, key), {}, {}};
-  FoundRegions found = find_regions(frame_, result, options);
+planes::FrameResult Contest::run(const CellKey& key) {
+  const planes::PipelineOptions options = this->options(key);
+  if (options.method != planes::Method::ours) return planes::run_frame(frame_, options, nullptr);
+  planes::FrameResult result{prepared(key.classifier, key), {}, {}};
+  planes::FoundRegions found = planes::find_regions(frame_, result, options);
   result.segmentation = std::move(found.segmentation);
   result.plane_of = std::move(found.plane_of);
   return result;
 }
 
-const PreparedFrame& Contest::prepared(const std::string& labels, const CellKey& key) {
+const planes::PreparedFrame& Contest::prepared(const std::string& labels, const CellKey& key) {
   const auto [at, is_new] = prepared_.try_emplace(labels);
   if (!is_new) return at->second;
-  const Classifier* classifier =  // without labels: any will do, they are not used
+  const planes::Classifier* classifier =  // without labels: any will do, they are not used
       labels == "gcn"   ? labellers_.gcn.get()
       : labels == "pca" ? labellers_.pca.get()
                         : nullptr;
-  at->second =
-      prepare_frame(frame_, options(with_ours(key, "refined", labels)), classifier, &on_points_);
+  at->second = planes::prepare_frame(frame_, options(with_ours(key, "refined", labels)), classifier,
+                                     &on_points_);
   return at->second;
 }
 
-PipelineOptions Contest::options(const CellKey& key) const {
-  PipelineOptions options = cell_options(key);
+planes::PipelineOptions Contest::options(const CellKey& key) const {
+  planes::PipelineOptions options = cell_options(key);
   if (max_range_m_) options.cloud.max_range_m = *max_range_m_;
   return options;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

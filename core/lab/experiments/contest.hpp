@@ -15,15 +15,15 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What labels points for ours.
 struct Labellers {
-  std::shared_ptr<const Classifier> gcn, pca;
+  std::shared_ptr<const planes::Classifier> gcn, pca;
 };
 
 /// What is true of a frame that has labels, or fields of a cloud.
-SourceTruth truth_of(const EvaluationFrame& frame);
+planes::SourceTruth truth_of(const EvaluationFrame& frame);
 
 /// One frame and all methods that find planes in it. Points are labelled once for all profiles.
 class Contest {
@@ -32,22 +32,22 @@ class Contest {
   /// cell_options() has. All of them outlive the contest.
   Contest(const Frame& frame,
           const Labellers& labellers,
-          const SourceTruth* truth,
+          const planes::SourceTruth* truth,
           std::optional<double> max_range_m = {});
 
   /// With cell_options(key); all methods but the oracle.
-  FrameResult run(const CellKey& key);
+  planes::FrameResult run(const CellKey& key);
   /// The frame with labels of "gcn", "pca", "truth" or "none", as profile refined takes it.
-  const PreparedFrame& prepared(const std::string& labels, const CellKey& key);
+  const planes::PreparedFrame& prepared(const std::string& labels, const CellKey& key);
 
  private:
-  PipelineOptions options(const CellKey& key) const;
+  planes::PipelineOptions options(const CellKey& key) const;
 
   const Frame& frame_;
   const Labellers& labellers_;
-  FrameTruth on_points_;
+  planes::FrameTruth on_points_;
   std::optional<double> max_range_m_;
-  std::map<std::string, PreparedFrame> prepared_;  // by the source of its labels
+  std::map<std::string, planes::PreparedFrame> prepared_;  // by the source of its labels
 };
 
 /// measure(frame), a value for each method, of all frames; by method, then by frame. The same for
@@ -68,4 +68,4 @@ std::vector<std::vector<Value>> of_methods(std::size_t methods,
   return by_method;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

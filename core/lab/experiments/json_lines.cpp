@@ -4,14 +4,14 @@
 
 #include <nlohmann/json.hpp>
 
-namespace planescope {
+namespace planescope::lab {
 
 using Json = nlohmann::ordered_json;
 
 Json run_json(const std::string& schema,
               const std::string& command,
-              const BuildInfo& build,
-              const WeightsRecord& weights) {
+              const report::BuildInfo& build,
+              const planes::WeightsRecord& weights) {
   return {{"schema", schema},
           {"command", command},
           {"version", build.version},
@@ -42,4 +42,4 @@ void JsonLines::add(const std::string& name, const std::vector<std::string>& lin
 
 std::string JsonLines::text() && { return std::move(text_) + "\n}\n"; }
 
-}  // namespace planescope
+}  // namespace planescope::lab

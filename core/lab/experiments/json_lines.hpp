@@ -9,13 +9,13 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What measured: the facts that every such file begins with.
 nlohmann::ordered_json run_json(const std::string& schema,
                                 const std::string& command,
-                                const BuildInfo& build,
-                                const WeightsRecord& weights);
+                                const report::BuildInfo& build,
+                                const planes::WeightsRecord& weights);
 
 /// A value as its line; what is not UTF-8 is replaced.
 std::string json_line(const nlohmann::ordered_json& value);
@@ -31,4 +31,4 @@ class JsonLines {
   std::string text_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,18 +9,18 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/pipeline/score.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// Leaves out planes that are hidden or too small to be scored: points assigned to one of them
 /// would make a plane that no true plane stands for.
 std::vector<TruePolygon> polygons_in_view(const EvaluationFrame& frame,
-                                          const SourceTruth& truth,
-                                          const PreparedFrame& prepared,
+                                          const planes::SourceTruth& truth,
+                                          const planes::PreparedFrame& prepared,
                                           int min_voxels) {
   std::map<int, int> voxels;
-  for (const std::int32_t plane : vote_instances(
-           prepared.voxels, truth_on_points(truth.values, prepared.cloud.source).instance))
+  for (const std::int32_t plane : planes::vote_instances(
+           prepared.voxels, planes::truth_on_points(truth.values, prepared.cloud.source).instance))
     ++voxels[plane];
   std::vector<TruePolygon> in_view = frame.polygons;
   std::erase_if(in_view, [&](const TruePolygon& polygon) {
@@ -29,21 +29,21 @@ std::vector<TruePolygon> polygons_in_view(const EvaluationFrame& frame,
   return in_view;
 }
 
-std::vector<Metrics> score_frame_of(const EvaluationFrame& frame,
-                                    std::span<const CellKey> keys,
-                                    const CellTools& tools) {
-  const SourceTruth truth = truth_of(frame);
+std::vector<planes::Metrics> score_frame_of(const EvaluationFrame& frame,
+                                            std::span<const CellKey> keys,
+                                            const CellTools& tools) {
+  const planes::SourceTruth truth = truth_of(frame);
   Contest contest(frame.frame, tools, &truth);
   const auto run = [&](const CellKey& key) {
     if (key.method != "oracle") return contest.run(key);
-    const PreparedFrame& prepared = contest.prepared("truth", key);
+    const planes::PreparedFrame& prepared = contest.prepared("truth", key);
     return oracle_result(
         prepared, polygons_in_view(frame, truth, prepared, key.points > 0 ? 1 : kMinTruthVoxels));
   };
-  std::vector<Metrics> scores;
+  std::vector<planes::Metrics> scores;
   for (const CellKey& key : keys)
-    scores.push_back(key.points > 0 ? score_frame(run(key), truth)
-                                    : score_voxels(run(key), truth, kMinTruthVoxels));
+    scores.push_back(key.points > 0 ? planes::score_frame(run(key), truth)
+                                    : planes::score_voxels(run(key), truth, kMinTruthVoxels));
   return scores;
 }
 
@@ -67,14 +67,14 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
                                 const CellTools& tools,
                                 const std::function<void(int, int)>& progress) {
   assert(std::ranges::all_of(keys, [&](const CellKey& key) { return same_frames(key, keys[0]); }));
-  const auto scores = of_methods<Metrics>(
+  const auto scores = of_methods<planes::Metrics>(
       keys.size(), frames, tools.threads,
       [&](int index) { return score_frame_of(cell_frame(keys[0], index, tools), keys, tools); },
       progress);
   std::vector<Cell> cells;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    cells.push_back({keys[k], frames, mean_of(scores[k])});
+    cells.push_back({keys[k], frames, planes::mean_of(scores[k])});
   return cells;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

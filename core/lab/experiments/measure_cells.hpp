@@ -12,7 +12,7 @@
 #include "core/lab/experiments/results.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// True planes of depth images with fewer voxels are not scored.
 inline constexpr int kMinTruthVoxels = 20;
@@ -37,4 +37,4 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
 /// not there. Throws Error where it is damaged.
 std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data);
 
-}  // namespace planescope
+}  // namespace planescope::lab

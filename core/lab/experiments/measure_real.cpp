@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/score.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// What decides on pixels, one at a time left out: the other refinements are of clouds, too.
@@ -20,26 +20,27 @@ std::vector<CellKey> and_ablation(std::vector<CellKey> methods) {
 }
 
 std::vector<CellKey> and_rivals(std::vector<CellKey> methods) {
-  for (const Method method : built_methods())
-    if (method != Method::ours) methods.push_back(with_rival({}, to_string(method)));
+  for (const planes::Method method : planes::built_methods())
+    if (method != planes::Method::ours)
+      methods.push_back(with_rival({}, planes::to_string(method)));
   return methods;
 }
 
-std::vector<Metrics> score_by_pixel(const EvaluationFrame& frame,
-                                    std::span<const CellKey> methods,
-                                    const Labellers& labellers,
-                                    std::optional<double> max_range_m,
-                                    const LeastTruePlane& least) {
-  const SourceTruth truth = truth_of(frame);
+std::vector<planes::Metrics> score_by_pixel(const EvaluationFrame& frame,
+                                            std::span<const CellKey> methods,
+                                            const Labellers& labellers,
+                                            std::optional<double> max_range_m,
+                                            const planes::LeastTruePlane& least) {
+  const planes::SourceTruth truth = truth_of(frame);
   Contest contest(frame.frame, labellers, &truth, max_range_m);
-  std::vector<Metrics> scores;
+  std::vector<planes::Metrics> scores;
   for (const CellKey& method : methods)
-    scores.push_back(score_frame(contest.run(method), truth, least));
+    scores.push_back(planes::score_frame(contest.run(method), truth, least));
   return scores;
 }
 
 std::vector<MethodScores> with_names(const std::vector<CellKey>& methods,
-                                     std::vector<std::vector<Metrics>> scores) {
+                                     std::vector<std::vector<planes::Metrics>> scores) {
   std::vector<MethodScores> named;
   for (std::size_t m = 0; m < methods.size(); ++m)
     named.push_back({methods[m], std::move(scores[m])});
@@ -58,16 +59,16 @@ EvaluationFrame read_listed(const ListedFrame& listed,
                             const std::filesystem::path& data,
                             const std::filesystem::path& labels) {
   const LabelledName& name = listed.name;
-  const auto recording = open_recording(data / name.recording, listed.reading.recording);
+  const auto recording = io::open_recording(data / name.recording, listed.reading.recording);
   if (name.frame >= recording->frame_count())
     throw Error(fmt::format("{}: {} is frame {}, found {} frames", (data / name.recording).string(),
                             name.name, name.frame, recording->frame_count()));
   EvaluationFrame out;
   out.name = name.name;
   out.frame = recording->frame(name.frame);
-  out.frame.gravity = resolve_gravity(out.frame, listed.reading.gravity);
+  out.frame.gravity = planes::resolve_gravity(out.frame, listed.reading.gravity);
   const std::filesystem::path dir = labels / name.name;
-  out.labels = read_frame_labels(dir, name.frame, recording->frame_hash(name.frame));
+  out.labels = labels::read_frame_labels(dir, name.frame, recording->frame_hash(name.frame));
   if (!out.labels)
     throw Error(fmt::format("{}: no labels of frame {}, expected {:06}.json", dir.string(),
                             name.frame, name.frame));
@@ -97,9 +98,9 @@ LabelledScores measure_labelled(std::span<const ListedFrame> listed,
     return score_by_pixel(frames[k], methods, tools, listed[k].reading.max_range_m,
                           {.points = kLeastTruePixels});
   };
-  result.methods =
-      with_names(methods, of_methods<Metrics>(methods.size(), static_cast<int>(frames.size()),
-                                              tools.threads, measure, progress));
+  result.methods = with_names(
+      methods, of_methods<planes::Metrics>(methods.size(), static_cast<int>(frames.size()),
+                                           tools.threads, measure, progress));
   return result;
 }
 
@@ -115,11 +116,11 @@ SetScores measure_set(const CellKey& set,
     return score_by_pixel(cell_frame(set, i, tools), methods, tools, {},
                           {.voxels = kMinTruthVoxels});
   };
-  return {set, with_names(methods, of_methods<Metrics>(methods.size(), frames, tools.threads,
-                                                       measure, progress))};
+  return {set, with_names(methods, of_methods<planes::Metrics>(methods.size(), frames,
+                                                               tools.threads, measure, progress))};
 }
 
-RepeatScores measure_repeat(const Recording& recording,
+RepeatScores measure_repeat(const io::Recording& recording,
                             const Reading& reading,
                             int count,
                             const CellTools& tools,
@@ -130,7 +131,7 @@ RepeatScores measure_repeat(const Recording& recording,
   if (count > 0) result.frames = std::min(result.frames, count);
   const auto measure = [&](int i) {
     Frame frame = recording.frame(i);
-    frame.gravity = resolve_gravity(frame, reading.gravity);
+    frame.gravity = planes::resolve_gravity(frame, reading.gravity);
     Contest contest(frame, tools, nullptr, reading.max_range_m);
     const std::vector<std::uint8_t> floor = floor_pixels(contest.prepared("gcn", methods[0]));
     std::vector<Seen> seen;
@@ -152,4 +153,4 @@ RepeatScores measure_repeat(const Recording& recording,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -13,16 +13,16 @@
 #include "core/lab/experiments/real_results.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// True planes of labelled frames with fewer scored pixels are not scored.
 inline constexpr int kLeastTruePixels = 200;
 
 /// How frames of a recording are read and cropped.
 struct Reading {
-  RecordingOptions recording;
-  GravityOptions gravity;
-  double max_range_m = CloudOptions{}.max_range_m;
+  io::RecordingOptions recording;
+  planes::GravityOptions gravity;
+  double max_range_m = planes::CloudOptions{}.max_range_m;
 };
 
 /// A frame of a list of labelled ones.
@@ -59,10 +59,10 @@ SetScores measure_set(const CellKey& set,
                       const std::function<void(int, int)>& progress = {});
 
 /// The first `count` frames of a recording, 0: all that it has.
-RepeatScores measure_repeat(const Recording& recording,
+RepeatScores measure_repeat(const io::Recording& recording,
                             const Reading& reading,
                             int count,
                             const CellTools& tools,
                             const std::function<void(int, int)>& progress = {});
 
-}  // namespace planescope
+}  // namespace planescope::lab

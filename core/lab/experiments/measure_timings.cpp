@@ -7,7 +7,7 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kNoiseCm = 0.1;
@@ -31,7 +31,7 @@ std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
                                                  const TimingOptions& options) {
   struct Contestant {
     const char* name;
-    const Classifier& classifier;
+    const planes::Classifier& classifier;
     int threads;
   };
   std::vector<Contestant> contestants;
@@ -59,23 +59,23 @@ std::vector<MethodTiming> method_timings(const CellTools& tools, const TimingOpt
   for (const char* profile : {"paper", "refined"})
     for (const char* labels : {"gcn", "pca"})
       timings.push_back({with_ours(frames_key, profile, labels), 0});
-  for (const Method method : built_methods())
-    if (method != Method::ours && method != Method::pcl_multi_plane)
-      timings.push_back({with_rival(frames_key, to_string(method)), 0});
+  for (const planes::Method method : planes::built_methods())
+    if (method != planes::Method::ours && method != planes::Method::pcl_multi_plane)
+      timings.push_back({with_rival(frames_key, planes::to_string(method)), 0});
 
-  std::vector<PipelineOptions> pipelines;
+  std::vector<planes::PipelineOptions> pipelines;
   for (const MethodTiming& timing : timings) pipelines.push_back(cell_options(timing.key));
   const std::vector<EvaluationFrame> frames = stairs(options, 8192, kNoiseCm);
   const auto ms = interleaved_ms(
       timings.size(), options.rounds, before(options), [&](std::size_t c, int round) {
         const std::string& labels = timings[c].key.classifier;
-        const Classifier* classifier = labels == "gcn"   ? tools.gcn.get()
-                                       : labels == "pca" ? tools.pca.get()
-                                                         : nullptr;
-        run_frame(frames[static_cast<std::size_t>(round)].frame, pipelines[c], classifier);
+        const planes::Classifier* classifier = labels == "gcn"   ? tools.gcn.get()
+                                               : labels == "pca" ? tools.pca.get()
+                                                                 : nullptr;
+        planes::run_frame(frames[static_cast<std::size_t>(round)].frame, pipelines[c], classifier);
       });
   for (std::size_t c = 0; c < timings.size(); ++c) timings[c].fps = 1000 / median(ms[c]);
   return timings;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

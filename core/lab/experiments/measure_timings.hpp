@@ -7,7 +7,7 @@
 
 #include "core/lab/experiments/measure_cells.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct TimingOptions {
   std::uint64_t seed = 1;             // of the stairs
@@ -21,4 +21,4 @@ std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
 /// On one thread, each frame from its points to its planes.
 std::vector<MethodTiming> method_timings(const CellTools& tools, const TimingOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::lab

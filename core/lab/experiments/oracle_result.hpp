@@ -7,10 +7,11 @@
 #include "core/lab/synthetic/oracle.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Every voxel to the nearest of the polygons (in the frame's own coordinates), planes fitted to
 /// their voxels by least squares.
-FrameResult oracle_result(const PreparedFrame& prepared, std::span<const TruePolygon> polygons);
+planes::FrameResult oracle_result(const planes::PreparedFrame& prepared,
+                                  std::span<const TruePolygon> polygons);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,7 +2,7 @@
 
 #include "core/lab/experiments/paper_tables.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 std::string paper_markdown(const PaperResults& results) {
   std::string text = fmt::format(
@@ -24,4 +24,4 @@ std::string paper_markdown(const PaperResults& results) {
   return text;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

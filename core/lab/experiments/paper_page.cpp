@@ -22,7 +22,7 @@ extern const char planescope_asset_paper_page_mustache[],
     planescope_asset_paper_page_mustache_end[];
 }
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Data = kainjow::mustache::data;
@@ -40,7 +40,7 @@ Data record_data(const PaperResults& results, const PaperTimings* timings) {
     row.set("value", html);
     rows.push_back(row);
   };
-  const BuildInfo& build = results.build;
+  const report::BuildInfo& build = results.build;
   add("Command", "<pre>" + html_escape(results.command) + "</pre>");
   add("planescope", fmt::format("{}, commit <code>{}</code>{}", html_escape(build.version),
                                 html_escape(build.commit), build.modified ? " with changes" : ""));
@@ -191,7 +191,7 @@ Data picture_data(const PaperFigure& figure, std::size_t index) {
   Data data;
   data.set("anchor", fmt::format("{}-{}", figure.id, index));
   data.set("back", figure.id);
-  data.set("jpeg", base64(picture.jpeg));
+  data.set("jpeg", report::base64(picture.jpeg));
   data.set("width", std::to_string(picture.width));
   data.set("height", std::to_string(picture.height));
   data.set("caption", picture.caption);
@@ -253,7 +253,7 @@ Data section_data(const std::string& id, const std::string& name) {
 std::string css() {
   return std::string(planescope_asset_report_css, planescope_asset_report_css_end) +
          std::string(planescope_asset_paper_css, planescope_asset_paper_css_end) +
-         line_chart_style();
+         report::line_chart_style();
 }
 
 }  // namespace
@@ -289,4 +289,4 @@ std::string paper_page(const PaperResults& results,
   return layout.render(page);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

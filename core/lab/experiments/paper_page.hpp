@@ -8,7 +8,7 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct PaperPicture {
   std::string column;                // heading within its figure: "noise 0.3 cm", "RANSAC 0.02"
@@ -31,4 +31,4 @@ std::string paper_page(const PaperResults& results,
                        const PaperTimings* timings,
                        std::span<const PaperFigure> figures);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr const char* kWithout = "without ";
@@ -33,12 +33,13 @@ class Plan {
   /// What the stricter tables compare.
   void add_methods(const CellKey& frames) {
     for (const std::string& labels : kLabels) add(with_ours(frames, "refined", labels));
-    for (const Method method : built_methods()) {
-      if (method == Method::ours) continue;
+    for (const planes::Method method : planes::built_methods()) {
+      if (method == planes::Method::ours) continue;
       // Organised segmentation is for images.
-      if (method == Method::pcl_multi_plane && !is_depth(frames)) continue;
-      add(with_rival(frames, to_string(method)));
-      if (method == Method::ransac) add(with_rival(frames, to_string(method), kRansacCoarse));
+      if (method == planes::Method::pcl_multi_plane && !is_depth(frames)) continue;
+      add(with_rival(frames, planes::to_string(method)));
+      if (method == planes::Method::ransac)
+        add(with_rival(frames, planes::to_string(method), kRansacCoarse));
     }
     // Where a real frame's planes end is not known.
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
@@ -147,25 +148,25 @@ std::string contestant_name(const CellKey& key) {
   return name;
 }
 
-PipelineOptions cell_options(const CellKey& key) {
-  PipelineOptions options;
+planes::PipelineOptions cell_options(const CellKey& key) {
+  planes::PipelineOptions options;
   options.threads = 1;
   if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // nothing of it is nearer than 1.5
   if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
   if (key.method != "ours") {
     if (key.points > 0) {
-      options.rivals.pcl_region_growing = kPclRegionGrowingByPoint;
-      options.rivals.cgal_ransac = kCgalRansacByPoint;
-      options.rivals.cgal_region_growing = kCgalRegionGrowingByPoint;
+      options.rivals.pcl_region_growing = planes::kPclRegionGrowingByPoint;
+      options.rivals.cgal_ransac = planes::kCgalRansacByPoint;
+      options.rivals.cgal_region_growing = planes::kCgalRegionGrowingByPoint;
     }
-    options.method = parse_method(key.method);
+    options.method = planes::parse_method(key.method);
     if (key.setting == kRansacCoarse) options.rivals.ransac.theta_pf_m = 0.02;
     return options;
   }
-  options.segment = profile_options(parse_profile(key.profile));
+  options.segment = planes::profile_options(planes::parse_profile(key.profile));
   options.segment.use_labels = key.classifier != "none";
   if (key.setting.starts_with(kWithout))
-    set_option(options, key.setting.substr(std::string(kWithout).size()), "off");
+    planes::set_option(options, key.setting.substr(std::string(kWithout).size()), "off");
   return options;
 }
 
@@ -223,4 +224,4 @@ int planned_frames(const PaperPlan& plan, const std::string& set) {
   return plan.count > 0 ? std::min(frames, plan.count) : frames;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

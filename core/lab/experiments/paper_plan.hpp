@@ -9,7 +9,7 @@
 #include "core/lab/experiments/results.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// The other threshold that the paper tries with RANSAC, 0.02 m.
 inline constexpr const char* kRansacCoarse = "theta_pf 0.02";
@@ -46,7 +46,7 @@ std::string frames_name(const CellKey& key);
 std::string contestant_name(const CellKey& key);
 
 /// The options that a cell's frames are run with: method, profile, setting; one thread.
-PipelineOptions cell_options(const CellKey& key);
+planes::PipelineOptions cell_options(const CellKey& key);
 
 struct PaperPlan {
   std::uint64_t seed = 1, tuning_seed = 1001;
@@ -60,4 +60,4 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan);
 /// How many frames of its set a cell is the mean of.
 int planned_frames(const PaperPlan& plan, const std::string& set);
 
-}  // namespace planescope
+}  // namespace planescope::lab

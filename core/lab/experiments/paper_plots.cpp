@@ -12,14 +12,14 @@
 #include "core/report/page/bar_chart.hpp"
 #include "core/report/page/line_chart.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kPaperPoints = 8192;
 constexpr double kLeastShown = 0.005;  // where a logarithmic axis begins
 
-bool has_values(const Curve& curve) {
+bool has_values(const report::Curve& curve) {
   return std::any_of(curve.values.begin(), curve.values.end(),
                      [](double value) { return !std::isnan(value); });
 }
@@ -70,8 +70,9 @@ std::vector<double> noise_of_stairs(const PaperResults& results) {
 }
 
 /// Of the paper's own method, from tables III and V, which agree where both have it.
-Curve printed_curve(const std::vector<double>& noise_cm, const double PrintedCell::*measure) {
-  Curve curve{"printed", std::vector<double>(noise_cm.size(), kNone), 0};
+report::Curve printed_curve(const std::vector<double>& noise_cm,
+                            const double PrintedCell::*measure) {
+  report::Curve curve{"printed", std::vector<double>(noise_cm.size(), kNone), 0};
   for (std::size_t i = 0; i < noise_cm.size(); ++i)
     for (const PrintedCell& cell : printed_cells())
       if (cell.method == "ours" && cell.with_labels && cell.points == kPaperPoints &&
@@ -81,15 +82,15 @@ Curve printed_curve(const std::vector<double>& noise_cm, const double PrintedCel
 }
 
 /// `printed` null: the paper does not give it.
-LineChart noise_chart(const PaperResults& results,
-                      const std::string& title,
-                      double Metrics::*measure,
-                      const double PrintedCell::*printed) {
+report::LineChart noise_chart(const PaperResults& results,
+                              const std::string& title,
+                              double planes::Metrics::*measure,
+                              const double PrintedCell::*printed) {
   const std::vector<double> noise_cm = noise_of_stairs(results);
-  LineChart chart{.title = title, .x_name = "noise [cm]", .x = noise_cm, .curves = {}};
+  report::LineChart chart{.title = title, .x_name = "noise [cm]", .x = noise_cm, .curves = {}};
   if (printed) chart.curves.push_back(printed_curve(noise_cm, printed));
   for (const Contestant& contestant : noise_contestants()) {
-    Curve curve{contestant.name, {}, color_of(contestant.key)};
+    report::Curve curve{contestant.name, {}, color_of(contestant.key)};
     for (const double noise : noise_cm) {
       const CellKey frames = stairs_of(results.seed, kPaperPoints, noise);
       const Cell* cell = results.find(on_frames(contestant.key, frames));
@@ -133,13 +134,13 @@ std::string group_name(const CellKey& frames) {
   return frames.set + "\n" + frames.errors;
 }
 
-BarChart set_chart(const PaperResults& results,
-                   std::span<const CellKey> frames,
-                   const std::string& title) {
-  BarChart chart{.title = title, .groups = {}, .bars = {}, .low = 100};
+report::BarChart set_chart(const PaperResults& results,
+                           std::span<const CellKey> frames,
+                           const std::string& title) {
+  report::BarChart chart{.title = title, .groups = {}, .bars = {}, .low = 100};
   for (const CellKey& group : frames) chart.groups.push_back(group_name(group));
   for (const CellKey& contestant : bar_contestants(results)) {
-    Curve bar{contestant_name(contestant), {}, color_of(contestant)};
+    report::Curve bar{contestant_name(contestant), {}, color_of(contestant)};
     for (const CellKey& group : frames) {
       const Cell* cell = results.find(on_frames(contestant, group));
       bar.values.push_back(cell ? cell->metrics.mean_iou : kNone);
@@ -156,24 +157,26 @@ BarChart set_chart(const PaperResults& results,
 
 std::vector<PaperPlot> noise_plots(const PaperResults& results) {
   if (noise_of_stairs(results).empty()) return {};
-  LineChart alpha = noise_chart(results, "Angle error alpha against noise, degrees",
-                                &Metrics::alpha_deg, &PrintedCell::alpha_deg);
-  LineChart r_p = noise_chart(results, "Planes found of planes there against noise, per cent",
-                              &Metrics::r_p, &PrintedCell::r_p);
-  LineChart r_m = noise_chart(results, "Points in no plane against noise, per cent", &Metrics::r_m,
-                              &PrintedCell::r_m);
-  const LineChart iou =
-      noise_chart(results, "Mean IoU against noise, per cent", &Metrics::mean_iou, nullptr);
+  report::LineChart alpha = noise_chart(results, "Angle error alpha against noise, degrees",
+                                        &planes::Metrics::alpha_deg, &PrintedCell::alpha_deg);
+  report::LineChart r_p =
+      noise_chart(results, "Planes found of planes there against noise, per cent",
+                  &planes::Metrics::r_p, &PrintedCell::r_p);
+  report::LineChart r_m = noise_chart(results, "Points in no plane against noise, per cent",
+                                      &planes::Metrics::r_m, &PrintedCell::r_m);
+  const report::LineChart iou =
+      noise_chart(results, "Mean IoU against noise, per cent", &planes::Metrics::mean_iou, nullptr);
   alpha.log_from = r_m.log_from = kLeastShown;
   r_p.log_from = 50;
   std::vector<PaperPlot> plots = {
       {"\u03b1 [\u00b0]", "Mean angle to the true normals: lower is better. Less stands at 0.005.",
-       line_chart(alpha)},
-      {"r_p [%]", "Planes found of planes there: 100 is right.", line_chart(r_p)},
-      {"r_m [%]", "Points in no plane: lower is better. Less stands at 0.005.", line_chart(r_m)}};
+       report::line_chart(alpha)},
+      {"r_p [%]", "Planes found of planes there: 100 is right.", report::line_chart(r_p)},
+      {"r_m [%]", "Points in no plane: lower is better. Less stands at 0.005.",
+       report::line_chart(r_m)}};
   if (!iou.curves.empty())
     plots.push_back({"Mean IoU [%]", "Of the true planes: higher is better. The paper gives none.",
-                     line_chart(iou)});
+                     report::line_chart(iou)});
   return plots;
 }
 
@@ -188,15 +191,15 @@ std::vector<PaperPlot> set_plots(const PaperResults& results) {
       const auto part = std::span(frames).subspan(begin, end - begin);
       std::string title = clouds ? "Mean IoU on clouds [%]" : "Mean IoU on depth images [%]";
       if (parts > 1) title += fmt::format(", {} of {}", k + 1, parts);
-      const BarChart chart = set_chart(results, part, title);
+      const report::BarChart chart = set_chart(results, part, title);
       if (chart.bars.empty()) continue;
       const std::string note = clouds ? "Scored by point; below, the noise on every coordinate."
                                       : "Scored by voxel; below, the camera's errors.";
-      plots.push_back(
-          {title, fmt::format("{} The axis begins at {:.0f}.", note, chart.low), bar_chart(chart)});
+      plots.push_back({title, fmt::format("{} The axis begins at {:.0f}.", note, chart.low),
+                       report::bar_chart(chart)});
     }
   }
   return plots;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

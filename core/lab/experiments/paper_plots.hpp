@@ -7,7 +7,7 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct PaperPlot {
   std::string title;
@@ -21,4 +21,4 @@ std::vector<PaperPlot> noise_plots(const PaperResults& results);
 /// Mean IoU of every method on every set, clouds and depth images.
 std::vector<PaperPlot> set_plots(const PaperResults& results);
 
-}  // namespace planescope
+}  // namespace planescope::lab

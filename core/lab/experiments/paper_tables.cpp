@@ -8,7 +8,7 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/printed.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// The paper's three measures.
@@ -204,4 +204,4 @@ std::string joined(std::span<const Table> tables, std::string (*text)(const Tabl
   return all;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

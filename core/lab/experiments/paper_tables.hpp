@@ -10,7 +10,7 @@
 #include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A bar to be reached, and where it stands.
 struct Claim {
@@ -37,4 +37,4 @@ std::string paper_markdown(const PaperResults& results);
 /// Tables one after the other, each by itself.
 std::string joined(std::span<const Table> tables, std::string (*text)(const Table&));
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,7 +2,7 @@
 
 #include "core/lab/experiments/printed.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 const std::vector<PrintedCell>& printed_cells() {
   static const std::vector<PrintedCell> cells = {
@@ -54,4 +54,4 @@ const std::vector<PrintedFps>& printed_fps() {
   return speeds;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What became of all 100 stairs.
 struct PrintedCell {
@@ -37,4 +37,4 @@ struct PrintedFps {
 };
 const std::vector<PrintedFps>& printed_fps();  // the text beside table V
 
-}  // namespace planescope
+}  // namespace planescope::lab

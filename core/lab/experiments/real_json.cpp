@@ -11,14 +11,14 @@
 #include "core/model/error.hpp"
 #include "core/planes/evaluate/metrics_values.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const Metrics& metrics) {
+Json json_of(const planes::Metrics& metrics) {
   Json json;
-  visit_values(metrics, [&](const char* name, const auto& value) { json[name] = value; });
+  planes::visit_values(metrics, [&](const char* name, const auto& value) { json[name] = value; });
   return json;
 }
 
@@ -43,15 +43,15 @@ Json line_of(const HalfSummary& s) {
           {"frames", s.frames},
           {"mean_iou", json_of(s.mean_iou)},
           {"pq", json_of(s.pq)},
-          {"precision", plane_precision(s.metrics)},
-          {"recall", plane_recall(s.metrics)},
+          {"precision", planes::plane_precision(s.metrics)},
+          {"recall", planes::plane_recall(s.metrics)},
           {"metrics", json_of(s.metrics)}};
 }
 
 Json line_of(const SetScores& set) {
   Json json = {{"set", set.frames.set}, {"errors", set.frames.errors}, {"seed", set.frames.seed}};
   for (const MethodScores& method : set.methods)
-    for (const Metrics& metrics : method.of_frames)
+    for (const planes::Metrics& metrics : method.of_frames)
       json["scores"][contestant_name(method.method)].push_back(json_of(metrics));
   return json;
 }
@@ -133,4 +133,4 @@ std::string real_json(const RealResults& results) {
   return std::move(json).text();
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,22 +6,22 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data) {
   const std::filesystem::path dir = data / "NOT_REAL_icl_nuim_with_plane_gt";
   if (data.empty() || !std::filesystem::is_directory(dir)) return std::nullopt;
   const auto recording =
-      open_recording(dir, {.intrinsics = {{481.2, 480, 319.5, 239.5}}, .depth_unit_m = 0.0002});
+      io::open_recording(dir, {.intrinsics = {{481.2, 480, 319.5, 239.5}}, .depth_unit_m = 0.0002});
   EvaluationFrame out;
   out.frame = recording->frame(0);
   out.name = out.frame.name;
   out.frame.gravity = Gravity{Vec3d::UnitY(), GravitySource::sidecar, 1, "the camera is level"};
   const std::filesystem::path labels = dir / "gt_0.npy";
-  out.labels = labels_of_points(read_labelled(labels, LabelFormat::evops),
-                                make_label_grid(out.frame, *out.frame.gravity),
-                                recording->frame_hash(0), labels.string());
+  out.labels = labels::labels_of_points(labels::read_labelled(labels, labels::LabelFormat::evops),
+                                        labels::make_label_grid(out.frame, *out.frame.gravity),
+                                        recording->frame_hash(0), labels.string());
   return out;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -10,7 +10,7 @@
 #include "core/lab/experiments/repeatability.hpp"
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What a labelled frame is for: to tune a method on, or to print its figures.
 enum class Half : std::uint8_t { tuning, printed };
@@ -28,7 +28,7 @@ struct LabelledName {
 /// How a method did on each of some frames.
 struct MethodScores {
   CellKey method;  // of no frames
-  std::vector<Metrics> of_frames;
+  std::vector<planes::Metrics> of_frames;
 };
 
 struct LabelledScores {
@@ -57,8 +57,8 @@ struct RepeatScores {
 /// empty.
 struct RealResults {
   std::string command;  // that measures the same again, without folders and threads
-  BuildInfo build;
-  WeightsRecord weights;
+  report::BuildInfo build;
+  planes::WeightsRecord weights;
   LabelledScores labelled;
   std::vector<SetScores> sets;
   RepeatScores repeat;
@@ -67,4 +67,4 @@ struct RealResults {
 /// real.json, "planescope.real/1".
 std::string real_json(const RealResults& results);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,14 +5,16 @@
 #include "core/lab/experiments/cell_figures.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 double each(int count, int frames) { return static_cast<double>(count) / frames; }
 
-HalfSummary half_summary(Half half, const CellKey& method, std::span<const Metrics> frames) {
+HalfSummary half_summary(Half half,
+                         const CellKey& method,
+                         std::span<const planes::Metrics> frames) {
   std::vector<double> iou, pq;
-  for (const Metrics& m : frames) {
+  for (const planes::Metrics& m : frames) {
     iou.push_back(m.mean_iou);
     pq.push_back(m.pq);
   }
@@ -21,18 +23,18 @@ HalfSummary half_summary(Half half, const CellKey& method, std::span<const Metri
           static_cast<int>(frames.size()),
           mean_and_deviation(iou),
           mean_and_deviation(pq),
-          mean_of(frames)};
+          planes::mean_of(frames)};
 }
 
 /// `of_seeds`: what a method scored on the frames of each seed.
-SetSummary set_summary(const std::vector<std::vector<Metrics>>& of_seeds) {
+SetSummary set_summary(const std::vector<std::vector<planes::Metrics>>& of_seeds) {
   SetSummary summary;
   summary.seeds = static_cast<int>(of_seeds.size());
   summary.frames = static_cast<int>(of_seeds[0].size());
   for (const SeedFigure& figure : seed_figures()) {
     std::vector<double> values;
-    for (const std::vector<Metrics>& frames : of_seeds)
-      values.push_back(figure.value(mean_of(frames), static_cast<int>(frames.size())));
+    for (const std::vector<planes::Metrics>& frames : of_seeds)
+      values.push_back(figure.value(planes::mean_of(frames), static_cast<int>(frames.size())));
     summary.figures.push_back({mean_and_deviation(values), figure.more_is_better
                                                                ? std::ranges::min(values)
                                                                : std::ranges::max(values)});
@@ -41,12 +43,12 @@ SetSummary set_summary(const std::vector<std::vector<Metrics>>& of_seeds) {
 }
 
 /// What a method scored on sets with these errors, by seed; an empty name means all sets.
-std::vector<std::vector<Metrics>> of_seeds(const std::vector<SetScores>& sets,
-                                           const std::string& name,
-                                           const std::string& errors,
-                                           std::size_t method) {
+std::vector<std::vector<planes::Metrics>> of_seeds(const std::vector<SetScores>& sets,
+                                                   const std::string& name,
+                                                   const std::string& errors,
+                                                   std::size_t method) {
   std::vector<std::uint64_t> seeds;
-  std::vector<std::vector<Metrics>> scores;
+  std::vector<std::vector<planes::Metrics>> scores;
   for (const SetScores& set : sets) {
     if (set.frames.errors != errors || (!name.empty() && set.frames.set != name)) continue;
     const auto at = std::ranges::find(seeds, set.frames.seed) - seeds.begin();
@@ -54,7 +56,7 @@ std::vector<std::vector<Metrics>> of_seeds(const std::vector<SetScores>& sets,
       seeds.push_back(set.frames.seed);
       scores.emplace_back();
     }
-    const std::vector<Metrics>& more = set.methods[method].of_frames;
+    const std::vector<planes::Metrics>& more = set.methods[method].of_frames;
     scores[static_cast<std::size_t>(at)].insert(scores[static_cast<std::size_t>(at)].end(),
                                                 more.begin(), more.end());
   }
@@ -71,7 +73,7 @@ std::vector<HalfSummary> half_summaries(const LabelledScores& scores) {
   std::vector<HalfSummary> summaries;
   for (const Half half : {Half::tuning, Half::printed})
     for (const MethodScores& method : scores.methods) {
-      std::vector<Metrics> frames;
+      std::vector<planes::Metrics> frames;
       for (std::size_t i = 0; i < scores.frames.size(); ++i)
         if (scores.frames[i].half == half) frames.push_back(method.of_frames[i]);
       if (!frames.empty()) summaries.push_back(half_summary(half, method.method, frames));
@@ -81,17 +83,17 @@ std::vector<HalfSummary> half_summaries(const LabelledScores& scores) {
 
 const std::vector<SeedFigure>& seed_figures() {
   static const std::vector<SeedFigure> figures = {
-      {"mean_iou", "IoU", 2, true, [](const Metrics& m, int) { return m.mean_iou; }},
-      {"pq", "PQ", 2, true, [](const Metrics& m, int) { return m.pq; }},
+      {"mean_iou", "IoU", 2, true, [](const planes::Metrics& m, int) { return m.mean_iou; }},
+      {"pq", "PQ", 2, true, [](const planes::Metrics& m, int) { return m.pq; }},
       {"detected_percent", "det", 1, true,
-       [](const Metrics& m, int) { return percent(m.detected_iou80, m.planes_truth); }},
+       [](const planes::Metrics& m, int) { return percent(m.detected_iou80, m.planes_truth); }},
       {"noise_per_frame", "noise", 2, false,
-       [](const Metrics& m, int frames) { return each(m.noise, frames); }},
+       [](const planes::Metrics& m, int frames) { return each(m.noise, frames); }},
       {"ghosts_per_frame", "ghosts", 2, false,
-       [](const Metrics& m, int frames) { return each(m.ghosts, frames); }},
+       [](const planes::Metrics& m, int frames) { return each(m.ghosts, frames); }},
       {"pieces_per_frame", "pieces", 2, false,
-       [](const Metrics& m, int frames) { return each(m.pieces, frames); }},
-      {"alpha_deg", "alpha", 3, false, [](const Metrics& m, int) { return m.alpha_deg; }}};
+       [](const planes::Metrics& m, int frames) { return each(m.pieces, frames); }},
+      {"alpha_deg", "alpha", 3, false, [](const planes::Metrics& m, int) { return m.alpha_deg; }}};
   return figures;
 }
 
@@ -139,4 +141,4 @@ std::vector<RepeatSummary> repeat_summaries(const RepeatScores& scores) {
   return summaries;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

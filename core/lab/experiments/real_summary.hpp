@@ -8,7 +8,7 @@
 #include "core/lab/bench/statistics.hpp"
 #include "core/lab/experiments/real_results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A method on the frames of one half.
 struct HalfSummary {
@@ -16,7 +16,7 @@ struct HalfSummary {
   CellKey method;
   int frames = 0;
   MeanAndDeviation mean_iou, pq;  // over frames
-  Metrics metrics;                // mean_of() the frames: its counts are sums
+  planes::Metrics metrics;        // mean_of() the frames: its counts are sums
 };
 /// By half, then by method. Halves of which no frame was measured are left out.
 std::vector<HalfSummary> half_summaries(const LabelledScores& scores);
@@ -27,7 +27,7 @@ struct SeedFigure {
   const char* column;  // of the tables
   int digits;
   bool more_is_better;
-  double (*value)(const Metrics& metrics, int frames);
+  double (*value)(const planes::Metrics& metrics, int frames);
 };
 const std::vector<SeedFigure>& seed_figures();
 
@@ -61,4 +61,4 @@ struct RepeatSummary {
 inline constexpr double kWholeFloor = 97;  // %
 std::vector<RepeatSummary> repeat_summaries(const RepeatScores& scores);
 
-}  // namespace planescope
+}  // namespace planescope::lab

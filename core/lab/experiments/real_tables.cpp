@@ -11,7 +11,7 @@
 #include "core/lab/experiments/real_summary.hpp"
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 std::string with_deviation(const MeanAndDeviation& spread, int digits) {
@@ -49,26 +49,26 @@ std::vector<Table> half_tables(const LabelledScores& scores) {
             "[deg]; r_p: 100 x planes found / true; r_m: % of true planes' pixels in no plane.",
             kLeastTruePixels);
     }
-    const Metrics& m = s.metrics;
+    const planes::Metrics& m = s.metrics;
     tables.back().rows.push_back(
         {contestant_name(s.method), with_deviation(s.mean_iou, 2), with_deviation(s.pq, 2),
-         fmt::format("{} / {}", m.detected_iou80, m.planes_truth), fixed(plane_precision(m), 1),
-         fixed(plane_recall(m), 1), per_frame(m.over_segmented, s.frames),
-         per_frame(m.under_segmented, s.frames), per_frame(m.missed, s.frames),
-         per_frame(m.noise, s.frames), per_frame(m.ghosts, s.frames), per_frame(m.pieces, s.frames),
-         fixed(m.alpha_deg, 2), fixed(m.r_p, 1), fixed(m.r_m, 2)});
+         fmt::format("{} / {}", m.detected_iou80, m.planes_truth),
+         fixed(planes::plane_precision(m), 1), fixed(planes::plane_recall(m), 1),
+         per_frame(m.over_segmented, s.frames), per_frame(m.under_segmented, s.frames),
+         per_frame(m.missed, s.frames), per_frame(m.noise, s.frames), per_frame(m.ghosts, s.frames),
+         per_frame(m.pieces, s.frames), fixed(m.alpha_deg, 2), fixed(m.r_p, 1), fixed(m.r_m, 2)});
   }
   return tables;
 }
 
 /// Ours against the best of the other methods in each figure: "+1.20 / -0.34 / +1".
 std::string difference(const LabelledScores& scores, std::size_t frame) {
-  const Metrics& ours = scores.methods[0].of_frames[frame];
+  const planes::Metrics& ours = scores.methods[0].of_frames[frame];
   double iou = 0, pq = 0;
   int detected = 0;
   for (const MethodScores& method : scores.methods) {
     if (method.method.method == "ours") continue;
-    const Metrics& other = method.of_frames[frame];
+    const planes::Metrics& other = method.of_frames[frame];
     iou = std::max(iou, other.mean_iou);
     pq = std::max(pq, other.pq);
     detected = std::max(detected, other.detected_iou80);
@@ -89,7 +89,7 @@ Table frames_table(const LabelledScores& scores) {
            std::to_string(scores.methods[0].of_frames[i].planes_truth)};
     for (const MethodScores& method : scores.methods) {
       if (!method.method.setting.empty()) continue;
-      const Metrics& m = method.of_frames[i];
+      const planes::Metrics& m = method.of_frames[i];
       row.push_back(fmt::format("{:.1f} / {:.1f} / {}", m.mean_iou, m.pq, m.detected_iou80));
     }
     row.push_back(difference(scores, i));
@@ -181,4 +181,4 @@ std::string real_markdown(const RealResults& results) {
       results.weights.sha256, joined(real_tables(results), to_markdown));
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

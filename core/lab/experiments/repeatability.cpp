@@ -7,7 +7,7 @@
 
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kNearM = 0.03;        // at least
@@ -16,7 +16,7 @@ constexpr double kHeightStepM = 0.01;  // of the heights' histogram
 constexpr int kFits = 5;
 
 /// The height [m] that most points lie within 3 cm of, of those below the sensor. NaN: none does.
-double most_common_height(const Cloud& cloud) {
+double most_common_height(const planes::Cloud& cloud) {
   std::vector<int> bins;  // downwards from the sensor
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const double below = -static_cast<double>(cloud.points[i].z());
@@ -44,19 +44,20 @@ double near_m(double depth_m) { return std::max(kNearM, kNearPerM2 * depth_m * d
 
 }  // namespace
 
-PixelPlanes pixel_planes(const FrameResult& result) {
+PixelPlanes pixel_planes(const planes::FrameResult& result) {
   PixelPlanes planes;
   planes.plane_of.assign(result.cloud.counts.pixels, 0);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     planes.plane_of[result.cloud.source[i]] = result.plane_of[i];
-  for (const PlaneRegion& plane : result.segmentation.planes) planes.fits.push_back(plane.fit);
+  for (const planes::PlaneRegion& plane : result.segmentation.planes)
+    planes.fits.push_back(plane.fit);
   return planes;
 }
 
 Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next) {
   assert(first.plane_of.size() == next.plane_of.size());
-  const TruthOverlap overlap = count_truth_overlap(first.plane_of, next.plane_of);
-  const std::vector<int> match = found_of_truth(overlap);
+  const planes::TruthOverlap overlap = planes::count_truth_overlap(first.plane_of, next.plane_of);
+  const std::vector<int> match = planes::found_of_truth(overlap);
   Neighbours result;
   for (int plane = 1; plane <= overlap.truth; ++plane) {
     if (overlap.truth_size[plane] < kLeastRepeatPixels) continue;
@@ -74,8 +75,8 @@ Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next)
   return result;
 }
 
-std::vector<std::uint8_t> floor_pixels(const PreparedFrame& frame) {
-  const Cloud& cloud = frame.cloud;
+std::vector<std::uint8_t> floor_pixels(const planes::PreparedFrame& frame) {
+  const planes::Cloud& cloud = frame.cloud;
   std::vector<std::uint8_t> floor(cloud.counts.pixels, 0);
   PlaneFit plane;  // level, through its centroid
   plane.centroid.z() = most_common_height(cloud);
@@ -118,4 +119,4 @@ FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes&
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Smaller planes, and smaller parts of the floor, do not count [px].
 inline constexpr std::uint64_t kLeastRepeatPixels = 500;
@@ -20,7 +20,7 @@ struct PixelPlanes {
   std::vector<std::int32_t> plane_of;  // by pixel v * width + u: plane id, 0 none
   std::vector<PlaneFit> fits;          // by id - 1, about the sensor, z up [m]
 };
-PixelPlanes pixel_planes(const FrameResult& result);
+PixelPlanes pixel_planes(const planes::FrameResult& result);
 
 /// What became of the planes of a frame in the next one. The camera's own movement is in all of it,
 /// the same for every method.
@@ -38,7 +38,7 @@ Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next)
 /// pixels lie within 3 cm of, then a plane fitted to the pixels near it, five times. A pixel is
 /// near within 3 cm, and within 1 cm x z^2 where its depth z [m] makes that more, as a stereo
 /// camera's noise grows. Of each pixel, whether it is the floor's: 1, else 0.
-std::vector<std::uint8_t> floor_pixels(const PreparedFrame& frame);
+std::vector<std::uint8_t> floor_pixels(const planes::PreparedFrame& frame);
 
 /// How whole the floor is in what was found.
 struct FloorPieces {
@@ -49,4 +49,4 @@ struct FloorPieces {
 };
 FloorPieces floor_pieces(std::span<const std::uint8_t> floor, const PixelPlanes& found);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,7 +7,7 @@
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/printed.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kNoiseCm[] = {0.0, 0.1, 0.2, 0.3};
@@ -167,4 +167,4 @@ std::string reproduction_page(const PaperResults& results, const PaperTimings& t
   return text;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,8 +7,8 @@
 
 #include "core/lab/experiments/results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 std::string reproduction_page(const PaperResults& results, const PaperTimings& timings);
 
-}  // namespace planescope
+}  // namespace planescope::lab

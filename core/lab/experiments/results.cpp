@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-namespace planescope {
+namespace planescope::lab {
 
 const Cell* PaperResults::find(const CellKey& key) const {
   const auto found = std::ranges::find(cells, key, &Cell::key);
   return found != cells.end() ? &*found : nullptr;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -12,7 +12,7 @@
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/report/data/build_info.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Which frames were segmented, and how.
 struct CellKey {
@@ -33,7 +33,7 @@ struct CellKey {
 struct Cell {
   CellKey key;
   int frames = 0;
-  Metrics metrics;
+  planes::Metrics metrics;
 };
 
 /// Sizes of a real recording's frames, means over them.
@@ -48,8 +48,8 @@ struct RealRow {
 /// All that is the same for the same seeds, options and weights, on any machine.
 struct PaperResults {
   std::string command;  // that measures the same again, without folders and threads
-  BuildInfo build;
-  WeightsRecord weights;
+  report::BuildInfo build;
+  planes::WeightsRecord weights;
   std::uint64_t seed = 1, tuning_seed = 1001;
   bool quick = false;
   int count = 0;  // frames of a set at most; 0: all that it has
@@ -95,4 +95,4 @@ PaperTimings read_timings(const std::filesystem::path& dir);
 std::string cell_line(const Cell& cell);
 Cell parse_cell(const std::string& line);
 
-}  // namespace planescope
+}  // namespace planescope::lab

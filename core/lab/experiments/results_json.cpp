@@ -12,7 +12,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/planes/evaluate/metrics_values.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -55,8 +55,8 @@ Cell cell_of(const AnyJson& json) {
   Cell cell{key_of(json.at("key")), json.at("frames"), {}};
   if (cell.frames < 1 || cell.frames > kMaxFrames)
     throw Error(fmt::format("a cell of {} frames, expected 1 to {}", cell.frames, kMaxFrames));
-  visit_values(cell.metrics, [&](const char* name, auto& value) {
-    if (is_late_value(name) && !json.contains(name)) return;
+  planes::visit_values(cell.metrics, [&](const char* name, auto& value) {
+    if (planes::is_late_value(name) && !json.contains(name)) return;
     value = json.at(name).template get<std::remove_reference_t<decltype(value)>>();
   });
   return cell;
@@ -75,7 +75,8 @@ Json json_of(const RealRow& row) {
 
 std::string cell_line(const Cell& cell) {
   Json json = {{"key", json_of(cell.key)}, {"frames", cell.frames}};
-  visit_values(cell.metrics, [&](const char* name, const auto& value) { json[name] = value; });
+  planes::visit_values(cell.metrics,
+                       [&](const char* name, const auto& value) { json[name] = value; });
   return json.dump();
 }
 
@@ -104,7 +105,7 @@ void write_results(const std::filesystem::path& dir, const PaperResults& results
 
 PaperResults read_results(const std::filesystem::path& dir) {
   const std::filesystem::path file = dir / "paper.json";
-  const auto json = read_json_file(file);
+  const auto json = io::read_json_file(file);
   try {
     const std::string schema = json.at("schema");
     if (schema != kSchema)
@@ -129,4 +130,4 @@ PaperResults read_results(const std::filesystem::path& dir) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,7 +7,7 @@
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const std::vector<std::string> kColumns = {"alpha", "r_p",  "r_m",  "points", "IoU",
@@ -24,7 +24,7 @@ constexpr const char* kColumnNote =
     "labels that are right within 2 cm of the other label, and elsewhere.";
 
 std::vector<std::string> figures(const Cell& cell) {
-  const Metrics& m = cell.metrics;
+  const planes::Metrics& m = cell.metrics;
   std::vector<std::string> texts = {fixed(m.alpha_deg, 3), fixed(m.r_p, 1),
                                     fixed(m.r_m, 2),       fixed(m.point_accuracy, 2),
                                     fixed(m.mean_iou, 2),  fixed(m.pq, 2)};
@@ -174,4 +174,4 @@ std::vector<Table> stricter_tables(const PaperResults& results) {
   return tables;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/printed.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A dash where there was nothing to time.
@@ -88,4 +88,4 @@ std::vector<Table> timing_tables(const PaperTimings& timings) {
   return tables;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

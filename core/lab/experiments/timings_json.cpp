@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -64,7 +64,7 @@ void write_timings(const std::filesystem::path& dir, const PaperTimings& timings
 
 PaperTimings read_timings(const std::filesystem::path& dir) {
   const std::filesystem::path file = dir / "paper.timings.json";
-  const auto json = read_json_file(file);
+  const auto json = io::read_json_file(file);
   try {
     const std::string schema = json.at("schema");
     if (schema != kSchema)
@@ -93,4 +93,4 @@ PaperTimings read_timings(const std::filesystem::path& dir) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/trigonometry.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A solid of a constant outline: a convex polygon in x-z, counter-clockwise seen from -y, drawn
@@ -162,4 +162,4 @@ Scene compose_scene(std::uint64_t seed) {
   return scene;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

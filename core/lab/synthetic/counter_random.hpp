@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Splitmix64's finaliser: 64 well mixed bits of any 64 bits.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
@@ -40,4 +40,4 @@ constexpr double random_normal(std::uint64_t seed, std::uint64_t stream, std::ui
   return (static_cast<double>(sum) - kMean) * kInverseDeviation;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/counter_random.hpp"
 #include "core/lab/synthetic/trigonometry.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 enum Stream : std::uint64_t {
@@ -207,4 +207,4 @@ Image16 measure_with_pixel_noise(const TrueView& view, const D435Model& model, s
   return depth;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

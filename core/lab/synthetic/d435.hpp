@@ -9,7 +9,7 @@
 
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// About 385 px of focal length at 640 x 480; scaled with the width, no distortion.
 Intrinsics d435_intrinsics(int width, int height);
@@ -54,4 +54,4 @@ Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_
 /// neighbours'; no holes.
 Image16 measure_with_pixel_noise(const TrueView& view, const D435Model& model, std::uint64_t seed);
 
-}  // namespace planescope
+}  // namespace planescope::lab

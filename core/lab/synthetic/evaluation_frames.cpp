@@ -11,7 +11,7 @@
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/lab/synthetic/truth.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Build = void (*)(Scene&, Random&);
@@ -179,4 +179,4 @@ EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
   return out;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 #include "core/lab/synthetic/scene_parts.hpp"
 #include "core/lab/synthetic/trigonometry.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// `count` ranges one after another from 0, with gaps between them.
@@ -139,4 +139,4 @@ void build_kerbs(Scene& scene, Random& random) {
     add_polygon(scene, upright({0, pavement.low}, {x.high, pavement.low}, {0, height}), {});
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

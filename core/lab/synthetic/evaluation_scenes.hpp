@@ -5,7 +5,7 @@
 #include "core/lab/synthetic/scene.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Whole objects, of which points are sampled on every face there is.
 void build_side_walls(Scene& scene, Random& random);
@@ -21,4 +21,4 @@ void build_stairs_view(Scene& scene, Random& random);
 void build_boxes_view(Scene& scene, Random& random);
 void build_slopes_view(Scene& scene, Random& random);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,7 +2,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr DepthErrors kAllErrors[] = {DepthErrors::clean, DepthErrors::noise, DepthErrors::d435};
@@ -58,4 +58,4 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
   throw Error("evaluation set \"" + name + "\" is not known, expected one of " + known);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -13,7 +13,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 enum class DepthErrors : std::uint8_t {
   clean,  // exact depth, rounded to counts, wherever a ray hits
@@ -58,4 +58,4 @@ EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
                                       int index,
                                       const EvaluationOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::lab

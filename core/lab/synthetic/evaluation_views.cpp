@@ -4,7 +4,7 @@
 #include "core/lab/synthetic/scene_parts.hpp"
 #include "core/lab/synthetic/trigonometry.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const Footprint kGround{{-kFarM, kFarM}, {-kFarM, kFarM}};
@@ -100,4 +100,4 @@ void build_slopes_view(Scene& scene, Random& random) {
   set_down(scene, front, 25, random);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

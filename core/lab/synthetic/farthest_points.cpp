@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A kd-tree that knows, below every node, the point farthest from all that were chosen. A new
@@ -114,4 +114,4 @@ std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::s
   return chosen;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

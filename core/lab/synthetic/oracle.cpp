@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 struct HalfSpace {
@@ -82,4 +82,4 @@ std::vector<std::int32_t> oracle_planes(std::span<const Vec3f> points,
   return planes;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A piece of a true plane; several may share their plane.
 struct TruePolygon {
@@ -25,4 +25,4 @@ double distance_m(const TruePolygon& polygon, const Vec3d& point);
 std::vector<std::int32_t> oracle_planes(std::span<const Vec3f> points,
                                         std::span<const TruePolygon> polygons);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 // Rays at a seam of two polygons hit one of them in spite of rounding.
@@ -66,4 +66,4 @@ bool is_blocked(const CastScene& scene, const Vec3d& from, const Vec3d& to) {
   return false;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

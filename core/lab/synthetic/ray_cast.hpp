@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/scene.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A scene's polygons as half-spaces: exact ray casting, quick enough for some dozens of them.
 struct CastScene {
@@ -34,4 +34,4 @@ Hit first_hit(const CastScene& scene, const Vec3d& origin, const Vec3d& directio
 /// Whether something stands strictly between two points; `from` may lie on a surface.
 bool is_blocked(const CastScene& scene, const Vec3d& from, const Vec3d& to);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/farthest_points.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              std::size_t count,
@@ -39,4 +39,4 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
   return even;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

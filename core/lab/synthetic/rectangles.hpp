@@ -7,7 +7,7 @@
 #include "core/model/random.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct Rectangle {
   Vec3d corner;
@@ -32,4 +32,4 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              const Mat3d& turn,
                              Random& random);
 
-}  // namespace planescope
+}  // namespace planescope::lab

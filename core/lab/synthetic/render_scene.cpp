@@ -7,7 +7,7 @@
 #include "core/lab/synthetic/truth.hpp"
 #include "core/model/sha256.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// Direction of a pixel, in the world frame, of depth 1.
@@ -123,4 +123,4 @@ std::string depth_sha256(const Image16& depth) {
   return sha256_hex(bytes);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// A scene as the left imager sees it, before the camera measures: exact.
 struct SceneView {
@@ -33,4 +33,4 @@ Frame render_scene(const Scene& scene,
 /// SHA-256 of a depth image as little-endian counts: what Recording::frame_hash gives for it.
 std::string depth_sha256(const Image16& depth);
 
-}  // namespace planescope
+}  // namespace planescope::lab

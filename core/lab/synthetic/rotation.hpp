@@ -3,7 +3,7 @@
 #include "core/lab/synthetic/trigonometry.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Rotation by `angle_deg` about a unit axis (Rodrigues), the same on every machine.
 inline Mat3d rotation(const Vec3d& axis, double angle_deg) {
@@ -12,4 +12,4 @@ inline Mat3d rotation(const Vec3d& axis, double angle_deg) {
   return Mat3d::Identity() + sin_deg(angle_deg) * cross + (1 - cos_deg(angle_deg)) * cross * cross;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

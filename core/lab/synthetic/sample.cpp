@@ -5,7 +5,7 @@
 #include "core/lab/synthetic/scenes.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr int kMinSide = 16, kMaxSide = 8192;
@@ -47,4 +47,4 @@ void write_sample(const std::filesystem::path& dir, const SampleOptions& options
   write_sample_folder(dir, folder, [&](std::size_t i) { return make_sample_frame(options, i); });
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,7 +7,7 @@
 
 #include "core/lab/synthetic/sample_folder.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct SampleOptions {
   std::uint64_t seed = 1;
@@ -27,4 +27,4 @@ SampleFrame make_sample_frame(const SampleOptions& options, std::size_t index);
 /// written, where `dir` holds anything else, on unknown scenes and on impossible sizes.
 void write_sample(const std::filesystem::path& dir, const SampleOptions& options = {});
 
-}  // namespace planescope
+}  // namespace planescope::lab

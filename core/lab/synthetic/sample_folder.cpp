@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ void check_target(const fs::path& dir, const SampleFolder& folder) {
   check_folder(dir, content);
   check_folder(dir / "depth", images);
   if (folder.color) check_folder(dir / "color", images);
-  check_folder(default_label_dir(dir), labels);
+  check_folder(labels::default_label_dir(dir), labels);
 }
 
 void make_folder(const fs::path& dir) {
@@ -91,9 +91,9 @@ void write_sample_folder(const fs::path& dir,
     const std::string name = frame_name(i);
     const auto [frame, truth, scene] = make_frame(i);
     if (i == 0) json = sidecar_of(folder, frame);
-    write_png(dir / "depth" / (name + ".png"), frame.depth);
-    if (folder.color) write_png(dir / "color" / (name + ".png"), frame.color);
-    write_frame_labels(default_label_dir(dir), static_cast<int>(i), truth);
+    io::write_png(dir / "depth" / (name + ".png"), frame.depth);
+    if (folder.color) io::write_png(dir / "color" / (name + ".png"), frame.color);
+    labels::write_frame_labels(labels::default_label_dir(dir), static_cast<int>(i), truth);
 
     Json entry = {{"name", name}, {"scene", scene}, {"timestamp_s", static_cast<double>(i)}};
     if (folder.gravity) {
@@ -106,4 +106,4 @@ void write_sample_folder(const fs::path& dir,
   write_file_text(dir / kSidecar, text);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct SampleFrame {
   Frame frame;
@@ -32,4 +32,4 @@ void write_sample_folder(const std::filesystem::path& dir,
                          const SampleFolder& folder,
                          const std::function<SampleFrame(std::size_t)>& make_frame);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -10,12 +10,12 @@
 #include "core/planes/cloud/cloud.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 104 };
 
-bool is_worth_learning(const LabelledCloud& scan) {
+bool is_worth_learning(const planes::LabelledCloud& scan) {
   constexpr std::size_t kLeastVoxels = 300;
   const auto h = std::count(scan.labels.begin(), scan.labels.end(), Label::h);
   return scan.labels.size() >= kLeastVoxels && h > 0 && h < std::ssize(scan.labels);
@@ -46,7 +46,7 @@ D435Model real_camera(std::uint64_t seed) {
   return model;
 }
 
-constexpr double kRange_m = CloudOptions{}.max_range_m;
+constexpr double kRange_m = planes::CloudOptions{}.max_range_m;
 
 double usual_range_m(std::uint64_t /*seed*/) { return kRange_m; }
 
@@ -56,39 +56,40 @@ double real_range_m(std::uint64_t seed) {
 }
 
 /// The first view of a composed scene that is worth learning.
-LabelledCloud scan_composed_scene(std::uint64_t seed,
-                                  double voxel_size_m,
-                                  D435Model (*camera)(std::uint64_t),
-                                  double (*range_m)(std::uint64_t),
-                                  bool mark_edges) {
+planes::LabelledCloud scan_composed_scene(std::uint64_t seed,
+                                          double voxel_size_m,
+                                          D435Model (*camera)(std::uint64_t),
+                                          double (*range_m)(std::uint64_t),
+                                          bool mark_edges) {
   for (std::uint64_t view = 0;; ++view) {
     const std::uint64_t view_seed = random_bits(seed, kView, view);
     const Scene scene = compose_scene(view_seed);
-    LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed, mark_edges,
-                                   range_m(view_seed));
+    planes::LabelledCloud scan = make_scan(scene, camera(view_seed), voxel_size_m, view_seed,
+                                           mark_edges, range_m(view_seed));
     if (is_worth_learning(scan)) return scan;
   }
 }
 
 }  // namespace
 
-LabelledCloud make_scan(const Scene& scene,
-                        const D435Model& model,
-                        double voxel_size_m,
-                        std::uint64_t seed,
-                        bool mark_edges,
-                        double max_range_m) {
+planes::LabelledCloud make_scan(const Scene& scene,
+                                const D435Model& model,
+                                double voxel_size_m,
+                                std::uint64_t seed,
+                                bool mark_edges,
+                                double max_range_m) {
   FrameLabels truth;
   const Frame frame = render_scene(scene, scene.camera, model, seed, &truth);
-  const Cloud cloud = make_cloud(frame, truth.gravity, {.max_range_m = max_range_m});
-  const VoxelCloud voxels = voxelize(cloud, voxel_size_m);
+  const planes::Cloud cloud =
+      planes::make_cloud(frame, truth.gravity, {.max_range_m = max_range_m});
+  const planes::VoxelCloud voxels = planes::voxelize(cloud, voxel_size_m);
   std::vector<std::uint8_t> labels;
   labels.reserve(cloud.source.size());
   for (const std::uint32_t pixel : cloud.source) labels.push_back(truth.hv.data[pixel]);
 
-  LabelledCloud scan;
+  planes::LabelledCloud scan;
   scan.kind = "scan";
-  const std::vector<std::uint8_t> votes = vote_labels(voxels, labels);
+  const std::vector<std::uint8_t> votes = planes::vote_labels(voxels, labels);
   for (std::size_t v = 0; v < votes.size(); ++v) {
     if (votes[v] == 0) continue;
     scan.points.push_back(voxels.points[v]);
@@ -98,16 +99,18 @@ LabelledCloud make_scan(const Scene& scene,
   std::vector<Label> measured;
   for (const std::uint8_t label : labels)
     measured.push_back(label <= 2 ? static_cast<Label>(label) : Label::unknown);
-  scan.near_edge = near_other_label(scan.points, scan.labels, cloud.points, measured);
+  scan.near_edge = planes::near_other_label(scan.points, scan.labels, cloud.points, measured);
   return scan;
 }
 
-LabelledCloud make_training_scan(std::uint64_t seed, double voxel_size_m, bool real_errors) {
+planes::LabelledCloud make_training_scan(std::uint64_t seed,
+                                         double voxel_size_m,
+                                         bool real_errors) {
   return scan_composed_scene(seed, voxel_size_m, real_errors ? real_camera : varied_camera,
                              real_errors ? real_range_m : usual_range_m, /*mark_edges=*/false);
 }
 
-LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+planes::LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const std::uint64_t scan_seed =
       random_bits(seed, kComposedTest, static_cast<std::uint64_t>(index));
   return scan_composed_scene(
@@ -115,18 +118,18 @@ LabelledCloud make_composed_test_scan(std::uint64_t seed, int index, double voxe
       /*mark_edges=*/true);
 }
 
-LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
+planes::LabelledCloud make_test_scan(std::uint64_t seed, int index, double voxel_size_m) {
   const auto i = static_cast<std::uint64_t>(index);
   const std::uint64_t scan_seed = random_bits(seed, kTestScene, i);
   const Scene scene = make_scene(scene_names()[i % scene_names().size()], scan_seed);
   return make_scan(scene, usual_camera(), voxel_size_m, scan_seed, /*mark_edges=*/true);
 }
 
-std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
-                                           int count,
-                                           double voxel_size_m,
-                                           int threads) {
-  std::vector<LabelledCloud> scans(static_cast<std::size_t>(count));
+std::vector<planes::LabelledCloud> make_test_scans(std::uint64_t seed,
+                                                   int count,
+                                                   double voxel_size_m,
+                                                   int threads) {
+  std::vector<planes::LabelledCloud> scans(static_cast<std::size_t>(count));
   const auto make = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       scans[i] = make_test_scan(seed, static_cast<int>(i), voxel_size_m);
@@ -135,4 +138,4 @@ std::vector<LabelledCloud> make_test_scans(std::uint64_t seed,
   return scans;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

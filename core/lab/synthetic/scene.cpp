@@ -4,7 +4,7 @@
 
 #include "core/lab/synthetic/trigonometry.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 Vec3d rotated(const Vec3d& v, double sine, double cosine) {
@@ -76,4 +76,4 @@ void add_cylinder(
   add_polygon(scene, lid, material);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

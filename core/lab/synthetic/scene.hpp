@@ -6,7 +6,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 inline constexpr double kFarM = 6;  // beyond the range of every view
 
@@ -61,4 +61,4 @@ void add_box(
 void add_cylinder(
     Scene& scene, const Vec3d& base, double radius_m, double height_m, const Material& material);
 
-}  // namespace planescope
+}  // namespace planescope::lab

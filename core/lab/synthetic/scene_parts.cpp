@@ -4,7 +4,7 @@
 
 #include "core/lab/synthetic/rotation.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 std::vector<Vec3d> level(const Range& x, const Range& y, double z) {
   return {{x.low, y.low, z}, {x.high, y.low, z}, {x.high, y.high, z}, {x.low, y.high, z}};
@@ -81,4 +81,4 @@ void turn(Scene& scene, const Vec3d& center, double angle_deg) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

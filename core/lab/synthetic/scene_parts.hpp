@@ -8,7 +8,7 @@
 
 #include "core/lab/synthetic/scene.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct Range {
   double low = 0, high = 0;
@@ -52,4 +52,4 @@ void add_ramp(Scene& scene, const Ramp& ramp);
 /// Everything so far, about the vertical through a point.
 void turn(Scene& scene, const Vec3d& center, double angle_deg);
 
-}  // namespace planescope
+}  // namespace planescope::lab

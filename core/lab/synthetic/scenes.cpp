@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/trigonometry.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const Material kFloorboards{{0.42, 0.27, 0.15}, Texture::planks};
@@ -195,4 +195,4 @@ Scene make_scene(const std::string& name, std::uint64_t seed) {
   throw Error("scene \"" + name + "\" is not known, expected one of " + known);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 
 #include "core/lab/synthetic/scene.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What make_scene knows: "stairs", "kerb", "ramp", "boxes", "corner".
 const std::vector<std::string>& scene_names();
@@ -16,4 +16,4 @@ const std::vector<std::string>& scene_names();
 /// few per cent and the camera's pose. Throws Error naming the scenes there are.
 Scene make_scene(const std::string& name, std::uint64_t seed);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/texture.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kLampDistanceM = 20;
@@ -52,4 +52,4 @@ std::array<std::uint8_t, 3> to_display(const Vec3d& linear) {
   return rgb;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

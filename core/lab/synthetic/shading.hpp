@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/ray_cast.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Share of the light from all around that reaches a point on a surface, 0..1: less beside
 /// surfaces that rise above it.
@@ -19,4 +19,4 @@ Vec3d shade(
 /// Linear light to 8-bit display values (gamma 2: exact square roots).
 std::array<std::uint8_t, 3> to_display(const Vec3d& linear);
 
-}  // namespace planescope
+}  // namespace planescope::lab

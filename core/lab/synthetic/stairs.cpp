@@ -7,7 +7,7 @@
 #include "core/model/random.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 Mat3d turn_of(const Stairs& stairs) {
@@ -76,15 +76,15 @@ std::vector<TruePolygon> true_polygons(const Stairs& stairs) {
   return polygons;
 }
 
-LabelledCloud labelled(const Stairs& stairs) {
-  LabelledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
+planes::LabelledCloud labelled(const Stairs& stairs) {
+  planes::LabelledCloud cloud{"stairs", stairs.cloud.points, {}, {}};
   const Mat3d turn_back = turn_of(stairs).transpose();
   const std::vector<Rectangle> faces = faces_of(stairs);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const auto label = static_cast<Label>(stairs.cloud.label[i]);
     const Vec3d p = turn_back * cloud.points[i].cast<double>();
     const bool near = std::any_of(faces.begin(), faces.end(), [&](const Rectangle& face) {
-      return label_of_normal(face.normal) != label && distance(p, face) < kEdgeDistanceM;
+      return label_of_normal(face.normal) != label && distance(p, face) < planes::kEdgeDistanceM;
     });
     cloud.labels.push_back(label);
     cloud.near_edge.push_back(near);
@@ -92,4 +92,4 @@ LabelledCloud labelled(const Stairs& stairs) {
   return cloud;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

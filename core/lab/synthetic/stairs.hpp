@@ -11,7 +11,7 @@
 #include "core/model/frame.hpp"
 #include "core/planes/classify/labelled_cloud.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct StairsOptions {
   std::uint64_t seed = 1;
@@ -41,6 +41,6 @@ std::vector<TruePolygon> true_polygons(const Stairs& stairs);
 
 /// Its points and labels; near an edge is what lies within 2 cm of a tread or riser, whichever it
 /// is not on itself.
-LabelledCloud labelled(const Stairs& stairs);
+planes::LabelledCloud labelled(const Stairs& stairs);
 
-}  // namespace planescope
+}  // namespace planescope::lab

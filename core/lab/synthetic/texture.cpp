@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/counter_random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 double lattice(std::int64_t x, std::int64_t y, std::uint64_t stream) {
@@ -93,4 +93,4 @@ Vec3d textured_albedo(const Surface& surface, int surface_index, const Vec3d& po
          surface.material.albedo;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/labels/model/fragments.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// Nine digits are far below any error of measurement, and print the same on every machine.
@@ -71,7 +71,7 @@ FrameLabels true_labels(const Scene& scene,
     planes.try_emplace(surface.plane, plane_in_view(surface, T_world_camera));
   }
   set_rms(frame, labels.plane, planes);
-  const auto fragments = count_fragments(labels.plane);
+  const auto fragments = labels::count_fragments(labels.plane);
   for (auto& [id, plane] : planes) {
     plane.fragments = fragments[id];
     labels.planes.push_back(plane);
@@ -81,4 +81,4 @@ FrameLabels true_labels(const Scene& scene,
   return labels;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

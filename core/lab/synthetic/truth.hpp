@@ -5,7 +5,7 @@
 #include "core/lab/synthetic/scene.hpp"
 #include "core/labels/model/label_files.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Ground truth of a frame where it is known what every pixel sees: `surfaces` per pixel, indices
 /// in scene.surfaces, -1 nothing.
@@ -14,4 +14,4 @@ FrameLabels true_labels(const Scene& scene,
                         std::span<const int> surfaces,
                         const Frame& frame);
 
-}  // namespace planescope
+}  // namespace planescope::lab

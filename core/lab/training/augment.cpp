@@ -8,14 +8,14 @@
 #include "core/lab/training/training_set.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
 enum Stream : std::uint64_t { kThinning = 1, kUniformNoise = 2, kGaussianNoise = 3 };
 
-const Vec3f& any_of(const Indices& kept, const LabelledCloud& cloud, Random& random) {
+const Vec3f& any_of(const Indices& kept, const planes::LabelledCloud& cloud, Random& random) {
   return cloud.points[kept[random.integer(0, static_cast<int>(kept.size()) - 1)]];
 }
 
@@ -25,7 +25,7 @@ void thin(Indices& kept, double least_share, std::uint64_t seed, Random& random)
 }
 
 void remove_clusters(Indices& kept,
-                     const LabelledCloud& cloud,
+                     const planes::LabelledCloud& cloud,
                      const AugmentOptions& options,
                      Random& random) {
   const std::size_t least = (kept.size() + 1) / 2;
@@ -42,7 +42,7 @@ void remove_clusters(Indices& kept,
 }
 
 /// The `count` points nearest to one of them.
-void crop(Indices& kept, const LabelledCloud& cloud, std::size_t count, Random& random) {
+void crop(Indices& kept, const planes::LabelledCloud& cloud, std::size_t count, Random& random) {
   if (count == 0 || kept.size() <= count) return;
   const Vec3f center = any_of(kept, cloud, random);
   std::vector<float> distance2;
@@ -68,14 +68,14 @@ Mat3d random_turn(const AugmentOptions& options, Random& random) {
 
 }  // namespace
 
-LabelledCloud augment(const LabelledCloud& cloud,
-                      const AugmentOptions& options,
-                      std::uint64_t seed) {
+planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
+                              const AugmentOptions& options,
+                              std::uint64_t seed) {
   Random random(seed);
   Indices kept(cloud.points.size());
   std::iota(kept.begin(), kept.end(), 0u);
   if (options.thinning < 1) thin(kept, options.thinning, seed, random);
-  LabelledCloud result;
+  planes::LabelledCloud result;
   result.kind = cloud.kind;
   if (kept.empty()) return result;
   remove_clusters(kept, cloud, options, random);
@@ -99,4 +99,4 @@ LabelledCloud augment(const LabelledCloud& cloud,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

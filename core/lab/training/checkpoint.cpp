@@ -13,7 +13,7 @@
 #include "core/planes/classify/json_text.hpp"
 #include "core/planes/classify/safetensors.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -30,7 +30,7 @@ std::vector<Group> groups(TrainState& state) {
 /// What has to be the same for a training to go on.
 Json identity(const TrainOptions& o, const TrainingPurpose& purpose) {
   Json json = {{"network", o.network.name},
-               {"parameters", parameter_count(o.network)},
+               {"parameters", planes::parameter_count(o.network)},
                {"seed", o.seed},
                {"steps", o.steps},
                {"batch", o.batch},
@@ -60,7 +60,7 @@ Json progress_of(const TrainState& state) {
   Json epochs = Json::array();
   for (const Epoch& epoch : state.epochs) {
     Json sets = Json::array();
-    for (const LabelAccuracy& a : epoch.validation)
+    for (const planes::LabelAccuracy& a : epoch.validation)
       sets.push_back({a.edge_right, a.edge, a.inner_right, a.inner});
     epochs.push_back({{"step", epoch.step}, {"loss", epoch.train_loss}, {"validation", sets}});
   }
@@ -98,35 +98,36 @@ void write_checkpoint(const std::filesystem::path& path,
                       const TrainState& state,
                       const TrainOptions& options,
                       const TrainingPurpose& purpose) {
-  TensorFile file;
+  planes::TensorFile file;
   file.metadata = {{"format", kFormat},
                    {"options", identity(options, purpose).dump()},
                    {"progress", progress_of(state).dump()}};
   TrainState copy = state;
-  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  const std::vector<planes::TensorSpec> specs = planes::tensor_specs(options.network);
   for (const Group& group : groups(copy))
     for (std::size_t t = 0; t < specs.size(); ++t)
       file.tensors.push_back({fmt::format("{}/{}", group.name, specs[t].name),
                               {specs[t].shape.begin(), specs[t].shape.end()},
                               std::move(group.tensors[t])});
-  write_safetensors(path, file);
+  planes::write_safetensors(path, file);
 }
 
 TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainOptions& options,
                            const TrainingPurpose& purpose) {
-  TensorFile file = read_safetensors(path);
+  planes::TensorFile file = planes::read_safetensors(path);
   if (file.metadata["format"] != kFormat)
     throw Error(path.string() + ": is no checkpoint of a training");
-  expect_identity(parse_json(file.metadata["options"], path.string()), identity(options, purpose),
-                  path.string());
+  expect_identity(planes::parse_json(file.metadata["options"], path.string()),
+                  identity(options, purpose), path.string());
   TrainState state = begin_training(options);
-  const std::vector<TensorSpec> specs = tensor_specs(options.network);
+  const std::vector<planes::TensorSpec> specs = planes::tensor_specs(options.network);
   for (const Group& group : groups(state))
     for (std::size_t t = 0; t < specs.size(); ++t) {
       const std::string name = fmt::format("{}/{}", group.name, specs[t].name);
-      const auto found = std::find_if(file.tensors.begin(), file.tensors.end(),
-                                      [&](const Tensor& tensor) { return tensor.name == name; });
+      const auto found =
+          std::find_if(file.tensors.begin(), file.tensors.end(),
+                       [&](const planes::Tensor& tensor) { return tensor.name == name; });
       if (found == file.tensors.end() || found->values.size() != group.tensors[t].size())
         throw Error(
             fmt::format("{}: tensor {} is missing or of another size", path.string(), name));
@@ -137,7 +138,7 @@ TrainState read_checkpoint(const std::filesystem::path& path,
       group.tensors[t] = std::move(found->values);
     }
   try {
-    read_progress(parse_json(file.metadata["progress"], path.string()), state);
+    read_progress(planes::parse_json(file.metadata["progress"], path.string()), state);
   } catch (const nlohmann::json::exception& error) {
     throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
   }
@@ -147,4 +148,4 @@ TrainState read_checkpoint(const std::filesystem::path& path,
   return state;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 
 #include "core/lab/training/train.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What a training was asked to do beyond its options, by name: it can be resumed only with the
 /// same.
@@ -25,4 +25,4 @@ TrainState read_checkpoint(const std::filesystem::path& path,
                            const TrainOptions& options,
                            const TrainingPurpose& purpose);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace planescope::gcn {
+namespace planescope::lab {
 namespace {
 
 struct View {
@@ -30,7 +30,7 @@ void add_columns(const float* y, std::size_t n, int columns, float* sums) {
 }
 
 /// For y = x w: the gradient of w, and that of x added to what is there.
-void product_backward(const Kernels& kernels,
+void product_backward(const planes::gcn::Kernels& kernels,
                       std::size_t n,
                       ConstView x,
                       const float* w,
@@ -61,11 +61,11 @@ void product_backward(const Kernels& kernels,
 }
 
 struct Backward {
-  const Graph& graph;
-  const Layers& layers;
-  const Activations& a;
-  const Kernels& kernels;
-  Layers gradients;
+  const planes::gcn::Graph& graph;
+  const planes::gcn::Layers& layers;
+  const planes::gcn::Activations& a;
+  const planes::gcn::Kernels& kernels;
+  planes::gcn::Layers gradients;
   std::vector<Buffer> features;  // gradients of Activations::Level::features
 
   /// Down to the head's first sums, before their ReLU: [n x head[0].out].
@@ -74,8 +74,8 @@ struct Backward {
     Buffer dy(logits.size());
     std::copy_n(logits.data(), logits.size(), dy.data());
     for (std::size_t h = layers.head.size() - 1; h > 0; --h) {
-      const HeadLayer& layer = layers.head[h];
-      HeadLayer& gradient = gradients.head[h];
+      const planes::gcn::HeadLayer& layer = layers.head[h];
+      planes::gcn::HeadLayer& gradient = gradients.head[h];
       Buffer dx(n * layer.in, 0);
       const auto stride = static_cast<std::size_t>(layer.in);
       add_columns(dy.data(), n, layer.out, gradient.bias.data());
@@ -90,12 +90,12 @@ struct Backward {
 
   /// From the head's first sums to the features of every level.
   void through_fusion(const Buffer& sums) {
-    const HeadLayer& first = layers.head[0];
+    const planes::gcn::HeadLayer& first = layers.head[0];
     const std::size_t n = graph.levels[0].n;
     add_columns(sums.data(), n, first.out, gradients.head[0].bias.data());
     int row = 0;
     for (std::size_t l = 0; l < graph.levels.size(); ++l) {
-      const GraphLevel& level = graph.levels[l];
+      const planes::gcn::GraphLevel& level = graph.levels[l];
       const int width = layers.widths[l];
       Buffer gathered;
       if (l > 0) {
@@ -117,7 +117,7 @@ struct Backward {
   }
 
   void through_global(const Buffer& sums, int row) {
-    const HeadLayer& first = layers.head[0];
+    const planes::gcn::HeadLayer& first = layers.head[0];
     const int channels = layers.convolutions.back().out;
     std::vector<float> dy(first.out, 0.0f), dx(channels, 0.0f);
     add_columns(sums.data(), graph.levels[0].n, first.out, dy.data());
@@ -132,9 +132,9 @@ struct Backward {
   }
 
   void through_convolution(std::size_t c) {
-    const ConvolutionLayer& layer = layers.convolutions[c];
-    const GraphLevel& level = graph.levels[layer.level];
-    const Activations::Level& kept = a.levels[layer.level];
+    const planes::gcn::ConvolutionLayer& layer = layers.convolutions[c];
+    const planes::gcn::GraphLevel& level = graph.levels[layer.level];
+    const planes::gcn::Activations::Level& kept = a.levels[layer.level];
     const auto width = static_cast<std::size_t>(layers.widths[layer.level]);
     if (layer.relu)
       for (std::size_t i = 0; i < level.n; ++i)
@@ -147,7 +147,7 @@ struct Backward {
     through_support(c, products);
     if (layer.in == 0) return;
 
-    ConvolutionLayer& gradient = gradients.convolutions[c];
+    planes::gcn::ConvolutionLayer& gradient = gradients.convolutions[c];
     const auto out = static_cast<int>(columns);
     add_columns(products.data(), level.n, out, gradient.bias.data());
     const auto multiply = [&](ConstView x, View dx) {
@@ -168,8 +168,8 @@ struct Backward {
 
   /// From a convolution's output to its products with the weights, and to its directions.
   void through_support(std::size_t c, Buffer& products) {
-    const ConvolutionLayer& layer = layers.convolutions[c];
-    const GraphLevel& level = graph.levels[layer.level];
+    const planes::gcn::ConvolutionLayer& layer = layers.convolutions[c];
+    const planes::gcn::GraphLevel& level = graph.levels[layer.level];
     const auto width = static_cast<std::size_t>(layers.widths[layer.level]);
     const int kernels_count = layers.config.supports * layer.out;
     const std::size_t columns = std::size_t{1} * (layers.config.supports + 1) * layer.out;
@@ -201,7 +201,7 @@ struct Backward {
   }
 
   void through_pool(std::size_t l, int channels, const Buffer& pooled) {
-    const GraphLevel& from = graph.levels[l - 1];
+    const planes::gcn::GraphLevel& from = graph.levels[l - 1];
     const auto width = static_cast<std::size_t>(layers.widths[l - 1]);
     float* to = features[l - 1].data() + width - channels;
     for (std::size_t i = 0; i < graph.levels[l].n; ++i)
@@ -218,12 +218,12 @@ struct Backward {
 
 }  // namespace
 
-Layers backward(const Graph& graph,
-                const Layers& layers,
-                const Activations& activations,
-                const Kernels& kernels,
-                const Buffer& logit_gradients) {
-  Backward pass{graph, layers, activations, kernels, make_layers(layers.config), {}};
+planes::gcn::Layers backward(const planes::gcn::Graph& graph,
+                             const planes::gcn::Layers& layers,
+                             const planes::gcn::Activations& activations,
+                             const planes::gcn::Kernels& kernels,
+                             const Buffer& logit_gradients) {
+  Backward pass{graph, layers, activations, kernels, planes::gcn::make_layers(layers.config), {}};
   for (std::size_t l = 0; l < graph.levels.size(); ++l)
     pass.features.emplace_back(graph.levels[l].n * layers.widths[l], 0.0f);
   pass.through_fusion(pass.through_head(logit_gradients));
@@ -231,4 +231,4 @@ Layers backward(const Graph& graph,
   return std::move(pass.gradients);
 }
 
-}  // namespace planescope::gcn
+}  // namespace planescope::lab

@@ -4,14 +4,14 @@
 
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
-NetworkWeights random_weights(const NetworkConfig& config, std::uint64_t seed) {
-  NetworkWeights weights;
+planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed) {
+  planes::NetworkWeights weights;
   weights.config = config;
   Random random(seed);
   double bound = 0;
-  for (const TensorSpec& spec : tensor_specs(config)) {
+  for (const planes::TensorSpec& spec : planes::tensor_specs(config)) {
     // conv_*: one over the root of all columns. conv1d_block.*: of the inputs, for the bias as for
     // the weight before it.
     if (spec.name.starts_with("conv1d_block")) {
@@ -30,4 +30,4 @@ NetworkWeights random_weights(const NetworkConfig& config, std::uint64_t seed) {
   return weights;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,10 +4,10 @@
 
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// Weights drawn as the official code and PyTorch draw them: uniform within one over the root of
 /// how many terms a layer sums, or puts out.
-NetworkWeights random_weights(const NetworkConfig& config, std::uint64_t seed);
+planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 #include "core/model/parallel.hpp"
 #include "core/planes/classify/gcn.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-8;  // Adam's usual ones
@@ -23,10 +23,10 @@ double learning_rate(const TrainOptions& options, int step) {
 }
 
 /// Per point in the graph's order; they sum to 1, or are all 0 without labels.
-std::vector<float> point_weights(const gcn::Graph& graph,
+std::vector<float> point_weights(const planes::gcn::Graph& graph,
                                  const std::vector<Label>& labels,
                                  const TrainOptions& options) {
-  const gcn::GraphLevel& level = graph.levels[0];
+  const planes::gcn::GraphLevel& level = graph.levels[0];
   std::vector<float> weights(level.n, 0.0f);
   double sums[3] = {};
   for (std::size_t i = 0; i < level.n; ++i) {
@@ -54,17 +54,17 @@ struct CloudGradient {
   std::vector<std::vector<float>> tensors;
 };
 
-CloudGradient cloud_gradient(const LabelledCloud& cloud,
-                             const NetworkWeights& weights,
-                             const gcn::Layers& layers,
+CloudGradient cloud_gradient(const planes::LabelledCloud& cloud,
+                             const planes::NetworkWeights& weights,
+                             const planes::gcn::Layers& layers,
                              const TrainOptions& options,
                              Simd simd) {
   CloudGradient result;
-  const gcn::Kernels& kernels = gcn::kernels(simd);
-  gcn::Graph graph;
-  gcn::make_graph(cloud.points, weights.config, 1, simd, graph);
-  gcn::Activations a;
-  gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
+  const planes::gcn::Kernels& kernels = planes::gcn::kernels(simd);
+  planes::gcn::Graph graph;
+  planes::gcn::make_graph(cloud.points, weights.config, 1, simd, graph);
+  planes::gcn::Activations a;
+  planes::gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
 
   const Buffer& logits = a.head.back();
   const auto width = static_cast<std::size_t>(layers.head.back().out);
@@ -84,7 +84,7 @@ CloudGradient cloud_gradient(const LabelledCloud& cloud,
     gradient[i * width + right] = -slope;
   }
   result.tensors =
-      gcn::tensor_gradients(weights, gcn::backward(graph, layers, a, kernels, gradient));
+      planes::gcn::tensor_gradients(weights, backward(graph, layers, a, kernels, gradient));
   return result;
 }
 
@@ -103,13 +103,13 @@ TrainState begin_training(const TrainOptions& options) {
 double train_step(
     TrainState& state, const TrainOptions& options, const DrawCloud& draw, int threads, Simd simd) {
   const auto batch = static_cast<std::size_t>(options.batch);
-  const gcn::Layers layers = gcn::make_layers(state.weights);
+  const planes::gcn::Layers layers = planes::gcn::make_layers(state.weights);
   std::vector<CloudGradient> gradients(batch);
   parallel_for(
       batch, threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b) {
-          const LabelledCloud cloud = draw(std::uint64_t{1} * state.step * batch + b);
+          const planes::LabelledCloud cloud = draw(std::uint64_t{1} * state.step * batch + b);
           gradients[b] = cloud_gradient(cloud, state.weights, layers, options, simd);
         }
       },
@@ -143,23 +143,23 @@ double train_step(
   return loss;
 }
 
-LabelAccuracy score_network(const NetworkWeights& weights,
-                            std::span<const LabelledCloud> clouds,
-                            int threads,
-                            Simd simd) {
-  const auto classifier = make_gcn_classifier(weights, weights.config.name, simd);
-  std::vector<LabelAccuracy> accuracies(clouds.size());
+planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
+                                    std::span<const planes::LabelledCloud> clouds,
+                                    int threads,
+                                    Simd simd) {
+  const auto classifier = planes::make_gcn_classifier(weights, weights.config.name, simd);
+  std::vector<planes::LabelAccuracy> accuracies(clouds.size());
   parallel_for(
       clouds.size(), threads,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
           accuracies[c] =
-              label_accuracy(clouds[c], classifier->classify(clouds[c].points, 1).labels);
+              planes::label_accuracy(clouds[c], classifier->classify(clouds[c].points, 1).labels);
       },
       1);
-  LabelAccuracy sum;
-  for (const LabelAccuracy& accuracy : accuracies) sum += accuracy;
+  planes::LabelAccuracy sum;
+  for (const planes::LabelAccuracy& accuracy : accuracies) sum += accuracy;
   return sum;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -13,10 +13,10 @@
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct TrainOptions {
-  NetworkConfig network;
+  planes::NetworkConfig network;
   std::uint64_t seed = 1;
   int steps = 45000;
   int batch = 4;                // clouds in a step
@@ -30,12 +30,12 @@ struct TrainOptions {
 struct Epoch {
   int step = 0;           // steps done
   double train_loss = 0;  // mean over the epoch's steps, weighted as the training is
-  std::vector<LabelAccuracy> validation;  // by validation set
+  std::vector<planes::LabelAccuracy> validation;  // by validation set
 };
 
 /// All that a step depends on: continuing from a copy gives what an uninterrupted run gives.
 struct TrainState {
-  NetworkWeights weights;
+  planes::NetworkWeights weights;
   std::vector<std::vector<float>> mean, variance;  // Adam's moments, by tensor
   int step = 0;
   double loss_sum = 0;  // since the last validation
@@ -47,7 +47,7 @@ TrainState begin_training(const TrainOptions& options);
 
 /// `draw(number)`: the cloud of that number; clouds step * batch .. + batch - 1 make a step. Called
 /// from several threads.
-using DrawCloud = std::function<LabelledCloud(std::uint64_t number)>;
+using DrawCloud = std::function<planes::LabelledCloud(std::uint64_t number)>;
 
 /// One step; returns its loss. The same for any thread count and instruction set.
 double train_step(TrainState& state,
@@ -57,9 +57,9 @@ double train_step(TrainState& state,
                   Simd simd = best_simd());
 
 /// Of a network on labelled clouds, over all their points.
-LabelAccuracy score_network(const NetworkWeights& weights,
-                            std::span<const LabelledCloud> clouds,
-                            int threads,
-                            Simd simd = best_simd());
+planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
+                                    std::span<const planes::LabelledCloud> clouds,
+                                    int threads,
+                                    Simd simd = best_simd());
 
-}  // namespace planescope
+}  // namespace planescope::lab

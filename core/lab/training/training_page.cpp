@@ -6,7 +6,7 @@
 
 #include "core/report/page/line_chart.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using kainjow::mustache::html_escape;
@@ -25,28 +25,29 @@ constexpr const char* kStyle =
     "td,th{padding:.2rem .6rem;text-align:right;border-bottom:1px solid var(--line)}"
     "th{font-weight:600;vertical-align:bottom}\n";
 
-LineChart chart_over(const std::vector<Epoch>& epochs, const std::string& title) {
-  LineChart chart{.title = title, .x_name = "steps", .x = {}, .curves = {}};
+report::LineChart chart_over(const std::vector<Epoch>& epochs, const std::string& title) {
+  report::LineChart chart{.title = title, .x_name = "steps", .x = {}, .curves = {}};
   for (const Epoch& epoch : epochs) chart.x.push_back(epoch.step);
   return chart;
 }
 
 std::string loss_chart(const TrainingSummary& summary) {
-  LineChart chart = chart_over(summary.epochs, "Loss over the steps of training");
+  report::LineChart chart = chart_over(summary.epochs, "Loss over the steps of training");
   chart.from_zero = true;
-  Curve& loss = chart.curves.emplace_back(Curve{"training", {}});
+  report::Curve& loss = chart.curves.emplace_back(report::Curve{"training", {}});
   for (const Epoch& epoch : summary.epochs) loss.values.push_back(epoch.train_loss);
-  return line_chart(chart);
+  return report::line_chart(chart);
 }
 
 std::string edge_chart(const TrainingSummary& summary) {
-  LineChart chart = chart_over(summary.epochs, "Right labels near edges over the steps, per cent");
+  report::LineChart chart =
+      chart_over(summary.epochs, "Right labels near edges over the steps, per cent");
   for (std::size_t s = 0; s < summary.validation_sets.size(); ++s) {
-    Curve& curve = chart.curves.emplace_back(Curve{summary.validation_sets[s], {}});
+    report::Curve& curve = chart.curves.emplace_back(report::Curve{summary.validation_sets[s], {}});
     for (const Epoch& epoch : summary.epochs)
       curve.values.push_back(epoch.validation[s].edge_percent());
   }
-  return line_chart(chart);
+  return report::line_chart(chart);
 }
 
 std::string table(const TrainingSummary& summary) {
@@ -56,7 +57,7 @@ std::string table(const TrainingSummary& summary) {
   rows += "</tr>\n";
   for (const Epoch& epoch : summary.epochs) {
     rows += fmt::format("<tr><td>{}</td><td>{:.4f}</td>", epoch.step, epoch.train_loss);
-    for (const LabelAccuracy& a : epoch.validation)
+    for (const planes::LabelAccuracy& a : epoch.validation)
       rows += fmt::format("<td>{:.2f} / {:.2f}</td>", a.edge_percent(), a.inner_percent());
     rows += "</tr>\n";
   }
@@ -71,7 +72,7 @@ std::string training_page(const TrainingSummary& summary) {
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>{0}</title>\n<style>\n{1}{2}</style></head><body>\n<h1>{0}</h1>\n<dl>\n",
-      title, kStyle, line_chart_style());
+      title, kStyle, report::line_chart_style());
   for (const auto& [name, value] : summary.facts)
     page += fmt::format("<dt>{}</dt><dd>{}</dd>\n", html_escape(name), html_escape(value));
   page += "</dl>\n";
@@ -88,4 +89,4 @@ std::string training_page(const TrainingSummary& summary) {
   return page + "</body></html>\n";
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

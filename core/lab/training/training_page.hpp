@@ -6,7 +6,7 @@
 
 #include "core/lab/training/train.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 /// What a training's page says.
 struct TrainingSummary {
@@ -20,4 +20,4 @@ struct TrainingSummary {
 /// set over the steps as SVG curves, and the same as a table.
 std::string training_page(const TrainingSummary& summary);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 enum RecipeStream : std::uint64_t { kIsScan = 101, kWhich, kVariation, kIsUniform };
@@ -70,7 +70,9 @@ TrainingRecipe make_recipe(const std::string& name) {
   return recipe;
 }
 
-LabelledCloud vary(const TrainingRecipe& recipe, const LabelledCloud& cloud, std::uint64_t number) {
+planes::LabelledCloud vary(const TrainingRecipe& recipe,
+                           const planes::LabelledCloud& cloud,
+                           std::uint64_t number) {
   const std::uint64_t seed = recipe.train.seed;
   AugmentOptions options = recipe.augmentation_of(cloud);
   const bool uniform = random_uniform(seed, kIsUniform, number) < recipe.uniform_share;
@@ -78,9 +80,9 @@ LabelledCloud vary(const TrainingRecipe& recipe, const LabelledCloud& cloud, std
   return augment(cloud, options, random_bits(seed, kVariation, number));
 }
 
-LabelledCloud draw_cloud(const TrainingRecipe& recipe,
-                         const std::vector<LabelledCloud>& set,
-                         std::uint64_t number) {
+planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
+                                 const std::vector<planes::LabelledCloud>& set,
+                                 std::uint64_t number) {
   const std::uint64_t seed = recipe.train.seed;
   const auto objects =
       static_cast<std::uint64_t>(recipe.set.stairs + recipe.set.boxes + recipe.set.planes);
@@ -106,4 +108,4 @@ std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, i
   return sets;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

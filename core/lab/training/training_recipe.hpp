@@ -9,7 +9,7 @@
 #include "core/lab/training/train.hpp"
 #include "core/lab/training/training_set.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct TrainingRecipe {
   std::string name;
@@ -20,7 +20,7 @@ struct TrainingRecipe {
   double scan_share = 0;     // of the clouds seen
   double uniform_share = 1;  // of the objects seen: with uniform noise, the others with Gaussian
 
-  const AugmentOptions& augmentation_of(const LabelledCloud& cloud) const {
+  const AugmentOptions& augmentation_of(const planes::LabelledCloud& cloud) const {
     return cloud.kind == "scan" ? scans : objects;
   }
 };
@@ -34,19 +34,21 @@ const std::vector<std::string>& recipe_names();
 TrainingRecipe make_recipe(const std::string& name);
 
 /// A cloud of the recipe's set as the step that draws cloud `number` sees it.
-LabelledCloud vary(const TrainingRecipe& recipe, const LabelledCloud& cloud, std::uint64_t number);
+planes::LabelledCloud vary(const TrainingRecipe& recipe,
+                           const planes::LabelledCloud& cloud,
+                           std::uint64_t number);
 
 /// Cloud `number` of a training with this recipe: one of its set, varied.
-LabelledCloud draw_cloud(const TrainingRecipe& recipe,
-                         const std::vector<LabelledCloud>& set,
-                         std::uint64_t number);
+planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
+                                 const std::vector<planes::LabelledCloud>& set,
+                                 std::uint64_t number);
 
 /// What no recipe trains on.
 struct ValidationSet {
   std::string name;
-  std::vector<LabelledCloud> clouds;
+  std::vector<planes::LabelledCloud> clouds;
 };
 /// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, `count` of each, and as many scans.
 std::vector<ValidationSet> make_validation_sets(std::uint64_t seed, int count, int threads);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,12 +7,12 @@
 #include "core/lab/training/training_shapes.hpp"
 #include "core/model/work_list.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 enum Kind : std::uint64_t { kStairs = 1, kBox = 2, kPlane = 3, kScan = 4 };
 
-LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
+planes::LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
   const auto seed = [&](Kind kind) {
     return random_bits(options.seed, kind, static_cast<std::uint64_t>(index));
   };
@@ -30,12 +30,11 @@ LabelledCloud make_cloud_of_set(const TrainingSetOptions& options, int index) {
 
 }  // namespace
 
-std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
-                                             int threads,
-                                             const std::function<void(int, int)>& progress) {
+std::vector<planes::LabelledCloud> make_training_set(
+    const TrainingSetOptions& options, int threads, const std::function<void(int, int)>& progress) {
   assert(options.points > 0);
   const int count = options.count();
-  std::vector<LabelledCloud> set(static_cast<std::size_t>(count));
+  std::vector<planes::LabelledCloud> set(static_cast<std::size_t>(count));
   const auto make = [&](int i) {
     set[static_cast<std::size_t>(i)] = make_cloud_of_set(options, i);
   };
@@ -43,4 +42,4 @@ std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
   return set;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 
 #include "core/planes/classify/labelled_cloud.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 struct TrainingSetOptions {
   std::uint64_t seed = 1;
@@ -26,9 +26,10 @@ struct TrainingSetOptions {
 /// Clean axis-aligned objects, then noisy scans, in the order of the options: each depends on the
 /// seed, its kind and its number alone. `progress(done, all)` is called on the caller's thread; it
 /// may be empty and may throw to stop.
-std::vector<LabelledCloud> make_training_set(const TrainingSetOptions& options,
-                                             int threads,
-                                             const std::function<void(int, int)>& progress = {});
+std::vector<planes::LabelledCloud> make_training_set(
+    const TrainingSetOptions& options,
+    int threads,
+    const std::function<void(int, int)>& progress = {});
 
 struct AugmentOptions {
   double uniform_noise_m = 0.01;  // up to, either way, on every coordinate; the paper's +-1 cm
@@ -43,8 +44,8 @@ struct AugmentOptions {
 
 /// A new version of a cloud for one step of training, in its order; every point keeps its label.
 /// The same for the same seed.
-LabelledCloud augment(const LabelledCloud& cloud,
-                      const AugmentOptions& options,
-                      std::uint64_t seed);
+planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
+                              const AugmentOptions& options,
+                              std::uint64_t seed);
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,16 +7,16 @@
 #include "core/lab/synthetic/trigonometry.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
-LabelledCloud sampled(const char* kind,
-                      std::span<const Rectangle> faces,
-                      int points,
-                      Random& random) {
+planes::LabelledCloud sampled(const char* kind,
+                              std::span<const Rectangle> faces,
+                              int points,
+                              Random& random) {
   const auto count = static_cast<std::size_t>(points);
   SurfacePoints surface = sample_surface(faces, count, Mat3d::Identity(), random);
-  LabelledCloud cloud{kind, std::move(surface.points), {}};
+  planes::LabelledCloud cloud{kind, std::move(surface.points), {}};
   for (const std::uint32_t face : surface.rectangle)
     cloud.labels.push_back(label_of_normal(faces[face].normal));
   return cloud;
@@ -34,7 +34,7 @@ void add_floor(std::vector<Rectangle>& faces, double length, double width, doubl
 
 }  // namespace
 
-LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
+planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   StairsOptions options;
   options.seed = seed;
   options.points = points;
@@ -42,13 +42,13 @@ LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   options.min_width_m = 0.2;
   options.min_height_m = 0.08;
   const Stairs stairs = make_stairs(0, options);
-  LabelledCloud cloud{"stairs", stairs.cloud.points, {}};
+  planes::LabelledCloud cloud{"stairs", stairs.cloud.points, {}};
   for (const std::uint8_t label : stairs.cloud.label)
     cloud.labels.push_back(static_cast<Label>(label));
   return cloud;
 }
 
-LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
+planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
   const double height = random.uniform(0.08, 0.3);
@@ -63,7 +63,7 @@ LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
   return sampled("box", faces, points, random);
 }
 
-LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
+planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
   const double normal_z = random.uniform(-1, 1), azimuth_deg = random.uniform(0, 360);
@@ -74,4 +74,4 @@ LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
   return sampled("plane", {&face, 1}, points, random);
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -8,7 +8,7 @@
 
 #include "core/labels/edit/selection.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// Sets the pixels of a row whose centres lie in [from, to].
@@ -100,4 +100,4 @@ Image8 mask_of(const DrawnShape& shape, int width, int height) {
   return mask;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

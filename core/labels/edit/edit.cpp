@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 bool same_gravity(const Gravity& a, const Gravity& b) {
@@ -140,4 +140,4 @@ void revert_edit(FrameLabels& labels, const LabelEdit& edit) {
   put(labels, edit, Direction::backwards);
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

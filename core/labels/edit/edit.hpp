@@ -10,7 +10,7 @@
 
 #include "core/labels/model/label_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Consecutive pixels that had one label and get one label.
 struct LabelRun {
@@ -58,4 +58,4 @@ LabelEdit make_edit(int frame,
 void apply_edit(FrameLabels& labels, const LabelEdit& edit);
 void revert_edit(FrameLabels& labels, const LabelEdit& edit);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -1,6 +1,6 @@
 #include "core/labels/edit/label_history.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 bool LabelHistory::add(const JournalPlace& place,
                        const RecordHead& head,
@@ -49,4 +49,4 @@ const LabelHistory::FrameTrack* LabelHistory::find(int frame) const {
   return at == frames_.end() ? nullptr : &at->second;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

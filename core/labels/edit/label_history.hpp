@@ -8,7 +8,7 @@
 
 #include "core/labels/store/journal_records.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// A state of a frame's labels is named by the record offset of its latest edit that is done: what
 /// was done before that cannot differ. 0 is the base.
@@ -46,4 +46,4 @@ class LabelHistory {
   std::vector<Step> done_, undone_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

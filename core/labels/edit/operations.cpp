@@ -8,10 +8,10 @@
 #include "core/labels/edit/plane_edit.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
-LabelPlane* find_plane(FrameLabels& labels, int id) {
+LabelPlane* plane_in(FrameLabels& labels, int id) {
   return const_cast<LabelPlane*>(find_plane(std::as_const(labels), id));
 }
 
@@ -70,7 +70,7 @@ PixelSet pixels_of_plane(const FrameLabels& labels, int id) {
 }
 
 LabelPlane& editable_plane(FrameLabels& labels, int id) {
-  LabelPlane* plane = find_plane(labels, id);
+  LabelPlane* plane = plane_in(labels, id);
   if (!plane) throw Error("there is no plane P" + std::to_string(id));
   if (plane->locked) throw Error("P" + std::to_string(id) + " is locked");
   return *plane;
@@ -136,7 +136,7 @@ FrameLabels painted(const FrameLabels& labels,
   }
   if (refit.empty()) return result;
   refit_planes(result, grid, refit);
-  if (LabelPlane* plane = is_plane(paint.plane) ? find_plane(result, paint.plane) : nullptr) {
+  if (LabelPlane* plane = is_plane(paint.plane) ? plane_in(result, paint.plane) : nullptr) {
     plane->confidence = 1;  // somebody has looked at it
     if (is_new && paint.label == Label::unknown) classify_by_tilt(result, grid, *plane);
   }
@@ -186,7 +186,7 @@ FrameLabels joined(const FrameLabels& labels, const LabelGrid& grid, int into, i
 
 FrameLabels with_flag(const FrameLabels& labels, int id, PlaneFlag flag, bool on) {
   FrameLabels result = labels;
-  LabelPlane* plane = find_plane(result, id);
+  LabelPlane* plane = plane_in(result, id);
   if (!plane) throw Error("there is no plane P" + std::to_string(id));
   (flag == PlaneFlag::locked ? plane->locked : plane->hidden) = on;
   return result;
@@ -231,9 +231,9 @@ FrameLabels from_segmentation(const FrameLabels& labels,
   if (changed.empty()) return result;
   refit_planes(result, grid, changed);
   for (const int id : changed)
-    if (LabelPlane* plane = find_plane(result, id); plane->label == Label::unknown)
+    if (LabelPlane* plane = plane_in(result, id); plane->label == Label::unknown)
       classify_by_tilt(result, grid, *plane);
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

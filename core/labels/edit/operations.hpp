@@ -10,7 +10,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// What a tool paints: a plane (made if it is new), "do not score" (kPlaneIgnore), or nothing (0).
 struct Paint {
@@ -80,4 +80,4 @@ FrameLabels from_segmentation(const FrameLabels& labels,
                               std::span<const std::int32_t> plane_of,
                               std::span<const Label> label_of_plane);
 
-}  // namespace planescope
+}  // namespace planescope::labels

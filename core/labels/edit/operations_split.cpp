@@ -6,7 +6,7 @@
 #include "core/labels/edit/plane_edit.hpp"
 #include "core/labels/model/parts.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// Gives the pixels of each group from 1 on a plane of its own; group 0 keeps the id.
@@ -136,4 +136,4 @@ std::vector<float> sides_of_line(int width, int height, const Vec2f& from, const
   return sides;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

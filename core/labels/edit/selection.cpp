@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr float kNoises = 4;     // behind the surface before it, and still part of it ...
@@ -164,4 +164,4 @@ std::vector<std::uint8_t> shown_pixels(const FrameLabels& labels) {
   return shown;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

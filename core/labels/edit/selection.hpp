@@ -7,7 +7,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// In pixels of the picture it was drawn on: depth pixels on the image, view pixels in space. Pixel
 /// (x, y) covers [x, x + 1) x [y, y + 1), from the top left corner; its centre is in the middle.
@@ -60,4 +60,4 @@ SpaceSelection points_in_space(const SeenPoints& seen, const DrawnShape& shape, 
 /// 1 where a pixel's label is not hidden.
 std::vector<std::uint8_t> shown_pixels(const FrameLabels& labels);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,7 +4,7 @@
 
 #include "core/labels/model/label_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline constexpr int kMaxCocoSide = 1 << 16;  // of an image [px]
 
@@ -16,4 +16,4 @@ struct CocoCategory {
 inline constexpr CocoCategory kCocoCategories[] = {
     {1, "h", 1}, {2, "v", 2}, {3, "unknown", 0}, {4, "ignore", kHvIgnore}};
 
-}  // namespace planescope
+}  // namespace planescope::labels

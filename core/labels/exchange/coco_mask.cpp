@@ -5,7 +5,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 std::vector<std::uint64_t> mask_counts(const std::vector<std::uint64_t>& sorted,
                                        std::uint64_t pixels) {
@@ -96,4 +96,4 @@ std::vector<MaskRun> polygon_runs(const std::vector<std::pair<double, double>>& 
   return runs;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Consecutive pixels in column order u * height + v that are inside.
 struct MaskRun {
@@ -31,4 +31,4 @@ std::vector<MaskRun> polygon_runs(const std::vector<std::pair<double, double>>& 
                                   int width,
                                   int height);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,7 +63,7 @@ std::vector<WrittenFile> files_of(const fs::path& stem,
   return {};
 }
 
-Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
+io::Bytes as_bytes(const FileBytes& bytes) { return std::as_bytes(std::span(bytes)); }
 
 LabelledPoints read_kitti(const fs::path& path) {
   fs::path stem = path;
@@ -86,7 +86,7 @@ LabelFormat parse_label_format(const std::string& name) {
 }
 
 LabelFormat label_format_of(const fs::path& path) {
-  const std::string kind = extension(path);
+  const std::string kind = io::extension(path);
   if (kind == ".npy") return LabelFormat::evops;
   if (kind == ".ply") return LabelFormat::ply;
   if (kind == ".pcd") return LabelFormat::pcd;
@@ -105,7 +105,7 @@ LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid
   points.width = grid.width;
   points.height = grid.height;
   points.planes = labels.planes;
-  points.T_world_sensor = world_from_gravity(labels.gravity.direction, true);
+  points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, true);
   for (std::size_t i = 0; i < grid.pixels(); ++i) {
     if (!grid.measured[i]) continue;
     points.points.push_back(grid.points[i]);
@@ -158,4 +158,4 @@ LabelledPoints read_labelled(const fs::path& path, LabelFormat format) {
               ": labels of voxels are made from labels of points and not read back");
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -16,7 +16,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 enum class LabelFormat : std::uint8_t { evops, ply, pcd, kitti, npz, coco, voxels };
 /// Throws Error that lists them.
@@ -68,4 +68,4 @@ FrameLabels labels_of_points(const LabelledPoints& points,
                              const std::string& depth_sha256,
                              const std::string& where);
 
-}  // namespace planescope
+}  // namespace planescope::labels

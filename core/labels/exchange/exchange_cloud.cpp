@@ -1,7 +1,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/labels/exchange/exchange_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 PointSet point_set_of(const LabelledPoints& points) {
@@ -13,9 +13,9 @@ PointSet point_set_of(const LabelledPoints& points) {
   return set;
 }
 
-std::vector<IntField> pixel_fields_of(const LabelledPoints& points) {
+std::vector<io::IntField> pixel_fields_of(const LabelledPoints& points) {
   if (points.pixel.empty()) return {};
-  IntField u{"u", {}}, v{"v", {}};
+  io::IntField u{"u", {}}, v{"v", {}};
   for (const DepthPixel& pixel : points.pixel) {
     u.values.push_back(pixel.u);
     v.values.push_back(pixel.v);
@@ -26,17 +26,17 @@ std::vector<IntField> pixel_fields_of(const LabelledPoints& points) {
 }  // namespace
 
 FileBytes labelled_ply_bytes(const LabelledPoints& points) {
-  return ply_bytes(point_set_of(points), pixel_fields_of(points));
+  return io::ply_bytes(point_set_of(points), pixel_fields_of(points));
 }
 
 FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
-  return pcd_bytes(point_set_of(points), pixel_fields_of(points));
+  return io::pcd_bytes(point_set_of(points), pixel_fields_of(points));
 }
 
 LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   // label and instance exactly as in the file: PointSet's are clamped to what fits.
-  CloudExtras extras{{"label", "instance", "u", "v"}, {}};
-  PointSet set = read_cloud_file(path, &extras);
+  io::CloudExtras extras{{"label", "instance", "u", "v"}, {}};
+  PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
     throw Error(where + ": its points have no field \"instance\", expected plane ids there");
@@ -54,4 +54,4 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
   return points;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 
 // COCO (https://cocodataset.org/#format-data), one image. The rest is in each annotation's "plane",
 // which other readers of COCO ignore.
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -166,7 +166,7 @@ class CocoReader {
 
 }  // namespace
 
-LabelledPoints parse_coco(Bytes file, const std::string& where) {
+LabelledPoints parse_coco(io::Bytes file, const std::string& where) {
   try {
     const auto* text = reinterpret_cast<const char*>(file.data());
     const Json json = Json::parse(text, text + file.size());
@@ -176,4 +176,4 @@ LabelledPoints parse_coco(Bytes file, const std::string& where) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

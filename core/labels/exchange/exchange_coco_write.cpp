@@ -6,7 +6,7 @@
 #include "core/labels/exchange/coco_mask.hpp"
 #include "core/labels/exchange/exchange_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -81,4 +81,4 @@ FileBytes coco_bytes(const LabelledPoints& points, const std::string& name) {
   return {text.begin(), text.end()};
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -3,7 +3,7 @@
 
 // EVOPS (https://github.com/MobileRoboticsSkoltech/EVOPS): a NumPy array with one plane id per
 // point, 0 where there is none.
-namespace planescope {
+namespace planescope::labels {
 
 FileBytes evops_bytes(const LabelledPoints& points) {
   // To every other reader 65535 would be one more plane.
@@ -13,7 +13,7 @@ FileBytes evops_bytes(const LabelledPoints& points) {
   return npy_bytes("<i4", {ids.size()}, std::as_bytes(std::span(ids)));
 }
 
-LabelledPoints parse_evops(Bytes file, const std::string& where) {
+LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
     throw Error(where + ": an array of " + std::to_string(array.shape.size()) +
@@ -24,4 +24,4 @@ LabelledPoints parse_evops(Bytes file, const std::string& where) {
   return points;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

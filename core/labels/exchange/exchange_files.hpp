@@ -8,7 +8,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 using FileBytes = std::vector<unsigned char>;
 
@@ -31,7 +31,7 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
 
 // One pair per format. `where` names the file in messages.
 FileBytes evops_bytes(const LabelledPoints& points);
-LabelledPoints parse_evops(Bytes file, const std::string& where);
+LabelledPoints parse_evops(io::Bytes file, const std::string& where);
 
 FileBytes labelled_ply_bytes(const LabelledPoints& points);
 FileBytes labelled_pcd_bytes(const LabelledPoints& points);
@@ -40,14 +40,14 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path);
 FileBytes kitti_points_bytes(const LabelledPoints& points);
 FileBytes kitti_label_bytes(const LabelledPoints& points);
 /// `bin` empty: labels without their points.
-LabelledPoints parse_kitti(Bytes bin, Bytes label, const std::string& where);
+LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where);
 
 FileBytes npz_bytes(const LabelledPoints& points, const std::string& where);
-LabelledPoints parse_npz(Bytes file, const std::string& where);
+LabelledPoints parse_npz(io::Bytes file, const std::string& where);
 
 FileBytes coco_bytes(const LabelledPoints& points, const std::string& name);
-LabelledPoints parse_coco(Bytes file, const std::string& where);
+LabelledPoints parse_coco(io::Bytes file, const std::string& where);
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m);
 
-}  // namespace planescope
+}  // namespace planescope::labels

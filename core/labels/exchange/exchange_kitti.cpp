@@ -4,7 +4,7 @@
 
 // SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and
 // for each a uint32, class in the lower and instance in the upper 16 bits.
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 struct KittiPoint {
@@ -18,7 +18,7 @@ FileBytes bytes_of(const std::vector<T>& values) {
   return {bytes, bytes + values.size() * sizeof(T)};
 }
 
-void check_whole(Bytes file, std::size_t each, const std::string& what) {
+void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
   if (file.size() % each != 0)
     throw Error(what + ": " + std::to_string(file.size()) + " bytes, expected a multiple of " +
                 std::to_string(each));
@@ -42,7 +42,7 @@ FileBytes kitti_label_bytes(const LabelledPoints& points) {
   return bytes_of(written);
 }
 
-LabelledPoints parse_kitti(Bytes bin, Bytes label, const std::string& where) {
+LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where) {
   check_whole(label, sizeof(std::uint32_t), where + ".label");
   check_whole(bin, sizeof(KittiPoint), where + ".bin");
   const std::size_t count = label.size() / sizeof(std::uint32_t);
@@ -68,4 +68,4 @@ LabelledPoints parse_kitti(Bytes bin, Bytes label, const std::string& where) {
   return points;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 // NumPy's savez: a zip of .npy files, stored as they are. Arrays by name, one row per point:
 //   points [N, 3] float32, rgb [N, 3] uint8, label [N] uint8, instance [N] int32,
 //   pixel [N, 2] uint16 (u, v); and depth_size [2] int32 (width, height)
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr std::uint64_t kMaxMemberBytes = std::uint64_t{1} << 29;
@@ -159,7 +159,7 @@ FileBytes npz_bytes(const LabelledPoints& points, const std::string& where) {
   return writer.finish();
 }
 
-LabelledPoints parse_npz(Bytes file, const std::string& where) {
+LabelledPoints parse_npz(io::Bytes file, const std::string& where) {
   const Source source = make_source(file.data(), file.size(), where);
   const Archive archive = open_archive(source.get(), ZIP_RDONLY, where);
   LabelledPoints points;
@@ -196,4 +196,4 @@ LabelledPoints parse_npz(Bytes file, const std::string& where) {
   return points;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

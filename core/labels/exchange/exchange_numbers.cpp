@@ -3,7 +3,7 @@
 
 #include "core/labels/exchange/exchange_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 void check_count(std::uint64_t points, const std::string& where) {
   if (points > kMaxLabelledPoints)
@@ -63,4 +63,4 @@ std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::
   return classes;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 // Coordinates that went through another tool are this close to what they were. Only the distance
@@ -140,4 +140,4 @@ FrameLabels labels_of_points(const LabelledPoints& points,
   return labels;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,12 +6,12 @@
 
 // What a segmenter that works on voxels should have found: the voxels that ours makes, upright,
 // with the majority of their points' labels (0 has no vote).
-namespace planescope {
+namespace planescope::labels {
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
     throw Error("voxel size " + std::to_string(voxel_size_m) + ", expected more than 0 m");
-  Cloud cloud;
+  planes::Cloud cloud;
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();
   double extent_m = 0;
@@ -24,12 +24,12 @@ FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   while (cloud.cube.edge_m <= 2 * extent_m) cloud.cube.edge_m *= 2;
   cloud.cube.min_corner = Vec3d::Constant(-cloud.cube.edge_m / 2);
 
-  const VoxelCloud voxels = voxelize(cloud, voxel_size_m);
+  const planes::VoxelCloud voxels = planes::voxelize(cloud, voxel_size_m);
   PointSet set;
   set.points = voxels.points;
-  if (!points.label.empty()) set.label = vote_labels(voxels, points.label);
-  set.instance = vote_instances(voxels, points.instance);
-  return ply_bytes(set);
+  if (!points.label.empty()) set.label = planes::vote_labels(voxels, points.label);
+  set.instance = planes::vote_instances(voxels, points.instance);
+  return io::ply_bytes(set);
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,7 +6,7 @@
 #include "core/labels/exchange/exchange_files.hpp"
 
 // https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
@@ -89,7 +89,7 @@ class NpyHeader {
     while (!take(')')) {
       std::string_view digits = word();
       if (digits.ends_with('L')) digits.remove_suffix(1);  // as Python 2 wrote them
-      const auto length = parse_count(digits);
+      const auto length = io::parse_count(digits);
       if (!length || lengths.size() == kMaxDimensions) fail("has a damaged shape");
       lengths.push_back(*length);
       if (!take(',')) {
@@ -101,10 +101,11 @@ class NpyHeader {
   }
 
   void parse_type(std::string_view text, NpyArray& array) const {
-    static constexpr std::pair<std::string_view, Scalar> kTypes[] = {
-        {"b1", Scalar::u8},  {"i1", Scalar::i8},  {"u1", Scalar::u8},  {"i2", Scalar::i16},
-        {"u2", Scalar::u16}, {"i4", Scalar::i32}, {"u4", Scalar::u32}, {"i8", Scalar::i64},
-        {"u8", Scalar::u64}, {"f4", Scalar::f32}, {"f8", Scalar::f64}};
+    static constexpr std::pair<std::string_view, io::Scalar> kTypes[] = {
+        {"b1", io::Scalar::u8},  {"i1", io::Scalar::i8},  {"u1", io::Scalar::u8},
+        {"i2", io::Scalar::i16}, {"u2", io::Scalar::u16}, {"i4", io::Scalar::i32},
+        {"u4", io::Scalar::u32}, {"i8", io::Scalar::i64}, {"u8", io::Scalar::u64},
+        {"f4", io::Scalar::f32}, {"f8", io::Scalar::f64}};
     for (const auto& [name, type] : kTypes) {
       if (text.size() != 3 || text.substr(1) != name) continue;
       if (std::string_view("<>|=").find(text[0]) == std::string_view::npos) break;
@@ -125,16 +126,16 @@ class NpyHeader {
 std::vector<double> NpyArray::values() const {
   std::vector<double> result(size());
   for (std::size_t i = 0; i < result.size(); ++i)
-    result[i] = load(type, data.data() + i * size_of(type), big_endian);
+    result[i] = io::load(type, data.data() + i * io::size_of(type), big_endian);
   return result;
 }
 
-NpyArray parse_npy(Bytes file, const std::string& where) {
+NpyArray parse_npy(io::Bytes file, const std::string& where) {
   NpyArray array;
-  ByteReader reader(file);
+  io::ByteReader reader(file);
   std::string_view text;
   try {
-    const Bytes magic = reader.take(kMagic.size());
+    const io::Bytes magic = reader.take(kMagic.size());
     if (!std::equal(magic.begin(), magic.end(), reinterpret_cast<const std::byte*>(kMagic.data())))
       throw Error(where + ": not an NPY file, expected it to begin with \"\\x93NUMPY\"");
     const int major = reader.read<std::uint8_t>(), minor = reader.read<std::uint8_t>();
@@ -143,13 +144,13 @@ NpyArray parse_npy(Bytes file, const std::string& where) {
                   ", expected 1.0 or 2.0");
     const std::uint32_t length =
         major == 1 ? reader.read<std::uint16_t>() : reader.read<std::uint32_t>();
-    const Bytes header = reader.take(length);
+    const io::Bytes header = reader.take(length);
     text = {reinterpret_cast<const char*>(header.data()), header.size()};
-  } catch (OutOfBytes) {
+  } catch (io::OutOfBytes) {
     throw Error(where + ": not a readable NPY: cut within its header");
   }
   NpyHeader(text, where).parse(array);
-  std::uint64_t bytes = size_of(array.type);
+  std::uint64_t bytes = io::size_of(array.type);
   bool too_large = false;
   for (const std::uint64_t length : array.shape)
     too_large = __builtin_mul_overflow(bytes, length, &bytes) || too_large;
@@ -164,7 +165,7 @@ NpyArray parse_npy(Bytes file, const std::string& where) {
 
 std::vector<unsigned char> npy_bytes(const std::string& type,
                                      const std::vector<std::uint64_t>& shape,
-                                     Bytes data) {
+                                     io::Bytes data) {
   std::string lengths;  // as NumPy writes a tuple: (3,) and (3, 2)
   for (const std::uint64_t length : shape) {
     if (!lengths.empty()) lengths += ", ";
@@ -187,4 +188,4 @@ std::vector<unsigned char> npy_bytes(const std::string& type,
   return out;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr int kBlock_px = 48;  // stereo noise is correlated over some 20 pixels
@@ -206,4 +206,4 @@ DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
   return surface;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// On a plane inverse depth is linear in the ray (x, y, 1), and stereo measures it equally well at
 /// any range.
@@ -26,4 +26,4 @@ struct DepthSurface {
 /// The normals' windows end at depth edges and grow with the noise.
 DepthSurface measure_surface(const InverseDepth& depth, double focal_px);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 #include "core/labels/model/grid.hpp"
 #include "core/model/plane.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// The second of the scatter's eigenvalues against the third: below it points are in a line.
@@ -86,4 +86,4 @@ void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const in
   });
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

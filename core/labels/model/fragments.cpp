@@ -4,7 +4,7 @@
 
 #include "core/model/disjoint_sets.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 std::vector<int> count_fragments(const Image16& image) {
   if (image.empty()) return {};
@@ -26,4 +26,4 @@ std::vector<int> count_fragments(const Image16& image) {
   return counts;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,10 +4,10 @@
 
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Connected parts (four neighbours) of every value in an image, by value; as long as the largest
 /// value needs.
 std::vector<int> count_fragments(const Image16& image);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 #include "core/model/frame.hpp"
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 using Vec2f = Eigen::Vector2f;
 
@@ -69,4 +69,4 @@ Label class_of_tilt(double tilt_deg);
 /// pixels is taken off the list. `ids` empty: of all.
 void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const int> ids = {});
 
-}  // namespace planescope
+}  // namespace planescope::labels

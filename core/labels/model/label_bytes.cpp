@@ -1,6 +1,6 @@
 #include "core/labels/model/label_bytes.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 void write(RecordWriter& out, const Vec3d& v) {
@@ -111,4 +111,4 @@ Intrinsics read_intrinsics(RecordReader& in) {
   return k;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 #include "core/labels/edit/edit.hpp"
 #include "core/labels/store/byte_stream.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, where it is read
 
@@ -28,4 +28,4 @@ LabelPlane read_plane(RecordReader& in);
 LabelNotes read_notes(RecordReader& in);
 Intrinsics read_intrinsics(RecordReader& in);
 
-}  // namespace planescope
+}  // namespace planescope::labels

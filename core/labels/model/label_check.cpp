@@ -4,7 +4,7 @@
 #include "core/labels/model/label_json.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 template <typename T>
@@ -100,4 +100,4 @@ void check_labels(const FrameLabels& labels, const std::string& where) {
   check_review(labels, where);
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 
 #include "core/labels/model/label_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline constexpr std::size_t kLabelFiles = 3;  // plane image, h/v image, JSON: in this order
 
@@ -30,4 +30,4 @@ void write_label_files(const std::filesystem::path& dir,
                        int frame_index,
                        const LabelFileBytes& bytes);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,7 +41,7 @@ std::array<fs::path, kLabelFiles> label_file_paths(const fs::path& dir, int fram
 LabelFileBytes encode_label_files(const fs::path& dir, int frame_index, const FrameLabels& labels) {
   check_labels(labels, label_file_paths(dir, frame_index).back().string());
   const std::string json = label_json(frame_index, labels);
-  return {encode_png(labels.plane), encode_png(labels.hv), {json.begin(), json.end()}};
+  return {io::encode_png(labels.plane), io::encode_png(labels.hv), {json.begin(), json.end()}};
 }
 
 void write_label_files(const fs::path& dir, int frame_index, const LabelFileBytes& bytes) {
@@ -73,7 +73,7 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
   }
   // The headers first: images that would be refused for their size are not decoded.
   for (const fs::path& path : {plane_path, hv_path}) {
-    const PngInfo info = png_info(path);
+    const io::PngInfo info = io::png_info(path);
     if (info.width != labels.intrinsics.width || info.height != labels.intrinsics.height) {
       throw Error(path.string() + ": " + std::to_string(info.width) + "x" +
                   std::to_string(info.height) + " pixels, its frame has " +
@@ -81,10 +81,10 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
                   std::to_string(labels.intrinsics.height));
     }
   }
-  labels.plane = read_png_16(plane_path);
-  labels.hv = read_png_grey(hv_path);
+  labels.plane = io::read_png_16(plane_path);
+  labels.hv = io::read_png_grey(hv_path);
   check_labels(labels, json_path.string());
   return labels;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

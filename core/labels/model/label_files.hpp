@@ -6,7 +6,7 @@
 
 #include "core/model/frame_labels.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// <recording>.labels beside the recording (a trailing slash is ignored).
 std::filesystem::path default_label_dir(const std::filesystem::path& recording);
@@ -21,4 +21,4 @@ std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
                                              int frame_index,
                                              const std::string& expected_sha256);
 
-}  // namespace planescope
+}  // namespace planescope::labels

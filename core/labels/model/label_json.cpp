@@ -5,7 +5,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -190,4 +190,4 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,7 +4,7 @@
 
 #include "core/labels/model/label_files.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Everything of FrameLabels but its two images, as JSON text of schema "planescope.labels/1".
 std::string label_json(int frame_index, const FrameLabels& labels);
@@ -19,4 +19,4 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
 /// the image. `where` opens the message.
 void check_labels(const FrameLabels& labels, const std::string& where);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include "core/model/disjoint_sets.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
@@ -50,4 +50,4 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
   return parts;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Calls visit(neighbour) for the eight pixels around one, fewer at the image's border.
 template <typename Visit>
@@ -25,4 +25,4 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
                                       std::span<const std::uint32_t> pixels,
                                       int gap_px);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include "core/labels/model/parts.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height) {
   assert(!pixels.empty());
@@ -79,4 +79,4 @@ std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
   return parts;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// The pixel of a set that is farthest from all that is not in it; of several the first. The
 /// image's border counts as outside. `pixels` is not empty.
@@ -25,4 +25,4 @@ std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
                                   int height,
                                   int gap_px);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include "core/planes/evaluate/assignment.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// Places of ids in an ascending list of those that occur; -1 for the others.
@@ -62,7 +62,8 @@ std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_
   for (std::size_t a = 0; a < rows; ++a) {
     for (std::size_t b = 0; b < columns; ++b) iou[a * columns + b] = overlap.iou(a, b);
   }
-  const auto column = best_assignment(iou, static_cast<int>(rows), static_cast<int>(columns));
+  const auto column =
+      planes::best_assignment(iou, static_cast<int>(rows), static_cast<int>(columns));
   std::vector<PlanePair> pairs;
   for (std::size_t a = 0; a < rows; ++a) {
     if (column[a] < 0) continue;
@@ -72,4 +73,4 @@ std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_
   return pairs;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace planescope {
+namespace planescope::labels {
 
 struct PlaneOverlap {
   std::vector<int> ids_a, ids_b;           // of planes with pixels that are scored, ascending
@@ -29,4 +29,4 @@ struct PlanePair {
 };
 std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_iou);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -1,6 +1,6 @@
 #include "core/labels/model/region.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 std::vector<std::uint32_t> flood(const std::vector<std::uint8_t>& passable,
                                  int width,
@@ -95,4 +95,4 @@ std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
   return holes;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

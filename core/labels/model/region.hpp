@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Adds to `region` (1) what can be reached from `start` over pixels where `passable` is not 0,
 /// by sides. Returns the pixels added.
@@ -29,4 +29,4 @@ std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
                                        int height,
                                        int most);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -3,7 +3,7 @@
 #include "core/labels/model/plane_overlap.hpp"
 #include "core/labels/review/review.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr double kLeastIou = 0.5;
@@ -80,4 +80,4 @@ Agreement agreement_of(const FrameLabels& a, const FrameLabels& b) {
   return agreement;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 #include "core/labels/model/parts.hpp"
 #include "core/labels/model/pixel_depth.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr double kOutlierSigmas = 4;
@@ -224,4 +224,4 @@ LabelStatistics statistics_of(const FrameLabels& labels, const LabelGrid& grid) 
   return statistics;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 enum class FindingKind : std::uint8_t {
   rms,           // the plane does not fit its pixels
@@ -53,4 +53,4 @@ struct LabelStatistics {
 };
 LabelStatistics statistics_of(const FrameLabels& labels, const LabelGrid& grid);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr double kSameNoises = 4;       // a pixel sees what the other frame saw there ...
@@ -46,7 +46,7 @@ Expected warped(const LabelGrid& from,
     if (!to.measured[i]) continue;
     const Vec3d point = T_from_to * to.points[i].cast<double>();
     if (!(point.z() > 0)) continue;
-    const Vec2d at = ray_to_pixel(from.intrinsics, point.head<2>() / point.z());
+    const Vec2d at = planes::ray_to_pixel(from.intrinsics, point.head<2>() / point.z());
     const double u = std::round(at.x()), v = std::round(at.y());
     if (!(u >= 0 && v >= 0 && u < from.width && v < from.height)) continue;
     const std::size_t j = static_cast<std::size_t>(v) * from.width + static_cast<std::size_t>(u);
@@ -250,4 +250,4 @@ CarriedLabels carry_labels(const Frame& from_frame,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 struct CarriedPlane {
   int id = 0;             // in the new frame: another one where its own is taken there
@@ -45,4 +45,4 @@ CarriedLabels carry_labels(const Frame& from_frame,
                            std::stop_token stop,
                            const std::function<void(double)>& progress = {});
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -14,7 +14,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using Vec6d = Eigen::Matrix<double, 6, 1>;
@@ -97,7 +97,7 @@ std::optional<Partner> partner_of(const LabelGrid& to,
                                   const Vec3f& normal,
                                   double reach_m) {
   if (!(point.z() > 0)) return std::nullopt;
-  const Vec2d at = ray_to_pixel(to.intrinsics, point.head<2>() / point.z());
+  const Vec2d at = planes::ray_to_pixel(to.intrinsics, point.head<2>() / point.z());
   const double u = std::round(at.x()), v = std::round(at.y());
   if (!(u >= 0 && v >= 0 && u < to.width && v < to.height)) return std::nullopt;
   Partner partner;
@@ -191,7 +191,7 @@ class Registering {
     const double dv = (to_gray_[pixel + static_cast<std::size_t>(reach) * width] -
                        to_gray_[pixel - static_cast<std::size_t>(reach) * width]) /
                       span * k.fy;
-    const Vec2d at = ray_to_pixel(k, point.head<2>() / point.z());
+    const Vec2d at = planes::ray_to_pixel(k, point.head<2>() / point.z());
     const double there = to_gray_[pixel] + du / k.fx * (at.x() - u) + dv / k.fy * (at.y() - v);
     const double z = point.z();
     const Vec3d slope(du / z, dv / z, -(du * point.x() + dv * point.y()) / (z * z));
@@ -228,4 +228,4 @@ Registration register_frames(const LabelGrid& from,
   return registering.result();
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 struct Registration {
   Pose T_to_from = Pose::Identity();
@@ -24,4 +24,4 @@ Registration register_frames(const LabelGrid& from,
                              std::stop_token stop,
                              const std::function<void(double)>& progress);
 
-}  // namespace planescope
+}  // namespace planescope::labels

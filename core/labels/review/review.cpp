@@ -9,7 +9,7 @@
 #include "core/labels/review/review_regions.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// What is compared, pixel by pixel: planes of the labels, none, or nothing to say.
@@ -196,4 +196,4 @@ FrameLabels decided(const FrameLabels& labels,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -8,7 +8,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// What labels are compared with, on the same pixels.
 struct OtherLabels {
@@ -62,4 +62,4 @@ struct Agreement {
 };
 Agreement agreement_of(const FrameLabels& a, const FrameLabels& b);
 
-}  // namespace planescope
+}  // namespace planescope::labels

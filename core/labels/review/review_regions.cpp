@@ -4,7 +4,7 @@
 
 #include "core/labels/model/parts.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 void find_parts(PairRegions& regions,
@@ -73,4 +73,4 @@ PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, int width,
   return regions;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

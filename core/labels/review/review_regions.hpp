@@ -4,7 +4,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Connected pixels (eight neighbours) of the same pair of planes.
 struct PairRegions {
@@ -17,4 +17,4 @@ struct PairRegions {
 /// `pairs`: per pixel a number for the pair of planes that disagree there, 0 where none do.
 PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, int width, int height);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include <cerrno>
 
-namespace planescope {
+namespace planescope::labels {
 
 BackgroundSync::BackgroundSync(const FileDescriptor& file)
     : file_(::fcntl(file.get(), F_DUPFD_CLOEXEC, 0)),
@@ -29,4 +29,4 @@ void BackgroundSync::loop(std::stop_token stop) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 
 #include "core/model/file_descriptor.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Makes what was written to a file survive a loss of power, without the writer waiting for it.
 class BackgroundSync {
@@ -31,4 +31,4 @@ class BackgroundSync {
   std::jthread thread_;  // last: it uses all of the above
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -11,7 +11,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 class RecordWriter {
  public:
@@ -79,4 +79,4 @@ class RecordReader {
   std::span<const unsigned char> bytes_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

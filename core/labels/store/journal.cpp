@@ -13,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ JournalBytes Journal::read(const JournalPlace& place) const {
   return record;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -13,7 +13,7 @@
 #include "core/labels/store/background_sync.hpp"
 #include "core/model/file_descriptor.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// A record in the file.
 struct JournalPlace {
@@ -60,4 +60,4 @@ class Journal {
   std::unique_ptr<BackgroundSync> background_;  // from the first append() on
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include "core/labels/model/label_bytes.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 void write(RecordWriter& out, const RecordHead& head) {
@@ -211,4 +211,4 @@ LabelDigests read_saving(std::span<const unsigned char> record) {
   return digests;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 #include "core/labels/model/label_file_bytes.hpp"
 #include "core/labels/store/journal.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 enum class RecordKind : std::uint8_t {
   base = 1,  // the frame's labels before the first edit
@@ -50,4 +50,4 @@ EditSummary read_edit_summary(std::span<const unsigned char> record);
 LabelEdit read_edit(std::span<const unsigned char> record, std::size_t pixels);
 LabelDigests read_saving(std::span<const unsigned char> record);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 #include <ctime>
 #include <fstream>
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -94,4 +94,4 @@ LabelLock LabelLock::take(const fs::path& dir, const std::string& user) {
   return lock;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -5,7 +5,7 @@
 
 #include "core/model/file_descriptor.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Held by the one instance that may write into a label folder, in DIR/lock. It ends with the
 /// process, however that ends; what the file says is for people only. Letting go removes the file.
@@ -33,4 +33,4 @@ class LabelLock {
   std::string why_not_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

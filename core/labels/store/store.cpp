@@ -11,7 +11,7 @@
 #include "core/labels/store/store_state.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 std::string login_name() {
@@ -112,4 +112,4 @@ void LabelStore::save_all() {
 
 void LabelStore::sync() { state_->sync(); }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -20,7 +20,7 @@
 
 #include "core/labels/edit/edit.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 struct LabelStoreOptions {
   std::string annotator;                 // of new edits; empty: the user's login name
@@ -105,4 +105,4 @@ struct WorkTime {
 /// Empty where there is no journal. By frame, then annotator.
 std::vector<WorkTime> work_times(const std::filesystem::path& dir);
 
-}  // namespace planescope
+}  // namespace planescope::labels

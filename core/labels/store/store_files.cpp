@@ -5,7 +5,7 @@
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -207,4 +207,4 @@ void LabelStore::State::save(int frame) {
   append({entry(RecordKind::written, frame)});
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -199,4 +199,4 @@ std::vector<HistoryEntry> LabelStore::State::latest(std::size_t most) const {
   return entries;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

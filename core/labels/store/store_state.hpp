@@ -9,7 +9,7 @@
 #include "core/labels/store/label_lock.hpp"
 #include "core/labels/store/store.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 struct LabelStore::State {
   struct OpenFrame {
@@ -65,4 +65,4 @@ struct LabelStore::State {
   std::vector<std::string> notices;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

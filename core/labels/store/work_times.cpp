@@ -4,7 +4,7 @@
 #include "core/labels/store/journal_records.hpp"
 #include "core/labels/store/store.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr double kLongestGapS = 60;  // a longer pause was spent on something else
@@ -39,4 +39,4 @@ std::vector<WorkTime> work_times(const std::filesystem::path& dir) {
   return sorted;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

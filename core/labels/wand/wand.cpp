@@ -11,7 +11,7 @@
 #include "core/labels/model/region.hpp"
 #include "core/labels/wand/wand_growth.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPixels = 25;  // of a plane
@@ -83,4 +83,4 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

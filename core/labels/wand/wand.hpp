@@ -9,7 +9,7 @@
 
 #include "core/labels/model/grid.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 struct WandOptions {
   double tolerance_m = 0.008;  // distance to the plane at close range; grows with the noise
@@ -36,4 +36,4 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
                                      const WandOptions& options,
                                      std::string* why_not = nullptr);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,7 +6,7 @@
 
 #include "core/labels/wand/wand_field.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr int kStrip_px = 3;          // of the border, to each side
@@ -76,4 +76,4 @@ void settle_border_by_color(const WandField& field,
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -10,7 +10,7 @@
 
 #include "core/labels/wand/wand_field.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr int kTile_px = 16;
@@ -192,4 +192,4 @@ void cut_at_creases(const WandField& field,
   cut.finish();
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

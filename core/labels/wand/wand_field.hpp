@@ -14,7 +14,7 @@
 #include "core/model/moments.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// Part of an image: [u0, u1) x [v0, v1).
 struct PixelBox {
@@ -97,4 +97,4 @@ void settle_border_by_color(const WandField& field,
                             const PixelBox& box,
                             std::vector<std::uint8_t>& region);
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,7 +6,7 @@
 #include "core/model/plane.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastFitPixels = 6;
@@ -127,4 +127,4 @@ std::optional<LocalFit> fit_around(const WandField& field,
   return LocalFit{*best, share_of(*best)};
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 
 #include "core/labels/model/region.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr int kNearClick_px = 4;     // a click may miss the surface by so much
@@ -222,4 +222,4 @@ bool WandGrowth::refit() {
   return true;
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

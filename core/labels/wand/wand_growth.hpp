@@ -4,7 +4,7 @@
 
 #include "core/labels/wand/wand_field.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 /// The nearest free pixel to a click that may have hit a hole.
 std::optional<std::uint32_t> nearest_allowed(const WandField& field, std::uint32_t click);
@@ -48,4 +48,4 @@ class WandGrowth {
   std::vector<std::uint8_t> region_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Unique among all levels: the code behind a leading one.
@@ -82,4 +82,4 @@ Siblings CellTable::find(std::span<const std::uint64_t> codes,
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -7,7 +7,7 @@
 
 #include "core/planes/classify/z_order.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// The eight cells that make up a cell of the level above, in Z-order.
 struct Siblings {
@@ -52,4 +52,4 @@ struct CellIndex {
   CellTable cells;                         // from there upwards
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

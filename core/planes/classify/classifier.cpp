@@ -1,6 +1,6 @@
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 Classification classify_about_origin(const Classifier& classifier,
                                      std::span<const Vec3d> points,
@@ -14,4 +14,4 @@ Classification classify_about_origin(const Classifier& classifier,
   return classifier.classify(local, threads);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

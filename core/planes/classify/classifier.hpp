@@ -8,7 +8,7 @@
 #include "core/model/label.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// One value per point. The margin says how sure: 0 on the boundary, 1 certain.
 struct Classification {
@@ -37,4 +37,4 @@ struct PcaClassifierOptions {
 };
 std::unique_ptr<Classifier> make_pca_classifier(const PcaClassifierOptions& options = {});
 
-}  // namespace planescope
+}  // namespace planescope::planes

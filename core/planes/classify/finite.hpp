@@ -6,7 +6,7 @@
 
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// What `classify(points)` says of the finite points, as if there were no others; these are
 /// `unknown`, with margin 0.
@@ -28,4 +28,4 @@ Classification classify_finite(std::span<const Vec3f> points, const Classify& cl
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

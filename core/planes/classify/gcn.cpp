@@ -7,7 +7,7 @@
 #include "core/planes/classify/finite.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct Gcn::Layers {
   gcn::Layers layers;
@@ -90,4 +90,4 @@ std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
   return std::make_unique<GcnClassifier>(weights, name, simd);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

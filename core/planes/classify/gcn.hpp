@@ -10,7 +10,7 @@
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A network ready to run. Immutable, re-entrant.
 class Gcn {
@@ -33,4 +33,4 @@ std::unique_ptr<Classifier> make_gcn_classifier(const NetworkWeights& weights,
                                                 const std::string& name = "gcn",
                                                 Simd simd = best_simd());
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 
 #include "core/model/team.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 namespace {
 
 constexpr std::size_t kTile = 64;  // points that go through two steps while they are in cache
@@ -236,4 +236,4 @@ void forward(const Graph& graph,
   });
 }
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -8,7 +8,7 @@
 #include "core/planes/classify/gcn_kernels.hpp"
 #include "core/planes/classify/gcn_layers.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 /// Everything that a forward pass computes, which the backward pass reads. Rows are points in the
 /// graph's order, columns padded channels. `winners`: which of its candidates gave a maximum.
@@ -39,4 +39,4 @@ void forward(const Graph& graph,
              bool keep_winners,
              Activations& activations);
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

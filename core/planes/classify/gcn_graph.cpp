@@ -8,7 +8,7 @@
 #include "core/planes/classify/gcn_kernels.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 namespace {
 
 constexpr std::size_t kTiledPoints = 128;  // points whose neighbours are looked for at once
@@ -141,4 +141,4 @@ void make_graph(std::span<const Vec3f> points,
   });
 }
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -12,7 +12,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 struct GraphLevel {
   std::size_t n = 0;
@@ -39,4 +39,4 @@ void make_graph(std::span<const Vec3f> points,
                 Simd simd,
                 Graph& graph);
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

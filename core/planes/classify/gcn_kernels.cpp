@@ -1,6 +1,6 @@
 #include "core/planes/classify/gcn_kernels.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 const Kernels& kernels(Simd simd) {
 #if defined(__x86_64__)
@@ -11,4 +11,4 @@ const Kernels& kernels(Simd simd) {
   return kKernelsPlain;
 }
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -9,7 +9,7 @@
 
 #include "core/model/simd.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 /// Channel counts are padded with zeros to multiples of this.
 inline constexpr int kLanes = 16;
@@ -78,4 +78,4 @@ struct Kernels {
 extern const Kernels kKernelsPlain, kKernelsAvx2, kKernelsAvx512;
 const Kernels& kernels(Simd simd);
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -3,7 +3,7 @@
 
 #include "core/planes/classify/gcn_kernels.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 namespace {
 
 constexpr int kWidth = PLANESCOPE_LANES;
@@ -171,4 +171,4 @@ void outer(const OuterArgs& a) {
 }
 
 }  // namespace
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -2,8 +2,8 @@
 #define PLANESCOPE_TILE 4
 #include "core/planes/classify/gcn_kernels.inl"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 const Kernels kKernelsPlain{direct, support, product, outer};
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -5,7 +5,7 @@
 
 #include "core/planes/classify/gcn_kernels.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 namespace {
 
 int padded(int channels) { return (channels + kLanes - 1) / kLanes * kLanes; }
@@ -162,4 +162,4 @@ std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
   return result;
 }
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -8,7 +8,7 @@
 #include "core/model/buffer.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope::gcn {
+namespace planescope::planes::gcn {
 
 struct ConvolutionLayer {
   int level = 0;
@@ -42,4 +42,4 @@ Layers make_layers(const NetworkWeights& weights);
 std::vector<std::vector<float>> tensor_gradients(const NetworkWeights& weights,
                                                  const Layers& gradients);
 
-}  // namespace planescope::gcn
+}  // namespace planescope::planes::gcn

@@ -6,7 +6,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 using Json = nlohmann::json;
@@ -38,4 +38,4 @@ std::string shown(const std::string& text) {
       .dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

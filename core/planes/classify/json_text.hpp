@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace planescope {
+namespace planescope::planes {
 
 /// JSON of an origin that is not trusted. Throws Error that begins with `what` where it is not
 /// valid, nested too deep, or names a key twice.
@@ -13,4 +13,4 @@ nlohmann::json parse_json(std::string_view text, const std::string& what);
 /// `text` as it may stand in a message: quoted, control characters escaped, cut where it is long.
 std::string shown(const std::string& text);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -7,7 +7,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Points and their true labels: what a classifier learns from and is judged by.
 struct LabelledCloud {
@@ -19,4 +19,4 @@ struct LabelledCloud {
                                              // empty where the surfaces are not known
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 
 #include "core/planes/classify/surroundings.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// On a surface the k nearest fill a disc; such a share of them in a cell lets 3x3 cells hold it.
@@ -93,4 +93,4 @@ void NeighbourGrid::nearest_to(std::span<const Vec3f> queries, std::uint32_t* fo
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/cell_table.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 inline constexpr std::uint32_t kNoNeighbour = std::numeric_limits<std::uint32_t>::max();
 
@@ -46,4 +46,4 @@ class NeighbourGrid {
   CellIndex index_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

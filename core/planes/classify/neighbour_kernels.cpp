@@ -1,6 +1,6 @@
 #include "core/planes/classify/neighbour_kernels.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 const NeighbourKernels& neighbour_kernels(Simd simd) {
 #if defined(__x86_64__)
@@ -11,4 +11,4 @@ const NeighbourKernels& neighbour_kernels(Simd simd) {
   return kNeighbourKernelsPlain;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 
 #include "core/model/simd.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 inline constexpr std::size_t kGroup = 16;
 struct alignas(64) FloatGroup {
@@ -46,4 +46,4 @@ extern const NeighbourKernels kNeighbourKernelsPlain;
 extern const NeighbourKernels kNeighbourKernelsAvx2;
 extern const NeighbourKernels kNeighbourKernelsAvx512;
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/planes/classify/neighbour_kernels.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// How many are <= limit.
@@ -122,4 +122,4 @@ float nearest_one(const Candidates& c, const float* p, std::uint32_t* found) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #define PLANESCOPE_LANES 8
 #include "core/planes/classify/neighbour_kernels.inl"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 unsigned mask_within(const float* squared, float limit) {
@@ -50,4 +50,4 @@ void take_within(const FloatGroup* squared,
 
 const NeighbourKernels kNeighbourKernelsAvx2{nearest, nearest_one};
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #define PLANESCOPE_LANES 16
 #include "core/planes/classify/neighbour_kernels.inl"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 __mmask16 mask_within(const FloatGroup& squared, float limit) {
@@ -34,4 +34,4 @@ void take_within(const FloatGroup* squared,
 
 const NeighbourKernels kNeighbourKernelsAvx512{nearest, nearest_one};
 
-}  // namespace planescope
+}  // namespace planescope::planes

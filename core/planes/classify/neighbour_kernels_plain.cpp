@@ -1,7 +1,7 @@
 #define PLANESCOPE_LANES 4
 #include "core/planes/classify/neighbour_kernels.inl"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 std::size_t count_within(const FloatGroup* squared, std::size_t groups, float limit) {
@@ -28,4 +28,4 @@ void take_within(const FloatGroup* squared,
 
 const NeighbourKernels kNeighbourKernelsPlain{nearest, nearest_one};
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -14,7 +14,7 @@
 #include "core/planes/classify/finite.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
@@ -127,4 +127,4 @@ std::unique_ptr<Classifier> make_pca_classifier(const PcaClassifierOptions& opti
   return std::make_unique<PcaClassifier>(options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -17,7 +17,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/planes/classify/json_text.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -184,4 +184,4 @@ void write_safetensors(const fs::path& path, const TensorFile& file) {
   write_file_bytes(path, bytes);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

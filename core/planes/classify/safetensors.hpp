@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::planes {
 
 struct Tensor {
   std::string name;
@@ -30,4 +30,4 @@ TensorFile read_safetensors(const std::filesystem::path& path);
 /// spaces so that data begins at a multiple of 8. Replaces the file as a whole or not at all.
 void write_safetensors(const std::filesystem::path& path, const TensorFile& file);
 
-}  // namespace planescope
+}  // namespace planescope::planes

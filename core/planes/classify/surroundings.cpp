@@ -7,7 +7,7 @@
 
 #include "core/model/morton.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr std::int32_t kCells = 1 << kZBits;
@@ -148,4 +148,4 @@ void Surroundings::leave_out_equals(Block& block) const {
       if (i < k_ || index_.points[i] != index_.points[i - k_]) add(block, {i, i + 1});
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

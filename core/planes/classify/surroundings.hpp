@@ -7,7 +7,7 @@
 #include "core/planes/classify/cell_table.hpp"
 #include "core/planes/classify/neighbour_kernels.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A query in units of level-0 cells, moved into the frame's cube if it lies outside.
 struct Place {
@@ -62,4 +62,4 @@ class Surroundings {
   std::vector<FloatGroup> scratch_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

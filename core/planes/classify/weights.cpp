@@ -2,7 +2,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// The layers as (in, out) channels of each convolution; in = 0 for the surface convolution.
@@ -70,4 +70,4 @@ std::size_t parameter_count(const NetworkConfig& config) {
   return count;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

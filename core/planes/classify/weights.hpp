@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A 3D-GCN for segmentation (Lin et al., CVPR 2020). The first convolution of the first level is
 /// the surface convolution; between levels lies a pooling layer. All convolutions but the last are
@@ -49,4 +49,4 @@ NetworkWeights read_weights(const std::filesystem::path& path);
 /// Replaces the file as a whole or not at all.
 void write_weights(const std::filesystem::path& path, const NetworkWeights& weights);
 
-}  // namespace planescope
+}  // namespace planescope::planes

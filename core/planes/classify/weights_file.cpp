@@ -14,7 +14,7 @@
 #include "core/planes/classify/safetensors.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ void write_weights(const fs::path& path, const NetworkWeights& weights) {
   write_safetensors(path, file);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

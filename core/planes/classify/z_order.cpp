@@ -6,7 +6,7 @@
 
 #include "core/model/morton.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Points per occupied cell, by level.
@@ -84,4 +84,4 @@ ZOrder z_order(std::span<const Vec3f> points, double per_cell) {
   return z;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 inline constexpr int kZBits = 21;  // per axis, at level 0 (the finest); level kZBits is one cell
 
@@ -36,4 +36,4 @@ ZOrder z_order(std::span<const Vec3f> points, double per_cell);
 /// The level whose occupied cells hold about `per_cell` points each.
 int z_level(std::span<const std::uint64_t> codes, double per_cell);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 struct Polynomial {
@@ -78,4 +78,4 @@ std::vector<Vec2d> ray_table(const Intrinsics& intrinsics) {
   return rays;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

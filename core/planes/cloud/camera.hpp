@@ -5,7 +5,7 @@
 #include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// The ray of pixel (u, v): (x, y) of (x, y, 1), with lens distortion removed. NaN where the
 /// distortion model cannot be inverted, so that no ray leads to the pixel.
@@ -17,4 +17,4 @@ Vec2d ray_to_pixel(const Intrinsics& intrinsics, const Vec2d& ray);
 /// pixel_to_ray of every pixel centre, row-major: [height * width].
 std::vector<Vec2d> ray_table(const Intrinsics& intrinsics);
 
-}  // namespace planescope
+}  // namespace planescope::planes

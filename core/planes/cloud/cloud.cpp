@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr std::uint16_t kNoDepth = 0;
@@ -166,4 +166,4 @@ Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera) {
   return pose;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include "core/model/frame.hpp"
 #include "core/model/moments.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct CloudOptions {
   double max_range_m = 1.5;       // depth frames: limit on depth z; clouds: on distance from origin
@@ -89,4 +89,4 @@ std::vector<std::int32_t> vote_instances(const VoxelCloud& voxels,
 /// (z for depth, x for clouds) kept in the world's x-z half plane where that is defined.
 Pose world_from_gravity(const Vec3d& gravity_sensor, bool depth_camera);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -5,27 +5,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
-
-const char* to_string(GravitySource source) {
-  switch (source) {
-    case GravitySource::option:
-      return "option";
-    case GravitySource::sidecar:
-      return "sidecar";
-    case GravitySource::imu:
-      return "imu";
-    case GravitySource::picked:
-      return "picked";
-    case GravitySource::estimate:
-      return "estimate";
-    case GravitySource::assumed:
-      return "assumed";
-    case GravitySource::none:
-      return "none";
-  }
-  return "unknown";
-}
+namespace planescope::planes {
 
 GravityOptions parse_gravity(const std::string& text) {
   GravityOptions options;
@@ -109,4 +89,4 @@ Gravity resolve_gravity(const Frame& frame, const GravityOptions& options) {
               "; --gravity none finds planes without telling h from v");
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -5,7 +5,7 @@
 
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 enum class GravityMode : std::uint8_t { automatic, fixed, imu, estimate, none };
 
@@ -38,4 +38,4 @@ inline constexpr const char* kHowToGiveGravity =
     "click "
     "a floor in planescope view";
 
-}  // namespace planescope
+}  // namespace planescope::planes

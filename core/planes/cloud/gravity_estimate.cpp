@@ -14,7 +14,7 @@
 #include "core/planes/cloud/gravity.hpp"
 #include "core/planes/cloud/image_planes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr double kMostArea_m2 = 0.6;     // a plane larger than this counts no more
@@ -215,4 +215,4 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
   return gravity;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

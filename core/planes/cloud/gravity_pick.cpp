@@ -6,7 +6,7 @@
 
 #include "core/model/plane.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 // A wall that is less upright than this by what is known was meant for a floor, or what is known is
@@ -62,4 +62,4 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
   return direction;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Things fall against the normal of a floor that is seen from above.
 Vec3d gravity_of_floor(const Vec3d& normal);
@@ -23,4 +23,4 @@ std::optional<Vec3d> gravity_of_walls(std::span<const Vec3d> normals,
                                       const Vec3d& before,
                                       std::string* why_not = nullptr);
 
-}  // namespace planescope
+}  // namespace planescope::planes

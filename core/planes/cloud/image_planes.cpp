@@ -11,7 +11,7 @@
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/cloud/camera.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr int kPatchesAcross = 40;       // patches of 16 pixels in a 640-pixel image
@@ -231,4 +231,4 @@ std::vector<ImagePlane> find_image_planes(const Frame& frame) {
   return planes;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/model/frame.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A large plane of a depth image, for finding out which way is down (not for segmentation).
 struct ImagePlane {
@@ -21,4 +21,4 @@ struct ImagePlane {
 /// Largest area first.
 std::vector<ImagePlane> find_image_planes(const Frame& frame);
 
-}  // namespace planescope
+}  // namespace planescope::planes

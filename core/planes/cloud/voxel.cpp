@@ -14,7 +14,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr int kBitsPerAxis = 21;
@@ -285,4 +285,4 @@ std::vector<Spread> voxel_spreads(const Cloud& cloud, const VoxelCloud& voxels) 
   return spreads;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

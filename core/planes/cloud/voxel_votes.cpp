@@ -4,7 +4,7 @@
 
 #include "core/planes/cloud/cloud.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 VoxelMembers voxel_members(const VoxelCloud& voxels) {
   VoxelMembers result;
@@ -56,4 +56,4 @@ std::vector<std::int32_t> vote_instances(const VoxelCloud& voxels,
   return majority(voxels, ids);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace planescope {
+namespace planescope::planes {
 
 std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns) {
   // Square problem of costs, padded with zeros; rows and columns counted from 1, as is usual.
@@ -55,4 +55,4 @@ std::vector<int> best_assignment(const std::vector<double>& value, int rows, int
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

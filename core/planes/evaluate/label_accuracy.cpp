@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unordered_map>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 double percent(std::uint64_t part, std::uint64_t whole) {
@@ -74,4 +74,4 @@ LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> 
                         near_other_label(cloud.points, cloud.labels, cloud.points, cloud.labels));
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

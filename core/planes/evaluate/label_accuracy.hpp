@@ -7,7 +7,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/labelled_cloud.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 inline constexpr double kEdgeDistanceM = 0.02;  // "near an edge"
 
@@ -37,4 +37,4 @@ LabelAccuracy label_accuracy(std::span<const Label> truth,
 /// label.
 LabelAccuracy label_accuracy(const LabelledCloud& cloud, std::span<const Label> found);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 #include "core/planes/evaluate/label_accuracy.hpp"
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr double kOverlap = 0.8;  // SegComp (Hoover et al. 1996): a match is 80 % of the points
@@ -244,4 +244,4 @@ Metrics mean_of(std::span<const Metrics> metrics) {
   return mean;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

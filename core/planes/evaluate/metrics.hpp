@@ -9,7 +9,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct Metrics {
   int planes_truth = 0;
@@ -56,4 +56,4 @@ double plane_recall(const Metrics& metrics);
 /// some).
 Metrics mean_of(std::span<const Metrics> metrics);
 
-}  // namespace planescope
+}  // namespace planescope::planes

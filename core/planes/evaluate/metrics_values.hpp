@@ -6,7 +6,7 @@
 
 #include "core/planes/evaluate/metrics.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Whether it came later than the rest: files of before lack it, and are read with 0 for it.
 inline bool is_late_value(std::string_view name) {
@@ -37,4 +37,4 @@ void visit_values(AnyMetrics& metrics, Visit&& visit) {
   visit("points", metrics.points);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

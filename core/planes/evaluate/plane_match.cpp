@@ -4,7 +4,7 @@
 
 #include "core/planes/evaluate/assignment.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 double TruthOverlap::iou(int t, int f) const {
   const std::uint64_t both = at(t, f), all = truth_size[t] + found_size[f] - both;
@@ -42,4 +42,4 @@ std::vector<int> found_of_truth(const TruthOverlap& o) {
   return match;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
 struct TruthOverlap {
@@ -30,4 +30,4 @@ TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
 /// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
 std::vector<int> found_of_truth(const TruthOverlap& overlap);
 
-}  // namespace planescope
+}  // namespace planescope::planes

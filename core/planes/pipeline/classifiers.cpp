@@ -7,7 +7,7 @@
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -38,4 +38,4 @@ ChosenClassifier make_classifier(const PipelineOptions& options, const fs::path&
   return from_weights(name, name);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

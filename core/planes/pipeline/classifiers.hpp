@@ -9,7 +9,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Which weights a classifier has, and how they came about.
 struct WeightsRecord {
@@ -33,4 +33,4 @@ bool names_weights_file(const std::string& name);
 ChosenClassifier make_classifier(const PipelineOptions& options,
                                  const std::filesystem::path& shipped_weights);
 
-}  // namespace planescope
+}  // namespace planescope::planes

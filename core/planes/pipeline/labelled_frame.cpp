@@ -2,7 +2,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 LabelledCloud labelled_frame(const Frame& frame,
                              const PipelineOptions& options,
@@ -22,4 +22,4 @@ LabelledCloud labelled_frame(const Frame& frame,
   return labelled;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

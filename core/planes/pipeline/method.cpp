@@ -4,7 +4,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 struct NamedMethod {
@@ -48,4 +48,4 @@ Method parse_method(const std::string& text) {
   throw Error("method '" + text + "' does not exist, expected one of " + known);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

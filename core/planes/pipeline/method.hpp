@@ -10,7 +10,7 @@
 #include "core/planes/rivals/ransac.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 enum class Method : std::uint8_t {
   ours,
@@ -36,4 +36,4 @@ struct RivalOptions {
   CgalRegionGrowingOptions cgal_region_growing;
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

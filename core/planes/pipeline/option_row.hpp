@@ -14,7 +14,7 @@
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Throws Error where the value is not in the range.
 void check_option_range(double value, const OptionRange& range, const std::string& name);
@@ -99,4 +99,4 @@ OptionInfo choice(std::string section,
 /// The rows of the methods that are not ours, of those that this build has.
 void append_rivals(std::vector<OptionInfo>& table);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -13,7 +13,7 @@
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/option_row.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 // The member that a row reads and writes, by its path from PipelineOptions.
@@ -200,17 +200,17 @@ class Rows {
               const char* meaning,
               T Options::*field,
               OptionRange range = {}) {
-    add(planescope::number("refinements", name, unit, meaning, of(field), range));
+    add(planescope::planes::number("refinements", name, unit, meaning, of(field), range));
   }
   void flag(const char* name, const char* meaning, bool Options::*field) {
-    add(planescope::flag("refinements", name, meaning, of(field)));
+    add(planescope::planes::flag("refinements", name, meaning, of(field)));
   }
   template <typename T>
   void choice(const char* name,
               std::vector<std::string> values,
               const char* meaning,
               T Options::*field) {
-    add(planescope::choice("refinements", name, std::move(values), meaning, of(field)));
+    add(planescope::planes::choice("refinements", name, std::move(values), meaning, of(field)));
   }
 
  private:
@@ -319,4 +319,4 @@ void set_option(PipelineOptions& options, const std::string& name, const std::st
   find_option(name).set(options, value);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// `on_off` is for switches; `text` for what can be anything, like a file.
 enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
@@ -61,4 +61,4 @@ std::string number_text(const OptionInfo& info, double value);
 /// Throws Error naming the nearest existing name when `name` is unknown.
 void set_option(PipelineOptions& options, const std::string& name, const std::string& value);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/rival.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 class Stopwatch {
@@ -153,4 +153,4 @@ FrameResult run_frame(const Frame& frame,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

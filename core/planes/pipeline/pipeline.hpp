@@ -14,7 +14,7 @@
 #include "core/planes/pipeline/method.hpp"
 #include "core/planes/segment/segment.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Everything a user can set about the processing of one frame.
 struct PipelineOptions {
@@ -98,4 +98,4 @@ FrameResult run_frame(const Frame& frame,
                       const FrameTruth* truth = nullptr,
                       Trace* trace = nullptr);
 
-}  // namespace planescope
+}  // namespace planescope::planes

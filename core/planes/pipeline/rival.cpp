@@ -6,7 +6,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/segment/outward.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 bool looks_at_pixels(Method method, const Frame& frame) {
@@ -109,4 +109,4 @@ std::vector<Label> labels_of_planes(const Segmentation& segmentation) {
   return labels;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// As find_regions(), for every method but ours. Those for depth images look at the pixels, and a
 /// voxel gets the plane of most of its points; the others look at the voxels, and leave
@@ -17,4 +17,4 @@ FoundRegions find_rival_regions(const Frame& frame,
 /// The label of each voxel's plane, unknown where it has none: what stands in for a classification.
 std::vector<Label> labels_of_planes(const Segmentation& segmentation);
 
-}  // namespace planescope
+}  // namespace planescope::planes

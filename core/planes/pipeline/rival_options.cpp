@@ -2,7 +2,7 @@
 
 #include "core/planes/pipeline/option_row.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// The rows of one rival, whose options are a member of RivalOptions.
@@ -18,7 +18,7 @@ class RivalRows {
               const char* meaning,
               T Options::*field,
               OptionRange range = {}) {
-    add(planescope::number(kSection, name, unit, meaning, in(field), range));
+    add(planescope::planes::number(kSection, name, unit, meaning, in(field), range));
   }
   void on_off(const char* name, const char* meaning, bool Options::*field) {
     add(flag(kSection, name, meaning, in(field)));
@@ -162,4 +162,4 @@ void append_rivals(std::vector<OptionInfo>& table) {
   append_cgal(table);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

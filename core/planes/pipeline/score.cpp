@@ -5,7 +5,7 @@
 
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Truth on the points, its planes numbered from 1 on without gaps: ids of labels may be any.
@@ -169,4 +169,4 @@ JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth) {
   return judged;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

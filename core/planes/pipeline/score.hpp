@@ -4,7 +4,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Smaller true planes are not scored: neither they nor what is found on them count.
 struct LeastTruePlane {
@@ -47,4 +47,4 @@ struct JudgedFrame {
 };
 JudgedFrame judge_frame(const FrameResult& result, const SourceTruth& truth);
 
-}  // namespace planescope
+}  // namespace planescope::planes

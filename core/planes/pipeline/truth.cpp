@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace planescope {
+namespace planescope::planes {
 
 SourceTruth truth_of_labels(const FrameLabels& labels) {
   SourceTruth truth;
@@ -52,4 +52,4 @@ std::vector<std::uint32_t> measured_sources(const Frame& frame) {
   return make_cloud(frame, Gravity{}, CloudOptions{}).source;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -11,7 +11,7 @@
 #include "core/model/frame_labels.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Truth per source element: depth pixel v * width + u, or point in the file's order. That order
 /// does not depend on range, cube or gravity, so the truth can be read before the cloud is made.
@@ -30,4 +30,4 @@ FrameTruth truth_on_points(const FrameTruth& truth, std::span<const std::uint32_
 /// The source elements that make_cloud() keeps as points of this frame, whatever the options.
 std::vector<std::uint32_t> measured_sources(const Frame& frame);
 
-}  // namespace planescope
+}  // namespace planescope::planes

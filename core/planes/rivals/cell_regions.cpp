@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr int kBins = 20;                                   // of the histogram, along either angle
@@ -207,4 +207,4 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
   return found_planes(points, group, 3);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 #include "core/planes/rivals/found_planes.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 inline constexpr std::uint32_t kNoCell = 0xffffffff;
 
@@ -43,4 +43,4 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
                               std::span<const std::int32_t> region,
                               const RegionGrowingOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace planescope {
+namespace planescope::planes {
 
 FoundPlanes found_planes(std::span<const Vec3f> points,
                          std::span<const std::int32_t> group,
@@ -32,4 +32,4 @@ FoundPlanes found_planes(std::span<const Vec3f> points,
   return found;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 
 #include "core/model/plane.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// What a rival finds: planes alone. It knows neither h and v nor an octree.
 struct FoundPlanes {
@@ -20,4 +20,4 @@ FoundPlanes found_planes(std::span<const Vec3f> points,
                          std::span<const std::int32_t> group,
                          int min_points = 1);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 #include "core/model/parallel.hpp"
 #include "core/planes/classify/finite.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// The interface through which nanoflann reads a cloud.
@@ -97,4 +97,4 @@ std::unique_ptr<Classifier> make_nanoflann_pca_classifier(const PcaClassifierOpt
   return std::make_unique<NanoflannPcaClassifier>(options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

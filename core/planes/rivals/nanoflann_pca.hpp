@@ -4,7 +4,7 @@
 
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// PCA normals as they are commonly computed, nanoflann's k-d tree for the neighbours and Eigen's
 /// closed form for the normal: what our classifiers' speed is held against. Labels differ from
@@ -12,4 +12,4 @@ namespace planescope {
 /// boundary.
 std::unique_ptr<Classifier> make_nanoflann_pca_classifier(const PcaClassifierOptions& options = {});
 
-}  // namespace planescope
+}  // namespace planescope::planes

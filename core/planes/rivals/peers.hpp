@@ -12,7 +12,7 @@
 #include "core/planes/rivals/found_planes.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Whether this build has them.
 bool has_peers();
@@ -70,4 +70,4 @@ inline constexpr CgalRegionGrowingOptions kCgalRegionGrowingByPoint = {
 FoundPlanes cgal_region_growing(std::span<const Vec3f> points,
                                 const CgalRegionGrowingOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/rivals/peers.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 [[noreturn]] void refuse(const char* name) {
@@ -26,4 +26,4 @@ FoundPlanes cgal_region_growing(std::span<const Vec3f>, const CgalRegionGrowingO
   refuse("cgal-region-growing");
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

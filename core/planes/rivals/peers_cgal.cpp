@@ -10,7 +10,7 @@
 
 #include "core/planes/rivals/peers.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 namespace detection = CGAL::Shape_detection;
@@ -109,4 +109,4 @@ FoundPlanes cgal_region_growing(std::span<const Vec3f> points,
   return found_planes(points, group_of);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -14,7 +14,7 @@
 
 #include "core/planes/rivals/peers.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 using Points = pcl::PointCloud<pcl::PointXYZ>;
@@ -129,4 +129,4 @@ FoundPlanes pcl_region_growing(std::span<const Vec3f> points,
   return found_planes(points, groups_of(regions, points.size()));
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

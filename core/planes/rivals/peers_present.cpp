@@ -2,8 +2,8 @@
 
 #include "core/planes/rivals/peers.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 bool has_peers() { return true; }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 template <typename Real>
@@ -224,4 +224,4 @@ template std::vector<std::array<double, 2>> plain_forward(const PlainNetwork<dou
                                                           const PlainGraph&,
                                                           std::span<const Vec3f>);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -11,7 +11,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/classify/weights.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 template <typename Real>
 struct PlainNetwork {
@@ -40,4 +40,4 @@ std::vector<std::array<Real, 2>> plain_forward(const PlainNetwork<Real>& network
                                                const PlainGraph& graph,
                                                std::span<const Vec3f> points);
 
-}  // namespace planescope
+}  // namespace planescope::planes

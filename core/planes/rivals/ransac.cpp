@@ -11,7 +11,7 @@
 #include <mutex>
 #include <numeric>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Open3D's RANSAC shares its iterations out among OpenMP threads, which take random numbers in
@@ -69,4 +69,4 @@ FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOption
   return found_planes(points, group);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

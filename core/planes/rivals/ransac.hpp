@@ -7,7 +7,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/rivals/found_planes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct RansacOptions {
   double theta_pf_m =
@@ -22,4 +22,4 @@ struct RansacOptions {
 /// that has too few points.
 FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

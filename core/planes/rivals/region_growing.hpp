@@ -10,7 +10,7 @@
 #include "core/model/types.hpp"
 #include "core/planes/rivals/found_planes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// How the paper's two thresholds are read. 0.01 m^2 bounds e_n, the scatter's smallest eigenvalue,
 /// of a full patch of 400 pixels, other cells in proportion to their points: planar cells are 5 mm
@@ -42,4 +42,4 @@ FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& o
 /// On unordered clouds: the same over the 26-neighbourhood of voxels.
 FoundPlanes grow_regions(std::span<const Vec3f> points, const RegionGrowingOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 #include "core/planes/rivals/cell_regions.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// From one measurement to the next along the middle of a patch depth changes by less than this
@@ -103,4 +103,4 @@ FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& o
   return planes_of_regions(input.points, graph, grow_and_merge(graph, options), options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include "core/planes/rivals/cell_regions.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 // A cell has a plane of its own if it holds this many points, spread (RMS) over this share of its
@@ -62,4 +62,4 @@ FoundPlanes grow_regions(std::span<const Vec3f> points, const RegionGrowingOptio
   return planes_of_regions(points, graph, grow_and_merge(graph, options), options);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

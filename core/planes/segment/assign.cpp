@@ -4,7 +4,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 void assign(SegmentState& state, std::uint32_t i, const PlaneChoice& choice) {
@@ -83,4 +83,4 @@ void assign_leftovers(SegmentState& state, std::size_t first) {
     assign(state, i, choose_nearest_plane(state, around.near(i), i));
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -2,7 +2,7 @@
 
 #include "core/planes/segment/candidate.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool use_labels) {
   Candidate candidate;
@@ -30,4 +30,4 @@ Planarity planarity(const PlaneFit& fit,
           is_planar(fit, options.theta_e_n_m2, options.mse_normalization)};
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include "core/planes/segment/criteria.hpp"
 #include "core/planes/segment/noise.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A node's inliers (or, by R4, one label's points of an impure node).
 struct Candidate {
@@ -35,4 +35,4 @@ Planarity planarity(const PlaneFit& fit,
                     double range_m,
                     const SegmentOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

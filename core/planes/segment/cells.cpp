@@ -5,7 +5,7 @@
 
 #include "core/model/morton.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Cell number by Morton code: open addressing, linear probing.
@@ -119,4 +119,4 @@ CellPlanes planes_near_cells(const CellGrid& grid,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

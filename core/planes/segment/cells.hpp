@@ -9,7 +9,7 @@
 
 #include "core/planes/segment/octree.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Edge of the cells `levels` above the leaves, at most the cube's [m].
 double cell_edge_m(const Octree& octree, int levels);
@@ -41,4 +41,4 @@ CellPlanes planes_near_cells(const CellGrid& grid,
                              std::span<const std::int32_t> plane_of,
                              std::size_t plane_count);
 
-}  // namespace planescope
+}  // namespace planescope::planes

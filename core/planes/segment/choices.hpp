@@ -15,7 +15,7 @@
 #include "core/planes/segment/criteria.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// A candidate held against a plane: by direction (Criterion 4) or by distance (R1).
 struct Pair {
@@ -142,4 +142,4 @@ Evidence evidence_for(const SegmentState& state,
                       const Neighbourhood& around,
                       double typical_area);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace planescope {
+namespace planescope::planes {
 
 Purity purity_of(const OctreeNode& node, bool use_labels, Label one_label) {
   if (!use_labels) return {one_label, node.size(), 0};
@@ -85,4 +85,4 @@ PairStrain strain_of(const DistanceTerms& terms) {
   return strain;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 #include "core/planes/segment/octree.hpp"
 #include "core/planes/segment/options.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
 /// Where labels are not used, all points carry `one_label`.
@@ -61,4 +61,4 @@ struct PairStrain {
 PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
 PairStrain strain_of(const DistanceTerms& terms);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 void claim_points(SegmentState& state, const Candidate& candidate, std::int32_t plane) {
@@ -121,4 +121,4 @@ void conquer(SegmentState& state, const Candidate& candidate) {
     found(state, candidate, stage);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

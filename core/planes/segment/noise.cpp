@@ -6,7 +6,7 @@
 #include "core/model/plane.hpp"
 #include "core/planes/segment/cells.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 double NoiseModel::sigma(double range) const {
   if (!estimated) return 0;
@@ -73,4 +73,4 @@ NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const Segmen
   return model;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 #include "core/planes/segment/octree.hpp"
 #include "core/planes/segment/options.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Standard deviation of the measurements across a surface: the same everywhere, or growing with
 /// the square of the distance to the sensor, as stereo depth does.
@@ -46,4 +46,4 @@ void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_rang
 /// cell of `neighbour_levels`, sigma_min_points at least.
 NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const SegmentOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

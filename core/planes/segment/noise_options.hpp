@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct NoiseOptions {
   bool rms_criterion3 = false;  // Criterion 3: RMS <= theta_rms instead of e_n <= theta_e_n_m2
@@ -84,4 +84,4 @@ struct NoiseOptions {
   }
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

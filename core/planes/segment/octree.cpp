@@ -5,7 +5,7 @@
 
 #include "core/model/morton.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 const char* to_string(Case c) {
   constexpr const char* kNames[] = {"-", "I", "II", "III", "IV"};
   return kNames[static_cast<int>(c)];
@@ -91,4 +91,4 @@ void divide(Octree& octree, std::int32_t index) {
   octree.nodes[index].child_count = count;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

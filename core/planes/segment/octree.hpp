@@ -14,7 +14,7 @@
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Case of a node (the paper's figure 4): I impure, II too few inliers, III not planar, IV a plane.
 enum class Case : std::uint8_t { none = 0, I = 1, II = 2, III = 3, IV = 4 };
@@ -64,4 +64,4 @@ Octree build_octree(std::span<const Vec3f> points, std::span<const Label> labels
 /// Appends the non-empty children of node `index`.
 void divide(Octree& octree, std::int32_t index);
 
-}  // namespace planescope
+}  // namespace planescope::planes

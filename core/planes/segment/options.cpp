@@ -2,7 +2,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 const char* to_string(Profile profile) {
   switch (profile) {
@@ -61,4 +61,4 @@ bool needs_pixels(const SegmentOptions& options) {
   return needed;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

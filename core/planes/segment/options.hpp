@@ -11,7 +11,7 @@
 #include "core/planes/segment/noise_options.hpp"
 #include "core/planes/segment/refinements.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 enum class Profile : std::uint8_t { paper, paper_closest, refined };
 const char* to_string(Profile profile);
@@ -44,7 +44,7 @@ struct SegmentOptions {
   NoiseOptions noise;  // thresholds from the measured noise
 
   // One member for each file of core/planes/segment/refine/: r1_merge_by_distance and so on.
-#define PLANESCOPE_OPTIONS(name) ::planescope::name::Options name;
+#define PLANESCOPE_OPTIONS(name) planes::name::Options name;
   PLANESCOPE_REFINEMENTS(PLANESCOPE_OPTIONS)
 #undef PLANESCOPE_OPTIONS
 };
@@ -55,4 +55,4 @@ SegmentOptions profile_options(Profile profile);
 /// Is a refinement on that looks at the depth image?
 bool needs_pixels(const SegmentOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include "core/model/plane.hpp"
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// The normal on the side that is shown: floors look up, walls look at the sensor.
 inline Vec3d outward_normal(const PlaneFit& fit, Label label, const Vec3d& sensor) {
@@ -11,4 +11,4 @@ inline Vec3d outward_normal(const PlaneFit& fit, Label label, const Vec3d& senso
   return side < 0 ? Vec3d(-fit.normal) : fit.normal;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

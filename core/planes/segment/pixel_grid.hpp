@@ -9,7 +9,7 @@
 
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Pixels of columns [x0, x1) and rows [y0, y1).
 struct Rect {
@@ -48,4 +48,4 @@ struct PixelGrid {
   }
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -23,7 +23,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace planescope {
+namespace planescope::planes {
 
 struct SegmentState;
 
@@ -52,4 +52,4 @@ struct RefinementInfo {
   bool on_pixels = false;  // looks at the depth image; does nothing where there is none
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 #include "core/planes/segment/outward.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -110,4 +110,4 @@ Segmentation segment(std::span<const Vec3f> points,
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -13,7 +13,7 @@
 #include "core/planes/segment/pixel_grid.hpp"
 #include "core/planes/segment/trace.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct PlaneRegion {
   int id = 0;  // 1-based
@@ -70,4 +70,4 @@ Segmentation segment(std::span<const Vec3f> points,
                      Trace* trace = nullptr,
                      const Measurements& more = {});
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr double kMaxCells = 1000;  // along an axis: a bound on memory
@@ -85,4 +85,4 @@ bool Sight::is_open_between(std::span<const std::uint32_t> a,
   return samples > 0 && open >= options_.open_share * samples;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

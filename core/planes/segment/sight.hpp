@@ -9,7 +9,7 @@
 
 #include "core/planes/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Where the sensor's rays passed through a plane, within the bounds of its points.
 class Sight {
@@ -36,4 +36,4 @@ class Sight {
   std::vector<std::uint8_t> passed_;  // per cell: rays did
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

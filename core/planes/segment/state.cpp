@@ -6,7 +6,7 @@
 
 #include "core/planes/segment/criteria.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// The cube as the options want it: where it is, or with its lower corner at the points' own.
@@ -170,4 +170,4 @@ double typical_area_per_point(const SegmentState& state) {
   return 0;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -11,7 +11,7 @@
 #include "core/planes/segment/candidate.hpp"
 #include "core/planes/segment/segment.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 struct SegmentState {
   const SegmentOptions& options;
@@ -158,4 +158,4 @@ void conquer(SegmentState& state, const Candidate& candidate);
 /// Sec. IV-C, last paragraph: gives the leftovers from the `first` on to planes.
 void assign_leftovers(SegmentState& state, std::size_t first = 0);
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -3,7 +3,7 @@
 #include <array>
 #include <cassert>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr std::array kPaperStages{"criteria", "merge", "assign"};
@@ -41,4 +41,4 @@ const std::vector<Stage>& stages() {
   return all;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

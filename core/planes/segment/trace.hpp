@@ -10,7 +10,7 @@
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/segment/refinements.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 enum class EventType : std::uint8_t {
   visit,   // node dequeued
@@ -118,4 +118,4 @@ struct Trace {
   std::int32_t steps() const { return static_cast<std::int32_t>(events.size()); }
 };
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/planes/segment/state.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Criterion 3.
@@ -109,4 +109,4 @@ void traverse(SegmentState& state) {
     visit(state, i);
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 
 #include "core/planes/evaluate/plane_match.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 constexpr double kLeastIou = 0.3;      // of two planes that are one
@@ -28,7 +28,7 @@ class Comparer {
       before = b.plane_of();
       after = n.plane_of();
     }
-    overlap_ = count_truth_overlap(before, after, planes_before(), planes_now());
+    overlap_ = planes::count_truth_overlap(before, after, planes_before(), planes_now());
     taken_.assign(now_.size() + 1, 0);
   }
 
@@ -94,7 +94,7 @@ class Comparer {
   }
 
   void match() {
-    const std::vector<int> partner = found_of_truth(overlap_);
+    const std::vector<int> partner = planes::found_of_truth(overlap_);
     for (int t = 1; t <= planes_before(); ++t) {
       const int f = partner[static_cast<std::size_t>(t) - 1];
       if (f > 0 && is_open(t) && !taken_[f] && overlap_.iou(t, f) >= kLeastIou) pair_judged(t, f);
@@ -146,7 +146,7 @@ class Comparer {
   const std::vector<PlaneSummary>& baseline_;
   const std::vector<PlaneSummary>& now_;
   const FateLimits& limits_;
-  TruthOverlap overlap_;
+  planes::TruthOverlap overlap_;
   std::vector<std::uint8_t> taken_;  // by id of now
   std::vector<PlaneComparison> result_;
 };
@@ -179,4 +179,4 @@ std::vector<PlaneComparison> compare_planes(const ComparedPlanes& baseline,
   return Comparer(baseline, now, limits).run();
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

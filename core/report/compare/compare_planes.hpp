@@ -8,7 +8,7 @@
 #include "core/report/data/plane_summary.hpp"
 #include "core/report/data/region_sample.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// `same` to `split` describe a plane of the baseline, `gained` one that is new.
 enum class PlaneFate : std::uint8_t { same, resized, moved, lost, merged, split, gained };
@@ -45,4 +45,4 @@ std::vector<PlaneComparison> compare_planes(const ComparedPlanes& baseline,
                                             const ComparedPlanes& now,
                                             const FateLimits& limits = {});
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -6,7 +6,7 @@
 #include <map>
 #include <tuple>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 void add_difference(std::vector<std::string>& differences,
@@ -120,4 +120,4 @@ ReportComparison compare_reports(const RecordedReport& baseline,
   return comparison;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

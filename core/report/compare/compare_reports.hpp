@@ -8,7 +8,7 @@
 #include "core/report/compare/compare_planes.hpp"
 #include "core/report/data/recorded_report.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 enum class FrameFate : std::uint8_t {
   compared,
@@ -44,4 +44,4 @@ ReportComparison compare_reports(const RecordedReport& baseline,
                                  const RecordedReport& now,
                                  const FateLimits& limits = {});
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -9,7 +9,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -136,4 +136,4 @@ void ReportGuard::approve(const std::filesystem::path& report_json) const {
   write_file_bytes(baseline_file_, read_file_bytes(report_json), Durable::yes);
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -11,7 +11,7 @@
 
 #include "core/report/rules/rules.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct Judgement {
   std::string baseline_file;  // as it was given; empty: none
@@ -61,4 +61,4 @@ class ReportGuard {
 
 nlohmann::ordered_json judgement_json(const Judgement& judgement);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -2,10 +2,10 @@
 
 #include "planescope_build_info.h"  // written by cmake/BuildInfo.cmake at every build
 
-namespace planescope {
+namespace planescope::report {
 
 BuildInfo build_info() {
   return {PLANESCOPE_BUILD_VERSION, PLANESCOPE_BUILD_COMMIT, PLANESCOPE_BUILD_MODIFIED};
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace planescope {
+namespace planescope::report {
 
 /// What this binary was built from.
 struct BuildInfo {
@@ -12,4 +12,4 @@ struct BuildInfo {
 };
 BuildInfo build_info();
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -11,7 +11,7 @@
 
 #include "core/planes/evaluate/metrics_values.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -75,7 +75,7 @@ Json to_json(const ReportPicture& picture) {
           {"pixels_sha256", picture.pixels_sha256}};
 }
 
-Json nodes_json(const SegmentCounts& counts) {
+Json nodes_json(const planes::SegmentCounts& counts) {
   Json json;
   json["visited"] = counts.nodes_visited;
   json["per_case"] = Json::object();
@@ -85,7 +85,7 @@ Json nodes_json(const SegmentCounts& counts) {
     for (int depth = 0; depth < 22; ++depth)
       if (counts.nodes_per_case_depth[c][depth] > 0) deepest = std::max(deepest, depth);
   for (int c = 1; c <= 4; ++c) {
-    const std::string name = to_string(static_cast<Case>(c));
+    const std::string name = planes::to_string(static_cast<planes::Case>(c));
     json["per_case"][name] = counts.nodes_per_case[c];
     for (int depth = 0; depth <= deepest; ++depth)
       json["per_case_depth"][name].push_back(counts.nodes_per_case_depth[c][depth]);
@@ -118,10 +118,10 @@ Gravity read_gravity(const JsonPlace& place) {
   return gravity;
 }
 
-void read_nodes(const JsonPlace& place, SegmentCounts& counts) {
+void read_nodes(const JsonPlace& place, planes::SegmentCounts& counts) {
   counts.nodes_visited = static_cast<std::uint32_t>(place.at("visited").count());
   for (int c = 1; c <= 4; ++c) {
-    const char* name = to_string(static_cast<Case>(c));
+    const char* name = planes::to_string(static_cast<planes::Case>(c));
     counts.nodes_per_case[c] = static_cast<std::uint32_t>(place.at("per_case").at(name).count());
     int depth = 0;
     place.at("per_case_depth").at(name).each([&](const JsonPlace& count) {
@@ -192,9 +192,9 @@ Json vector_json(const Vec3d& v) {
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-Json metrics_json(const Metrics& metrics) {
+Json metrics_json(const planes::Metrics& metrics) {
   Json json;
-  visit_values(metrics, [&](const char* name, auto value) {
+  planes::visit_values(metrics, [&](const char* name, auto value) {
     if constexpr (std::is_floating_point_v<decltype(value)>)
       json[name] = rounded(value);
     else
@@ -204,7 +204,7 @@ Json metrics_json(const Metrics& metrics) {
 }
 
 Json timings_json(const ReportFrame& frame) {
-  const FrameTimings& t = frame.timings;
+  const planes::FrameTimings& t = frame.timings;
   return {{"load_ms", t.load_ms},
           {"cloud_ms", t.cloud_ms},
           {"t_d_ms", t.t_d_ms},
@@ -292,11 +292,11 @@ RegionSample read_regions(const JsonPlace& place, int planes) {
   return sample;
 }
 
-Metrics read_metrics(const JsonPlace& place) {
-  Metrics metrics;
-  visit_values(metrics, [&](const char* name, auto& value) {
+planes::Metrics read_metrics(const JsonPlace& place) {
+  planes::Metrics metrics;
+  planes::visit_values(metrics, [&](const char* name, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
-    if (is_late_value(name) && !place.has(name)) return;
+    if (planes::is_late_value(name) && !place.has(name)) return;
     if constexpr (std::is_same_v<Value, int>)
       value = place.at(name).whole(0);
     else if constexpr (std::is_same_v<Value, double>)
@@ -309,7 +309,7 @@ Metrics read_metrics(const JsonPlace& place) {
 }
 
 void read_timings(const JsonPlace& place, ReportFrame& frame) {
-  FrameTimings& t = frame.timings;
+  planes::FrameTimings& t = frame.timings;
   t.load_ms = place.at("load_ms").number();
   t.cloud_ms = place.at("cloud_ms").number();
   t.t_d_ms = place.at("t_d_ms").number();
@@ -362,4 +362,4 @@ ReportFrame read_frame(const JsonPlace& place) {
   return frame;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 #include "core/report/data/json_place.hpp"
 #include "core/report/data/report_data.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// To a nanometre, which is far below what any sensor tells; never minus zero.
 double rounded(double value);
@@ -16,7 +16,7 @@ nlohmann::ordered_json text_or_null(const std::string& text);
 
 /// All of it but its timings. `ours`: with what the octree's traversal tells.
 nlohmann::ordered_json frame_json(const ReportFrame& frame, bool ours);
-nlohmann::ordered_json metrics_json(const Metrics& metrics);
+nlohmann::ordered_json metrics_json(const planes::Metrics& metrics);
 /// Of its timings and its reference work.
 nlohmann::ordered_json timings_json(const ReportFrame& frame);
 
@@ -28,6 +28,6 @@ void read_timings(const JsonPlace& place, ReportFrame& frame);
 // Parts of it, for reports of earlier versions as well.
 PlaneSummary read_plane(const JsonPlace& place, int id);
 RegionSample read_regions(const JsonPlace& place, int planes);
-Metrics read_metrics(const JsonPlace& place);  // without pq: NaN
+planes::Metrics read_metrics(const JsonPlace& place);  // without pq: NaN
 
-}  // namespace planescope
+}  // namespace planescope::report

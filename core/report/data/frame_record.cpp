@@ -6,7 +6,7 @@
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/report_files.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,4 +66,4 @@ ReportFrame read_frame_record(const fs::path& dir) {
   return read_record(dir, json);
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -9,7 +9,7 @@
 
 #include "core/report/data/report_data.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// Writes frame.json and timings.json into `dir`, frame.json last: where it exists, the whole frame
 /// does. `key` tells from what it was made: input, options, build. Throws Error.
@@ -25,4 +25,4 @@ std::optional<ReportFrame> find_frame_record(const std::filesystem::path& dir,
 /// Whatever its key. Throws Error where there is none.
 ReportFrame read_frame_record(const std::filesystem::path& dir);
 
-}  // namespace planescope
+}  // namespace planescope::report

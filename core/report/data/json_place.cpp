@@ -11,7 +11,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 using Json = nlohmann::ordered_json;
 
@@ -152,4 +152,4 @@ Json read_report_json(
   return json;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

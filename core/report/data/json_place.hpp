@@ -14,7 +14,7 @@
 #include "core/model/error.hpp"
 #include "core/model/types.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// A place in a file, to read from; what is not as expected is an Error that names the place. The
 /// JSON must live as long.
@@ -68,4 +68,4 @@ nlohmann::ordered_json read_report_json(
     const std::filesystem::path& file,
     const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame);
 
-}  // namespace planescope
+}  // namespace planescope::report

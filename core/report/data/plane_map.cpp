@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 constexpr int kCell = 4;         // pixels per sample, so that hatches and outlines have room
@@ -97,4 +97,4 @@ ComparedInks compared_inks(const std::vector<PlaneComparison>& planes,
   return inks;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -10,7 +10,7 @@
 #include "core/report/compare/compare_planes.hpp"
 #include "core/report/data/region_sample.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// How a plane stands out.
 struct PlaneInk {
@@ -31,4 +31,4 @@ ComparedInks compared_inks(const std::vector<PlaneComparison>& planes,
                            std::size_t planes_before,
                            const std::vector<std::string>& colors_now);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 
 #include "core/model/hull.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 // Number of distinct cells of edge `cell_m` that hold a point.
@@ -23,7 +23,7 @@ std::size_t occupied_cells(const std::vector<Vec2d>& points, double cell_m) {
 
 }  // namespace
 
-std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double voxel_size_m) {
+std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m) {
   const std::size_t n = result.segmentation.planes.size();
   std::vector<std::vector<std::uint32_t>> members(n);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
@@ -34,7 +34,7 @@ std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double vox
   const double cell_m = voxel_size_m > 0 ? voxel_size_m : 0.02;
   std::vector<PlaneSummary> summaries(n);
   for (std::size_t k = 0; k < n; ++k) {
-    const PlaneRegion& plane = result.segmentation.planes[k];
+    const planes::PlaneRegion& plane = result.segmentation.planes[k];
     PlaneSummary& s = summaries[k];
     s.id = plane.id;
     s.label = plane.label;
@@ -65,4 +65,4 @@ std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double vox
   return summaries;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -5,7 +5,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// What planes.json, the report and eval say about one plane. World frame: z up, metres.
 struct PlaneSummary {
@@ -26,6 +26,6 @@ struct PlaneSummary {
 };
 
 /// One entry per plane, by id - 1.
-std::vector<PlaneSummary> summarize_planes(const FrameResult& result, double voxel_size_m);
+std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,11 +8,11 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/recorded_report.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// The options that make_report_options() wrote. Those of other methods, which it leaves out, are
 /// the defaults; so is what an earlier version did not have. `unknown`: takes the names that this
 /// version does not have. Throws Error naming the option whose value it cannot take.
-PipelineOptions options_of(const RecordedReport& report, std::vector<std::string>& unknown);
+planes::PipelineOptions options_of(const RecordedReport& report, std::vector<std::string>& unknown);
 
-}  // namespace planescope
+}  // namespace planescope::report

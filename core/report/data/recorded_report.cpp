@@ -6,7 +6,7 @@
 #include "core/planes/pipeline/frame_times.hpp"
 #include "core/report/data/frame_json.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 RecordedFrame frame_of(const JsonPlace& place) {
@@ -32,8 +32,8 @@ RecordedFrame frame_of(const JsonPlace& place) {
 bool was_typed(const std::string& source) { return source.starts_with("option --"); }
 
 /// What the command line said of the camera.
-RecordingOptions recording_options_of(const JsonPlace& depth) {
-  RecordingOptions options;
+io::RecordingOptions recording_options_of(const JsonPlace& depth) {
+  io::RecordingOptions options;
   const JsonPlace k = depth.at("intrinsics");
   if (was_typed(k.at("source").text()))
     options.intrinsics = {k.at("fx").number(), k.at("fy").number(), k.at("cx").number(),
@@ -41,8 +41,8 @@ RecordingOptions recording_options_of(const JsonPlace& depth) {
   if (was_typed(depth.at("unit_source").text())) options.depth_unit_m = depth.at("unit_m").number();
   return options;
 }
-RecordingOptions recording_options_of(const RecordingInfo& info) {
-  RecordingOptions options;
+io::RecordingOptions recording_options_of(const io::RecordingInfo& info) {
+  io::RecordingOptions options;
   const Intrinsics& k = info.intrinsics;
   if (was_typed(info.intrinsics_source)) options.intrinsics = {k.fx, k.fy, k.cx, k.cy};
   if (was_typed(info.depth_unit_source)) options.depth_unit_m = info.depth_unit_m;
@@ -50,7 +50,7 @@ RecordingOptions recording_options_of(const RecordingInfo& info) {
 }
 
 double time_ratio(const ReportFrame& frame) {
-  return frame.reference_ms > 0 ? paper_ms(frame.timings) / frame.reference_ms : 0;
+  return frame.reference_ms > 0 ? planes::paper_ms(frame.timings) / frame.reference_ms : 0;
 }
 
 void read_time_ratio(const JsonPlace& place, RecordedReport& report) {
@@ -103,7 +103,7 @@ RecordedReport recorded(const Report& report) {
   result.partial = report.partial;
   result.command = report.command;
   result.created_utc = report.created_utc;
-  result.method = to_string(report.method);
+  result.method = planes::to_string(report.method);
   result.classifier = report.classifier;
   if (report.weights) result.weights_sha256 = report.weights->sha256;
   for (const ReportOption& option : report.options)
@@ -140,4 +140,4 @@ RecordedReport read_report(const std::filesystem::path& file) {
   return report;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

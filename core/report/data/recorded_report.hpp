@@ -11,7 +11,7 @@
 
 #include "core/report/data/report_data.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct RecordedFrame {
   int index = 0;
@@ -19,9 +19,9 @@ struct RecordedFrame {
   std::string sha256;   // Recording::frame_hash
   std::string refused;  // why there are no planes; empty: it was processed
   std::uint64_t points = 0, points_on_planes = 0;
-  std::vector<PlaneSummary> planes;  // by id - 1; hulls are not recorded
-  RegionSample regions;              // empty in reports before schema 2
-  std::optional<Metrics> metrics;    // without pq before schema 2: NaN
+  std::vector<PlaneSummary> planes;        // by id - 1; hulls are not recorded
+  RegionSample regions;                    // empty in reports before schema 2
+  std::optional<planes::Metrics> metrics;  // without pq before schema 2: NaN
   // Time taken against that of work that was timed in the same run; 0: not measured.
   double time_ratio = 0;
 };
@@ -29,8 +29,8 @@ struct RecordedFrame {
 struct RecordedRecording {
   std::string name;
   std::vector<RecordedFrame> frames;
-  std::filesystem::path path = {};  // as it was typed
-  RecordingOptions options = {};    // --intrinsics, --depth-unit
+  std::filesystem::path path = {};    // as it was typed
+  io::RecordingOptions options = {};  // --intrinsics, --depth-unit
 };
 
 struct RecordedReport {
@@ -51,4 +51,4 @@ RecordedReport recorded(const Report& report);
 /// it, what was found and what was expected.
 RecordedReport read_report(const std::filesystem::path& file);
 
-}  // namespace planescope
+}  // namespace planescope::report

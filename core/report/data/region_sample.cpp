@@ -1,6 +1,6 @@
 #include "core/report/data/region_sample.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 constexpr int kMostSamples = 8192;
@@ -23,8 +23,8 @@ std::vector<RegionSample::Run> runs_of(std::span<const int> plane_of) {
   return runs;
 }
 
-RegionSample sample_regions(const Frame& frame, const FrameResult& result) {
-  const Cloud& cloud = result.cloud;
+RegionSample sample_regions(const Frame& frame, const planes::FrameResult& result) {
+  const planes::Cloud& cloud = result.cloud;
   const int width =
       frame.is_cloud() ? static_cast<int>(frame.cloud->points.size()) : frame.depth.width;
   const int height = frame.is_cloud() ? 1 : frame.depth.height;
@@ -48,4 +48,4 @@ RegionSample sample_regions(const Frame& frame, const FrameResult& result) {
   return sample;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,7 +8,7 @@
 
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct RegionSample {
   struct Run {
@@ -25,6 +25,6 @@ struct RegionSample {
 };
 
 std::vector<RegionSample::Run> runs_of(std::span<const int> plane_of);
-RegionSample sample_regions(const Frame& frame, const FrameResult& result);
+RegionSample sample_regions(const Frame& frame, const planes::FrameResult& result);
 
-}  // namespace planescope
+}  // namespace planescope::report

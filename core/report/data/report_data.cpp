@@ -5,10 +5,12 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/data/frame_json.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
-void add_to(ReportTotals& totals, const ReportRecording& recording, std::vector<Metrics>& metrics) {
+void add_to(ReportTotals& totals,
+            const ReportRecording& recording,
+            std::vector<planes::Metrics>& metrics) {
   ++totals.recordings;
   totals.frames_asked += recording.frames_asked;
   for (const ReportFrame& frame : recording.frames) {
@@ -42,23 +44,23 @@ std::string thumbnail_of(const ReportPicture& picture) {
 
 ReportTotals totals_of(const Report& report) {
   ReportTotals totals;
-  std::vector<Metrics> metrics;
+  std::vector<planes::Metrics> metrics;
   for (const ReportRecording& recording : report.recordings) add_to(totals, recording, metrics);
-  if (!metrics.empty()) totals.metrics = mean_of(metrics);
+  if (!metrics.empty()) totals.metrics = planes::mean_of(metrics);
   return totals;
 }
 
 ReportTotals totals_of(const ReportRecording& recording) {
   ReportTotals totals;
-  std::vector<Metrics> metrics;
+  std::vector<planes::Metrics> metrics;
   add_to(totals, recording, metrics);
-  if (!metrics.empty()) totals.metrics = mean_of(metrics);
+  if (!metrics.empty()) totals.metrics = planes::mean_of(metrics);
   return totals;
 }
 
 ReportFrame make_report_frame(const Frame& frame,
-                              const FrameResult& result,
-                              const PipelineOptions& options) {
+                              const planes::FrameResult& result,
+                              const planes::PipelineOptions& options) {
   ReportFrame report;
   report.index = frame.index;
   report.name = frame.name;
@@ -67,7 +69,7 @@ ReportFrame make_report_frame(const Frame& frame,
   report.counts = result.cloud.counts;
   report.voxels = result.voxels.points.size();
   report.segment = result.segmentation.counts;
-  const NoiseModel& noise = result.segmentation.noise;
+  const planes::NoiseModel& noise = result.segmentation.noise;
   report.noise = {noise.estimated, noise.by_range,     noise.of_spreads,
                   noise.sigma(1),  noise.theta_rms(1), noise.tau(1)};
   report.timings = result.timings;
@@ -85,11 +87,11 @@ ReportFrame make_report_frame(const Frame& frame,
   return report;
 }
 
-std::vector<ReportOption> make_report_options(const PipelineOptions& options) {
-  PipelineOptions defaults;
-  defaults.segment = profile_options(options.segment.profile);
+std::vector<ReportOption> make_report_options(const planes::PipelineOptions& options) {
+  planes::PipelineOptions defaults;
+  defaults.segment = planes::profile_options(options.segment.profile);
   std::vector<ReportOption> result;
-  for (const OptionInfo& info : option_table()) {
+  for (const planes::OptionInfo& info : planes::option_table()) {
     if (!info.matters(options) || info.name == "threads") continue;
     ReportOption option{info.name, info.unit, info.meaning, info.section, info.get(options), false};
     option.changed = option.value != info.get(defaults);
@@ -98,4 +100,4 @@ std::vector<ReportOption> make_report_options(const PipelineOptions& options) {
   return result;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

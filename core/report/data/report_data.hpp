@@ -19,7 +19,7 @@
 #include "core/report/data/region_sample.hpp"
 #include "core/report/page/value_histogram.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct Judgement;
 
@@ -60,23 +60,23 @@ struct ReportFrame {
   bool unreadable = false;  // refused for it is damaged
 
   Gravity gravity;
-  CloudCounts counts;
+  planes::CloudCounts counts;
   std::uint64_t voxels = 0;  // N_d
   std::uint64_t points_on_planes = 0;
   int planes_h = 0, planes_v = 0;  // both 0 where gravity is not known
-  SegmentCounts segment;
+  planes::SegmentCounts segment;
   ReportNoise noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
   std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;
-  std::optional<Metrics> metrics;  // where there is ground truth
-  FrameTimings timings;
+  std::optional<planes::Metrics> metrics;  // where there is ground truth
+  planes::FrameTimings timings;
   double reference_ms = 0;  // what reference_work() took just before; 0: not measured
 };
 
 struct ReportRecording {
-  RecordingInfo info;
+  io::RecordingInfo info;
   std::string name;    // the path's last part
   std::string sha256;  // of the file; empty for folders, whose frames have their own
   int frame_count = 0;
@@ -91,17 +91,17 @@ struct ReportOption {
 };
 
 struct Report {
-  std::string version, commit;           // of planescope
-  bool modified = false;                 // built from a tree that differs from the commit
-  std::string command;                   // as it was typed, without what changes no frame
-  std::string shard;                     // "2/8": a part of the frames; empty: all
-  std::string created_utc;               // ISO 8601
-  std::string renderer;                  // which GL drew; empty where none could
-  std::string renderer_error;            // why none could
-  Method method = Method::ours;          // others have no octree, and label no points
-  std::string classifier;                // as --classifier named it; empty where there was none
-  std::optional<WeightsRecord> weights;  // where it is a network
-  bool partial = false;                  // stopped before the end
+  std::string version, commit;                   // of planescope
+  bool modified = false;                         // built from a tree that differs from the commit
+  std::string command;                           // as it was typed, without what changes no frame
+  std::string shard;                             // "2/8": a part of the frames; empty: all
+  std::string created_utc;                       // ISO 8601
+  std::string renderer;                          // which GL drew; empty where none could
+  std::string renderer_error;                    // why none could
+  planes::Method method = planes::Method::ours;  // others have no octree, and label no points
+  std::string classifier;  // as --classifier named it; empty where there was none
+  std::optional<planes::WeightsRecord> weights;  // where it is a network
+  bool partial = false;                          // stopped before the end
   std::vector<ReportOption> options;
   std::string case_colors[5];  // "#rrggbb", by Case
   std::vector<ReportRecording> recordings;
@@ -114,7 +114,7 @@ struct ReportTotals {
   int frames_asked = 0, frames_done = 0, frames_refused = 0;
   int planes = 0, fewest_planes = 0, most_planes = 0;
   std::uint64_t points = 0, points_on_planes = 0;
-  std::optional<Metrics> metrics;  // mean over the frames with ground truth
+  std::optional<planes::Metrics> metrics;  // mean over the frames with ground truth
 };
 ReportTotals totals_of(const Report& report);
 ReportTotals totals_of(const ReportRecording& recording);
@@ -122,11 +122,11 @@ ReportTotals totals_of(const ReportRecording& recording);
 /// Everything about a frame but its pictures, metrics and planes' colours. Planes are rounded as
 /// report.json has them.
 ReportFrame make_report_frame(const Frame& frame,
-                              const FrameResult& result,
-                              const PipelineOptions& options);
+                              const planes::FrameResult& result,
+                              const planes::PipelineOptions& options);
 
 /// Every option that the method takes, with its value, but for the number of threads, which changes
 /// nothing; changed: against the defaults of the same profile.
-std::vector<ReportOption> make_report_options(const PipelineOptions& options);
+std::vector<ReportOption> make_report_options(const planes::PipelineOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 // RFC 4180.
@@ -24,7 +24,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
       frame.refused.empty() ? "done" : "refused", quoted(frame.refused));
   if (!frame.refused.empty()) return start + std::string(21, ',') + "\n";
-  const CloudCounts& c = frame.counts;
+  const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
   // Nobody's direction, and planes of neither class: left empty.
   std::string gravity = ",,", classes = ",";
@@ -66,4 +66,4 @@ void write_report_files(const std::filesystem::path& dir, const Report& report) 
                     [&](std::ostream& out) { write_report_json(out, report); });
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 
 #include "core/report/data/report_data.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// schema "planescope.report/2" (docs/report.md, assets/schemas/report.schema.json). Of all it
 /// says, only `created_utc` and `timings` depend on time.
@@ -37,4 +37,4 @@ std::string overview_of(const ReportRecording& recording);
 /// cannot be written.
 void write_report_files(const std::filesystem::path& dir, const Report& report);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -4,7 +4,7 @@
 
 #include "core/report/data/json_place.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 std::string text_or_empty(const JsonPlace& place, const char* key) {
@@ -19,7 +19,7 @@ Distortion distortion_of(const JsonPlace& place) {
   place.fail_kind("none, brown_conrady or inverse_brown_conrady");
 }
 
-void read_depth(const JsonPlace& place, RecordingInfo& info) {
+void read_depth(const JsonPlace& place, io::RecordingInfo& info) {
   info.width = place.at("width").whole(1);
   info.height = place.at("height").whole(1);
   info.depth_unit_m = place.at("unit_m").number();
@@ -67,13 +67,13 @@ void read_record(const JsonPlace& place, Report& report) {
   report.commit = place.at("commit").text();
   report.modified = place.at("modified").boolean();
   report.command = place.at("command").text();
-  report.method = parse_method(place.at("method").text());
+  report.method = planes::parse_method(place.at("method").text());
   report.classifier = text_or_empty(place, "classifier");
   if (place.has("weights")) {
     const JsonPlace weights = place.at("weights");
     report.weights =
-        WeightsRecord{weights.at("file").text(), weights.at("sha256").text(),
-                      weights.at("network").text(), weights.at("training").json().dump()};
+        planes::WeightsRecord{weights.at("file").text(), weights.at("sha256").text(),
+                              weights.at("network").text(), weights.at("training").json().dump()};
   }
   report.renderer = text_or_empty(place, "renderer");
   report.renderer_error = text_or_empty(place, "renderer_error");
@@ -111,4 +111,4 @@ ReportHead read_report_head(const std::filesystem::path& file) {
   return head;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,7 +8,7 @@
 
 #include "core/report/data/report_data.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct ReportHead {
   Report report;                                    // its recordings without frames
@@ -18,4 +18,4 @@ struct ReportHead {
 /// Throws Error naming the file, the place in it, what was found and what was expected.
 ReportHead read_report_head(const std::filesystem::path& file);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,7 +8,7 @@
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/report_files.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -25,7 +25,7 @@ const char* text_of(Distortion distortion) {
   return "none";
 }
 
-Json depth_json(const RecordingInfo& info) {
+Json depth_json(const io::RecordingInfo& info) {
   if (info.width == 0) return {};
   const Intrinsics& k = info.intrinsics;
   return {{"width", info.width},
@@ -58,7 +58,7 @@ Json to_json(const ReportRecording& recording) {
   return json;
 }
 
-Json to_json(const WeightsRecord& weights) {
+Json to_json(const planes::WeightsRecord& weights) {
   return {{"file", weights.file},
           {"sha256", weights.sha256},
           {"network", weights.network},
@@ -71,7 +71,7 @@ Json record_json(const Report& report) {
   json["commit"] = report.commit;
   json["modified"] = report.modified;
   json["command"] = report.command;
-  json["method"] = to_string(report.method);
+  json["method"] = planes::to_string(report.method);
   json["classifier"] = text_or_null(report.classifier);
   json["weights"] = report.weights ? to_json(*report.weights) : Json();
   json["renderer"] = text_or_null(report.renderer);
@@ -161,7 +161,7 @@ void write_recordings(std::ostream& out, const Report& report) {
     members.name_of("frames");
     Stream frames(out, 3, '[', ']');
     for (const ReportFrame& frame : recording.frames)
-      frames.item(frame_json(frame, report.method == Method::ours));
+      frames.item(frame_json(frame, report.method == planes::Method::ours));
   }
 }
 
@@ -202,4 +202,4 @@ std::string report_json(const Report& report) {
   return out.str();
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 /// The number after `letters`, where the part is nothing else.
@@ -55,4 +55,4 @@ ReportTarget parse_report_target(const std::string& text) {
   return target;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

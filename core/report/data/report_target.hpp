@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-namespace planescope {
+namespace planescope::report {
 
 /// FILE, FILE#f12, FILE#f12/p3, FILE#r2/f12/was3. FILE alone: its first frame.
 struct ReportTarget {
@@ -19,4 +19,4 @@ struct ReportTarget {
 /// Throws Error that names the file, what was found after its name and what was expected.
 ReportTarget parse_report_target(const std::string& text);
 
-}  // namespace planescope
+}  // namespace planescope::report

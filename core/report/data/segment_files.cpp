@@ -15,7 +15,7 @@
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/plane_summary.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -30,9 +30,9 @@ Json to_json(const Pose& pose) {
   return rows;
 }
 
-Json options_json(const PipelineOptions& options) {
+Json options_json(const planes::PipelineOptions& options) {
   Json json = Json::object();
-  for (const OptionInfo& info : option_table()) {
+  for (const planes::OptionInfo& info : planes::option_table()) {
     if (!info.matters(options)) continue;
     const std::string text = info.get(options);
     if (text == "on" || text == "off") {
@@ -49,10 +49,11 @@ Json options_json(const PipelineOptions& options) {
 }
 
 /// What our own steps count.
-void add_steps(const SegmentCounts& segment, Json& json) {
+void add_steps(const planes::SegmentCounts& segment, Json& json) {
   json["nodes_visited"] = segment.nodes_visited;
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV})
-    json["nodes_case_" + std::string(to_string(c))] =
+  for (const planes::Case c :
+       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV})
+    json["nodes_case_" + std::string(planes::to_string(c))] =
         segment.nodes_per_case[static_cast<std::size_t>(c)];
   json["candidates"] = segment.candidates;
   json["merges"] = segment.merges;
@@ -60,9 +61,9 @@ void add_steps(const SegmentCounts& segment, Json& json) {
   json["assigned"] = segment.assigned;
 }
 
-Json counts_json(const FrameResult& result, bool ours) {
-  const CloudCounts& cloud = result.cloud.counts;
-  const SegmentCounts& segment = result.segmentation.counts;
+Json counts_json(const planes::FrameResult& result, bool ours) {
+  const planes::CloudCounts& cloud = result.cloud.counts;
+  const planes::SegmentCounts& segment = result.segmentation.counts;
   Json json;
   json["pixels"] = cloud.pixels;
   json["no_measurement"] = cloud.no_measurement;
@@ -77,7 +78,7 @@ Json counts_json(const FrameResult& result, bool ours) {
 }
 
 // The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
-Json noise_json(const NoiseModel& noise) {
+Json noise_json(const planes::NoiseModel& noise) {
   Json json;
   json["estimated"] = noise.estimated;
   json["by_range"] = noise.by_range;
@@ -123,8 +124,8 @@ std::filesystem::path frame_folder(int frame_index) {
 }
 
 std::string planes_json(const Frame& frame,
-                        const FrameResult& result,
-                        const PipelineOptions& options) {
+                        const planes::FrameResult& result,
+                        const planes::PipelineOptions& options) {
   Json json;
   json["schema"] = "planescope.planes/1";
   json["frame"] = {
@@ -136,7 +137,7 @@ std::string planes_json(const Frame& frame,
                      {"confidence", rounded(result.gravity.confidence)},
                      {"note", result.gravity.note}};
   json["options"] = options_json(options);
-  const bool ours = options.method == Method::ours;
+  const bool ours = options.method == planes::Method::ours;
   json["counts"] = counts_json(result, ours);
   if (ours) json["noise"] = noise_json(result.segmentation.noise);
   json["planes"] = Json::array();
@@ -157,7 +158,7 @@ std::string planes_json(const Frame& frame,
   }
   if (!result.from_cloud && ours) {
     json["minor_planes"] = Json::array();
-    for (const PlaneRegion& minor : result.segmentation.minor)
+    for (const planes::PlaneRegion& minor : result.segmentation.minor)
       json["minor_planes"].push_back(
           {{"label", to_string(minor.label)},
            {"normal", vector_json(minor.fit.normal)},
@@ -168,7 +169,7 @@ std::string planes_json(const Frame& frame,
   return printed(json);
 }
 
-std::string timings_json(const FrameTimings& t) {
+std::string timings_json(const planes::FrameTimings& t) {
   Json json;
   json["schema"] = "planescope.timings/1";
   json["load_ms"] = t.load_ms;
@@ -177,11 +178,11 @@ std::string timings_json(const FrameTimings& t) {
   json["t_c_ms"] = t.t_c_ms;
   json["t_b_ms"] = t.t_b_ms;
   json["t_s_ms"] = t.t_s_ms;
-  json["total_ms"] = total_ms(t);
+  json["total_ms"] = planes::total_ms(t);
   return printed(json);
 }
 
-Image16 plane_image(const Frame& frame, const FrameResult& result) {
+Image16 plane_image(const Frame& frame, const planes::FrameResult& result) {
   Image16 image(frame.depth.width, frame.depth.height);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     image.data[result.cloud.source[i]] =
@@ -189,8 +190,8 @@ Image16 plane_image(const Frame& frame, const FrameResult& result) {
   return image;
 }
 
-PointSet labelled_cloud(const Frame& frame, const FrameResult& result) {
-  const Cloud& cloud = result.cloud;
+PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
+  const planes::Cloud& cloud = result.cloud;
   const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
   // World coordinates close to zero fit a float; an origin far away is written as doubles.
   const bool far_away = cloud.origin.norm() > 100;
@@ -206,7 +207,7 @@ PointSet labelled_cloud(const Frame& frame, const FrameResult& result) {
                          ? cloud.points[i]
                          : Vec3f((cloud.points[i].cast<double>() + cloud.origin).cast<float>());
     const std::uint32_t voxel = result.voxels.voxel_of[i];
-    if (voxel != kNoVoxel)
+    if (voxel != planes::kNoVoxel)
       set.label[at] = static_cast<std::uint8_t>(result.classification.labels[voxel]);
     set.instance[at] = result.plane_of[i];
   }
@@ -215,12 +216,12 @@ PointSet labelled_cloud(const Frame& frame, const FrameResult& result) {
 
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
-                         const FrameResult& result,
-                         const PipelineOptions& options) {
+                         const planes::FrameResult& result,
+                         const planes::PipelineOptions& options) {
   write_file_text(dir / "timings.json", timings_json(result.timings));
   write_file_text(dir / "planes.json", planes_json(frame, result, options));
-  if (!frame.is_cloud()) write_png(dir / "planes.png", plane_image(frame, result));
-  write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
+  if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
+  io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

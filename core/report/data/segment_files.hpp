@@ -9,30 +9,30 @@
 #include "core/model/frame.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
 /// schema "planescope.planes/1".
 std::string planes_json(const Frame& frame,
-                        const FrameResult& result,
-                        const PipelineOptions& options);
+                        const planes::FrameResult& result,
+                        const planes::PipelineOptions& options);
 /// Milliseconds by stage and their sum.
-std::string timings_json(const FrameTimings& timings);
+std::string timings_json(const planes::FrameTimings& timings);
 
 /// Plane id per depth pixel, 0 none. For depth frames.
-Image16 plane_image(const Frame& frame, const FrameResult& result);
+Image16 plane_image(const Frame& frame, const planes::FrameResult& result);
 
 /// All input points in input order (depth: the valid pixels in raster order; clouds: every point of
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
-PointSet labelled_cloud(const Frame& frame, const FrameResult& result);
+PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 
 /// Writes planes.json, timings.json, cloud.ply and, for depth frames, planes.png into `dir`, which
 /// exists. Throws Error naming the file that cannot be written.
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
-                         const FrameResult& result,
-                         const PipelineOptions& options);
+                         const planes::FrameResult& result,
+                         const planes::PipelineOptions& options);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -9,7 +9,7 @@
 
 #include "core/report/page/chart_parts.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using namespace chart;
@@ -65,4 +65,4 @@ std::string bar_chart(const BarChart& chart) {
   return svg + "</svg>\n";
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -5,7 +5,7 @@
 
 #include "core/report/page/line_chart.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct BarChart {
   std::string title;                // read out where the chart is not seen
@@ -18,4 +18,4 @@ struct BarChart {
 /// mouse rests on it.
 std::string bar_chart(const BarChart& chart);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 #include <kainjow/mustache.hpp>
 #include <limits>
 
-namespace planescope::chart {
+namespace planescope::report::chart {
 
 double Axis::share(double value) const {
   if (!logarithmic) return (value - low) / (high - low);
@@ -81,4 +81,4 @@ Range range_of(std::span<const Curve> curves) {
   return std::isnan(range.low) ? Range{} : range;
 }
 
-}  // namespace planescope::chart
+}  // namespace planescope::report::chart

@@ -8,7 +8,7 @@
 
 #include "core/report/page/line_chart.hpp"
 
-namespace planescope::chart {
+namespace planescope::report::chart {
 
 inline constexpr int kWidth = 760, kHeight = 320;
 inline constexpr int kLeft = 52, kRight = 176, kTop = 14, kBottom = 44;  // margins
@@ -45,4 +45,4 @@ struct Range {
 };
 Range range_of(std::span<const Curve> curves);
 
-}  // namespace planescope::chart
+}  // namespace planescope::report::chart

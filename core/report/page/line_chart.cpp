@@ -9,7 +9,7 @@
 
 #include "core/report/page/chart_parts.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using namespace chart;
@@ -110,4 +110,4 @@ std::string line_chart_style() {
   return style + "}\n";
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

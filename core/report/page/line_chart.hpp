@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::report {
 
 struct Curve {
   std::string name;
@@ -31,4 +31,4 @@ std::string line_chart(const LineChart& chart);
 /// CSS for a page with charts, light and dark as the reader's system is.
 std::string line_chart_style();
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -27,7 +27,7 @@ extern const char planescope_asset_report_end_mustache[],
     planescope_asset_report_end_mustache_end[];
 }
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using namespace html;
@@ -110,4 +110,4 @@ void write_report_page(std::ostream& out, const Report& report, const std::files
       .write(out, end);
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 #include "core/report/page/line_chart.hpp"
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 std::vector<ValueHistogram> summed(const Report& report) {
@@ -70,4 +70,4 @@ void set_histograms(const PageSource& page, Data& data) {
   data.set("histograms", list);
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -10,14 +10,14 @@
 #include "core/report/page/report_html_pieces.hpp"
 #include "core/report/page/thumbnail.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 constexpr PlaneFate kChanges[] = {PlaneFate::lost,  PlaneFate::gained, PlaneFate::merged,
                                   PlaneFate::split, PlaneFate::moved,  PlaneFate::resized};
 
 std::string png_source(const Image8& image) {
-  return "data:image/png;base64," + base64(encode_png(image));
+  return "data:image/png;base64," + base64(io::encode_png(image));
 }
 
 ComparedInks inks_of(const PageFrame& frame) {
@@ -173,4 +173,4 @@ void set_comparison(const PageSource& page, const PageFrame& frame, Data& data) 
   data.set("compared", compared);
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -9,7 +9,7 @@
 #include "core/planes/pipeline/frame_times.hpp"
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 /// Pictures inside the page, and links to those that are not.
@@ -72,7 +72,7 @@ void set_counts(const ReportFrame& frame, Data& data) {
     const char* name;
     std::uint64_t count;
   };
-  const CloudCounts& c = frame.counts;
+  const planes::CloudCounts& c = frame.counts;
   const Part parts[] = {
       {"to-plane", "on a plane", frame.points_on_planes},
       {"to-left", "in no plane", c.kept - frame.points_on_planes},
@@ -113,7 +113,7 @@ void set_counts(const ReportFrame& frame, Data& data) {
 }
 
 void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
-  const SegmentCounts& counts = frame.segment;
+  const planes::SegmentCounts& counts = frame.segment;
   int deepest = 0;
   for (int c = 1; c <= 4; ++c)
     for (int depth = 0; depth < 22; ++depth)
@@ -130,7 +130,7 @@ void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
       cell.set("count", count == 0 ? "\u00b7" : std::to_string(count));
       cells.push_back(cell);
     }
-    row.set("numeral", to_string(static_cast<Case>(c)));
+    row.set("numeral", planes::to_string(static_cast<planes::Case>(c)));
     row.set("color", safe_color(report.case_colors[c]));
     row.set("all", grouped(counts.nodes_per_case[c]));
     row.set("cells", cells);
@@ -162,7 +162,7 @@ Data rows(const std::vector<std::pair<std::string, std::string>>& pairs, const c
   return result;
 }
 
-Data timings_data(const FrameTimings& t, bool is_ours) {
+Data timings_data(const planes::FrameTimings& t, bool is_ours) {
   const auto ms = [](double value) { return fmt::format("{:.2f}", value); };
   if (!is_ours)
     return rows({{"reading the frame", ms(t.load_ms)},
@@ -171,17 +171,18 @@ Data timings_data(const FrameTimings& t, bool is_ours) {
                  {"t<sub>s</sub> the method", ms(t.t_s_ms)},
                  {"t<sub>d</sub> + t<sub>s</sub>", ms(t.t_d_ms + t.t_s_ms)}},
                 "ms");
-  return rows({{"reading the frame", ms(t.load_ms)},
-               {"back-projection, crop", ms(t.cloud_ms)},
-               {"t<sub>d</sub> voxel grid", ms(t.t_d_ms)},
-               {"t<sub>c</sub> classification", ms(t.t_c_ms)},
-               {"t<sub>b</sub> octree", ms(t.t_b_ms)},
-               {"t<sub>s</sub> traversal, merge, assignment", ms(t.t_s_ms)},
-               {"t<sub>d</sub> + t<sub>c</sub> + t<sub>b</sub> + t<sub>s</sub>", ms(paper_ms(t))}},
-              "ms");
+  return rows(
+      {{"reading the frame", ms(t.load_ms)},
+       {"back-projection, crop", ms(t.cloud_ms)},
+       {"t<sub>d</sub> voxel grid", ms(t.t_d_ms)},
+       {"t<sub>c</sub> classification", ms(t.t_c_ms)},
+       {"t<sub>b</sub> octree", ms(t.t_b_ms)},
+       {"t<sub>s</sub> traversal, merge, assignment", ms(t.t_s_ms)},
+       {"t<sub>d</sub> + t<sub>c</sub> + t<sub>b</sub> + t<sub>s</sub>", ms(planes::paper_ms(t))}},
+      "ms");
 }
 
-Data metrics_data(const Metrics& m) {
+Data metrics_data(const planes::Metrics& m) {
   const auto percent = [](double value) {
     return std::isnan(value) ? std::string("\u2013") : fmt::format("{:.2f} %", value);
   };
@@ -234,7 +235,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   const bool is_cloud = page.recording_of(of).info.width == 0;
   data.set("pixels_name", is_cloud ? "points" : "pixels");
   set_counts(frame, data);
-  const bool is_ours = page.report.method == Method::ours;
+  const bool is_ours = page.report.method == planes::Method::ours;
   data.set("is_ours", is_ours);
   if (is_ours) set_nodes(page.report, frame, data);
   data.set("timings", timings_data(frame.timings, is_ours));
@@ -248,7 +249,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
                     "world\u2019s axes are {}. To tell h from v, {}.",
                     escaped(frame.gravity.note),
                     is_cloud ? "those of the file" : "the camera\u2019s own: x ahead, y left, z up",
-                    escaped(kHowToGiveGravity)));
+                    escaped(planes::kHowToGiveGravity)));
   else
     data.set("gravity",
              fmt::format("Gravity points to ({}, {}, {}) in the sensor\u2019s frame: {}{}.",
@@ -258,4 +259,4 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   return data;
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -11,7 +11,7 @@
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/report_data.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 
 using Data = kainjow::mustache::data;
 
@@ -39,7 +39,7 @@ Data text_or_false(const std::string& text);
 /// Data for a list whose entries have this one name.
 Data list_of(const char* name, const std::vector<std::string>& values);
 /// One phrase per case of the paper's figure.
-const char* case_meaning(Case c);
+const char* case_meaning(planes::Case c);
 /// "planes_lost is 2, at most 0": as Breach::text() has it, in few digits.
 std::string text_of(const Breach& breach);
 /// "data:image/jpeg;base64,..." of a file; empty where it cannot be read.
@@ -55,4 +55,4 @@ class Template {
   kainjow::mustache::mustache mustache_;
 };
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -5,7 +5,7 @@
 #include "core/report/page/report_html_parts.hpp"
 #include "core/report/page/report_html_plan.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 
 struct PageSource {
   const Report& report;
@@ -55,4 +55,4 @@ void set_histograms(const PageSource& page, Data& data);
 /// Of the same: what one needs to make the report again.
 void set_record(const PageSource& page, Data& data);
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

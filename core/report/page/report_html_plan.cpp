@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 constexpr std::size_t kMostWorst = 10;
@@ -112,4 +112,4 @@ PagePlan plan_page(const Report& report) {
   return plan;
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

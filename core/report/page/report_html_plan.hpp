@@ -8,7 +8,7 @@
 
 #include "core/report/compare/judgement.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 
 /// How a frame fares, best first; none: it is held to nothing.
 enum class Standing : std::uint8_t { none, passed, warned, failed };
@@ -41,4 +41,4 @@ PagePlan plan_page(const Report& report);
 
 std::string frame_anchor(std::size_t recordings, std::size_t recording, int index);
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -8,11 +8,11 @@
 
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 /// File, hash and the training record's plain facts, as HTML.
-std::string weights_text(const WeightsRecord& weights) {
+std::string weights_text(const planes::WeightsRecord& weights) {
   std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", escaped(weights.file),
                                  escaped(weights.network), escaped(weights.sha256));
   std::string facts;
@@ -30,7 +30,7 @@ void set_options(const Report& report, Data& data) {
   for (const ReportOption& option : report.options) options.push_back(&option);
   std::ranges::stable_partition(options,
                                 [](const ReportOption* option) { return option->changed; });
-  std::string of = std::string("method ") + to_string(report.method);
+  std::string of = std::string("method ") + planes::to_string(report.method);
   std::size_t changed = 0;
   Data rows{Data::type::list};
   for (const ReportOption* option : options) {
@@ -128,8 +128,8 @@ void set_record(const PageSource& page, Data& data) {
   data.set("version", report.version);
   data.set("commit", report.commit);
   data.set("modified", report.modified);
-  data.set("method", to_string(report.method));
-  data.set("is_ours", report.method == Method::ours);
+  data.set("method", planes::to_string(report.method));
+  data.set("is_ours", report.method == planes::Method::ours);
   data.set("classifier", report.classifier.empty() ? "none" : report.classifier);
   data.set("weights", report.weights ? weights_text(*report.weights) : "none");
   data.set("renderer", report.renderer.empty() ? "none" : report.renderer);
@@ -140,9 +140,10 @@ void set_record(const PageSource& page, Data& data) {
   data.set("baseline", false);
   if (report.judgement) set_rules(*report.judgement, data);
   Data cases{Data::type::list};
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV}) {
+  for (const planes::Case c :
+       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV}) {
     Data entry;
-    entry.set("numeral", to_string(c));
+    entry.set("numeral", planes::to_string(c));
     entry.set("color", safe_color(report.case_colors[static_cast<int>(c)]));
     entry.set("meaning", case_meaning(c));
     cases.push_back(entry);
@@ -150,4 +151,4 @@ void set_record(const PageSource& page, Data& data) {
   data.set("cases", cases);
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -9,7 +9,7 @@
 #include "core/report/page/line_chart.hpp"
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 constexpr std::size_t kFewestForTrends = 3;
@@ -23,7 +23,7 @@ Data facts(const ReportRecording& recording) {
     fact.set("value", value);
     result.push_back(fact);
   };
-  const RecordingInfo& info = recording.info;
+  const io::RecordingInfo& info = recording.info;
   add("Path", "<code>" + escaped(info.path.string()) + "</code>");
   add("Format", escaped(info.format));
   add("Sensor", escaped(info.device));
@@ -81,7 +81,7 @@ class Trends {
     chart.curves.push_back(std::move(curve_now));  // on top
     return line_chart(chart);
   }
-  template <double Metrics::*kField>
+  template <double planes::Metrics::*kField>
   std::string metric_chart(const std::string& name) const {
     return chart(
         name, [](const ReportFrame& f) { return f.metrics ? (*f.metrics).*kField : std::nan(""); },
@@ -113,9 +113,9 @@ Data trends_data(const PageSource& page, std::size_t recording) {
           "Points on planes",
           [](const ReportFrame& f) { return percent(f.points_on_planes, f.counts.kept); },
           [](const RecordedFrame& f) { return percent(f.points_on_planes, f.points); }, false));
-  add("Mean IoU with the labels [%]", trends.metric_chart<&Metrics::mean_iou>("Mean IoU"));
-  add("Panoptic quality [%]", trends.metric_chart<&Metrics::pq>("Panoptic quality"));
-  add("Angle error [\u00b0]", trends.metric_chart<&Metrics::alpha_deg>("Angle error"));
+  add("Mean IoU with the labels [%]", trends.metric_chart<&planes::Metrics::mean_iou>("Mean IoU"));
+  add("Panoptic quality [%]", trends.metric_chart<&planes::Metrics::pq>("Panoptic quality"));
+  add("Angle error [\u00b0]", trends.metric_chart<&planes::Metrics::alpha_deg>("Angle error"));
   return list;
 }
 
@@ -139,4 +139,4 @@ Data recording_data(const PageSource& page, std::size_t index) {
   return data;
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

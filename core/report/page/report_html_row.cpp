@@ -7,7 +7,7 @@
 
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 const char* const kThumbnails[] = {"overlay", "truth", "cases"};
@@ -35,15 +35,15 @@ Data figures_of(const PageSource& page, const ReportFrame& frame) {
   cells.push_back(planes);
   cells.push_back(cell(share(frame.points_on_planes, frame.counts.kept), share_on_planes(frame)));
   if (!page.has_metrics()) return cells;
-  const auto metric = [&](double Metrics::*field, const char* unit) {
+  const auto metric = [&](double planes::Metrics::*field, const char* unit) {
     const double value = frame.metrics ? *frame.metrics.*field : std::nan("");
     cells.push_back(std::isnan(value) ? cell("", value)
                                       : cell(fmt::format("{:.1f}{}", value, unit), value));
   };
-  metric(&Metrics::mean_iou, " %");
-  metric(&Metrics::pq, " %");
-  metric(&Metrics::point_accuracy, " %");
-  metric(&Metrics::alpha_deg, "\u00b0");
+  metric(&planes::Metrics::mean_iou, " %");
+  metric(&planes::Metrics::pq, " %");
+  metric(&planes::Metrics::point_accuracy, " %");
+  metric(&planes::Metrics::alpha_deg, "\u00b0");
   return cells;
 }
 
@@ -152,4 +152,4 @@ Data row_data(const PageSource& page, const PageFrame& frame) {
   return row;
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

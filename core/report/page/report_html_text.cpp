@@ -10,7 +10,7 @@
 #include "core/report/page/report_html_parts.hpp"
 #include "core/report/page/thumbnail.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 constexpr const char* kReplacement = "\xEF\xBF\xBD";  // U+FFFD
@@ -128,17 +128,17 @@ Data list_of(const char* name, const std::vector<std::string>& values) {
   return result;
 }
 
-const char* case_meaning(Case c) {
+const char* case_meaning(planes::Case c) {
   switch (c) {
-    case Case::I:
+    case planes::Case::I:
       return "mixed labels (fails Criterion 1): divided";
-    case Case::II:
+    case planes::Case::II:
       return "too few points (fails Criterion 2): left over";
-    case Case::III:
+    case planes::Case::III:
       return "one label but not planar (fails Criterion 3): divided";
-    case Case::IV:
+    case planes::Case::IV:
       return "planar: a candidate, its outliers left over";
-    case Case::none:
+    case planes::Case::none:
       break;
   }
   return "";
@@ -166,4 +166,4 @@ void Template::write(std::ostream& out, const Data& data) {
   out << valid_text(mustache_.render(data));
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

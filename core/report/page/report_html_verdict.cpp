@@ -10,7 +10,7 @@
 #include "core/planes/pipeline/frame_times.hpp"
 #include "core/report/page/report_html_pieces.hpp"
 
-namespace planescope::html {
+namespace planescope::report::html {
 namespace {
 
 std::string range_text(int fewest, int most) {
@@ -19,7 +19,7 @@ std::string range_text(int fewest, int most) {
 
 /// What told h from v, as HTML.
 std::string classifier_text(const Report& report) {
-  if (report.method != Method::ours) return "the tilt of each plane";
+  if (report.method != planes::Method::ours) return "the tilt of each plane";
   if (report.weights)
     return fmt::format("the network <code>{}</code> ({})", escaped(report.weights->file),
                        escaped(report.weights->network));
@@ -42,7 +42,7 @@ std::string gravity_sentence(const Report& report) {
                        gravity_summary(report.recordings), classifier_text(report));
   return text + fmt::format("{} {} neither h nor v. To tell them apart, {}.",
                             known > 0 ? "; all other planes" : ", so planes", "are",
-                            escaped(kHowToGiveGravity));
+                            escaped(planes::kHowToGiveGravity));
 }
 
 /// The report in a sentence, as HTML.
@@ -69,8 +69,8 @@ double median_pipeline_ms(const Report& report) {
   std::vector<double> values;
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames)
-      if (const FrameTimings& t = frame.timings; frame.refused.empty())
-        values.push_back(paper_ms(t));
+      if (const planes::FrameTimings& t = frame.timings; frame.refused.empty())
+        values.push_back(planes::paper_ms(t));
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
@@ -275,4 +275,4 @@ void set_verdict(const PageSource& page, Data& data) {
   data.set("worst", worst);
 }
 
-}  // namespace planescope::html
+}  // namespace planescope::report::html

@@ -10,7 +10,7 @@
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/thumbnail.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,7 +49,7 @@ Image8 fitted(const Image8& image, int width, int height) {
 }
 
 Image8 small_copy(const fs::path& copy) {
-  Image8 image = shrink(read_jpeg_rgb(copy), kWidth);
+  Image8 image = shrink(io::read_jpeg_rgb(copy), kWidth);
   for (std::uint8_t& value : image.data)
     value = static_cast<std::uint8_t>((value * (kShades - 1) + 127) / 255 * 255 / (kShades - 1));
   return image;
@@ -65,7 +65,7 @@ void write_overview(const fs::path& file, const std::vector<fs::path>& copies) {
   if (image.empty()) return;
   const int width = image.width, height = image.height;
   write_file_stream(file, [&](std::ostream& out) {
-    ApngWriter writer(out, width, height, static_cast<int>(copies.size()), kFramesPerSecond);
+    io::ApngWriter writer(out, width, height, static_cast<int>(copies.size()), kFramesPerSecond);
     for (const fs::path& copy : copies) {
       try {
         image = fitted(small_copy(copy), width, height);
@@ -97,4 +97,4 @@ void write_overviews(const fs::path& dir, const Report& report) {
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 /// Source pixels from `first` on that a target pixel covers, and how much of it each is.
@@ -115,4 +115,4 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   return text;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -5,7 +5,7 @@
 
 #include "core/model/image.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 /// The image shrunk to at most `max_width` pixels, each the mean of what it covers (never
 /// enlarged).
@@ -16,4 +16,4 @@ std::vector<unsigned char> encode_jpeg(const Image8& image, int quality);
 
 std::string base64(const std::vector<unsigned char>& bytes);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -7,7 +7,7 @@
 
 #include "core/planes/segment/criteria.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 constexpr int kBins = 40;
@@ -31,12 +31,13 @@ class Counter {
   ValueHistogram histogram_;
 };
 
-ValueHistogram outliers(const Octree& octree, const SegmentOptions& options) {
+ValueHistogram outliers(const planes::Octree& octree, const planes::SegmentOptions& options) {
   // Bins as wide as whole numbers.
   const double width = std::max(1.0, std::ceil(kRoom * options.theta_n_out / kBins));
   Counter counter("n_out", kBins * width, options.theta_n_out);
-  for (const OctreeNode& node : octree.nodes)
-    if (node.decided != Case::none) counter.add(purity_of(node, options.use_labels).n_out);
+  for (const planes::OctreeNode& node : octree.nodes)
+    if (node.decided != planes::Case::none)
+      counter.add(planes::purity_of(node, options.use_labels).n_out);
   return std::move(counter).histogram();
 }
 
@@ -56,9 +57,9 @@ std::uint64_t ValueHistogram::total() const {
   return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-std::vector<ValueHistogram> decision_histograms(const Segmentation& segmentation,
-                                                const Strains& strains,
-                                                const SegmentOptions& options) {
+std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
+                                                const planes::Strains& strains,
+                                                const planes::SegmentOptions& options) {
   if (segmentation.octree.nodes.empty()) return {};
   return {outliers(segmentation.octree, options), over_limits("planarity", strains.planarity),
           over_limits("merge_angle", strains.angle),
@@ -80,4 +81,4 @@ std::string title_of(const ValueHistogram& histogram) {
   return histogram.name;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

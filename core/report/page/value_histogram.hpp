@@ -8,7 +8,7 @@
 
 #include "core/planes/segment/segment.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 struct ValueHistogram {
   std::string name;  // "n_out", "planarity", "merge_angle", "merge_distance"
@@ -24,9 +24,9 @@ struct ValueHistogram {
 
 /// N_out of the nodes visited, and values over their limits (Strains). Those of the same options
 /// have the same bins. None where there is no octree.
-std::vector<ValueHistogram> decision_histograms(const Segmentation& segmentation,
-                                                const Strains& strains,
-                                                const SegmentOptions& options);
+std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
+                                                const planes::Strains& strains,
+                                                const planes::SegmentOptions& options);
 
 /// Adds counts; of other bins nothing.
 void add_to(ValueHistogram& sum, const ValueHistogram& part);
@@ -34,4 +34,4 @@ void add_to(ValueHistogram& sum, const ValueHistogram& part);
 /// "Outliers per node N_out", for people.
 std::string title_of(const ValueHistogram& histogram);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -9,7 +9,7 @@
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/report_html_parts.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 /// XML 1.0 does not allow most control characters, not even escaped.
@@ -19,7 +19,7 @@ std::string escaped(const std::string& text) {
   return html::escaped(html::valid_text(lines));
 }
 
-double seconds(const ReportFrame& frame) { return total_ms(frame.timings) / 1000; }
+double seconds(const ReportFrame& frame) { return planes::total_ms(frame.timings) / 1000; }
 
 struct Suite {
   std::string name, cases;
@@ -117,4 +117,4 @@ std::string junit_xml(const Report& report) {
   return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n" + suites + "</testsuites>\n";
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

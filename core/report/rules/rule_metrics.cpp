@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 template <PlaneFate kFate>
@@ -31,14 +31,14 @@ const RecordedFrame* done(const RecordedFrame* frame) {
   return frame && frame->refused.empty() ? frame : nullptr;
 }
 
-template <double Metrics::*kValue>
+template <double planes::Metrics::*kValue>
 std::optional<double> scored(const FrameComparison& frame) {
   const RecordedFrame* now = done(frame.now);
   if (!now || !now->metrics) return std::nullopt;
   return now->metrics.value().*kValue;
 }
 
-template <double Metrics::*kValue>
+template <double planes::Metrics::*kValue>
 std::optional<double> score_change(const FrameComparison& frame) {
   if (frame.fate != FrameFate::compared || !frame.now->metrics || !frame.baseline->metrics)
     return std::nullopt;
@@ -117,22 +117,23 @@ const std::vector<Metric>& metrics() {
          if (frame.fate != FrameFate::compared) return std::nullopt;
          return share_on_planes(*frame.now) - share_on_planes(*frame.baseline);
        }},
-      {{"mean_iou", "%", "mean IoU with the true planes", false, true}, scored<&Metrics::mean_iou>},
-      {{"pq", "%", "panoptic quality", false, true}, scored<&Metrics::pq>},
+      {{"mean_iou", "%", "mean IoU with the true planes", false, true},
+       scored<&planes::Metrics::mean_iou>},
+      {{"pq", "%", "panoptic quality", false, true}, scored<&planes::Metrics::pq>},
       {{"alpha_deg", "degrees", "mean angle to the true normals", false, true},
-       scored<&Metrics::alpha_deg>},
-      {{"r_p", "%", "planes found of true ones", false, true}, scored<&Metrics::r_p>},
-      {{"r_m", "%", "points in no plane", false, true}, scored<&Metrics::r_m>},
+       scored<&planes::Metrics::alpha_deg>},
+      {{"r_p", "%", "planes found of true ones", false, true}, scored<&planes::Metrics::r_p>},
+      {{"r_m", "%", "points in no plane", false, true}, scored<&planes::Metrics::r_m>},
       {{"point_accuracy", "%", "points on the right plane", false, true},
-       scored<&Metrics::point_accuracy>},
+       scored<&planes::Metrics::point_accuracy>},
       {{"mean_iou_change", "% points", "mean IoU, now less the baseline", true, true},
-       score_change<&Metrics::mean_iou>},
+       score_change<&planes::Metrics::mean_iou>},
       {{"pq_change", "% points", "panoptic quality, now less the baseline", true, true},
-       score_change<&Metrics::pq>},
+       score_change<&planes::Metrics::pq>},
       {{"alpha_change", "degrees", "alpha, now less the baseline", true, true},
-       score_change<&Metrics::alpha_deg>},
+       score_change<&planes::Metrics::alpha_deg>},
       {{"point_accuracy_change", "% points", "point accuracy, now less the baseline", true, true},
-       score_change<&Metrics::point_accuracy>},
+       score_change<&planes::Metrics::point_accuracy>},
       {{"time_ratio", "", "time from voxel grid to planes, of that of work timed beside it", false,
         false, mean, true},
        [](const FrameComparison& frame) { return time_ratio(frame.now); }},
@@ -159,4 +160,4 @@ const std::vector<RuleMetric>& rule_metrics() {
   return all;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

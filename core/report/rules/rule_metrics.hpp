@@ -6,7 +6,7 @@
 
 #include "core/report/rules/rules.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 using FrameValue = std::optional<double> (*)(const FrameComparison&);
 
@@ -18,4 +18,4 @@ const std::vector<Metric>& metrics();
 /// Of one that is known.
 const Metric& find_metric(std::string_view name);
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -16,7 +16,7 @@
 #include "core/report/data/json_place.hpp"
 #include "core/report/rules/rule_metrics.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -258,4 +258,4 @@ std::string IdleRule::text() const {
   return text + ": this rule holds nothing, " + why;
 }
 
-}  // namespace planescope
+}  // namespace planescope::report

@@ -10,7 +10,7 @@
 
 #include "core/report/compare/compare_reports.hpp"
 
-namespace planescope {
+namespace planescope::report {
 
 enum class RuleLevel : std::uint8_t { off, warn, error };
 const char* to_string(RuleLevel level);
@@ -79,4 +79,4 @@ std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison,
                                  bool has_baseline);
 
-}  // namespace planescope
+}  // namespace planescope::report

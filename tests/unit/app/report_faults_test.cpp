@@ -14,7 +14,7 @@
 #include "core/planes/classify/classifier.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,9 +25,9 @@ constexpr int kFrame = 1;
 /// A frame before it is run, as a fault may find it.
 struct Run {
   Frame frame;
-  PipelineOptions options;
-  const Classifier* classifier;
-  std::unique_ptr<Classifier> own_classifier;
+  planes::PipelineOptions options;
+  const planes::Classifier* classifier;
+  std::unique_ptr<planes::Classifier> own_classifier;
 };
 
 struct Fault {
@@ -37,19 +37,19 @@ struct Fault {
 void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
 void tilt_gravity(Run& run) {
-  const Gravity gravity = resolve_gravity(run.frame, run.options.gravity);
-  run.options.gravity.mode = GravityMode::fixed;
+  const Gravity gravity = planes::resolve_gravity(run.frame, run.options.gravity);
+  run.options.gravity.mode = planes::GravityMode::fixed;
   run.options.gravity.direction =
       Eigen::AngleAxisd(5 * std::numbers::pi / 180, Vec3d::UnitZ()) * gravity.direction;
 }
 
 /// Takes h for v and v for h wherever the other label is near.
-class FlippedAtEdges : public Classifier {
+class FlippedAtEdges : public planes::Classifier {
  public:
-  explicit FlippedAtEdges(const Classifier& classifier) : classifier_(classifier) {}
+  explicit FlippedAtEdges(const planes::Classifier& classifier) : classifier_(classifier) {}
   std::string name() const override { return classifier_.name(); }
-  Classification classify(std::span<const Vec3f> points, int threads) const override {
-    Classification result = classifier_.classify(points, threads);
+  planes::Classification classify(std::span<const Vec3f> points, int threads) const override {
+    planes::Classification result = classifier_.classify(points, threads);
     const std::vector<Label> labels = result.labels;
     constexpr float kNear = 0.045F;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -60,7 +60,7 @@ class FlippedAtEdges : public Classifier {
   }
 
  private:
-  const Classifier& classifier_;
+  const planes::Classifier& classifier_;
 };
 
 void flip_labels(Run& run) {
@@ -69,8 +69,8 @@ void flip_labels(Run& run) {
 }
 
 /// The shipped weights, but for a stretch of them, as a file half written over would hold them.
-const Classifier& stale_classifier() {
-  static const ChosenClassifier stale = [] {
+const planes::Classifier& stale_classifier() {
+  static const planes::ChosenClassifier stale = [] {
     auto bytes = read_file_bytes(PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors");
     for (std::size_t at = bytes.size() / 2 / 4 * 4; at < bytes.size() * 3 / 4; at += 4) {
       float weight;
@@ -80,9 +80,9 @@ const Classifier& stale_classifier() {
     }
     const fs::path file = temp_dir() / "stale.safetensors";
     write_file_bytes(file, bytes);
-    PipelineOptions options;
+    planes::PipelineOptions options;
     options.classifier = file.string();
-    return make_classifier(options, {});
+    return planes::make_classifier(options, {});
   }();
   return *stale.classifier;
 }
@@ -100,7 +100,7 @@ const Fault kFaults[] = {
     {"merge by first instead of best",
      [](Run& run) {
        run.options.segment.r1_merge_by_distance.on = false;
-       run.options.segment.merge_partner = MergePartner::first;
+       run.options.segment.merge_partner = planes::MergePartner::first;
      }},
     {"stale weights", [](Run& run) { run.classifier = &stale_classifier(); }},
     {"voxel grid doubled", [](Run& run) { run.options.cloud.voxel_size_m *= 2; }},
@@ -114,15 +114,16 @@ const Fault kFaults[] = {
 };
 
 FrameRunner runner_with(const Fault* fault, int only_frame) {
-  return [=](const OpenInput& input, int index, const PipelineOptions& options,
-             const Classifier* classifier) {
+  return [=](const OpenInput& input, int index, const planes::PipelineOptions& options,
+             const planes::Classifier* classifier) {
     if (!fault || (only_frame >= 0 && index != only_frame))
       return run_report_frame(input, index, options, classifier);
     Run run{input.recording->frame(index), options, classifier, nullptr};
     fault->apply(run);
     LoadedFrame loaded;
-    loaded.truth = frame_truth(run.frame, input.label_dir, input.recording->frame_hash(index));
-    loaded.result = run_frame(run.frame, run.options, run.classifier, nullptr, nullptr);
+    loaded.truth =
+        labels::frame_truth(run.frame, input.label_dir, input.recording->frame_hash(index));
+    loaded.result = planes::run_frame(run.frame, run.options, run.classifier, nullptr, nullptr);
     loaded.frame = std::move(run.frame);
     return loaded;
   };
@@ -190,4 +191,4 @@ TEST(ReportGuard, TenUnchangedRerunsBreakNothing) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::app

@@ -11,7 +11,7 @@
 #include "core/model/file_bytes.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 struct Chunk {
@@ -107,4 +107,4 @@ TEST(Apng, KeepsEveryFramesPixels) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

@@ -1,7 +1,7 @@
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
@@ -131,4 +131,4 @@ TEST(ImuGravity, ASidecarWins) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

@@ -3,7 +3,7 @@
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
@@ -289,4 +289,4 @@ TEST(Bag, WithoutIntrinsicsTheOptionIsNamed) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

@@ -3,7 +3,7 @@
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
@@ -184,4 +184,4 @@ TEST_F(BrokenBag, AnyChangedByteNeverCrashes) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

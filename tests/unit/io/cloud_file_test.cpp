@@ -6,7 +6,7 @@
 
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -341,4 +341,4 @@ TEST(CloudRecording, ASidecarGivesGravity) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

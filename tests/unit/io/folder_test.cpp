@@ -2,7 +2,7 @@
 #include "core/io/image/png.hpp"
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -339,4 +339,4 @@ TEST(ViewerRaw, SizesAreCheckedAgainstTheMetadata) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

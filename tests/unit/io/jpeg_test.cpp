@@ -11,7 +11,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 std::vector<unsigned char> encode_jpeg(int width, int height, bool color) {
@@ -92,4 +92,4 @@ TEST(Jpeg, DamagedBytesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

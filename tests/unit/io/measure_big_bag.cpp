@@ -18,7 +18,7 @@
 // measure_big_bag [MEGABYTES [none|lz4|bz2]]: writes a bag of that size (1100, lz4) to the folder
 // for temporary files, prints what opening it and reading random frames of it cost, whole and cut,
 // and removes it. Not a test: it asserts nothing about time and takes a disk.
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
@@ -126,13 +126,13 @@ void measure(const std::filesystem::path& path) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io
 
 int main(int argc, char** argv) {
   const int megabytes = argc > 1 ? std::atoi(argv[1]) : 1100;
   const std::string compression = argc > 2 ? argv[2] : "lz4";
   const auto path = std::filesystem::temp_directory_path() / "planescope_big.bag";
-  planescope::write_big_bag(path, compression, megabytes);
-  planescope::measure(path);
+  planescope::io::write_big_bag(path, compression, megabytes);
+  planescope::io::measure(path);
   std::filesystem::remove(path);
 }

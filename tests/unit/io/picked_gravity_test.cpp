@@ -7,7 +7,7 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ TEST_F(Picked, AFileThatCannotBeUsedIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 std::filesystem::path temp_file(const std::string& name) {
@@ -138,4 +138,4 @@ TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

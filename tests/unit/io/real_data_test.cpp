@@ -5,7 +5,7 @@
 
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 /// Opens a recording of the real-data folder; skips the test where there is none.
@@ -207,4 +207,4 @@ TEST_F(RealRecordings, ASingleDepthImageFindsItsCalibrationAndColour) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

@@ -1,7 +1,7 @@
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
-namespace planescope {
+namespace planescope::io {
 namespace {
 
 using namespace testing_bags;
@@ -103,4 +103,4 @@ TEST(RosBag, FloatDepthIsRefusedWithItsEncoding) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::io

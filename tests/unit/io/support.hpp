@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::io {
 
 /// An empty folder of the test that is running.
 inline std::filesystem::path temp_folder() {
@@ -59,4 +59,4 @@ inline void expect_one_line_with(const std::string& message,
   }
 }
 
-}  // namespace planescope
+}  // namespace planescope::io

@@ -2,7 +2,7 @@
 
 #include "core/labels/review/review.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// One row of pixels with these planes.
@@ -64,4 +64,4 @@ TEST(Agreements, TwoFramesWithoutLabelsAgree) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 #include "core/labels/model/pixel_depth.hpp"
 #include "support/render_depth.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// A floor and a wall, seen with a D435's noise, and all of both labelled as it is.
@@ -191,4 +191,4 @@ TEST(PixelDepth, PartsNearerThanTheGapAreOne) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

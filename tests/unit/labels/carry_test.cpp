@@ -6,7 +6,7 @@
 #include "core/model/error.hpp"
 #include "small_frames.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using test::TrueFrame;
@@ -17,14 +17,14 @@ struct Step {
   Pose T_to_from;
 };
 Step step_in(const std::string& name, bool color) {
-  const Scene scene = make_scene(name, 1);
-  CameraPose moved = scene.camera;
+  const lab::Scene scene = lab::make_scene(name, 1);
+  lab::CameraPose moved = scene.camera;
   moved.position += Vec3d(0.025, 0.015, 0.005);
   moved.yaw_deg += 1;
   moved.pitch_deg -= 1;
   moved.roll_deg += 0.5;
   return {test::view_of(scene, scene.camera, color), test::view_of(scene, moved, color),
-          pose_of(moved).inverse() * pose_of(scene.camera)};
+          lab::pose_of(moved).inverse() * lab::pose_of(scene.camera)};
 }
 
 CarriedLabels carry(const Step& step, const FrameLabels& labels, const FrameLabels& existing) {
@@ -109,7 +109,7 @@ TEST(Carry, IgnoredPixelsAndClassesWithoutAPlaneAreCarriedToo) {
 
 TEST(Carry, FramesThatShowDifferentThingsAreRefused) {
   Step step = step_in("corner", false);
-  const Scene other = make_scene("stairs", 4);
+  const lab::Scene other = lab::make_scene("stairs", 4);
   step.to = test::view_of(other, other.camera, false);
   for (auto& depth : step.to.frame.depth.data) depth = static_cast<std::uint16_t>(depth * 3);
   step.to.grid = make_label_grid(step.to.frame, step.to.truth.gravity);
@@ -133,4 +133,4 @@ TEST(Carry, StopsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

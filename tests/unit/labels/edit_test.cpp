@@ -4,7 +4,7 @@
 
 #include "random_labels.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 TEST(LabelEdits, ApplyingGivesTheNewLabelsAndRevertingTheOldOnes) {
@@ -53,4 +53,4 @@ TEST(LabelEdits, TheOrderInWhichPlanesWereListedIsNoChange) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

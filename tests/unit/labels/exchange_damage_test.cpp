@@ -5,7 +5,7 @@
 #include "exchange_fixture.hpp"
 #include "support/label_readers.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using Files = std::vector<std::pair<std::string, std::string>>;  // name, bytes
@@ -208,4 +208,4 @@ TEST_F(ExchangeDamage, CutAndChangedFilesEndInOneLineOrInLabelsThatHoldTogether)
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -11,7 +11,7 @@
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline constexpr const char* kHash =
     "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef";
@@ -68,4 +68,4 @@ class Exchange : public testing::Test {
   std::filesystem::path dir_;
 };
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,7 +4,7 @@
 
 #include "exchange_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 TEST_F(Exchange, Open3dReadsTheFieldsOfPlyAndPcd) {
@@ -33,4 +33,4 @@ TEST_F(Exchange, Open3dReadsTheFieldsOfPlyAndPcd) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 #include "exchange_fixture.hpp"
 #include "support/label_readers.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 void expect_same_pixels(const FrameLabels& back, const FrameLabels& labels) {
@@ -177,9 +177,9 @@ TEST_F(Exchange, VoxelsAreUprightAndHaveTheMajorityOfTheirPoints) {
   }
   const auto paths =
       write_labelled(dir_ / "frame", LabelFormat::voxels, points_of_labels(labels, grid), 0.05);
-  const PointSet voxels = read_cloud_file(paths.at(0));
+  const PointSet voxels = io::read_cloud_file(paths.at(0));
   EXPECT_LT(voxels.points.size(), grid.measured_count);
-  const Pose T_sensor_world = world_from_gravity(grid.gravity.direction, true).inverse();
+  const Pose T_sensor_world = planes::world_from_gravity(grid.gravity.direction, true).inverse();
   for (std::size_t i = 0; i < voxels.points.size(); ++i) {
     const double x = (T_sensor_world * voxels.points[i].cast<double>()).x();
     EXPECT_EQ(voxels.instance[i], voxels.label[i]);
@@ -251,4 +251,4 @@ TEST_F(Exchange, AFormatThatNeedsMoreThanThereIsSaysWhat) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

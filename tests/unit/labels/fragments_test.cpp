@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 TEST(Fragments, PartsThatTouchOnlyAtACornerAreTwo) {
@@ -28,4 +28,4 @@ TEST(Fragments, ASpiralIsOnePart) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

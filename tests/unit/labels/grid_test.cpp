@@ -7,7 +7,7 @@
 #include "small_frames.hpp"
 #include "support/render_depth.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
@@ -20,7 +20,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
   PixelSet measured;
   for (std::size_t i = 0; i < grid.pixels(); ++i)
     if (grid.measured[i]) measured.push_back(static_cast<std::uint32_t>(i));
-  EXPECT_EQ(measured, measured_sources(frame));
+  EXPECT_EQ(measured, planes::measured_sources(frame));
   EXPECT_EQ(grid.measured_count, measured.size());
   EXPECT_TRUE(grid.points[4 * 24 + 3].hasNaN());
   EXPECT_TRUE(grid.normals[4 * 24 + 3].isZero(0));
@@ -122,4 +122,4 @@ TEST(FittedPlane, FloorsAndCeilingsAreHorizontal) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

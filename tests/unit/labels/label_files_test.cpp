@@ -10,7 +10,7 @@
 #include "core/model/file_bytes.hpp"
 #include "support/refusal.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,7 +158,7 @@ TEST(LabelFiles, LabelsOfAnotherDepthImageAreRefused) {
 TEST(LabelFiles, ImagesOfAnotherSizeAreRefusedNotResized) {
   const fs::path dir = fresh_dir("size");
   write_frame_labels(dir, 0, two_planes());
-  write_png(dir / "000000.hv.png", Image8(6, 8, 1, 0));
+  io::write_png(dir / "000000.hv.png", Image8(6, 8, 1, 0));
   expect_refused([&] { read_frame_labels(dir, 0, ""); }, "6x8");
 }
 
@@ -247,4 +247,4 @@ TEST(LabelFiles, NegativeCountsAreRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 #include "small_frames.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using test::rectangle;
@@ -230,4 +230,4 @@ TEST_F(Operations, ASegmentationReplacesAllButIgnoredPixelsAndLockedAndHiddenPla
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

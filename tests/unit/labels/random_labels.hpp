@@ -7,7 +7,7 @@
 #include "core/labels/edit/edit.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline FrameLabels blank_labels(int width, int height, char hash = 'a') {
   FrameLabels labels;
@@ -94,4 +94,4 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   EXPECT_EQ(a.review, b.review);
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// A wall at 1 m, each pixel a square centimetre, all measured.
@@ -247,4 +247,4 @@ TEST(ReviewSpeed, AFullFrame) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

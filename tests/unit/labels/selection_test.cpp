@@ -7,7 +7,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "small_frames.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 int covered(const Image8& mask) { return std::accumulate(mask.data.begin(), mask.data.end(), 0); }
@@ -140,7 +140,8 @@ TEST_F(BoxBeforeAWall, PointsBehindTheEyeOrOutOfViewHaveNoPlace) {
 }
 
 TEST_F(BoxBeforeAWall, ASlantedNoisySurfaceDoesNotHideItself) {
-  const auto view = test::view_of(make_scene("stairs", 3), make_scene("stairs", 3).camera, false);
+  const auto view =
+      test::view_of(lab::make_scene("stairs", 3), lab::make_scene("stairs", 3).camera, false);
   SpaceView space = view_from(0);
   space.point_size_m = 0.004f;
   space.px_per_m = 385;
@@ -152,4 +153,4 @@ TEST_F(BoxBeforeAWall, ASlantedNoisySurfaceDoesNotHideItself) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -28,17 +28,17 @@ inline Frame frame_of(int width, int height, const std::function<double(int, int
 }
 
 /// An upright wall, 1 m before the camera.
-inline LabelGrid wall_grid(int width = 40, int height = 30) {
-  return make_label_grid(frame_of(width, height, [](int, int) { return 1.0; }), Gravity{});
+inline labels::LabelGrid wall_grid(int width = 40, int height = 30) {
+  return labels::make_label_grid(frame_of(width, height, [](int, int) { return 1.0; }), Gravity{});
 }
 
-inline std::uint32_t pixel_at(const LabelGrid& grid, int u, int v) {
+inline std::uint32_t pixel_at(const labels::LabelGrid& grid, int u, int v) {
   return static_cast<std::uint32_t>(v * grid.width + u);
 }
 
 /// All pixels of [u0, u1) x [v0, v1).
-inline PixelSet rectangle(const LabelGrid& grid, int u0, int v0, int u1, int v1) {
-  PixelSet pixels;
+inline labels::PixelSet rectangle(const labels::LabelGrid& grid, int u0, int v0, int u1, int v1) {
+  labels::PixelSet pixels;
   for (int v = v0; v < v1; ++v)
     for (int u = u0; u < u1; ++u) pixels.push_back(pixel_at(grid, u, v));
   return pixels;
@@ -48,23 +48,25 @@ inline PixelSet rectangle(const LabelGrid& grid, int u0, int v0, int u1, int v1)
 struct TrueFrame {
   Frame frame;
   FrameLabels truth;  // measured pixels only
-  LabelGrid grid;
+  labels::LabelGrid grid;
 };
-inline TrueFrame view_of(const Scene& scene, const CameraPose& camera, bool color = true) {
+inline TrueFrame view_of(const lab::Scene& scene,
+                         const lab::CameraPose& camera,
+                         bool color = true) {
   TrueFrame view;
-  D435Model model;
+  lab::D435Model model;
   model.color = color;
-  view.frame = render_scene(scene, camera, model, 1, &view.truth);
+  view.frame = lab::render_scene(scene, camera, model, 1, &view.truth);
   view.frame.name = scene.name;
-  view.grid = make_label_grid(view.frame, view.truth.gravity);
+  view.grid = labels::make_label_grid(view.frame, view.truth.gravity);
   for (std::size_t i = 0; i < view.grid.pixels(); ++i)
     if (!view.grid.measured[i]) view.truth.plane.data[i] = view.truth.hv.data[i] = 0;
   return view;
 }
 
 /// Shared of joint pixels; both ascending.
-inline double iou(const PixelSet& a, const PixelSet& b) {
-  PixelSet both;
+inline double iou(const labels::PixelSet& a, const labels::PixelSet& b) {
+  labels::PixelSet both;
   std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
   const double joint = static_cast<double>(a.size() + b.size() - both.size());
   return joint > 0 ? static_cast<double>(both.size()) / joint : 0;

@@ -10,7 +10,7 @@
 #include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -197,4 +197,4 @@ TEST(LabelStores, OnAFullDiskSavingFailsAndLeavesTheFilesAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

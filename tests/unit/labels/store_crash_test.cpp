@@ -8,7 +8,7 @@
 
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 constexpr int kFrames = 3;
@@ -149,4 +149,4 @@ TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKill
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,7 +4,7 @@
 #include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -180,4 +180,4 @@ TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 
 inline std::filesystem::path fresh_dir(const std::string& name) {
   const auto dir = std::filesystem::path(testing::TempDir()) / ("label_store_" + name);
@@ -35,4 +35,4 @@ inline void gesture(LabelStore& store, int frame, Random& random) {
   store.commit(edit);
 }
 
-}  // namespace planescope
+}  // namespace planescope::labels

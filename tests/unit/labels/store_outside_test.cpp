@@ -5,7 +5,7 @@
 #include "core/model/file_bytes.hpp"
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -208,4 +208,4 @@ TEST_F(Outside, AFrameThatCannotBeSavedKeepsNoOtherFromBeingSaved) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -6,7 +6,7 @@
 #include "core/labels/store/journal_records.hpp"
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 /// What a brush of this place and size changes; `labels` follow.
@@ -60,4 +60,4 @@ TEST(LabelStores, TenThousandGesturesAreReplayedExactly) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -4,7 +4,7 @@
 
 #include "store_fixture.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,4 +221,4 @@ TEST(WorkTimes, GapsOfMoreThanAMinuteCountAsAMinute) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

@@ -9,7 +9,7 @@
 #include "core/labels/model/parts.hpp"
 #include "small_frames.hpp"
 
-namespace planescope {
+namespace planescope::labels {
 namespace {
 
 using test::TrueFrame;
@@ -41,7 +41,7 @@ std::uint32_t deepest(const TrueFrame& view, const PixelSet& part) {
 }
 
 TrueFrame scene(const std::string& name, std::uint64_t seed = 1) {
-  const Scene scene = make_scene(name, seed);
+  const lab::Scene scene = lab::make_scene(name, seed);
   return test::view_of(scene, scene.camera);
 }
 
@@ -198,4 +198,4 @@ TEST(Wand, ColorDecidesWhereDepthIsRagged) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::labels

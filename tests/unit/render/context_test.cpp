@@ -2,7 +2,7 @@
 
 #include "gl_fixture.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Context : GlTest {};
@@ -50,4 +50,4 @@ TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

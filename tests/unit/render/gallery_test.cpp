@@ -8,7 +8,7 @@
 #include "gl_fixture.hpp"
 #include "render/palette.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Gallery : GlTest {};
@@ -89,20 +89,20 @@ DrawList cases_scene(const Stairs& stairs) {
   cloud.size_m = 0.012f;
   cloud.colors.assign(stairs.points.size(), Rgba{120, 124, 130});
   list.points.push_back(cloud);
-  const auto box = [](int x, int y, int z, float edge, Case c, BoxStyle style) {
+  const auto box = [](int x, int y, int z, float edge, planes::Case c, BoxStyle style) {
     const Vec3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
     return DrawBox{edge * at, edge * (at + Vec3f::Ones()), case_color(c), style, 0};
   };
   for (int y = -3; y < 3; ++y) {
     for (int x = 0; x < 2; ++x)
-      list.boxes.push_back(box(x, y, 0, 0.2f, Case::IV, BoxStyle::tinted));
+      list.boxes.push_back(box(x, y, 0, 0.2f, planes::Case::IV, BoxStyle::tinted));
     for (int k = 0; k < 4; ++k) {
-      list.boxes.push_back(box(8, 4 * y + k, 2, 0.05f, Case::II, BoxStyle::tinted));
-      list.boxes.push_back(box(10, 4 * y + k, 3, 0.05f, Case::I, BoxStyle::hatched));
-      list.boxes.push_back(box(15, 4 * y + k, 3, 0.05f, Case::III, BoxStyle::hatched));
+      list.boxes.push_back(box(8, 4 * y + k, 2, 0.05f, planes::Case::II, BoxStyle::tinted));
+      list.boxes.push_back(box(10, 4 * y + k, 3, 0.05f, planes::Case::I, BoxStyle::hatched));
+      list.boxes.push_back(box(15, 4 * y + k, 3, 0.05f, planes::Case::III, BoxStyle::hatched));
     }
-    list.boxes.push_back(box(5, y, 2, 0.2f, Case::IV, BoxStyle::tinted));
-    list.boxes.push_back(box(3, y, 1, 0.2f, Case::III, BoxStyle::tinted));
+    list.boxes.push_back(box(5, y, 2, 0.2f, planes::Case::IV, BoxStyle::tinted));
+    list.boxes.push_back(box(3, y, 1, 0.2f, planes::Case::III, BoxStyle::tinted));
   }
   list.boxes.push_back(
       {{0, -0.8f, -0.1f}, {1.6f, 0.8f, 1.5f}, {128, 132, 140}, BoxStyle::outline, 0});
@@ -111,11 +111,11 @@ DrawList cases_scene(const Stairs& stairs) {
   list.title = "Octree nodes by case";
   list.subtitle = "124 nodes";
   list.legend = {
-      {LegendEntry::Mark::box, case_color(Case::I), "I  both labels: divided"},
-      {LegendEntry::Mark::box, case_color(Case::II), "II  too few inliers: leftovers"},
-      {LegendEntry::Mark::box, case_color(Case::III), "III  not flat: divided"},
-      {LegendEntry::Mark::box, case_color(Case::IV), "IV  plane candidate"},
-      {LegendEntry::Mark::hatched_box, case_color(Case::III), "undecided at maximum depth"},
+      {LegendEntry::Mark::box, case_color(planes::Case::I), "I  both labels: divided"},
+      {LegendEntry::Mark::box, case_color(planes::Case::II), "II  too few inliers: leftovers"},
+      {LegendEntry::Mark::box, case_color(planes::Case::III), "III  not flat: divided"},
+      {LegendEntry::Mark::box, case_color(planes::Case::IV), "IV  plane candidate"},
+      {LegendEntry::Mark::hatched_box, case_color(planes::Case::III), "undecided at maximum depth"},
       {LegendEntry::Mark::line, {128, 132, 140}, "cube"},
       {LegendEntry::Mark::arrow, {60, 60, 60}, "gravity"}};
   return list;
@@ -123,8 +123,8 @@ DrawList cases_scene(const Stairs& stairs) {
 
 void save(const Image8& image, const char* name) {
   const std::string path = testing::TempDir() + name;
-  write_png(path, image);
-  const Image8 back = read_png_rgb(path);
+  io::write_png(path, image);
+  const Image8 back = io::read_png_rgb(path);
   EXPECT_EQ(back.data, image.data) << path;
 }
 
@@ -141,4 +141,4 @@ TEST_F(Gallery, EverySceneIsDrawnInBothThemes) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

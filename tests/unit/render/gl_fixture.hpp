@@ -12,7 +12,7 @@
 #include "render/context.hpp"
 #include "render/renderer.hpp"
 
-namespace planescope {
+namespace planescope::render {
 
 class GlTest : public testing::Test {
  protected:
@@ -66,4 +66,4 @@ inline Rgba pixel(const Image8& image, int x, int y) {
   return {image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
 }
 
-}  // namespace planescope
+}  // namespace planescope::render

@@ -7,13 +7,13 @@
 #include "core/labels/edit/operations.hpp"
 #include "render/palette.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 /// A wall of 40 x 30 pixels, one of which was not measured; P1 on its left half, P2 at its right
 /// edge.
 struct LabelScene : testing::Test {
-  LabelGrid grid;
+  labels::LabelGrid grid;
   std::vector<Vec3f> world;
   std::shared_ptr<FrameLabels> labels;
 
@@ -29,14 +29,14 @@ struct LabelScene : testing::Test {
     frame.intrinsics.cy = 15;
     Gravity gravity;
     gravity.direction = Vec3d::UnitY();
-    grid = make_label_grid(frame, gravity);
+    grid = labels::make_label_grid(frame, gravity);
     world = grid.points;
-    PixelSet left, right;
+    labels::PixelSet left, right;
     for (std::uint32_t i = 0; i < 40 * 30; ++i) (i % 40 < 20 ? left : right).push_back(i);
     std::erase_if(right, [](std::uint32_t i) { return i % 40 < 35; });
-    labels = std::make_shared<FrameLabels>(empty_labels(grid, "hash"));
-    *labels = painted(*labels, grid, left, {.plane = 1}, PaintMode::over);
-    *labels = painted(*labels, grid, right, {.plane = 2}, PaintMode::over);
+    labels = std::make_shared<FrameLabels>(labels::empty_labels(grid, "hash"));
+    *labels = labels::painted(*labels, grid, left, {.plane = 1}, labels::PaintMode::over);
+    *labels = labels::painted(*labels, grid, right, {.plane = 2}, labels::PaintMode::over);
   }
   LabelLook look() const {
     LabelLook look;
@@ -58,10 +58,10 @@ TEST_F(LabelScene, DrawsEveryMeasuredPointAndNamesItsPixel) {
 }
 
 TEST_F(LabelScene, LeavesHiddenPlanesOut) {
-  *labels = with_flag(*labels, 2, PlaneFlag::hidden, true);
+  *labels = labels::with_flag(*labels, 2, labels::PlaneFlag::hidden, true);
   const DrawList list = label_scene(grid, world, look());
   EXPECT_EQ(list.points[0].positions.size(),
-            grid.measured_count - pixels_of_plane(*labels, 2).size());
+            grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
   EXPECT_EQ(tints(look())[at(38, 5)].a, 0);
   EXPECT_EQ(label_places(*labels).size(), 1u);
 }
@@ -77,7 +77,7 @@ TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
 }
 
 TEST_F(LabelScene, ShowsClassesInTheirColours) {
-  *labels = with_class(*labels, 1, Label::h);
+  *labels = labels::with_class(*labels, 1, Label::h);
   LabelLook classes = look();
   classes.show_class = true;
   EXPECT_EQ(tints(classes)[at(5, 5)].b, label_color(Label::h).b);
@@ -86,7 +86,7 @@ TEST_F(LabelScene, ShowsClassesInTheirColours) {
 
 TEST_F(LabelScene, APreviewIsSeenHoweverFaintLabelsAre) {
   LabelLook shown = look();
-  const PixelSet preview{static_cast<std::uint32_t>(at(5, 5)), 99999};
+  const labels::PixelSet preview{static_cast<std::uint32_t>(at(5, 5)), 99999};
   shown.preview = preview;
   const std::vector<Rgba> faint = label_tints(grid, shown, 0);
   EXPECT_GT(faint[at(5, 5)].a, 150);
@@ -113,4 +113,4 @@ TEST_F(LabelScene, NamesStandDeepInTheirPlanes) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

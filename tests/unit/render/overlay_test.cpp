@@ -6,7 +6,7 @@
 
 #include "render/font.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 View view_of(int width, int height) {
@@ -130,4 +130,4 @@ TEST(Overlay, LabelsBehindTheCameraAreLeftOutAndTheNearestComesLast) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 using Linear = std::array<double, 3>;
@@ -70,9 +70,10 @@ constexpr Rgba kLightBackground = {243, 245, 247};
 constexpr Rgba kDarkBackground = {23, 26, 30};
 
 TEST(Palette, CasesStayApartForColorBlindEyes) {
-  const Case cases[] = {Case::I, Case::II, Case::III, Case::IV};
-  for (const Case a : cases) {
-    for (const Case b : cases) {
+  const planes::Case cases[] = {planes::Case::I, planes::Case::II, planes::Case::III,
+                                planes::Case::IV};
+  for (const planes::Case a : cases) {
+    for (const planes::Case b : cases) {
       if (a != b) {
         EXPECT_GT(worst_distance(case_color(a), case_color(b)), 11);
       }
@@ -106,7 +107,9 @@ TEST(Palette, MarginsGetLighterAndMoreSaturatedUpToTheLabelsColour) {
 
 TEST(Palette, CasesAndLabelsShowOnBothThemes) {
   std::vector<Rgba> colors = {leftover_color(), label_color(Label::h), label_color(Label::v)};
-  for (const Case c : {Case::I, Case::II, Case::III, Case::IV}) colors.push_back(case_color(c));
+  for (const planes::Case c :
+       {planes::Case::I, planes::Case::II, planes::Case::III, planes::Case::IV})
+    colors.push_back(case_color(c));
   for (const Rgba color : colors) {
     EXPECT_GT(contrast(color, kLightBackground), 1.9);
     EXPECT_GT(contrast(color, kDarkBackground), 2.9);
@@ -204,4 +207,4 @@ TEST(KeepColors, NormalThatTurnedAroundIsTheSamePlane) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

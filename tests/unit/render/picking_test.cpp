@@ -2,7 +2,7 @@
 
 #include "gl_fixture.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Picking : GlTest {
@@ -85,4 +85,4 @@ TEST_F(Picking, IdsLieWhereThePictureShowsTheThing) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

@@ -5,7 +5,7 @@
 
 #include "gl_fixture.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 constexpr Rgba kRed = {220, 20, 20};
@@ -280,4 +280,4 @@ TEST_F(RendererTest, ImpossibleSizeIsRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

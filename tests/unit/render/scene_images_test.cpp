@@ -7,13 +7,13 @@
 #include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // A wall 1 m away that fills the image, as plane 1, but for a column of plane 2 at the right.
 struct WallFrame {
   Frame frame;
-  FrameResult result;
+  planes::FrameResult result;
 
   WallFrame() {
     frame.depth = Image16(40, 30, 1, 1000);
@@ -143,4 +143,4 @@ TEST(ImageDepth, AFrameWithoutAnyMeasurementStillGivesAPicture) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

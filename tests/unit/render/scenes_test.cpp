@@ -6,7 +6,7 @@
 
 #include "render/palette.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // A floor and a wall behind it as a level depth camera half a metre above the floor sees them.
@@ -28,28 +28,28 @@ Frame make_frame() {
   return frame;
 }
 
-FrameResult run_corner(Profile profile) {
-  PipelineOptions options;
-  options.gravity.mode = GravityMode::fixed;
+planes::FrameResult run_corner(planes::Profile profile) {
+  planes::PipelineOptions options;
+  options.gravity.mode = planes::GravityMode::fixed;
   options.gravity.direction = Vec3d(0, 1, 0);
-  options.segment = profile_options(profile);
-  return run_frame(make_frame(), options, make_pca_classifier().get());
+  options.segment = planes::profile_options(profile);
+  return planes::run_frame(make_frame(), options, planes::make_pca_classifier().get());
 }
 
-const FrameResult& corner() {
-  static const FrameResult result = run_corner(Profile::refined);
+const planes::FrameResult& corner() {
+  static const planes::FrameResult result = run_corner(planes::Profile::refined);
   return result;
 }
 
 // Divided until nodes are pure: with nodes of several cases.
-const FrameResult& divided_corner() {
-  static const FrameResult result = run_corner(Profile::paper);
+const planes::FrameResult& divided_corner() {
+  static const planes::FrameResult result = run_corner(planes::Profile::paper);
   return result;
 }
 
 bool same_hue(Rgba a, Rgba b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 
-std::size_t boxes_of(const DrawList& list, Case c, BoxStyle style) {
+std::size_t boxes_of(const DrawList& list, planes::Case c, BoxStyle style) {
   std::size_t count = 0;
   for (const DrawBox& box : list.boxes)
     count += box.style == style && same_hue(box.color, case_color(c));
@@ -58,14 +58,14 @@ std::size_t boxes_of(const DrawList& list, Case c, BoxStyle style) {
 
 TEST(SceneCases, EverySettledNodeHasABoxInItsCasesColour) {
   const DrawList list = scene_cases(divided_corner());
-  const SegmentCounts& counts = divided_corner().segmentation.counts;
+  const planes::SegmentCounts& counts = divided_corner().segmentation.counts;
   EXPECT_EQ(list.boxes.size(), counts.nodes_visited);
   EXPECT_GT(counts.nodes_per_case[4], 0u);
-  EXPECT_EQ(boxes_of(list, Case::IV, BoxStyle::outline), counts.nodes_per_case[4]);
+  EXPECT_EQ(boxes_of(list, planes::Case::IV, BoxStyle::outline), counts.nodes_per_case[4]);
 }
 
 TEST(SceneCases, ANodeFittedLabelByLabelIsMarked) {
-  const FrameResult& result = corner();  // R4: the root holds both planes
+  const planes::FrameResult& result = corner();  // R4: the root holds both planes
   ASSERT_TRUE(result.segmentation.octree.nodes[0].impure_fit);
   bool starred = false;
   for (const DrawLabel& label : scene_cases(result).labels) starred = starred || label.text == "I*";
@@ -73,11 +73,11 @@ TEST(SceneCases, ANodeFittedLabelByLabelIsMarked) {
 }
 
 TEST(SceneCases, BoxesHoldTheirPointsAndStayInTheirCells) {
-  const Octree& octree = divided_corner().segmentation.octree;
+  const planes::Octree& octree = divided_corner().segmentation.octree;
   const DrawList list = scene_cases(divided_corner());
   ASSERT_EQ(list.boxes.size(), octree.nodes.size());
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
-    const OctreeNode& node = octree.nodes[i];
+    const planes::OctreeNode& node = octree.nodes[i];
     const Vec3f low = octree.node_min(node).cast<float>();
     const auto edge = static_cast<float>(octree.node_edge_m(node));
     EXPECT_GE((list.boxes[i].min - low).minCoeff(), -1e-5F);
@@ -91,16 +91,16 @@ TEST(SceneCases, BoxesHoldTheirPointsAndStayInTheirCells) {
 }
 
 TEST(SceneCases, NodesAtFullDepthAreHatchedAndDividedOnesFaint) {
-  FrameResult result = divided_corner();
-  for (OctreeNode& node : result.segmentation.octree.nodes) {
+  planes::FrameResult result = divided_corner();
+  for (planes::OctreeNode& node : result.segmentation.octree.nodes) {
     if (node.first_child >= 0 || node.at_max_depth) continue;
-    node.decided = Case::III;
+    node.decided = planes::Case::III;
     node.at_max_depth = true;
     node.impure_fit = false;
     break;
   }
   const DrawList list = scene_cases(result);
-  EXPECT_GE(boxes_of(list, Case::III, BoxStyle::hatched), 1u);
+  EXPECT_GE(boxes_of(list, planes::Case::III, BoxStyle::hatched), 1u);
   bool told = false;
   for (const LegendEntry& entry : list.legend)
     told = told || entry.mark == LegendEntry::Mark::hatched_box;
@@ -117,7 +117,7 @@ TEST(SceneCases, LargeNodesCarryTheirNumeralAndTheLegendTheCounts) {
   ASSERT_GE(list.legend.size(), 4u);
   for (int c = 1; c <= 4; ++c) {
     const std::string& text = list.legend[static_cast<std::size_t>(c - 1)].text;
-    EXPECT_EQ(text.substr(0, text.find(' ')), to_string(static_cast<Case>(c)));
+    EXPECT_EQ(text.substr(0, text.find(' ')), planes::to_string(static_cast<planes::Case>(c)));
     const std::string count =
         std::to_string(divided_corner().segmentation.counts.nodes_per_case[c]);
     EXPECT_EQ(text.substr(text.rfind(' ') + 1), count);
@@ -161,7 +161,7 @@ TEST(ScenePlanes, ColoursAreThoseAskedFor) {
 }
 
 TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
-  FrameResult result = corner();
+  planes::FrameResult result = corner();
   for (std::size_t i = 0; i < 5; ++i) result.segmentation.plane_of[10 * i] = 0;
   const DrawList list = scene_leftovers(result, {});
   const Rgba mark = list.legend[0].color;
@@ -175,8 +175,8 @@ TEST(SceneLeftovers, ShowsExactlyTheVoxelsInNoPlane) {
 }
 
 TEST(SceneMargins, VoxelsWearTheirLabelsColourByHowSureItIs) {
-  FrameResult result = corner();
-  Classification& classified = result.classification;
+  planes::FrameResult result = corner();
+  planes::Classification& classified = result.classification;
   const std::size_t n = classified.labels.size();
   for (std::size_t i = 0; i < n; ++i) {
     classified.margins[i] = static_cast<float>(i) / static_cast<float>(n - 1);
@@ -196,7 +196,7 @@ TEST(SceneMargins, VoxelsWearTheirLabelsColourByHowSureItIs) {
 }
 
 TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
-  FrameResult result = corner();
+  planes::FrameResult result = corner();
   for (const GravitySource source : {GravitySource::option, GravitySource::estimate}) {
     result.gravity.source = source;
     const DrawList list = scene_labels(result);
@@ -209,7 +209,7 @@ TEST(Scenes, GravityArrowPointsDownAndSaysWhereItIsAGuess) {
 }
 
 TEST(Scenes, WithoutGravityNoArrowPointsAnywhere) {
-  FrameResult result = corner();
+  planes::FrameResult result = corner();
   result.gravity.source = GravitySource::none;
   const DrawList list = scene_leftovers(result, {});
   EXPECT_TRUE(list.arrows.empty());
@@ -218,7 +218,7 @@ TEST(Scenes, WithoutGravityNoArrowPointsAnywhere) {
 }
 
 TEST(Scenes, EmptyFramesGiveEmptyPictures) {
-  const FrameResult nothing;
+  const planes::FrameResult nothing;
   EXPECT_TRUE(scene_labels(nothing).points[0].positions.empty());
   EXPECT_TRUE(scene_margins(nothing).points[0].positions.empty());
   EXPECT_TRUE(scene_cases(nothing).boxes.empty());
@@ -260,14 +260,15 @@ TEST(SceneCloud, CroppedPointsAreLeftOut) {
       frame.cloud->rgb.insert(frame.cloud->rgb.end(), {10, 20, 30});
     }
   }
-  PipelineOptions options;
+  planes::PipelineOptions options;
   options.cloud.range_for_clouds = true;
   options.cloud.max_range_m = 1;
-  const FrameResult result = run_frame(frame, options, make_pca_classifier().get());
+  const planes::FrameResult result =
+      planes::run_frame(frame, options, planes::make_pca_classifier().get());
   ASSERT_LT(result.cloud.counts.kept, 1600u);
   EXPECT_EQ(scene_overlay(frame, result, {}).points[0].positions.size(), result.cloud.counts.kept);
   EXPECT_EQ(scene_heights(result).points[0].positions.size(), result.cloud.counts.kept);
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

@@ -8,7 +8,7 @@
 #include "render/scenes.hpp"
 #include "step_fixture.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 using test::first_step;
@@ -27,7 +27,7 @@ const DrawLabel* label(const DrawList& list, const std::string& text) {
 }
 
 TEST(StepScene, NothingOfTheFutureIsDrawn) {
-  for (const Profile profile : {Profile::refined, Profile::paper}) {
+  for (const planes::Profile profile : {planes::Profile::refined, planes::Profile::paper}) {
     const auto run = test::stairs_run(profile);
     for (int part = 0; part <= 12; ++part) {
       const std::int32_t step = run->steps() * part / 12;
@@ -59,7 +59,7 @@ TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
     const std::int32_t node =
         run->timeline.node_of_point(static_cast<std::int32_t>(v), run->steps());
     const Rgba expected = case_color(run->octree().nodes[static_cast<std::size_t>(node)].decided);
-    const TraceEvent& last = run->trace.events.back();
+    const planes::TraceEvent& last = run->trace.events.back();
     if (last.point == static_cast<std::int32_t>(v)) continue;  // stands out
     ASSERT_EQ(list.points[0].colors[v], expected) << v;
   }
@@ -67,7 +67,7 @@ TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
 
 TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
   const auto run = test::stairs_run();
-  const std::int32_t step = first_step(*run, EventType::found);
+  const std::int32_t step = first_step(*run, planes::EventType::found);
   EXPECT_TRUE(scene_step(*run, look_at(step - 1)).polygons.empty());
   const DrawList list = scene_step(*run, look_at(step));
   ASSERT_EQ(list.polygons.size(), 1u);
@@ -91,7 +91,7 @@ TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
   }
   EXPECT_NE(label(list, "node " + std::to_string(look.node)), nullptr);
   EXPECT_GT(list.lines.size(), plain.lines.size());
-  const OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
+  const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
   for (std::uint32_t i = node.begin; i < node.end; ++i) {
     const std::uint32_t v = run->octree().order[i];
     EXPECT_FALSE(list.points[0].colors[v] == plain.points[0].colors[v]);
@@ -124,7 +124,7 @@ TEST(StepScene, CameraOnANodeHoldsItsBox) {
   EXPECT_LT((close.eye - close.target).norm(), (home.eye - home.target).norm());
   EXPECT_NEAR((home.eye - home.target).normalized().dot((close.eye - close.target).normalized()), 1,
               1e-9);
-  const OctreeNode& node = run->octree().nodes.back();
+  const planes::OctreeNode& node = run->octree().nodes.back();
   const Vec3d middle =
       run->octree().node_min(node) + Vec3d::Constant(run->octree().node_edge_m(node) / 2);
   EXPECT_LT((close.target - middle).norm(), run->octree().node_edge_m(node));
@@ -144,7 +144,7 @@ TEST(StepImage, PaintsMeasuredPixelsOnly) {
     const bool changed = differs(before, after, i);
     painted += changed;
     if (changed) {
-      ASSERT_NE(run->subject->voxel_of_source(i), kNoVoxel) << i;
+      ASSERT_NE(run->subject->voxel_of_source(i), planes::kNoVoxel) << i;
     }
   }
   EXPECT_GT(painted, 10'000);
@@ -157,12 +157,13 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
   look.node = run->octree().nodes[0].first_child;
   const Image8 before = image_backdrop(*run->subject, Backdrop::depth);
   const Image8 after = image_step(*run, look, Backdrop::depth, 0);
-  const OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
+  const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
   std::set<std::uint32_t> inside(run->octree().order.begin() + node.begin,
                                  run->octree().order.begin() + node.end);
   for (std::size_t i = 0; i < before.pixels(); ++i) {
     const std::uint32_t voxel = run->subject->voxel_of_source(i);
-    if (voxel == kNoVoxel || static_cast<std::int32_t>(voxel) == run->trace.events.back().point)
+    if (voxel == planes::kNoVoxel ||
+        static_cast<std::int32_t>(voxel) == run->trace.events.back().point)
       continue;
     const bool changed = differs(before, after, i);
     ASSERT_EQ(changed, inside.count(voxel) == 1) << i;
@@ -206,4 +207,4 @@ TEST_F(StepPicking, VoxelIsPickedThroughTheBoxAndThePlaneItIsIn) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

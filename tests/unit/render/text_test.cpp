@@ -3,7 +3,7 @@
 #include "gl_fixture.hpp"
 #include "render/font.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 // Columns that hold any ink: first and last, or -1 where there is none.
@@ -104,4 +104,4 @@ TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

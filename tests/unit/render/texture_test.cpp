@@ -3,7 +3,7 @@
 #include "render/gl.hpp"
 #include "render/image_texture.hpp"
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 struct Texture : GlTest {
@@ -78,4 +78,4 @@ TEST(FontFile, IsATrueTypeFile) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace planescope {
+namespace planescope::render {
 namespace {
 
 TEST(View, TargetIsInTheMiddleAndUpIsUp) {
@@ -46,4 +46,4 @@ TEST(View, NothingBehindTheEyeIsProjected) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::render

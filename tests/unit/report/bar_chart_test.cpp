@@ -20,9 +20,10 @@ std::size_t count(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST(BarChart, DrawsABarForEachValueThereIsAndSaysIt) {
-  const std::string svg = bar_chart({.title = "IoU",
-                                     .groups = {"stairs\n0.1 cm", "kerbs & ramps"},
-                                     .bars = {{"ours", {97.5, 80}}, {"ransac", {95, kNone}}}});
+  const std::string svg =
+      report::bar_chart({.title = "IoU",
+                         .groups = {"stairs\n0.1 cm", "kerbs & ramps"},
+                         .bars = {{"ours", {97.5, 80}}, {"ransac", {95, kNone}}}});
   EXPECT_EQ(count(svg, "<title>"), 3u);
   for (const char* text : {"<title>ours, stairs 0.1 cm: 97.50</title>",
                            "<title>ours, kerbs &amp; ramps: 80.00</title>", ">0.1 cm</text>",
@@ -32,15 +33,15 @@ TEST(BarChart, DrawsABarForEachValueThereIsAndSaysIt) {
 }
 
 TEST(LineChart, GoesOnAfterAValueThatIsMissing) {
-  const std::string svg =
-      line_chart({.title = "", .x_name = "", .x = {0, 1, 2}, .curves = {{"a", {1, kNone, 3}}}});
+  const std::string svg = report::line_chart(
+      {.title = "", .x_name = "", .x = {0, 1, 2}, .curves = {{"a", {1, kNone, 3}}}});
   EXPECT_EQ(svg.find("nan"), std::string::npos) << svg;
   EXPECT_EQ(count(svg, "class=\"curve0\""), 1u);
 }
 
 TEST(LineChart, PutsWhatIsLessThanALogarithmicAxisShowsAtItsBeginning) {
   const auto chart = [](double value) {
-    return line_chart(
+    return report::line_chart(
         {.title = "", .x_name = "", .x = {0, 1}, .curves = {{"a", {value, 10}}}, .log_from = 0.01});
   };
   EXPECT_EQ(chart(0), chart(0.01));

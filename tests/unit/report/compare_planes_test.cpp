@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 /// A strip of measurements, `plane_of` each tenth of it, and floors of the heights given.
@@ -155,4 +155,4 @@ TEST(ComparePlanes, SamplesOfOtherPixelsDecideNothing) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 RecordedFrame frame_with_floor(int index, double height_m) {
@@ -84,4 +84,4 @@ TEST(CompareReports, WhatIsSetOtherwiseIsNamedButNotTheThreads) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 // A level square of 1 m and an upright one, sampled every centimetre, and a point in no plane.
-FrameResult two_squares(const Vec3d& origin) {
-  FrameResult result;
+planes::FrameResult two_squares(const Vec3d& origin) {
+  planes::FrameResult result;
   result.cloud.origin = origin;
   Moments moments[2];
   const auto add = [&](const Vec3d& p, int id) {
@@ -43,13 +43,13 @@ TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
 }
 
 TEST(PlaneSummary, WithoutGravityNothingIsTilted) {
-  FrameResult result = two_squares(Vec3d::Zero());
+  planes::FrameResult result = two_squares(Vec3d::Zero());
   result.gravity.source = GravitySource::none;
   EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg));
 }
 
 TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {
-  FrameResult result = two_squares(Vec3d::Zero());
+  planes::FrameResult result = two_squares(Vec3d::Zero());
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)  // an L: one quarter is missing
     if (result.cloud.points[i].x() > 0.5F && result.cloud.points[i].y() > 0.5F &&
         result.plane_of[i] == 1)
@@ -70,7 +70,7 @@ TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
 }
 
 TEST(PlaneSummary, APlaneThatLostAllItsPointsHasNoArea) {
-  FrameResult result = two_squares(Vec3d::Zero());
+  planes::FrameResult result = two_squares(Vec3d::Zero());
   for (auto& id : result.plane_of)
     if (id == 2) id = 0;
   const auto summaries = summarize_planes(result, 0.02);
@@ -80,4 +80,4 @@ TEST(PlaneSummary, APlaneThatLostAllItsPointsHasNoArea) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

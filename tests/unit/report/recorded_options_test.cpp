@@ -10,7 +10,7 @@
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,17 +22,18 @@ RecordedReport through_a_file(const Report& report) {
 }
 
 /// Another value than the option has.
-void change(PipelineOptions& options, const OptionInfo& info) {
+void change(planes::PipelineOptions& options, const planes::OptionInfo& info) {
   const std::string before = info.get(options);
-  if (info.kind == OptionKind::on_off) {
+  if (info.kind == planes::OptionKind::on_off) {
     info.set(options, before == "on" ? "off" : "on");
-  } else if (info.kind == OptionKind::choice) {
+  } else if (info.kind == planes::OptionKind::choice) {
     info.set(options, info.choices[0] == before ? info.choices.back() : info.choices[0]);
   } else if (info.is_number()) {
-    info.set(options, number_text(info, number_of(info, options) + 1));
-    if (info.get(options) == before) info.set(options, number_text(info, info.range.min + 1.0 / 3));
-    if (info.kind == OptionKind::number && info.range.max > 3)
-      info.set(options, number_text(info, 2 + 1.0 / 3));
+    info.set(options, planes::number_text(info, planes::number_of(info, options) + 1));
+    if (info.get(options) == before)
+      info.set(options, planes::number_text(info, info.range.min + 1.0 / 3));
+    if (info.kind == planes::OptionKind::number && info.range.max > 3)
+      info.set(options, planes::number_text(info, 2 + 1.0 / 3));
   } else if (info.name == "gravity") {
     info.set(options, "0.1,0.9000000000000001,-0.33333333333333331");
   } else if (info.name == "classifier") {
@@ -41,21 +42,22 @@ void change(PipelineOptions& options, const OptionInfo& info) {
 }
 
 TEST(RecordedOptions, AreThoseTheReportWasMadeWithToTheLastDigit) {
-  for (const Method method : built_methods()) {
-    PipelineOptions options;
+  for (const planes::Method method : planes::built_methods()) {
+    planes::PipelineOptions options;
     options.method = method;
-    options.segment = profile_options(Profile::paper);
-    for (const OptionInfo& info : option_table())
+    options.segment = planes::profile_options(planes::Profile::paper);
+    for (const planes::OptionInfo& info : planes::option_table())
       if (info.name != "profile" && info.name != "method") change(options, info);
     Report report;
     report.method = method;
     report.options = make_report_options(options);
     std::vector<std::string> unknown;
-    const PipelineOptions again = options_of(through_a_file(report), unknown);
+    const planes::PipelineOptions again = options_of(through_a_file(report), unknown);
     EXPECT_TRUE(unknown.empty());
-    for (const OptionInfo& info : option_table()) {
+    for (const planes::OptionInfo& info : planes::option_table()) {
       if (!info.matters(options)) continue;
-      EXPECT_EQ(info.get(again), info.get(options)) << to_string(method) << " " << info.name;
+      EXPECT_EQ(info.get(again), info.get(options))
+          << planes::to_string(method) << " " << info.name;
     }
     EXPECT_EQ(again.gravity.direction, options.gravity.direction);
   }
@@ -65,10 +67,10 @@ TEST(RecordedOptions, OfAnotherVersionAreTakenAsFarAsTheyAreKnown) {
   RecordedReport report;
   report.options = {{"theta_of_old", "3"}, {"theta_n_in", "9"}, {"profile", "paper"}};
   std::vector<std::string> unknown;
-  const PipelineOptions options = options_of(report, unknown);
+  const planes::PipelineOptions options = options_of(report, unknown);
   EXPECT_EQ(unknown, std::vector<std::string>{"theta_of_old"});
   EXPECT_EQ(options.segment.theta_n_in, 9) << "the profile must not undo it";
-  EXPECT_EQ(options.segment.profile, Profile::paper);
+  EXPECT_EQ(options.segment.profile, planes::Profile::paper);
   report.options = {{"theta_n_in", "many"}};
   expect_refused([&] { options_of(report, unknown); }, "theta_n_in");
 }
@@ -99,4 +101,4 @@ TEST(RecordedOptions, WhatTheCommandLineSaidOfTheCameraIsKnownFromTheRecording) 
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -11,7 +11,7 @@
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -46,7 +46,7 @@ Report make_report() {
     frame.planes.push_back({plane, "#0072b2"});
   }
   frame.regions = {8, 3, 2, {{-1, 1}, {1, 2}, {2, 1}, {0, 2}}};
-  frame.metrics = Metrics{};
+  frame.metrics = planes::Metrics{};
   frame.metrics->mean_iou = 87.5;
   frame.metrics->pq = 75;
   recording.frames.push_back(frame);
@@ -140,4 +140,4 @@ TEST(RecordedReport, WhatIsWrongIsNamedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -13,7 +13,7 @@
 #include "support/empty_report.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -279,7 +279,7 @@ TEST(ReportPage, BytesThatAreNoTextAreReplaced) {
 
 TEST(ReportPage, LeavesNoTemplateTagUnfilled) {
   Report report = make_failing_report();
-  report.recordings[0].frames[0].metrics = Metrics{};
+  report.recordings[0].frames[0].metrics = planes::Metrics{};
   report.recordings[0].info.warnings = {"a warning"};
   EXPECT_FALSE(has(page_of(report), "{{"));
 }
@@ -302,7 +302,7 @@ TEST(ReportOverviews, AreWrittenWhereThereIsSomethingToSeeMove) {
   Report report = make_report(3);
   write_copies(dir, report);
   write_overviews(dir, report);
-  EXPECT_EQ(png_info(dir / "overview.png").width, 8);
+  EXPECT_EQ(io::png_info(dir / "overview.png").width, 8);
   EXPECT_TRUE(has(page_of(report, dir), "<a href=\"overview.png\">"));
 
   const fs::path other = dir / "one";
@@ -318,7 +318,7 @@ TEST(ReportOverviews, GoOnOverADamagedFrame) {
   write_copies(dir, report);
   write_file_text(dir / copy_of(report.recordings[0].frames[1].pictures[0]), "no JPEG");
   write_overviews(dir, report);
-  EXPECT_EQ(png_info(dir / "overview.png").height, 8);
+  EXPECT_EQ(io::png_info(dir / "overview.png").height, 8);
 }
 
 TEST(PlaneMap, KeepsAPlanesColourAndMarksThoseThatAreLostOrGained) {
@@ -348,4 +348,4 @@ TEST(PlaneMap, ShowsNothingWhereNothingWasMeasuredAndNothingOfClouds) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -4,7 +4,7 @@
 
 #include "support/refusal.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 TEST(ReportTarget, NamesAFrameOrAPlaneOfAReport) {
@@ -45,4 +45,4 @@ TEST(ReportTarget, WhatIsNoneIsRefusedWithWhatWasFound) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -19,7 +19,7 @@
 #include "support/json_schema.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 using Json = nlohmann::json;
@@ -58,7 +58,7 @@ ReportFrame make_frame(int index) {
   return frame;
 }
 
-WeightsRecord make_weights_record() {
+planes::WeightsRecord make_weights_record() {
   return {"n<e>t.safetensors", std::string(64, 'f'), "compact, 27714 parameters",
           R"({"recipe":"planes<cope>","seed":7,"losses":[3,2,1]})"};
 }
@@ -155,7 +155,7 @@ TEST(FramesCsv, LeavesEmptyWhatNobodyKnows) {
 TEST(ReportJson, FollowsItsSchema) {
   Report report = make_report();
   EXPECT_EQ(schema_error(schema(), Json::parse(report_json(report))), "");
-  report.recordings[0].frames[0].metrics = Metrics{};
+  report.recordings[0].frames[0].metrics = planes::Metrics{};
   report.recordings[0].info.width = 0;  // a cloud
   report.recordings[0].info.has_color = true;
   report.weights = make_weights_record();
@@ -233,7 +233,7 @@ TEST(ReportHtml, NamesTheNetworkAtItsTopAndHowItWasTrainedInTheRecord) {
 TEST(FramesCsv, EveryLineHasAsManyFieldsAsTheHeader) {
   Report report = make_report();
   report.recordings[0].frames.push_back(make_frame(2));
-  report.recordings[0].frames[2].metrics = Metrics{};
+  report.recordings[0].frames[2].metrics = planes::Metrics{};
   report.recordings[0].frames[1].refused = "no gravity";
   std::istringstream csv(frames_csv(report));
   std::string line;
@@ -249,8 +249,8 @@ TEST(FramesCsv, QuotesFieldsThatHoldCommas) {
 }
 
 TEST(ReportOptions, TellWhichDifferFromTheProfile) {
-  PipelineOptions options;
-  options.segment = profile_options(Profile::paper);
+  planes::PipelineOptions options;
+  options.segment = planes::profile_options(planes::Profile::paper);
   for (const ReportOption& option : make_report_options(options)) {
     EXPECT_FALSE(option.changed) << option.name;
   }
@@ -278,7 +278,7 @@ TEST(ReportFiles, AreWrittenWhole) {
 TEST(FrameRecord, AReportOfRecordsIsTheReportItself) {
   const auto dir = temp_dir() / "frame_record";
   Report report = make_report(), again = report;
-  report.recordings[0].frames[0].metrics = Metrics{};
+  report.recordings[0].frames[0].metrics = planes::Metrics{};
   report.recordings[0].frames[0].planes[0].color_id = 7;
   for (ReportFrame& frame : again.recordings[0].frames) {
     const auto place = dir / std::to_string(frame.index);
@@ -395,4 +395,4 @@ TEST(ReportJson, TellsWhichPlaneEachSampleIsOn) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

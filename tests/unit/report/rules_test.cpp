@@ -9,7 +9,7 @@
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ RecordedFrame frame_with(int index, std::vector<double> heights_m, double mean_i
     plane_of[frame.planes.size() - 1] = plane.id;
   }
   frame.regions = {1, 10, 1, runs_of(plane_of)};
-  frame.metrics = Metrics{};
+  frame.metrics = planes::Metrics{};
   frame.metrics->mean_iou = mean_iou;
   return frame;
 }
@@ -278,4 +278,4 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -4,16 +4,16 @@
 
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::report {
 namespace {
 
 /// A floor, a shelf and a wall, with noise.
 struct Decided {
-  SegmentOptions options;
-  Trace trace;
-  Segmentation segmentation;
+  planes::SegmentOptions options;
+  planes::Trace trace;
+  planes::Segmentation segmentation;
 
-  explicit Decided(Profile profile) : options(profile_options(profile)) {
+  explicit Decided(planes::Profile profile) : options(planes::profile_options(profile)) {
     std::vector<Vec3f> points;
     std::vector<Label> labels;
     Random random(3);
@@ -25,8 +25,8 @@ struct Decided {
       points.push_back(is_wall ? Vec3f(noise, u, v) : Vec3f(u, v, height + noise));
       labels.push_back(is_wall ? Label::v : Label::h);
     }
-    const Cube cube = {Vec3d(-0.5, -0.5, -0.5), 2, 6};
-    segmentation = segment(points, labels, cube, Vec3d(1, 1, 1), options, &trace);
+    const planes::Cube cube = {Vec3d(-0.5, -0.5, -0.5), 2, 6};
+    segmentation = planes::segment(points, labels, cube, Vec3d(1, 1, 1), options, &trace);
   }
   std::vector<ValueHistogram> histograms() const {
     return decision_histograms(segmentation, trace.strains, options);
@@ -40,16 +40,18 @@ std::uint64_t within_threshold(const ValueHistogram& histogram) {
   return count;
 }
 
-class ValueHistogramOf : public testing::TestWithParam<Profile> {};
+class ValueHistogramOf : public testing::TestWithParam<planes::Profile> {};
 INSTANTIATE_TEST_SUITE_P(Profiles,
                          ValueHistogramOf,
-                         testing::Values(Profile::paper, Profile::paper_closest, Profile::refined));
+                         testing::Values(planes::Profile::paper,
+                                         planes::Profile::paper_closest,
+                                         planes::Profile::refined));
 
 TEST_P(ValueHistogramOf, CountsEveryNodeAndWhatWasDecidedOfIt) {
   const Decided decided(GetParam());
   const std::vector<ValueHistogram> histograms = decided.histograms();
   ASSERT_EQ(histograms.size(), 4u);
-  const SegmentCounts& counts = decided.segmentation.counts;
+  const planes::SegmentCounts& counts = decided.segmentation.counts;
   EXPECT_EQ(histograms[0].name, "n_out");
   EXPECT_EQ(histograms[0].total(), counts.nodes_visited);
   // Pure nodes are within the threshold, all of case I above it or of too large a share.
@@ -82,4 +84,4 @@ TEST(ValueHistogram, IsNotThereWithoutAnOctree) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::report

@@ -20,13 +20,13 @@ std::string title_of(const Breakpoint& breakpoint) {
 }  // namespace
 
 BreakpointMarks::BreakpointMarks(const Document& document) {
-  FilterProblem problem;
+  debug::FilterProblem problem;
   for (const Breakpoint& breakpoint : document.breakpoints)
-    if (auto filter = Filter::parse(filter_of(breakpoint), problem))
+    if (auto filter = debug::Filter::parse(filter_of(breakpoint), problem))
       stops_.push_back({std::move(*filter), breakpoint.enabled});
 }
 
-BreakpointMarks::Mark BreakpointMarks::of(const Run& run, std::int32_t step) const {
+BreakpointMarks::Mark BreakpointMarks::of(const debug::Run& run, std::int32_t step) const {
   Mark mark = Mark::none;
   for (const Stop& stop : stops_) {
     if (mark == Mark::on || (mark == Mark::off && !stop.enabled)) continue;
@@ -82,7 +82,7 @@ void draw_breakpoints(const Ui& ui) {
   }
 }
 
-void toggle_breakpoint(const Ui& ui, const TraceEvent& event) {
+void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
   if (event.node >= 0) {
     ui.emit("select.node", std::to_string(event.node));
     ui.emit("break.node");
@@ -90,7 +90,7 @@ void toggle_breakpoint(const Ui& ui, const TraceEvent& event) {
     ui.emit("select.voxel", std::to_string(event.point));
     ui.emit("break.point");
   } else {
-    ui.emit("break.on", "plane==" + plane_name(event.plane));
+    ui.emit("break.on", "plane==" + debug::plane_name(event.plane));
   }
 }
 

@@ -40,13 +40,13 @@ void draw_controls(const Ui& ui) {
   same_line_if_fits("AAA");
   choice("A", "pinned", Against::pinned, pinned);
   same_line_if_fits("ground truth AA");
-  const Run* run = state.run();
+  const debug::Run* run = state.run();
   choice("ground truth", "truth", Against::truth, run && run->subject->voxel_truth.known());
 }
 
-void draw_options(const Ui& ui, const Run& a, const Run& b) {
+void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
   bool any = false;
-  for (const OptionInfo& info : option_table()) {
+  for (const planes::OptionInfo& info : planes::option_table()) {
     const std::string before = info.get(a.options), after = info.get(b.options);
     if (before == after) continue;
     any = true;
@@ -67,7 +67,7 @@ void score_row(const Ui& ui, const char* name, const RunView& view, const RunVie
   ImGui::TableNextColumn();
   ImGui::Text("%zu", view.run->segmentation.planes.size());
   if (!view.score) return;  // no ground truth, no more columns
-  const QuickScore& score = *view.score;
+  const debug::QuickScore& score = *view.score;
   const int gain = before && before->score ? score.detected - before->score->detected : 0;
   const ImU32 color = gain > 0 ? ui.colors.good : gain < 0 ? ui.colors.bad : ui.colors.text;
   ImGui::TableNextColumn();
@@ -91,25 +91,31 @@ void draw_scores(const Ui& ui, const RunView* a, const RunView& b) {
   ImGui::EndTable();
 }
 
-void draw_divergence(const Ui& ui, const Comparison& comparison) {
+void draw_divergence(const Ui& ui, const debug::Comparison& comparison) {
   paragraph(ui.colors.text, comparison.divergence);
-  if (comparison.diverging_step_a == kNever && comparison.diverging_step_b == kNever) return;
+  if (comparison.diverging_step_a == planes::kNever &&
+      comparison.diverging_step_b == planes::kNever)
+    return;
   if (button(ui, "To where they part", "compare.diverging")) ui.emit("compare.diverging");
 }
 
 /// A plane of a run by its id in the result; a click selects it.
-void plane_cell(const Ui& ui, const Run& run, int id, bool shown, const std::string& widget) {
+void plane_cell(
+    const Ui& ui, const debug::Run& run, int id, bool shown, const std::string& widget) {
   ImGui::TableNextColumn();
   if (id == 0) return ImGui::TextDisabled("–");
   const std::int32_t founded = run.segmentation.planes[static_cast<std::size_t>(id - 1)].founded;
-  const std::string text = fmt::format("{} ({})", id, plane_name(founded));
+  const std::string text = fmt::format("{} ({})", id, debug::plane_name(founded));
   if (!shown) return ImGui::TextUnformatted(text.c_str());
-  if (link(ui, text, widget)) ui.emit("select.plane", plane_name(founded));
+  if (link(ui, text, widget)) ui.emit("select.plane", debug::plane_name(founded));
 }
 
-void draw_planes(const Ui& ui, const Run* a, const Run& b, const Comparison& comparison) {
+void draw_planes(const Ui& ui,
+                 const debug::Run* a,
+                 const debug::Run& b,
+                 const debug::Comparison& comparison) {
   int lost = 0, gained = 0;
-  for (const PlanePair& pair : comparison.planes) {
+  for (const debug::PlanePair& pair : comparison.planes) {
     lost += pair.b == 0;
     gained += pair.a == 0;
   }
@@ -125,7 +131,7 @@ void draw_planes(const Ui& ui, const Run* a, const Run& b, const Comparison& com
   ImGui::TableHeadersRow();
   const bool flash = ui.state.view.flash;
   for (std::size_t i = comparison.planes.size(); i-- > 0;) {  // what changed most comes first
-    const PlanePair& pair = comparison.planes[i];
+    const debug::PlanePair& pair = comparison.planes[i];
     ImGui::TableNextRow();
     if (a) {
       plane_cell(ui, *a, pair.a, flash, fmt::format("compare.plane.{}.a", i));
@@ -144,15 +150,18 @@ void draw_planes(const Ui& ui, const Run* a, const Run& b, const Comparison& com
   ImGui::EndTable();
 }
 
-void case_cell(const Ui& ui, Case c) {
+void case_cell(const Ui& ui, planes::Case c) {
   ImGui::TableNextColumn();
-  if (c == Case::none)
+  if (c == planes::Case::none)
     ImGui::TextDisabled("not there");
   else
     case_badge(ui, c);
 }
 
-void draw_nodes(const Ui& ui, const Run& a, const Run& b, const Comparison& comparison) {
+void draw_nodes(const Ui& ui,
+                const debug::Run& a,
+                const debug::Run& b,
+                const debug::Comparison& comparison) {
   const auto count = static_cast<int>(comparison.nodes.size());
   if (!ImGui::CollapsingHeader(fmt::format("Nodes settled otherwise: {}###nodes", count).c_str()))
     return;
@@ -166,9 +175,10 @@ void draw_nodes(const Ui& ui, const Run& a, const Run& b, const Comparison& comp
   const bool flash = ui.state.view.flash;
   while (clipper.Step())
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-      const NodeChange& change = comparison.nodes[static_cast<std::size_t>(i)];
-      const OctreeNode& node = change.a >= 0 ? a.octree().nodes[static_cast<std::size_t>(change.a)]
-                                             : b.octree().nodes[static_cast<std::size_t>(change.b)];
+      const debug::NodeChange& change = comparison.nodes[static_cast<std::size_t>(i)];
+      const planes::OctreeNode& node = change.a >= 0
+                                           ? a.octree().nodes[static_cast<std::size_t>(change.a)]
+                                           : b.octree().nodes[static_cast<std::size_t>(change.b)];
       const std::int32_t shown = flash ? change.a : change.b;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
@@ -201,7 +211,7 @@ void draw_compare(const Ui& ui) {
   }
   if (!results.comparison) return ImGui::TextDisabled("comparing …");
   // Of the runs that were compared: a newer one may be shown already, with fewer nodes and planes.
-  const Comparison& comparison = *results.comparison;
+  const debug::Comparison& comparison = *results.comparison;
   const RunView* a = results.compared_a.get();
   const RunView& b = *results.compared_b;
   if (a) {

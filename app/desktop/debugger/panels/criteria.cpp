@@ -15,7 +15,7 @@ namespace planescope::desktop {
 namespace {
 
 struct Row {
-  const OptionInfo& info;
+  const planes::OptionInfo& info;
   std::string value, reset;
   std::string widget;
 };
@@ -28,8 +28,11 @@ std::string unit_text(const std::string& unit) {
 }
 
 /// The curve of a sensitivity over the slider's own scale.
-void draw_strip(
-    const Ui& ui, const Sensitivity& strip, const SliderScale& scale, ImVec2 min, ImVec2 max) {
+void draw_strip(const Ui& ui,
+                const debug::Sensitivity& strip,
+                const SliderScale& scale,
+                ImVec2 min,
+                ImVec2 max) {
   if (strip.values.size() < 2) return;
   const auto [low, high] = std::minmax_element(strip.scores.begin(), strip.scores.end());
   const double span = std::max(*high - *low, 1e-9);
@@ -75,7 +78,7 @@ void draw_slider(const Ui& ui, const Row& row, double value) {
   }
   if (ImGui::IsItemActive()) {
     const double share = std::clamp((ImGui::GetIO().MousePos.x - min.x) / size.x, 0.0f, 1.0f);
-    const std::string text = number_text(row.info, scale.value(share));
+    const std::string text = planes::number_text(row.info, scale.value(share));
     if (text != row.value) ui.emit("option.drag", row.info.name + "=" + text);
   }
   if (ImGui::IsItemDeactivated()) ui.emit("option.drop");
@@ -123,12 +126,12 @@ void draw_number(const Ui& ui, const Row& row) {
   draw_entry(ui, row, width);
   ImGui::SameLine(0, ui.px(6));
   ImGui::TextDisabled("%s", unit_text(row.info.unit).c_str());
-  draw_slider(ui, row, number_of(row.info, ui.state.document.options));
+  draw_slider(ui, row, planes::number_of(row.info, ui.state.document.options));
 }
 
 void draw_other(const Ui& ui, const Row& row) {
-  const OptionInfo& info = row.info;
-  if (info.kind == OptionKind::on_off) {
+  const planes::OptionInfo& info = row.info;
+  if (info.kind == planes::OptionKind::on_off) {
     bool on = row.value == "on";
     if (ImGui::Checkbox(info.name.c_str(), &on))
       ui.emit("option.set", info.name + (on ? "=on" : "=off"));
@@ -172,8 +175,8 @@ const char* title_of(const std::string& section) {
 }
 
 /// What can be set comes first; the method last where it is ours, as it is nearly always.
-std::vector<const char*> sections_of(Method method) {
-  if (method == Method::ours)
+std::vector<const char*> sections_of(planes::Method method) {
+  if (method == planes::Method::ours)
     return {"criteria", "refinements", "classifier", "cloud", "gravity", "method"};
   return {"method", "rivals", "cloud", "gravity"};
 }
@@ -208,23 +211,24 @@ void draw_group(const Ui& ui, const std::string& name, const std::vector<Row>& r
 }  // namespace
 
 void draw_criteria(const Ui& ui) {
-  const PipelineOptions& options = ui.state.document.options;
-  PipelineOptions defaults;
-  defaults.segment = profile_options(options.segment.profile);
+  const planes::PipelineOptions& options = ui.state.document.options;
+  planes::PipelineOptions defaults;
+  defaults.segment = planes::profile_options(options.segment.profile);
   for (const char* section : sections_of(options.method)) {
     const std::string focused = ui.state.view.focus;
-    const bool sought =
-        focused.starts_with("criteria.") && find_option(focused.substr(9)).section == section;
+    const bool sought = focused.starts_with("criteria.") &&
+                        planes::find_option(focused.substr(9)).section == section;
     if (sought) ImGui::SetNextItemOpen(true);
-    const bool open = ImGui::CollapsingHeader(
-        title_of(section), section == std::string("criteria") || options.method != Method::ours
-                               ? ImGuiTreeNodeFlags_DefaultOpen
-                               : 0);
+    const bool open =
+        ImGui::CollapsingHeader(title_of(section), section == std::string("criteria") ||
+                                                           options.method != planes::Method::ours
+                                                       ? ImGuiTreeNodeFlags_DefaultOpen
+                                                       : 0);
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
     if (section == std::string("gravity")) draw_gravity(ui);
     std::vector<std::pair<std::string, std::vector<Row>>> groups;
-    for (const OptionInfo& info : option_table()) {
+    for (const planes::OptionInfo& info : planes::option_table()) {
       if (info.section != section || !info.matters(options)) continue;
       if (groups.empty() || groups.back().first != info.group) groups.push_back({info.group, {}});
       groups.back().second.push_back(

@@ -14,25 +14,26 @@ namespace planescope::desktop {
 namespace {
 
 /// A sign for a kind of event; decisions have their case's badge instead.
-std::string sign_of(const TraceEvent& event) {
+std::string sign_of(const planes::TraceEvent& event) {
   switch (event.type) {
-    case EventType::visit:
+    case planes::EventType::visit:
       return "○";
-    case EventType::decide:
-      return to_string(static_cast<Case>(event.node_case));
-    case EventType::found:
+    case planes::EventType::decide:
+      return planes::to_string(static_cast<planes::Case>(event.node_case));
+    case planes::EventType::found:
       return "★";
-    case EventType::merge:
+    case planes::EventType::merge:
       return "⊕";
-    case EventType::assign:
+    case planes::EventType::assign:
       return "→";
-    case EventType::drop:
+    case planes::EventType::drop:
       return "✗";
-    case EventType::refine:
-      return event.stage == Stage::split_disconnected ? "÷" : to_string(event.stage);
-    case EventType::wait:
+    case planes::EventType::refine:
+      return event.stage == planes::Stage::split_disconnected ? "÷"
+                                                              : planes::to_string(event.stage);
+    case planes::EventType::wait:
       return "…";
-    case EventType::leave:
+    case planes::EventType::leave:
       return "↩";
   }
   return {};
@@ -47,7 +48,7 @@ std::string thousands(std::size_t number) {
 }
 
 /// One line: what is wrong with the filter, or how much it finds.
-void draw_findings(const Ui& ui, const Run& run) {
+void draw_findings(const Ui& ui, const debug::Run& run) {
   const Search& search = ui.state.view.search;
   if (!search.problem.message.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
@@ -112,7 +113,7 @@ struct Columns {
   float dot, step_right, sign, text;
 };
 
-Columns columns_of(const Ui& ui, const Run& run) {
+Columns columns_of(const Ui& ui, const debug::Run& run) {
   const float line = ImGui::GetTextLineHeight();
   const float step = ImGui::CalcTextSize(std::to_string(run.steps()).c_str()).x;
   Columns columns{};
@@ -123,11 +124,11 @@ Columns columns_of(const Ui& ui, const Run& run) {
   return columns;
 }
 
-void draw_sign(const Ui& ui, const TraceEvent& event, ImVec2 at, ImU32 color) {
+void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 color) {
   const float width = ImGui::GetTextLineHeight() * 1.5f;
-  if (event.type == EventType::decide) {
+  if (event.type == planes::EventType::decide) {
     ImGui::SetCursorScreenPos(at);
-    return case_badge(ui, static_cast<Case>(event.node_case));
+    return case_badge(ui, static_cast<planes::Case>(event.node_case));
   }
   const std::string sign = sign_of(event);
   const float extent = ImGui::CalcTextSize(sign.c_str()).x;
@@ -136,12 +137,12 @@ void draw_sign(const Ui& ui, const TraceEvent& event, ImVec2 at, ImU32 color) {
 }
 
 void draw_row(const Ui& ui,
-              const Run& run,
+              const debug::Run& run,
               std::int32_t step,
               const Columns& columns,
               const BreakpointMarks& breakpoints) {
   const ViewState& view = ui.state.view;
-  const TraceEvent& event = *run.event_at(step);
+  const planes::TraceEvent& event = *run.event_at(step);
   const float line = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(step);
@@ -158,7 +159,7 @@ void draw_row(const Ui& ui,
   else if (clicked)
     ui.emit("step.goto", std::to_string(step));
 
-  const std::string text = describe_event(run, step);
+  const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s%s", in_gutter ? "Breakpoint on what this event is about" : text.c_str(),
@@ -199,7 +200,7 @@ void keep_in_sight(const Ui& ui, int row, float row_height) {
     ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
 }
 
-void draw_list(const Ui& ui, const Run& run) {
+void draw_list(const Ui& ui, const debug::Run& run) {
   const ViewState& view = ui.state.view;
   const bool some = shows_matches_only(view);
   const auto& matches = view.search.matches;
@@ -220,7 +221,7 @@ void draw_list(const Ui& ui, const Run& run) {
       draw_row(ui, run, some ? matches[static_cast<std::size_t>(i)] : i + 1, columns, breakpoints);
   ImGui::PopStyleVar();
   if (rows > 0) return;
-  if (!run.is_ours()) return paragraph(ui.colors.muted, describe_event(run, 0));
+  if (!run.is_ours()) return paragraph(ui.colors.muted, debug::describe_event(run, 0));
   ImGui::TextDisabled(some ? "No event matches this filter."
                            : "Nothing was decided on this frame.");
 }
@@ -229,7 +230,7 @@ void draw_list(const Ui& ui, const Run& run) {
 
 void draw_events(const Ui& ui) {
   draw_search(ui);
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   if (!run)
     return paragraph(ui.colors.muted, "What is decided on a frame, step by step, comes here.");
   draw_findings(ui, *run);

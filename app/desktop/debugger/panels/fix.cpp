@@ -31,16 +31,16 @@ void button_column(const Ui& ui, std::initializer_list<const char*> texts) {
   ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed, width + ui.px(1));
 }
 
-ImU32 color_of(const Ui& ui, TruthVerdict verdict) {
-  return verdict == TruthVerdict::detected ? ui.colors.good : ui.colors.bad;
+ImU32 color_of(const Ui& ui, debug::TruthVerdict verdict) {
+  return verdict == debug::TruthVerdict::detected ? ui.colors.good : ui.colors.bad;
 }
 
 void draw_truth_planes(const Ui& ui, const RunView& view) {
   if (!view.score) return;
-  const Run& run = *view.run;
-  const std::vector<TruthMatch>& planes = view.score->planes;
-  const std::vector<TruthVerdict> verdicts =
-      verdicts_of(*view.score, run.segmentation.plane_of, run.subject->voxel_truth);
+  const debug::Run& run = *view.run;
+  const std::vector<debug::TruthMatch>& planes = view.score->planes;
+  const std::vector<debug::TruthVerdict> verdicts =
+      debug::verdicts_of(*view.score, run.segmentation.plane_of, run.subject->voxel_truth);
   std::vector<std::size_t> order(planes.size());  // the worst first
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -52,8 +52,8 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
   button_column(ui, {"Find a fix"});
   ImGui::TableHeadersRow();
   for (const std::size_t i : order) {
-    const TruthMatch& match = planes[i];
-    const TruthVerdict verdict = verdicts[i];
+    const debug::TruthMatch& match = planes[i];
+    const debug::TruthVerdict verdict = verdicts[i];
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::AlignTextToFramePadding();
@@ -62,11 +62,11 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
     ImGui::TextDisabled("%u voxels", match.points);
     ImGui::TableNextColumn();
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color_of(ui, verdict)), "%s",
-                       to_string(verdict));
+                       debug::to_string(verdict));
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", match.iou);
     ImGui::TableNextColumn();
-    if (verdict != TruthVerdict::detected && run.is_ours() &&
+    if (verdict != debug::TruthVerdict::detected && run.is_ours() &&
         button(ui, "Find a fix", fmt::format("fix.plane.{}", match.truth)))
       ui.emit("fix.plane", std::to_string(match.truth));
   }
@@ -104,7 +104,7 @@ void draw_choices(const Ui& ui, std::size_t i) {
 
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
   const RunView* current = ui.state.results.current.get();
-  if (fix.fixes.empty() && current && is_recovered(*current->run, fix.target)) {
+  if (fix.fixes.empty() && current && debug::is_recovered(*current->run, fix.target)) {
     paragraph(ui.colors.good, "It is one plane already, as it should be.");
     return;
   }
@@ -123,13 +123,14 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
   ImGui::TableHeadersRow();
   const int now = current && current->score ? current->score->detected : 0;
   for (std::size_t i = 0; i < fix.fixes.size(); ++i) {
-    const Fix& one = fix.fixes[i];
+    const debug::Fix& one = fix.fixes[i];
     ImGui::TableNextRow();
     if (static_cast<int>(i) == fix.checked)
       ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, ImGui::GetColorU32(ImGuiCol_Header));
     ImGui::TableNextColumn();
     paragraph(ui.colors.text, one.option);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", find_option(one.option).meaning.c_str());
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s", planes::find_option(one.option).meaning.c_str());
     ImGui::TextDisabled("%s", one.before.c_str());
     ImGui::SameLine();
     ImGui::TextUnformatted(("→ " + one.after).c_str());
@@ -157,11 +158,11 @@ std::string ids_text(const std::vector<std::int32_t>& ids) {
 
 void draw_effects(const Ui& ui, const FixSearch& fix) {
   int recovered = 0, broken = 0;
-  for (const FixEffect& effect : fix.effects) {
+  for (const debug::FixEffect& effect : fix.effects) {
     recovered += static_cast<int>(effect.recovered.size());
     broken += static_cast<int>(effect.broken.size());
   }
-  const Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
+  const debug::Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
   heading(ui, fmt::format("{} = {} on {} labelled {}", chosen.option, chosen.after,
                           fix.effects.size(), fix.effects.size() == 1 ? "frame" : "frames"));
   paragraph(broken > recovered ? ui.colors.warning : ui.colors.text,
@@ -174,7 +175,7 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
   for (const char* title : {"recovers", "breaks"})
     ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthStretch);
   ImGui::TableHeadersRow();
-  for (const FixEffect& effect : fix.effects) {
+  for (const debug::FixEffect& effect : fix.effects) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     if (link(ui, std::to_string(effect.frame), fmt::format("fix.frame.{}", effect.frame)))

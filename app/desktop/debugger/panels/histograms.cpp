@@ -17,19 +17,19 @@ namespace planescope::desktop {
 namespace {
 
 struct Plot {
-  const Histogram& histogram;
+  const debug::Histogram& histogram;
   ImVec2 min, max;
   float width() const { return max.x - min.x; }
   float x(double share) const { return min.x + static_cast<float>(share) * width(); }
   double share(float x) const { return std::clamp((x - min.x) / width(), 0.0f, 1.0f); }
 };
 
-std::uint32_t total(const HistogramBin& bin) { return bin.right + bin.wrong + bin.unknown; }
+std::uint32_t total(const debug::HistogramBin& bin) { return bin.right + bin.wrong + bin.unknown; }
 
 void draw_bars(const Ui& ui, const Plot& plot) {
   const auto& bins = plot.histogram.bins;
   std::uint32_t most = 1;
-  for (const HistogramBin& bin : bins) most = std::max(most, total(bin));
+  for (const debug::HistogramBin& bin : bins) most = std::max(most, total(bin));
   // Square roots, so that bars of ten show beside one of a thousand.
   const auto height = [&](std::uint32_t count) {
     return static_cast<float>(std::sqrt(static_cast<double>(count) / most)) *
@@ -55,20 +55,21 @@ void draw_bars(const Ui& ui, const Plot& plot) {
 }
 
 /// The selected node's value, or that of the event at the cursor.
-std::optional<double> value_here(const Ui& ui, const Histogram& histogram) {
-  const Run& run = *ui.state.run();
+std::optional<double> value_here(const Ui& ui, const debug::Histogram& histogram) {
+  const debug::Run& run = *ui.state.run();
   const std::int32_t node = ui.state.view.selected.node;
-  const TraceEvent* event = ui.state.event();
+  const planes::TraceEvent* event = ui.state.event();
   const std::string& quantity = histogram.quantity;
   if (quantity == "offset")
-    return event && event->type == EventType::merge ? std::optional<double>(event->value)
-                                                    : std::nullopt;
+    return event && event->type == planes::EventType::merge ? std::optional<double>(event->value)
+                                                            : std::nullopt;
   if (quantity == "distance")
-    return event && (event->type == EventType::assign || event->type == EventType::drop)
+    return event && (event->type == planes::EventType::assign ||
+                     event->type == planes::EventType::drop)
                ? std::optional<double>(event->value)
                : std::nullopt;
   if (node < 0 || node >= static_cast<std::int32_t>(run.facts.size())) return std::nullopt;
-  const NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
+  const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
   if (quantity == "n_out") return facts.purity.n_out;
   if (quantity == "r_out") return facts.purity.r_out();
   if (quantity == "n_in") return facts.purity.n_in;
@@ -94,7 +95,7 @@ void draw_marks(const Ui& ui, const Plot& plot) {
 
 void draw_tooltip(const Plot& plot, double share) {
   const auto& bins = plot.histogram.bins;
-  const HistogramBin& bin = bins[std::min(
+  const debug::HistogramBin& bin = bins[std::min(
       bins.size() - 1, static_cast<std::size_t>(share * static_cast<double>(bins.size())))];
   std::string text = fmt::format("{} to {} {}: {}", number_text(bin.low), number_text(bin.high),
                                  plot.histogram.unit, total(bin));
@@ -104,7 +105,7 @@ void draw_tooltip(const Plot& plot, double share) {
 
 /// Drags of the threshold, and over the bars.
 void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
-  const Histogram& histogram = plot.histogram;
+  const debug::Histogram& histogram = plot.histogram;
   const HistogramAxis axis(histogram);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const double share = plot.share(mouse.x);
@@ -117,12 +118,12 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
   if (ImGui::IsItemActivated()) {
     dragging = at_line ? "line" : "bars";
     from = share;
-    ui.memory.grabbed = at_line ? histogram : Histogram();
+    ui.memory.grabbed = at_line ? histogram : debug::Histogram();
   }
   if (ImGui::IsItemActive() && dragging == "line") {
-    const OptionInfo& info = find_option(histogram.option);
+    const planes::OptionInfo& info = planes::find_option(histogram.option);
     const double value = std::stod(fmt::format("{:.3g}", axis.value(share)));
-    const std::string text = planescope::number_text(info, value);
+    const std::string text = planescope::planes::number_text(info, value);
     if (text != info.get(ui.state.document.options))
       ui.emit("option.drag", histogram.option + "=" + text);
   } else if (ImGui::IsItemActive()) {
@@ -143,7 +144,7 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
   if (!ImGui::IsItemActive()) draw_tooltip(plot, share);
 }
 
-void draw_title(const Ui& ui, const Histogram& histogram) {
+void draw_title(const Ui& ui, const debug::Histogram& histogram) {
   math_text(ui, ui.colors.text, histogram.title);
   if (!histogram.option.empty()) {
     ImGui::SameLine();
@@ -159,14 +160,14 @@ void draw_title(const Ui& ui, const Histogram& histogram) {
 
 /// While its threshold is dragged a histogram stays as it was: the bins of the new run lie
 /// elsewhere, and the line would run away from the mouse.
-Histogram held(const Ui& ui, const Histogram& now) {
-  Histogram shown = now;
+debug::Histogram held(const Ui& ui, const debug::Histogram& now) {
+  debug::Histogram shown = now;
   if (ui.memory.grabbed.title == now.title) shown.bins = ui.memory.grabbed.bins;
   return shown;
 }
 
-void draw_histogram(const Ui& ui, const Histogram& now, std::size_t index) {
-  const Histogram histogram = held(ui, now);
+void draw_histogram(const Ui& ui, const debug::Histogram& now, std::size_t index) {
+  const debug::Histogram histogram = held(ui, now);
   if (histogram.bins.empty()) return;
   const std::string widget = fmt::format(
       "histograms.{}", histogram.quantity.empty() ? std::to_string(index) : histogram.quantity);
@@ -214,7 +215,8 @@ void draw_histograms(const Ui& ui) {
     return paragraph(
         ui.colors.muted,
         "Once a frame is shown, this tells how its nodes spread about each threshold.");
-  if (!view->run->is_ours()) return paragraph(ui.colors.muted, describe_event(*view->run, 0) + ".");
+  if (!view->run->is_ours())
+    return paragraph(ui.colors.muted, debug::describe_event(*view->run, 0) + ".");
   if (view->run->steps() == 0)
     return paragraph(ui.colors.muted,
                      "No node was judged on this frame: none of its points is in "

@@ -45,15 +45,15 @@ void draw_fit(const Ui& ui, const PlaneFit& fit) {
   fact(ui, "RMS", length_text_cm(fit.rms_m()));
 }
 
-void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
-  const Octree& octree = run.octree();
-  const OctreeNode& node = octree.nodes[static_cast<std::size_t>(index)];
+void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
+  const planes::Octree& octree = run.octree();
+  const planes::OctreeNode& node = octree.nodes[static_cast<std::size_t>(index)];
   const std::int32_t step = ui.state.view.step;
-  const NodeState now = run.timeline.node_state(index, step);
-  const NodeFacts& facts = run.facts[static_cast<std::size_t>(index)];
+  const debug::NodeState now = run.timeline.node_state(index, step);
+  const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(index)];
   const std::int32_t decided = run.timeline.decided_at()[static_cast<std::size_t>(index)];
 
-  if (now == NodeState::settled) {
+  if (now == debug::NodeState::settled) {
     case_badge(ui, node.decided);
     ImGui::SameLine();
   }
@@ -81,33 +81,33 @@ void draw_node(const Ui& ui, const Run& run, std::int32_t index) {
                      facts.truth_planes > 1
                          ? fmt::format(", the others on {} more", facts.truth_planes - 1)
                          : ""));
-  if (now != NodeState::settled) {
+  if (now != debug::NodeState::settled) {
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "%s",
-                       now == NodeState::unborn   ? "not there yet at this step"
-                       : now == NodeState::queued ? "waits in the queue"
-                                                  : "dequeued, not decided yet");
-    if (decided != kNever) {
+                       now == debug::NodeState::unborn   ? "not there yet at this step"
+                       : now == debug::NodeState::queued ? "waits in the queue"
+                                                         : "dequeued, not decided yet");
+    if (decided != planes::kNever) {
       link_to_step(ui, fmt::format("to its decision, step {}", decided), decided);
       ui.name("inspector.decision");
     }
     return;
   }
-  const NodeReport report = explain_node(run, index);
+  const debug::NodeReport report = debug::explain_node(run, index);
   ImGui::Spacing();
   draw_checks(ui, "node", report.checks);
   paragraph(ui.colors.muted, report.stopped);
-  if (std::any_of(report.checks.begin(), report.checks.end(), [](const Check& c) {
-        return c.criterion == "PCA" && c.verdict != Verdict::not_asked;
+  if (std::any_of(report.checks.begin(), report.checks.end(), [](const debug::Check& c) {
+        return c.criterion == "PCA" && c.verdict != debug::Verdict::not_asked;
       }))
     draw_fit(ui, facts.fit);
   math_paragraph(ui, ui.colors.text, report.outcome);
   for (const std::int32_t later : report.outcome_steps) {
     if (later <= step && later == step) continue;
-    link_to_step(ui, fmt::format("step {}: {}", later, describe_event(run, later)), later);
+    link_to_step(ui, fmt::format("step {}: {}", later, debug::describe_event(run, later)), later);
   }
 }
 
-void draw_partner(const Ui& ui, const PartnerReport& partner, std::int32_t result) {
+void draw_partner(const Ui& ui, const debug::PartnerReport& partner, std::int32_t result) {
   const std::string state = partner.chosen        ? "joined"
                             : partner.never_asked ? "not asked, a partner had been found"
                             : partner.coplanar    ? "coplanar too, but not the best"
@@ -116,17 +116,17 @@ void draw_partner(const Ui& ui, const PartnerReport& partner, std::int32_t resul
   const bool open =
       ImGui::TreeNodeEx(fmt::format("P{}", partner.plane + 1).c_str(),
                         partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,
-                        "%s: %s%s", plane_name(partner.plane).c_str(), state.c_str(),
+                        "%s: %s%s", debug::plane_name(partner.plane).c_str(), state.c_str(),
                         result > 0 ? fmt::format(" (plane {} of the result)", result).c_str() : "");
-  ui.name("inspector.partner." + plane_name(partner.plane));
+  ui.name("inspector.partner." + debug::plane_name(partner.plane));
   ImGui::PopStyleColor();
   if (!open) return;
-  draw_checks(ui, plane_name(partner.plane), partner.checks);
+  draw_checks(ui, debug::plane_name(partner.plane), partner.checks);
   ImGui::TreePop();
 }
 
-void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
-  const MergeReport report = explain_merge(run, step);
+void draw_merge(const Ui& ui, const debug::Run& run, std::int32_t step) {
+  const debug::MergeReport report = debug::explain_merge(run, step);
   if (report.partners.empty() && report.outcome.empty()) return;
   ImGui::Separator();
   heading(ui, "Merging");
@@ -142,10 +142,10 @@ void draw_merge(const Ui& ui, const Run& run, std::int32_t step) {
     ImGui::TextDisabled("and %zu planes farther off", report.partners.size() - shown);
 }
 
-void draw_plane(const Ui& ui, const Run& run, std::int32_t plane) {
-  const PlaneChange* now = run.timeline.plane_at(plane, ui.state.view.step);
+void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
+  const planes::PlaneChange* now = run.timeline.plane_at(plane, ui.state.view.step);
   ImGui::Separator();
-  heading(ui, "Plane " + plane_name(plane));
+  heading(ui, "Plane " + debug::plane_name(plane));
   ImGui::SameLine();
   ImGui::TextDisabled("%s", word_of(run.timeline.label_of_plane(plane)));
   const auto changes = run.timeline.changes_of_plane(plane);
@@ -160,9 +160,10 @@ void draw_plane(const Ui& ui, const Run& run, std::int32_t plane) {
   draw_fit(ui, now->fit);
   fact(ui, "offset", length_text_cm(now->fit.offset_m()));
   if (!now->alive)
-    fact(ui, "state", now->into >= 0 ? "merged into " + plane_name(now->into) : "dropped");
+    fact(ui, "state", now->into >= 0 ? "merged into " + debug::plane_name(now->into) : "dropped");
   std::size_t past = 0;
-  for (const PlaneChange& change : changes) past += change.step <= ui.state.view.step ? 1 : 0;
+  for (const planes::PlaneChange& change : changes)
+    past += change.step <= ui.state.view.step ? 1 : 0;
   if (past > 0 && run.is_ours()) {
     link_to_step(ui, fmt::format("founded at step {}", changes.front().step), changes.front().step);
     same_line_if_fits(fmt::format("last changed at step {}", changes[past - 1].step));
@@ -182,16 +183,16 @@ void draw_why_empty(const Ui& ui) {
 }  // namespace
 
 void draw_inspector(const Ui& ui) {
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   if (!run) return draw_why_empty(ui);
   const std::int32_t step = ui.state.view.step;
   const Selection& selected = ui.state.view.selected;
   paragraph(ui.colors.muted,
             step == 0 && run->is_ours() ? "Before the first event: the root waits in the queue."
-            : run->is_ours() ? fmt::format("Step {}: {}", step, describe_event(*run, step))
-                             : describe_event(*run, step));
+            : run->is_ours() ? fmt::format("Step {}: {}", step, debug::describe_event(*run, step))
+                             : debug::describe_event(*run, step));
   ImGui::Separator();
-  const TraceEvent* event = ui.state.event();
+  const planes::TraceEvent* event = ui.state.event();
   if (event && event->point >= 0 && event->point == selected.voxel) draw_leftover(ui, *run, step);
   if (selected.node >= 0) draw_node(ui, *run, selected.node);
   // The terms belong to the event under the cursor, so they show where that is what is selected.

@@ -14,7 +14,7 @@ constexpr std::size_t kMostRows = 5;   // one for each of the nearest planes
 constexpr std::size_t kMostNames = 6;  // of the planes that have none
 
 /// Planes that were measured and refused for the same reason, in one line: there may be a hundred.
-void draw_refused(const Ui& ui, const std::vector<LeftoverPlane>& planes, std::size_t from) {
+void draw_refused(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes, std::size_t from) {
   std::vector<std::string> reasons;
   for (std::size_t i = from; i < planes.size(); ++i)
     if (!planes[i].chosen &&
@@ -24,7 +24,7 @@ void draw_refused(const Ui& ui, const std::vector<LeftoverPlane>& planes, std::s
     std::vector<std::string> names;
     for (std::size_t i = from; i < planes.size(); ++i)
       if (!planes[i].chosen && planes[i].why_not == reason)
-        names.push_back(plane_name(planes[i].plane));
+        names.push_back(debug::plane_name(planes[i].plane));
     const std::size_t shown = std::min<std::size_t>(names.size(), kMostNames);
     paragraph(
         ui.colors.muted,
@@ -34,7 +34,7 @@ void draw_refused(const Ui& ui, const std::vector<LeftoverPlane>& planes, std::s
   }
 }
 
-void draw_distances(const Ui& ui, const std::vector<LeftoverPlane>& planes) {
+void draw_distances(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes) {
   if (planes.empty()) return;
   std::size_t shown = std::min(kMostRows, planes.size());
   for (std::size_t i = shown; i < planes.size(); ++i)
@@ -46,12 +46,12 @@ void draw_distances(const Ui& ui, const std::vector<LeftoverPlane>& planes) {
     ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableHeadersRow();
     for (std::size_t i = 0; i < shown; ++i) {
-      const LeftoverPlane& plane = planes[i];
+      const debug::LeftoverPlane& plane = planes[i];
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      if (ImGui::Selectable(plane_name(plane.plane).c_str(), false,
+      if (ImGui::Selectable(debug::plane_name(plane.plane).c_str(), false,
                             ImGuiSelectableFlags_SpanAllColumns))
-        ui.emit("select.plane", plane_name(plane.plane));
+        ui.emit("select.plane", debug::plane_name(plane.plane));
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(length_text_cm(plane.distance_m).c_str());
       ImGui::TableNextColumn();
@@ -67,8 +67,8 @@ void draw_distances(const Ui& ui, const std::vector<LeftoverPlane>& planes) {
 
 }  // namespace
 
-void draw_leftover(const Ui& ui, const Run& run, std::int32_t step) {
-  const LeftoverReport report = explain_leftover(run, step);
+void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
+  const debug::LeftoverReport report = debug::explain_leftover(run, step);
   if (report.point < 0) return;
   heading(ui, fmt::format("Leftover point {}", report.point));
   paragraph(ui.colors.text, report.outcome);

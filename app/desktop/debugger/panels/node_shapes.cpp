@@ -20,20 +20,20 @@ void polygon(ImDrawList* draw, ImVec2 centre, float radius, int corners, float t
   draw->PathFillConvex(color);
 }
 
-void fill_case(ImDrawList* draw, ImVec2 centre, float radius, Case decided, ImU32 color) {
+void fill_case(ImDrawList* draw, ImVec2 centre, float radius, planes::Case decided, ImU32 color) {
   switch (decided) {
-    case Case::none:
+    case planes::Case::none:
       break;
-    case Case::I:
+    case planes::Case::I:
       draw->AddCircleFilled(centre, radius, color, 20);
       break;
-    case Case::II:
+    case planes::Case::II:
       polygon(draw, centre, radius * 1.15f, 4, 0.125f, color);
       break;
-    case Case::III:
+    case planes::Case::III:
       polygon(draw, centre, radius * 1.1f, 6, 0, color);
       break;
-    case Case::IV:
+    case planes::Case::IV:
       polygon(draw, centre, radius * 1.2f, 4, 0, color);
       break;
   }
@@ -50,13 +50,13 @@ void hatch(const Ui& ui, ImDrawList* draw, ImVec2 c, float r) {
 
 void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape& shape) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  if (shape.state == NodeState::queued) {
+  if (shape.state == debug::NodeState::queued) {
     draw->AddCircle(centre, radius * 0.85f, ui.colors.muted, 20, ui.px(1.3f));
-  } else if (shape.state == NodeState::visited) {
+  } else if (shape.state == debug::NodeState::visited) {
     draw->AddCircle(centre, radius * 0.85f, ui.colors.accent, 20, ui.px(2));
     draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.accent, 12);
-  } else if (shape.state == NodeState::settled) {
-    fill_case(draw, centre, radius, shape.decided, to_imgui(case_color(shape.decided)));
+  } else if (shape.state == debug::NodeState::settled) {
+    fill_case(draw, centre, radius, shape.decided, to_imgui(render::case_color(shape.decided)));
     if (shape.at_max_depth) hatch(ui, draw, centre, radius);
     if (shape.impure_fit) draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.panel, 10);
   }
@@ -68,15 +68,19 @@ void draw_shape_key(const Ui& ui) {
     const char* name;
     const char* meaning;
   };
-  const NodeState settled = NodeState::settled;
+  const debug::NodeState settled = debug::NodeState::settled;
   const std::array<Entry, 7> entries = {{
-      {{NodeState::queued}, "queued", "waits in the queue Q_N"},
-      {{settled, Case::I}, "I", "case I, impure: divided"},
-      {{settled, Case::II}, "II", "case II, too few inliers: a dead end, its points are left over"},
-      {{settled, Case::III}, "III", "case III, not planar: divided"},
-      {{settled, Case::IV}, "IV", "case IV: a plane candidate"},
-      {{settled, Case::III, true}, "deepest", "I or III at the deepest level: left over"},
-      {{settled, Case::I, false, true}, "R4", "R4 fitted each label's points instead of dividing"},
+      {{debug::NodeState::queued}, "queued", "waits in the queue Q_N"},
+      {{settled, planes::Case::I}, "I", "case I, impure: divided"},
+      {{settled, planes::Case::II},
+       "II",
+       "case II, too few inliers: a dead end, its points are left over"},
+      {{settled, planes::Case::III}, "III", "case III, not planar: divided"},
+      {{settled, planes::Case::IV}, "IV", "case IV: a plane candidate"},
+      {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: left over"},
+      {{settled, planes::Case::I, false, true},
+       "R4",
+       "R4 fitted each label's points instead of dividing"},
   }};
   const float line = ImGui::GetTextLineHeight();
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;

@@ -8,10 +8,10 @@
 namespace planescope::desktop {
 
 struct NodeShape {
-  NodeState state = NodeState::queued;
-  Case decided = Case::none;  // where settled
-  bool at_max_depth = false;  // hatched: its points went to the leftovers
-  bool impure_fit = false;    // R4: a dot, conquered label by label
+  debug::NodeState state = debug::NodeState::queued;
+  planes::Case decided = planes::Case::none;  // where settled
+  bool at_max_depth = false;                  // hatched: its points went to the leftovers
+  bool impure_fit = false;                    // R4: a dot, conquered label by label
 };
 void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape& shape);
 

@@ -15,22 +15,22 @@
 namespace planescope::desktop {
 namespace {
 
-const OctreeNode& node_of(const Run& run, std::int32_t node) {
+const planes::OctreeNode& node_of(const debug::Run& run, std::int32_t node) {
   return run.octree().nodes[static_cast<std::size_t>(node)];
 }
 
 /// By what it was settled: "N_out 12", "e_n 0.0071".
-std::string reason_of(const Run& run, std::int32_t node) {
-  const NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
+std::string reason_of(const debug::Run& run, std::int32_t node) {
+  const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
   switch (node_of(run, node).decided) {
-    case Case::none:
+    case planes::Case::none:
       return {};
-    case Case::I:
+    case planes::Case::I:
       return fmt::format("N_out {}", facts.purity.n_out);
-    case Case::II:
+    case planes::Case::II:
       return fmt::format("N_in {}", facts.purity.n_in);
-    case Case::III:
-    case Case::IV:
+    case planes::Case::III:
+    case planes::Case::IV:
       return run.segment_options.noise.rms_criterion3 ? "RMS " + length_text_cm(facts.e_n)
                                                       : fmt::format("e_n {:.2g}", facts.e_n);
   }
@@ -48,7 +48,8 @@ void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
   float x = at.x;
   for (const std::size_t c : {4u, 1u, 3u, 2u, 0u}) {
     const float share = width * static_cast<float>(counts[c]) / static_cast<float>(all);
-    const ImU32 color = c == 0 ? ui.colors.muted : to_imgui(case_color(static_cast<Case>(c)));
+    const ImU32 color =
+        c == 0 ? ui.colors.muted : to_imgui(render::case_color(static_cast<planes::Case>(c)));
     draw->AddRectFilled(ImVec2(x, top), ImVec2(x + share, top + height), color);
     x += share;
   }
@@ -56,12 +57,12 @@ void draw_subtree_bar(const Ui& ui, ImVec2 at, const SubtreeCounts& counts) {
                 fmt::format("+{}", all).c_str());
 }
 
-void draw_tooltip(const Run& run, std::int32_t step, std::int32_t node) {
+void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
   const std::int32_t decided = run.timeline.decided_at()[static_cast<std::size_t>(node)];
-  const OctreeNode& n = node_of(run, node);
+  const planes::OctreeNode& n = node_of(run, node);
   const std::string text =
       decided <= step
-          ? describe_event(run, decided)
+          ? debug::describe_event(run, decided)
           : fmt::format("node {} (depth {}): {} points, not settled yet", node, n.depth, n.size());
   std::string below;
   if (n.first_child >= 0) below = "\nbar: how the nodes below it were settled, + how many";
@@ -84,9 +85,9 @@ void draw_fold(const Ui& ui, const OctreeRow& row, ImVec2 centre, bool clicked) 
   if (clicked) ui.memory.octree_open[row.node] = !row.open;
 }
 
-void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
+void draw_row(const Ui& ui, const debug::Run& run, const OctreeRow& row) {
   const std::int32_t step = ui.state.view.step;
-  const OctreeNode& node = node_of(run, row.node);
+  const planes::OctreeNode& node = node_of(run, row.node);
   const float line = ImGui::GetTextLineHeight();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(row.node);
@@ -108,8 +109,8 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
     draw_fold(ui, row, ImVec2(left + line * 0.4f, at.y + line * 0.5f), clicked && on_fold);
   }
 
-  const NodeState state = run.timeline.node_state(row.node, step);
-  const bool settled = state == NodeState::settled;
+  const debug::NodeState state = run.timeline.node_state(row.node, step);
+  const bool settled = state == debug::NodeState::settled;
   draw_node_shape(ui, ImVec2(fold_end + line * 0.45f, at.y + line * 0.5f), line * 0.38f,
                   {state, node.decided, node.at_max_depth, node.impure_fit});
   ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -118,9 +119,9 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
     draw_math(ui, draw, ImVec2(x, at.y), color, text);
     x += std::max(ui.px(room), math_width(ui, text) + ui.px(8));
   };
-  write(settled                      ? to_string(node.decided)
-        : state == NodeState::queued ? "–"
-                                     : "?",
+  write(settled                             ? planes::to_string(node.decided)
+        : state == debug::NodeState::queued ? "–"
+                                            : "?",
         ui.colors.text, 24);
   write(std::to_string(row.node), ui.colors.text, 36);
   write(fmt::format("{} pts", node.size()), ui.colors.muted, 66);
@@ -131,7 +132,7 @@ void draw_row(const Ui& ui, const Run& run, const OctreeRow& row) {
 }
 
 /// A node that was selected elsewhere is unfolded and scrolled to.
-bool follow_selection(const Ui& ui, const Run& run) {
+bool follow_selection(const Ui& ui, const debug::Run& run) {
   const std::int32_t selected = ui.state.view.selected.node;
   if (ui.memory.octree_scrolled_to == selected) return false;
   ui.memory.octree_scrolled_to = selected;
@@ -149,7 +150,10 @@ void scroll_to(int row, float row_height) {
     ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
 }
 
-void draw_rows(const Ui& ui, const Run& run, const std::vector<OctreeRow>& rows, bool follow) {
+void draw_rows(const Ui& ui,
+               const debug::Run& run,
+               const std::vector<OctreeRow>& rows,
+               bool follow) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, ui.px(3)));
   const float row_height = ImGui::GetTextLineHeightWithSpacing();
   if (follow) {
@@ -170,13 +174,13 @@ void draw_rows(const Ui& ui, const Run& run, const std::vector<OctreeRow>& rows,
 
 void draw_octree(const Ui& ui) {
   const ViewState& view = ui.state.view;
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   if (run && !run->is_ours())
-    return paragraph(ui.colors.muted,
-                     fmt::format("Method {} has no octree.", to_string(run->options.method)));
+    return paragraph(ui.colors.muted, fmt::format("Method {} has no octree.",
+                                                  planes::to_string(run->options.method)));
   const bool searching = view.octree_search.find_first_not_of(' ') != std::string::npos;
   const bool follow = run && follow_selection(ui, *run);
-  FilterProblem problem;
+  debug::FilterProblem problem;
   std::vector<OctreeRow> rows;
   if (run)
     rows = searching ? octree_matches(*run, view.step, view.octree_search, problem)

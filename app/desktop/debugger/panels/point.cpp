@@ -13,13 +13,13 @@ namespace {
 
 /// The source of the selected point; the last one told of where none is selected, since a click on
 /// a line of its life selects a node.
-std::int64_t source_to_tell(const Ui& ui, const Run& run) {
+std::int64_t source_to_tell(const Ui& ui, const debug::Run& run) {
   const Selection& selected = ui.state.view.selected;
-  const Subject& subject = *run.subject;
+  const debug::Subject& subject = *run.subject;
   if (selected.source >= 0) return selected.source;
   if (selected.voxel >= 0 && selected.voxel < static_cast<std::int32_t>(subject.voxel_count()))
     return static_cast<std::int64_t>(
-        source_of_voxel(subject, static_cast<std::uint32_t>(selected.voxel)));
+        debug::source_of_voxel(subject, static_cast<std::uint32_t>(selected.voxel)));
   return ui.memory.point.source;
 }
 
@@ -29,7 +29,7 @@ const PointStory* story(const Ui& ui) {
   const std::shared_ptr<const RunView>& view =
       flashed ? ui.state.results.pinned : ui.state.results.current;
   PointStory& point = ui.memory.point;
-  const std::shared_ptr<const Recording>& recording = ui.state.document.current()->recording;
+  const std::shared_ptr<const io::Recording>& recording = ui.state.document.current()->recording;
   const bool other_frame =
       point.of && (point.recording != recording ||
                    point.of->run->subject->frame.index != view->run->subject->frame.index);
@@ -38,7 +38,8 @@ const PointStory* story(const Ui& ui) {
   if (source < 0) return nullptr;
   if (point.of != view || point.source != source) {
     const auto index = static_cast<std::size_t>(source);
-    point = {recording, view, source, life_of(*view->run, index), why_not(*view->run, index)};
+    point = {recording, view, source, debug::life_of(*view->run, index),
+             debug::why_not(*view->run, index)};
   }
   return &point;
 }
@@ -57,7 +58,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
       ui.emit("break.point");
     }
   }
-  const Remedy& remedy = point.why.remedy;
+  const debug::Remedy& remedy = point.why.remedy;
   if (remedy.text.empty()) return;
   paragraph(ui.colors.muted, remedy.text);
   if (button(ui, fmt::format("Set {} = {}", remedy.option, remedy.value), "point.remedy"))
@@ -67,7 +68,7 @@ void draw_why(const Ui& ui, const PointStory& point) {
 /// The stage with its step: beside it, or below where the panel is narrow.
 bool steps_beside(const Ui& ui) { return ImGui::GetWindowWidth() > ui.px(340); }
 
-float stage_width(const Ui& ui, const LifeEvent& event) {
+float stage_width(const Ui& ui, const debug::LifeEvent& event) {
   const float stage = ImGui::CalcTextSize(event.stage.c_str()).x;
   if (event.step <= 0) return stage;
   const float step = ImGui::CalcTextSize(std::to_string(event.step).c_str()).x;
@@ -75,7 +76,7 @@ float stage_width(const Ui& ui, const LifeEvent& event) {
 }
 
 /// One line of the life; a click leads to its step.
-void draw_station(const Ui& ui, const LifeEvent& event, std::size_t index) {
+void draw_station(const Ui& ui, const debug::LifeEvent& event, std::size_t index) {
   const std::int32_t now = ui.state.view.step;
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -127,7 +128,8 @@ void draw_point(const Ui& ui) {
   if (!ImGui::BeginTable("life", 2, ImGuiTableFlags_PadOuterX)) return;
   ImGui::PushFont(ui.small);
   float widest = 0;
-  for (const LifeEvent& event : point->life) widest = std::max(widest, stage_width(ui, event));
+  for (const debug::LifeEvent& event : point->life)
+    widest = std::max(widest, stage_width(ui, event));
   ImGui::PopFont();
   ImGui::TableSetupColumn("stage", ImGuiTableColumnFlags_WidthFixed, widest + ui.px(4));
   ImGui::TableSetupColumn("text", ImGuiTableColumnFlags_WidthStretch);

@@ -32,7 +32,7 @@ struct Rows {
 };
 
 void draw_controls(const Ui& ui) {
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   const Playing& playing = ui.state.view.playing;
   action_button(ui, "step.first", "⇤");
   ImGui::SameLine();
@@ -63,14 +63,14 @@ void draw_controls(const Ui& ui) {
   ImGui::SameLine();
   ImGui::TextDisabled("of %d", run->steps());
   ImGui::SameLine(0, ui.px(14));
-  const TraceEvent* event = ui.state.event();
-  if (event && event->type == EventType::decide) {
-    case_badge(ui, static_cast<Case>(event->node_case));
+  const planes::TraceEvent* event = ui.state.event();
+  if (event && event->type == planes::EventType::decide) {
+    case_badge(ui, static_cast<planes::Case>(event->node_case));
     ImGui::SameLine();
   }
-  const std::string text = event || !run->is_ours() ? describe_event(*run, ui.state.view.step)
-                           : run->steps() == 0
-                               ? "nothing to step through on this frame"
+  const std::string text =
+      event || !run->is_ours() ? debug::describe_event(*run, ui.state.view.step)
+      : run->steps() == 0      ? "nothing to step through on this frame"
                                : "before the first event: all points wait in the root";
   const bool cut = math_width(ui, text) > ImGui::GetContentRegionAvail().x;
   math_text(ui, ui.colors.text, text);
@@ -96,7 +96,7 @@ void draw_cases(const Ui& ui,
                            static_cast<float>(last->cases[static_cast<std::size_t>(c)]) /
                            static_cast<float>(last->decided());
       draw->AddRectFilled(ImVec2(x, y), ImVec2(x + 1, y + height),
-                          to_imgui(case_color(static_cast<Case>(c))));
+                          to_imgui(render::case_color(static_cast<planes::Case>(c))));
       y += height;
     }
   }
@@ -118,7 +118,8 @@ void draw_plane_events(const Ui& ui,
                                                                   : 0.0f;
     if (share == 0) continue;
     const float x = rows.x + static_cast<float>(i);
-    const Rgba color = column.plane >= 0 ? plane_color(column.plane + 1) : leftover_color();
+    const render::Rgba color =
+        column.plane >= 0 ? render::plane_color(column.plane + 1) : render::leftover_color();
     draw->AddRectFilled(ImVec2(x, rows.matches - 2 - share * height),
                         ImVec2(x + 1, rows.matches - 2), to_imgui(color));
   }
@@ -141,7 +142,7 @@ const std::vector<std::int32_t>& stops_of(const Ui& ui) {
   std::string all;
   for (const Breakpoint& b : ui.state.document.breakpoints)
     all += fmt::format("{}|{}|{}|{};", static_cast<int>(b.kind), b.filter, b.index, b.enabled);
-  const std::shared_ptr<const Run>& run = ui.state.run_view()->run;
+  const std::shared_ptr<const debug::Run>& run = ui.state.run_view()->run;
   if (stops.run.lock() != run || stops.breakpoints != all)
     stops = {run, all, breakpoint_steps(*run, ui.state.document)};
   return stops.steps;
@@ -182,16 +183,16 @@ void draw_cursor(const Ui& ui, const Rows& rows, ImDrawList* draw) {
 }
 
 void tell(const Ui& ui, std::int32_t step) {
-  const Run& run = *ui.state.run();
+  const debug::Run& run = *ui.state.run();
   ImGui::SetTooltip("step %d\n%s", step,
-                    step > 0 ? describe_event(run, step).c_str() : "before the first event");
+                    step > 0 ? debug::describe_event(run, step).c_str() : "before the first event");
 }
 
 }  // namespace
 
 void draw_timeline(const Ui& ui) {
   draw_controls(ui);
-  const Run* run = ui.state.run();
+  const debug::Run* run = ui.state.run();
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (!run || room.x < 16 || room.y < 16) return;
   const ImVec2 at = ImGui::GetCursorScreenPos();

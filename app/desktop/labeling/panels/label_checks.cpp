@@ -10,24 +10,24 @@
 namespace planescope::desktop {
 namespace {
 
-const char* title_of(FindingKind kind) {
+const char* title_of(labels::FindingKind kind) {
   switch (kind) {
-    case FindingKind::rms:
+    case labels::FindingKind::rms:
       return "Does not fit its pixels";
-    case FindingKind::outliers:
+    case labels::FindingKind::outliers:
       return "Pixels far off the plane";
-    case FindingKind::parts:
+    case labels::FindingKind::parts:
       return "In pieces that lie apart";
-    case FindingKind::tiny:
+    case labels::FindingKind::tiny:
       return "Very small";
-    case FindingKind::class_normal:
+    case labels::FindingKind::class_normal:
       return "Class and tilt contradict";
     default:
       return "Not labelled";
   }
 }
 
-void draw_finding(const Ui& ui, std::size_t index, const Finding& finding) {
+void draw_finding(const Ui& ui, std::size_t index, const labels::Finding& finding) {
   const std::string widget = fmt::format("checks.{}", index);
   const bool chosen = ui.state.view.label.finding == static_cast<int>(index);
   const float width = ImGui::GetContentRegionAvail().x;
@@ -60,7 +60,7 @@ void draw_label_checks(const Ui& ui) {
   action_button(ui, "check.next", "next");
   ImGui::BeginChild("findings");
   for (std::size_t i = 0; i < audit->findings.size(); ++i) {
-    const Finding& finding = audit->findings[i];
+    const labels::Finding& finding = audit->findings[i];
     if (i == 0 || audit->findings[i - 1].kind != finding.kind) {
       ImGui::Spacing();
       heading(ui, title_of(finding.kind));

@@ -64,7 +64,7 @@ void plane_swatch(const Ui& ui, int plane, bool dimmed) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float y = at.y + (ImGui::GetTextLineHeight() - side) / 2;
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const ImU32 color = to_imgui(plane_color(plane));
+  const ImU32 color = to_imgui(render::plane_color(plane));
   if (dimmed)
     draw->AddRect(ImVec2(at.x, y), ImVec2(at.x + side, y + side), color, ui.px(2), 0, ui.px(1.5f));
   else
@@ -80,7 +80,7 @@ std::string area_text(double m2) {
 }
 
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels) {
-  const double tilt_deg = tilt_of(plane.normal, labels.gravity);
+  const double tilt_deg = labels::tilt_of(plane.normal, labels.gravity);
   return std::isnan(tilt_deg) ? "–" : fmt::format("{:.1f}°", tilt_deg);
 }
 

@@ -20,7 +20,7 @@ const char* name_of(LabelOrigin origin) {
 }
 
 void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts) {
-  const LabelStatistics& s = facts.statistics;
+  const labels::LabelStatistics& s = facts.statistics;
   const double share =
       s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
   share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
@@ -133,7 +133,7 @@ void draw_list(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts,
 
 void draw_active(const Ui& ui, const FrameLabels& labels) {
   const int id = ui.state.view.label.plane;
-  const LabelPlane* plane = find_plane(labels, id);
+  const LabelPlane* plane = labels::find_plane(labels, id);
   if (!plane)
     return paragraph(ui.colors.muted, id > 0 ? fmt::format("The next gesture makes P{}.", id)
                                              : "The next gesture makes a new plane.");
@@ -175,7 +175,7 @@ void draw_wand(const Ui& ui) {
   ImGui::SameLine();
   ImGui::TextDisabled("%s", number.c_str());
   if (view.wand.found) {
-    const FittedPlane& plane = view.wand.found->plane;
+    const labels::FittedPlane& plane = view.wand.found->plane;
     paragraph(
         ui.colors.accent,
         fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {} pixels",

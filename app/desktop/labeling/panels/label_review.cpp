@@ -49,7 +49,7 @@ void draw_sides(const Ui& ui) {
   }
 }
 
-void draw_agreement(const Ui& ui, const Agreement& agreement) {
+void draw_agreement(const Ui& ui, const labels::Agreement& agreement) {
   paragraph(ui.colors.text, fmt::format("mean IoU {:.3f}  ·  adjusted Rand index {:.3f}",
                                         agreement.mean_iou, agreement.adjusted_rand));
   ui.name("review.agreement");
@@ -84,7 +84,7 @@ void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
   const int chosen = ui.state.view.label.review_item;
   double& scrolled_to = ui.memory.numbers["review.scrolled_to"];
   for (std::size_t i = 0; i < queue.items.size(); ++i) {
-    const Disagreement& item = queue.items[i];
+    const labels::Disagreement& item = queue.items[i];
     if (item.note) continue;
     const int index = static_cast<int>(i);
     if (row(ui, fmt::format("review.{}", i), to_string(item.kind), index == chosen))

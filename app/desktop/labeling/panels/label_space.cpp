@@ -33,11 +33,11 @@ DrawingSurface surface_of(const State& state, ImVec2 at, int width, int height) 
   surface.min = surface.origin = at;
   surface.max = ImVec2(at.x + static_cast<float>(width), at.y + static_cast<float>(height));
   const double aspect = static_cast<double>(width) / height;
-  surface.screen_of_pixel = [view = make_view(fitted(camera_of(state), aspect), width, height),
-                             frame = state.results.label.frame,
-                             at](std::uint32_t pixel) -> std::optional<ImVec2> {
+  surface.screen_of_pixel =
+      [view = render::make_view(fitted(camera_of(state), aspect), width, height),
+       frame = state.results.label.frame, at](std::uint32_t pixel) -> std::optional<ImVec2> {
     if (pixel >= frame->world.size() || !frame->grid.measured[pixel]) return std::nullopt;
-    const std::optional<ScreenPoint> point = project(view, frame->world[pixel]);
+    const std::optional<render::ScreenPoint> point = render::project(view, frame->world[pixel]);
     if (!point) return std::nullopt;
     return ImVec2(at.x + static_cast<float>(point->px.x()),
                   at.y + static_cast<float>(point->px.y()));

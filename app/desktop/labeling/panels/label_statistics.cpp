@@ -32,7 +32,7 @@ std::string share_text(std::size_t pixels, std::size_t of) {
   return fmt::format("{} pixels, {:.1f} %", pixels, 100 * share);
 }
 
-void draw_frame(const Ui& ui, const FrameLabels& labels, const LabelStatistics& s) {
+void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStatistics& s) {
   heading(ui, fmt::format("Frame {}", ui.state.document.frame));
   if (!ImGui::BeginTable("frame", 2, kTable)) return;
   line("labelled area", area_text(s.labelled_m2));
@@ -44,14 +44,14 @@ void draw_frame(const Ui& ui, const FrameLabels& labels, const LabelStatistics& 
   ImGui::EndTable();
 }
 
-void draw_work(const Ui& ui, const std::vector<WorkTime>& work) {
+void draw_work(const Ui& ui, const std::vector<labels::WorkTime>& work) {
   heading(ui, "Time");
   if (work.empty()) return paragraph(ui.colors.muted, "Nothing was labelled yet.");
   if (!ImGui::BeginTable("work", 4, kTable)) return;
   for (const char* title : {"frame", "annotator", "time", "gestures"})
     ImGui::TableSetupColumn(title);
   ImGui::TableHeadersRow();
-  for (const WorkTime& one : work) {
+  for (const labels::WorkTime& one : work) {
     line(std::to_string(one.frame), one.annotator);
     ImGui::TableNextColumn();
     ImGui::TextUnformatted(duration_text(one.seconds).c_str());
@@ -59,15 +59,16 @@ void draw_work(const Ui& ui, const std::vector<WorkTime>& work) {
     ImGui::Text("%zu", one.gestures);
   }
   ImGui::EndTable();
-  const double total = std::accumulate(
-      work.begin(), work.end(), 0.0, [](double sum, const WorkTime& w) { return sum + w.seconds; });
+  const double total =
+      std::accumulate(work.begin(), work.end(), 0.0,
+                      [](double sum, const labels::WorkTime& w) { return sum + w.seconds; });
   paragraph(ui.colors.muted, "all together " + duration_text(total));
   ui.name("statistics.time");
 }
 
-void draw_history(const Ui& ui, const LabelStore& store) {
+void draw_history(const Ui& ui, const labels::LabelStore& store) {
   heading(ui, "Latest gestures");
-  const std::vector<HistoryEntry> entries = store.history(kHistory);
+  const std::vector<labels::HistoryEntry> entries = store.history(kHistory);
   if (entries.empty()) return paragraph(ui.colors.muted, "None yet.");
   if (!ImGui::BeginTable("history", 3, kTable)) return;
   ImGui::TableSetupColumn("gesture", ImGuiTableColumnFlags_WidthStretch);
@@ -75,7 +76,7 @@ void draw_history(const Ui& ui, const LabelStore& store) {
     ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed,
                             ImGui::CalcTextSize("000000").x);
   ImGui::TableHeadersRow();
-  for (const HistoryEntry& entry : entries) {
+  for (const labels::HistoryEntry& entry : entries) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     paragraph(ui.colors.text, entry.title);
@@ -94,7 +95,7 @@ void draw_history(const Ui& ui, const LabelStore& store) {
 void draw_label_statistics(const Ui& ui) {
   const std::shared_ptr<const FrameLabels> labels = labels_to_show(ui);
   if (!labels) return;
-  const LabelStore& store = *ui.state.document.current()->labels;
+  const labels::LabelStore& store = *ui.state.document.current()->labels;
   draw_frame(ui, *labels, facts_of(ui, labels).statistics);
   ui.name("statistics.frame");
   ImGui::Spacing();

@@ -42,12 +42,12 @@ void draw_paint(const Ui& ui) {
   const LabelView& view = ui.state.view.label;
   const FrameLabels* labels = ui.state.labels().get();
   std::string text;
-  Rgba color{120, 124, 130};
+  render::Rgba color{120, 124, 130};
   switch (view.paints) {
     case Paints::plane: {
-      const LabelPlane* plane = labels ? find_plane(*labels, view.plane) : nullptr;
+      const LabelPlane* plane = labels ? labels::find_plane(*labels, view.plane) : nullptr;
       text = view.plane == 0 ? "new plane" : fmt::format("P{}", view.plane);
-      if (view.plane > 0) color = plane_color(view.plane);
+      if (view.plane > 0) color = render::plane_color(view.plane);
       if (plane)
         text += plane->label == Label::h ? " h" : plane->label == Label::v ? " v" : "";
       else if (view.plane > 0)
@@ -62,7 +62,7 @@ void draw_paint(const Ui& ui) {
       text = "erase";
       break;
     default:
-      color = label_color(view.paints == Paints::h_only ? Label::h : Label::v);
+      color = render::label_color(view.paints == Paints::h_only ? Label::h : Label::v);
       text = view.paints == Paints::h_only ? "h only" : "v only";
   }
   const float side = ImGui::GetTextLineHeight();

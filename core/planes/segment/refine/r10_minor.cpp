@@ -7,7 +7,7 @@
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope::r10_minor {
+namespace planescope::planes::r10_minor {
 namespace {
 
 using Vec6d = Eigen::Matrix<double, 6, 1>;
@@ -92,4 +92,4 @@ void run(SegmentState& state, const Options& options) {
   if (!state.minor.empty()) r11_pixel_borders::run(state, state.options.r11_pixel_borders);
 }
 
-}  // namespace planescope::r10_minor
+}  // namespace planescope::planes::r10_minor

@@ -6,7 +6,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r10_minor {
+namespace planescope::planes::r10_minor {
 
 struct Options {
   bool on = false;
@@ -48,4 +48,4 @@ inline constexpr RefinementInfo kInfo{
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r10_minor
+}  // namespace planescope::planes::r10_minor

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/state.hpp"
 
-namespace planescope::r11_pixel_borders {
+namespace planescope::planes::r11_pixel_borders {
 namespace {
 
 constexpr int kTile = 32;  // [px]
@@ -210,4 +210,4 @@ void run(SegmentState& state, const Options& options) {
   move_points(state);
 }
 
-}  // namespace planescope::r11_pixel_borders
+}  // namespace planescope::planes::r11_pixel_borders

@@ -6,7 +6,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r11_pixel_borders {
+namespace planescope::planes::r11_pixel_borders {
 
 struct Options {
   bool on = false;
@@ -41,4 +41,4 @@ inline constexpr RefinementInfo kInfo{
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r11_pixel_borders
+}  // namespace planescope::planes::r11_pixel_borders

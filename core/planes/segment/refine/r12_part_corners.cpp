@@ -10,7 +10,7 @@
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope::r12_part_corners {
+namespace planescope::planes::r12_part_corners {
 namespace {
 
 constexpr std::size_t kLeastPixels = 80;  // of a plane that is looked at
@@ -170,4 +170,4 @@ void run(SegmentState& state, const Options& options) {
     if (state.planes[k].alive) part(state, options, k, pixels[k], members.of(k));
 }
 
-}  // namespace planescope::r12_part_corners
+}  // namespace planescope::planes::r12_part_corners

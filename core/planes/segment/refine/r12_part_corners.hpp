@@ -6,7 +6,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r12_part_corners {
+namespace planescope::planes::r12_part_corners {
 
 struct Options {
   bool on = false;
@@ -38,4 +38,4 @@ inline constexpr RefinementInfo kInfo{.name = "R12",
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r12_part_corners
+}  // namespace planescope::planes::r12_part_corners

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace planescope {
+namespace planescope::planes {
 
 DistanceTerms distance_terms(const MeasuredPlane& a,
                              const MeasuredPlane& b,
@@ -33,4 +33,4 @@ DistanceTerms distance_terms(const MeasuredPlane& a,
   return terms;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

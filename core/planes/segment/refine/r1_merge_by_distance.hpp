@@ -6,7 +6,7 @@
 #include "core/model/plane.hpp"
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 namespace r1_merge_by_distance {
 
@@ -81,4 +81,4 @@ DistanceTerms distance_terms(const MeasuredPlane& a,
                              const MeasuredPlane& b,
                              const r1_merge_by_distance::Options& options);
 
-}  // namespace planescope
+}  // namespace planescope::planes

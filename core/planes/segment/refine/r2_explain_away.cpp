@@ -7,7 +7,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace r2_explain_away {
 namespace {
 
@@ -103,4 +103,4 @@ Evidence evidence_for(const SegmentState& state,
   return evidence;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -7,7 +7,7 @@
 #include "core/model/plane.hpp"
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r2_explain_away {
+namespace planescope::planes::r2_explain_away {
 
 struct Options {
   bool on = false;
@@ -67,4 +67,4 @@ bool is_wider_than_noise(const PlaneFit& fit, double sigma_m, const Options& opt
 /// Flying pixels along an edge lie on a plane too, but far more thinly than a surface's points.
 bool is_dense(const PlaneFit& fit, double typical_area_per_point, const Options& options);
 
-}  // namespace planescope::r2_explain_away
+}  // namespace planescope::planes::r2_explain_away

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace r3_weak_candidates {
 namespace {
 
@@ -73,4 +73,4 @@ std::int32_t choose_partner_of_weak(const SegmentState& state,
   return best.plane;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

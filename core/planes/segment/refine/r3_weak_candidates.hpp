@@ -6,10 +6,10 @@
 #include "core/planes/segment/refinement.hpp"
 
 namespace planescope {
-
 struct PlaneFit;
+}
 
-namespace r3_weak_candidates {
+namespace planescope::planes::r3_weak_candidates {
 
 struct Options {
   bool on = false;
@@ -41,5 +41,4 @@ bool can_found(const PlaneFit& fit, double sigma_ang, const Options& options);
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace r3_weak_candidates
-}  // namespace planescope
+}  // namespace planescope::planes::r3_weak_candidates

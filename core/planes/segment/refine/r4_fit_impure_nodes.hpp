@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r4_fit_impure_nodes {
+namespace planescope::planes::r4_fit_impure_nodes {
 
 struct Options {
   bool on = false;
@@ -19,4 +19,4 @@ struct Options {
 inline constexpr Options kRefined{.on = true};
 inline constexpr RefinementInfo kInfo{.name = "R4", .title = "fit impure nodes"};
 
-}  // namespace planescope::r4_fit_impure_nodes
+}  // namespace planescope::planes::r4_fit_impure_nodes

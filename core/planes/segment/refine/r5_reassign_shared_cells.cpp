@@ -2,7 +2,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope::r5_reassign_shared_cells {
+namespace planescope::planes::r5_reassign_shared_cells {
 
 void run(SegmentState& state, const Options& options) {
   if (!options.on) return;
@@ -23,4 +23,4 @@ void run(SegmentState& state, const Options& options) {
   r2_explain_away::drop_emptied_planes(state);
 }
 
-}  // namespace planescope::r5_reassign_shared_cells
+}  // namespace planescope::planes::r5_reassign_shared_cells

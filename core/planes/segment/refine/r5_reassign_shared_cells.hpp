@@ -4,7 +4,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r5_reassign_shared_cells {
+namespace planescope::planes::r5_reassign_shared_cells {
 
 struct Options {
   bool on = false;
@@ -25,4 +25,4 @@ inline constexpr RefinementInfo kInfo{
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r5_reassign_shared_cells
+}  // namespace planescope::planes::r5_reassign_shared_cells

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope::r6_refit {
+namespace planescope::planes::r6_refit {
 
 void run(SegmentState& state, const Options& options) {
   if (!options.on) return;
@@ -39,4 +39,4 @@ void run(SegmentState& state, const Options& options) {
   }
 }
 
-}  // namespace planescope::r6_refit
+}  // namespace planescope::planes::r6_refit

@@ -4,7 +4,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r6_refit {
+namespace planescope::planes::r6_refit {
 
 struct Options {
   bool on = false;
@@ -41,4 +41,4 @@ inline constexpr RefinementInfo kInfo{
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r6_refit
+}  // namespace planescope::planes::r6_refit

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/choices.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace r7_second_merge {
 namespace {
 
@@ -72,4 +72,4 @@ std::int32_t choose_partner_of_plane(const SegmentState& state,
   return best.plane;
 }
 
-}  // namespace planescope
+}  // namespace planescope::planes

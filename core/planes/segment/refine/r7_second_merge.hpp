@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r7_second_merge {
+namespace planescope::planes::r7_second_merge {
 
 struct Options {
   bool on = false;
@@ -24,4 +24,4 @@ inline constexpr RefinementInfo kInfo{.name = "R7",
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r7_second_merge
+}  // namespace planescope::planes::r7_second_merge

@@ -5,7 +5,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r8_voxel_spread {
+namespace planescope::planes::r8_voxel_spread {
 
 struct Options {
   bool on = false;
@@ -27,4 +27,4 @@ struct Options {
 inline constexpr Options kRefined{};
 inline constexpr RefinementInfo kInfo{.name = "R8", .title = "voxel spread"};
 
-}  // namespace planescope::r8_voxel_spread
+}  // namespace planescope::planes::r8_voxel_spread

@@ -10,7 +10,7 @@
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope::r9_join_sheets {
+namespace planescope::planes::r9_join_sheets {
 namespace {
 
 constexpr int kTile = 16;        // the border is cut into stretches of about this length [px]
@@ -188,4 +188,4 @@ void run(SegmentState& state, const Options& options) {
   Sheets(state, options).join_all();
 }
 
-}  // namespace planescope::r9_join_sheets
+}  // namespace planescope::planes::r9_join_sheets

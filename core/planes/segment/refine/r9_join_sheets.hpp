@@ -7,7 +7,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope::r9_join_sheets {
+namespace planescope::planes::r9_join_sheets {
 
 struct Options {
   bool on = false;
@@ -47,4 +47,4 @@ inline constexpr RefinementInfo kInfo{
 
 void run(SegmentState& state, const Options& options);
 
-}  // namespace planescope::r9_join_sheets
+}  // namespace planescope::planes::r9_join_sheets

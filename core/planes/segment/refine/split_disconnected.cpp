@@ -8,7 +8,7 @@
 #include "core/planes/segment/sight.hpp"
 #include "core/planes/segment/state.hpp"
 
-namespace planescope::split_disconnected {
+namespace planescope::planes::split_disconnected {
 namespace {
 
 constexpr Stage kStage = Stage::split_disconnected;
@@ -209,4 +209,4 @@ void run(SegmentState& state, const Options& options) {
   }
 }
 
-}  // namespace planescope::split_disconnected
+}  // namespace planescope::planes::split_disconnected

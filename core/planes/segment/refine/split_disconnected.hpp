@@ -7,7 +7,7 @@
 
 #include "core/planes/segment/refinement.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 
 /// Which gaps within a plane make two of it: none, those that the sensor looked through, or all.
 enum class SplitRule : std::uint8_t { off, seen, on };
@@ -58,4 +58,4 @@ inline constexpr RefinementInfo kInfo{.name = "split",
 void run(SegmentState& state, const Options& options);
 
 }  // namespace split_disconnected
-}  // namespace planescope
+}  // namespace planescope::planes

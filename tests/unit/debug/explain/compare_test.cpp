@@ -4,19 +4,19 @@
 
 #include "runs.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
-std::shared_ptr<const Run> rerun(const Run& run, void (*change)(SegmentOptions&)) {
-  PipelineOptions options = run.options;
+std::shared_ptr<const Run> rerun(const Run& run, void (*change)(planes::SegmentOptions&)) {
+  planes::PipelineOptions options = run.options;
   change(options.segment);
   return make_run(run.subject, options);
 }
 
 TEST(Compare, ARunDoesNotDifferFromItself) {
-  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0.003);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0.003);
   const Comparison same = compare_runs(*run, *run);
-  EXPECT_EQ(same.diverging_step_a, kNever);
+  EXPECT_EQ(same.diverging_step_a, planes::kNever);
   EXPECT_TRUE(same.nodes.empty());
   EXPECT_TRUE(same.changed_sources.empty());
   for (const PlanePair& pair : same.planes) {
@@ -28,13 +28,13 @@ TEST(Compare, ARunDoesNotDifferFromItself) {
 }
 
 TEST(Compare, TheFirstDifferenceIsWhereTheThresholdBites) {
-  const auto a = test::run_of_stairs(profile_options(Profile::paper), 0.003);
-  const auto b = rerun(*a, [](SegmentOptions& o) { o.theta_e_n_m2 = 0.0001; });
+  const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
+  const auto b = rerun(*a, [](planes::SegmentOptions& o) { o.theta_e_n_m2 = 0.0001; });
   const Comparison changed = compare_runs(*a, *b);
-  ASSERT_NE(changed.diverging_step_a, kNever);
+  ASSERT_NE(changed.diverging_step_a, planes::kNever);
   EXPECT_EQ(changed.diverging_step_a, changed.diverging_step_b);
-  const TraceEvent& event = *a->event_at(changed.diverging_step_a);
-  EXPECT_EQ(event.type, EventType::decide);
+  const planes::TraceEvent& event = *a->event_at(changed.diverging_step_a);
+  EXPECT_EQ(event.type, planes::EventType::decide);
   EXPECT_EQ(event.node_case, 4);
   EXPECT_NE(changed.divergence.find("case III"), std::string::npos) << changed.divergence;
   ASSERT_FALSE(changed.nodes.empty());
@@ -44,8 +44,8 @@ TEST(Compare, TheFirstDifferenceIsWhereTheThresholdBites) {
 }
 
 TEST(Compare, ANodeIsFoundInTheOtherRunByItsCell) {
-  const auto a = test::run_of_stairs(profile_options(Profile::paper), 0.003);
-  const auto b = rerun(*a, [](SegmentOptions& o) { o.theta_e_n_m2 = 0.0001; });
+  const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
+  const auto b = rerun(*a, [](planes::SegmentOptions& o) { o.theta_e_n_m2 = 0.0001; });
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(a->octree().nodes.size()); ++n) {
     const std::int32_t other = same_node(*a, n, *b);
     if (other < 0) continue;
@@ -56,8 +56,9 @@ TEST(Compare, ANodeIsFoundInTheOtherRunByItsCell) {
 }
 
 TEST(Compare, OtherCubesHaveNoNodeInCommonButPlanes) {
-  const auto a = test::run_of_stairs(profile_options(Profile::refined), 0);
-  const auto b = rerun(*a, [](SegmentOptions& o) { o.cube_anchor = CubeAnchor::min_corner; });
+  const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
+  const auto b =
+      rerun(*a, [](planes::SegmentOptions& o) { o.cube_anchor = planes::CubeAnchor::min_corner; });
   EXPECT_EQ(same_node(*a, 0, *b), -1);
   const Comparison changed = compare_runs(*a, *b);
   ASSERT_FALSE(changed.planes.empty());
@@ -66,7 +67,7 @@ TEST(Compare, OtherCubesHaveNoNodeInCommonButPlanes) {
 }
 
 TEST(Compare, AgainstTruthPerfectStairsHaveEveryPlane) {
-  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   const Comparison truth = compare_with_truth(*run);
   EXPECT_EQ(truth.planes.size(), static_cast<std::size_t>(run->subject->voxel_truth.plane_count));
   for (const PlanePair& pair : truth.planes) EXPECT_GT(pair.iou, 0.9);
@@ -75,4 +76,4 @@ TEST(Compare, AgainstTruthPerfectStairsHaveEveryPlane) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

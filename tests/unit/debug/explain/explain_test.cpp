@@ -7,18 +7,18 @@
 
 #include "runs.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 constexpr int kScenes = 12;
 
 struct NamedOptions {
   const char* name;
-  SegmentOptions options;
+  planes::SegmentOptions options;
 };
 
-SegmentOptions with(Profile profile, void (*change)(SegmentOptions&)) {
-  SegmentOptions options = profile_options(profile);
+planes::SegmentOptions with(planes::Profile profile, void (*change)(planes::SegmentOptions&)) {
+  planes::SegmentOptions options = planes::profile_options(profile);
   change(options);
   return options;
 }
@@ -47,26 +47,28 @@ bool all(const std::vector<Check>& checks, const char* criterion, Verdict verdic
 }
 
 TEST_P(Explained, NodesFailWhereTheirCaseSaysSo) {
-  on_every_event([](const planescope::Run& run, std::int32_t, const TraceEvent& event) {
-    if (event.type != EventType::decide) return;
+  on_every_event([](const planescope::debug::Run& run, std::int32_t,
+                    const planes::TraceEvent& event) {
+    if (event.type != planes::EventType::decide) return;
     const NodeReport report = explain_node(run, event.node);
-    const auto decided = static_cast<Case>(event.node_case);
-    ASSERT_EQ(all(report.checks, "Criterion 1", Verdict::pass), decided != Case::I);
-    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::pass), decided > Case::II);
-    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::not_asked), decided == Case::I);
-    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::pass), decided == Case::IV);
-    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::not_asked), decided < Case::III);
+    const auto decided = static_cast<planes::Case>(event.node_case);
+    ASSERT_EQ(all(report.checks, "Criterion 1", Verdict::pass), decided != planes::Case::I);
+    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::pass), decided > planes::Case::II);
+    ASSERT_EQ(all(report.checks, "Criterion 2", Verdict::not_asked), decided == planes::Case::I);
+    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::pass), decided == planes::Case::IV);
+    ASSERT_EQ(all(report.checks, "Criterion 3", Verdict::not_asked), decided < planes::Case::III);
     for (const Check& check : report.checks) {
       ASSERT_EQ(check.verdict == Verdict::not_asked, std::isnan(check.value)) << check.quantity;
       ASSERT_EQ(check.margin < 0, check.verdict == Verdict::fail) << check.quantity;
     }
-    ASSERT_NE(report.outcome.find(to_string(decided)), std::string::npos) << report.outcome;
+    ASSERT_NE(report.outcome.find(planes::to_string(decided)), std::string::npos) << report.outcome;
   });
 }
 
 TEST_P(Explained, RefinementFourHoldsExactlyWhereItWasUsed) {
-  on_every_event([](const planescope::Run& run, std::int32_t, const TraceEvent& event) {
-    if (event.type != EventType::decide) return;
+  on_every_event([](const planescope::debug::Run& run, std::int32_t,
+                    const planes::TraceEvent& event) {
+    if (event.type != planes::EventType::decide) return;
     const std::vector<Check> checks = explain_node(run, event.node).checks;
     const bool asked = std::any_of(checks.begin(), checks.end(),
                                    [](const Check& check) { return check.criterion == "R4"; });
@@ -75,7 +77,8 @@ TEST_P(Explained, RefinementFourHoldsExactlyWhereItWasUsed) {
 }
 
 TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
-  on_every_event([](const planescope::Run& run, std::int32_t step, const TraceEvent& event) {
+  on_every_event([](const planescope::debug::Run& run, std::int32_t step,
+                    const planes::TraceEvent& event) {
     const MergeReport report = explain_merge(run, step);
     std::int32_t chosen = -1;
     for (const PartnerReport& partner : report.partners) {
@@ -87,8 +90,8 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
                             [](const Check& check) { return check.verdict == Verdict::pass; }));
     }
     std::int32_t expected = -1;
-    if (event.type == EventType::merge) expected = event.plane;
-    if (event.type == EventType::refine && event.stage == Stage::r7_second_merge)
+    if (event.type == planes::EventType::merge) expected = event.plane;
+    if (event.type == planes::EventType::refine && event.stage == planes::Stage::r7_second_merge)
       expected = event.other;
     ASSERT_EQ(chosen, expected);
     ASSERT_TRUE(chosen < 0 || report.partners.front().chosen);
@@ -97,55 +100,55 @@ TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
 }
 
 TEST_P(Explained, ALeftoverGoesWhereTheRunPutIt) {
-  on_every_event([](const planescope::Run& run, std::int32_t step, const TraceEvent& event) {
-    const LeftoverReport report = explain_leftover(run, step);
-    if (event.type != EventType::assign && event.type != EventType::drop) {
-      ASSERT_TRUE(report.planes.empty());
-      return;
-    }
-    ASSERT_EQ(report.point, event.point);
-    std::int32_t chosen = -1;
-    for (const LeftoverPlane& plane : report.planes) {
-      ASSERT_EQ(plane.chosen, plane.why_not.empty());
-      if (!plane.chosen) continue;
-      chosen = plane.plane;
-      ASSERT_FLOAT_EQ(static_cast<float>(plane.distance_m), event.value);
-    }
-    ASSERT_EQ(chosen, event.plane);
-  });
+  on_every_event(
+      [](const planescope::debug::Run& run, std::int32_t step, const planes::TraceEvent& event) {
+        const LeftoverReport report = explain_leftover(run, step);
+        if (event.type != planes::EventType::assign && event.type != planes::EventType::drop) {
+          ASSERT_TRUE(report.planes.empty());
+          return;
+        }
+        ASSERT_EQ(report.point, event.point);
+        std::int32_t chosen = -1;
+        for (const LeftoverPlane& plane : report.planes) {
+          ASSERT_EQ(plane.chosen, plane.why_not.empty());
+          if (!plane.chosen) continue;
+          chosen = plane.plane;
+          ASSERT_FLOAT_EQ(static_cast<float>(plane.distance_m), event.value);
+        }
+        ASSERT_EQ(chosen, event.plane);
+      });
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Profiles,
     Explained,
-    testing::Values(NamedOptions{"paper", profile_options(Profile::paper)},
-                    NamedOptions{"paper_closest", profile_options(Profile::paper_closest)},
-                    NamedOptions{"refined", profile_options(Profile::refined)},
-                    NamedOptions{"paper_best_partner", with(Profile::paper,
-                                                            [](SegmentOptions& o) {
-                                                              o.merge_partner = MergePartner::best;
-                                                              o.leftover_rule =
-                                                                  LeftoverRule::nearest;
-                                                            })},
-                    NamedOptions{"paper_mean_without_labels", with(Profile::paper,
-                                                                   [](SegmentOptions& o) {
-                                                                     o.mse_normalization =
-                                                                         MseNormalization::mean;
-                                                                     o.use_labels = false;
-                                                                   })},
-                    NamedOptions{"refined_first_partner", with(Profile::refined,
-                                                               [](SegmentOptions& o) {
-                                                                 o.merge_partner =
-                                                                     MergePartner::first;
-                                                               })},
-                    NamedOptions{"refined_split", with(Profile::refined,
-                                                       [](SegmentOptions& o) {
-                                                         o.split_disconnected.rule = SplitRule::on;
-                                                       })}),
+    testing::Values(
+        NamedOptions{"paper", planes::profile_options(planes::Profile::paper)},
+        NamedOptions{"paper_closest", planes::profile_options(planes::Profile::paper_closest)},
+        NamedOptions{"refined", planes::profile_options(planes::Profile::refined)},
+        NamedOptions{"paper_best_partner", with(planes::Profile::paper,
+                                                [](planes::SegmentOptions& o) {
+                                                  o.merge_partner = planes::MergePartner::best;
+                                                  o.leftover_rule = planes::LeftoverRule::nearest;
+                                                })},
+        NamedOptions{"paper_mean_without_labels", with(planes::Profile::paper,
+                                                       [](planes::SegmentOptions& o) {
+                                                         o.mse_normalization =
+                                                             planes::MseNormalization::mean;
+                                                         o.use_labels = false;
+                                                       })},
+        NamedOptions{"refined_first_partner", with(planes::Profile::refined,
+                                                   [](planes::SegmentOptions& o) {
+                                                     o.merge_partner = planes::MergePartner::first;
+                                                   })},
+        NamedOptions{"refined_split", with(planes::Profile::refined,
+                                           [](planes::SegmentOptions& o) {
+                                             o.split_disconnected.rule = planes::SplitRule::on;
+                                           })}),
     [](const auto& param) { return param.param.name; });
 
 TEST(Explain, AStopIsSaidInWords) {
-  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const NodeReport root = explain_node(*run, 0);
   EXPECT_EQ(root.stopped, "stopped at Criterion 1: no PCA was made");
   EXPECT_NE(root.outcome.find("divided into"), std::string::npos) << root.outcome;
@@ -154,4 +157,4 @@ TEST(Explain, AStopIsSaidInWords) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -8,12 +8,12 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "runs.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 double iou_with(const Run& run, const std::string& option, const std::string& value, int truth) {
-  PipelineOptions options = run.options;
-  set_option(options, option, value);
+  planes::PipelineOptions options = run.options;
+  planes::set_option(options, option, value);
   const auto changed = make_run(run.subject, options);
   for (const TruthMatch& match :
        quick_score(changed->segmentation.plane_of, run.subject->voxel_truth).planes)
@@ -32,18 +32,19 @@ std::int32_t lost_tread(const Run& run) {
 }
 
 // A change is a ratio: of the value, or of the odds of a share.
-double position(const OptionInfo& info, double value) {
+double position(const planes::OptionInfo& info, double value) {
   return std::log(info.range.max <= 1 ? value / (1 - value) : value);
 }
-std::string value_at(const OptionInfo& info, double position) {
+std::string value_at(const planes::OptionInfo& info, double position) {
   const double e = std::exp(position);
-  return number_text(info, info.range.max <= 1 ? e / (1 + e) : e);
+  return planes::number_text(info, info.range.max <= 1 ? e / (1 + e) : e);
 }
 
 TEST(Fix, ALostTreadComesBackWithTheSmallestChangeAndWithNoLess) {
   int numbers = 0;
   for (int index = 0; index < 10; ++index) {
-    const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003, index);
+    const auto run =
+        test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003, index);
     const std::int32_t tread = lost_tread(*run);
     if (tread == 0) continue;
     SCOPED_TRACE(index);
@@ -55,9 +56,9 @@ TEST(Fix, ALostTreadComesBackWithTheSmallestChangeAndWithNoLess) {
       SCOPED_TRACE(fix.option + ": " + fix.before + " -> " + fix.after);
       EXPECT_GE(iou_with(*run, fix.option, fix.after, tread), 0.8);
       EXPECT_DOUBLE_EQ(iou_with(*run, fix.option, fix.after, tread), fix.iou);
-      const OptionInfo& info = find_option(fix.option);
-      if (info.kind != OptionKind::number || fix.before == "0") continue;
-      const double before = position(info, number_of(info, run->options));
+      const planes::OptionInfo& info = planes::find_option(fix.option);
+      if (info.kind != planes::OptionKind::number || fix.before == "0") continue;
+      const double before = position(info, planes::number_of(info, run->options));
       const double change = position(info, std::stod(fix.after)) - before;
       EXPECT_NEAR(fix.change, std::abs(change), 1e-4);
       const std::string less = value_at(info, before + 0.98 * change);
@@ -69,20 +70,20 @@ TEST(Fix, ALostTreadComesBackWithTheSmallestChangeAndWithNoLess) {
 }
 
 TEST(Fix, WhatIsDetectedNeedsNone) {
-  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   EXPECT_TRUE(find_fixes(*run, target_of_truth(*run, 1), {}).empty());
 }
 
 TEST(Fix, VoxelsThatTheFrameDoesNotHaveAreNotSought) {
-  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0);
   EXPECT_TRUE(find_fixes(*run, {{1u << 30}, "marked region"}, {}).empty());
 }
 
 TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
   int index = 0;
-  auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003, index);
+  auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003, index);
   while (lost_tread(*run) == 0)
-    run = test::run_of_stairs(profile_options(Profile::paper), 0.003, ++index);
+    run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003, ++index);
   std::stop_source stop;
   int calls = 0;
   find_fixes(*run, target_of_truth(*run, lost_tread(*run)), stop.get_token(), [&](int, int) {
@@ -93,9 +94,9 @@ TEST(Fix, TheSearchEndsWhenItIsAskedTo) {
 }
 
 TEST(Fix, TheEffectNamesWhatComesAndGoes) {
-  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
-  PipelineOptions refined = run->options;
-  refined.segment = profile_options(Profile::refined);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
+  planes::PipelineOptions refined = run->options;
+  refined.segment = planes::profile_options(planes::Profile::refined);
   const FixEffect effect = effect_of(*run, refined);
   EXPECT_EQ(effect.detected_after - effect.detected_before,
             static_cast<int>(effect.recovered.size()) - static_cast<int>(effect.broken.size()));
@@ -105,7 +106,7 @@ TEST(Fix, TheEffectNamesWhatComesAndGoes) {
 }
 
 TEST(Sensitivity, TheCurrentValueIsAmongAscendingOnes) {
-  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.002);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.002);
   for (const char* option : {"theta_e_n_m2", "theta_n_in", "theta_coplane"}) {
     SCOPED_TRACE(option);
     const Sensitivity strip = sensitivity_of(*run, option, {});
@@ -113,7 +114,7 @@ TEST(Sensitivity, TheCurrentValueIsAmongAscendingOnes) {
     EXPECT_EQ(strip.values.size(), strip.scores.size());
     EXPECT_TRUE(std::is_sorted(strip.values.begin(), strip.values.end()));
     const auto current = std::find(strip.values.begin(), strip.values.end(),
-                                   number_of(find_option(option), run->options));
+                                   planes::number_of(planes::find_option(option), run->options));
     ASSERT_NE(current, strip.values.end());
     const double score =
         quick_score(run->segmentation.plane_of, run->subject->voxel_truth).mean_iou;
@@ -122,4 +123,4 @@ TEST(Sensitivity, TheCurrentValueIsAmongAscendingOnes) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -4,7 +4,7 @@
 
 #include "runs.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 const Histogram& named(const std::vector<Histogram>& histograms, const std::string& title) {
@@ -20,9 +20,9 @@ std::uint32_t total(const Histogram& histogram) {
 }
 
 TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
-  const auto run = test::run_of_stairs(profile_options(Profile::paper), 0.003);
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
   const std::vector<Histogram> histograms = histograms_of(*run);
-  const SegmentCounts& counts = run->segmentation.counts;
+  const planes::SegmentCounts& counts = run->segmentation.counts;
   EXPECT_EQ(total(named(histograms, "N_out")), counts.nodes_visited);
   EXPECT_EQ(total(named(histograms, "N_in")), counts.nodes_visited - counts.nodes_per_case[1]);
   EXPECT_EQ(total(named(histograms, "e_n")), counts.nodes_per_case[3] + counts.nodes_per_case[4]);
@@ -31,9 +31,10 @@ TEST(Histograms, EachNodeStandsWhereItsCriterionWasAsked) {
 }
 
 TEST(Histograms, BinsAreOrderedAndFew) {
-  for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined})
+  for (const planes::Profile profile :
+       {planes::Profile::paper, planes::Profile::paper_closest, planes::Profile::refined})
     for (const Histogram& h :
-         histograms_of(*test::run_of_stairs(profile_options(profile), 0.003))) {
+         histograms_of(*test::run_of_stairs(planes::profile_options(profile), 0.003))) {
       SCOPED_TRACE(h.title);
       ASSERT_FALSE(h.bins.empty());
       EXPECT_LE(h.bins.size(), 26u);
@@ -48,17 +49,17 @@ TEST(Histograms, BinsAreOrderedAndFew) {
 
 TEST(Histograms, WithoutTruthNothingIsRightOrWrong) {
   for (const Histogram& h :
-       histograms_of(*test::run_of_cloud(3, profile_options(Profile::refined))))
+       histograms_of(*test::run_of_cloud(3, planes::profile_options(planes::Profile::refined))))
     for (const HistogramBin& bin : h.bins) EXPECT_EQ(bin.right + bin.wrong, 0u) << h.title;
 }
 
 TEST(Histograms, NoisyStairsShowWrongMerges) {
   const auto histograms =
-      histograms_of(*test::run_of_stairs(profile_options(Profile::paper), 0.003));
+      histograms_of(*test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003));
   std::uint32_t wrong = 0;
   for (const HistogramBin& bin : named(histograms, "offset").bins) wrong += bin.wrong;
   EXPECT_GT(wrong, 0u);
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

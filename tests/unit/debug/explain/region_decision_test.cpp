@@ -5,7 +5,7 @@
 #include "core/debug/explain/compare.hpp"
 #include "runs.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 std::vector<std::uint32_t> voxels_of(const Run& run, std::int32_t plane) {
@@ -16,8 +16,8 @@ std::vector<std::uint32_t> voxels_of(const Run& run, std::int32_t plane) {
 }
 
 TEST(RegionDecision, RunsThatAreTheSameDoNotPart) {
-  const auto run = test::run_of_stairs(profile_options(Profile::refined), 0.003);
-  for (const PlaneRegion& plane : run->segmentation.planes) {
+  const auto run = test::run_of_stairs(planes::profile_options(planes::Profile::refined), 0.003);
+  for (const planes::PlaneRegion& plane : run->segmentation.planes) {
     const auto voxels = voxels_of(*run, plane.id);
     EXPECT_EQ(first_difference(*run, *run, voxels).step, 0);
     EXPECT_EQ(plane_of_region(*run, voxels), plane.id);
@@ -26,8 +26,8 @@ TEST(RegionDecision, RunsThatAreTheSameDoNotPart) {
 }
 
 TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
-  const auto a = test::run_of_stairs(profile_options(Profile::paper), 0.003);
-  PipelineOptions options = a->options;
+  const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0.003);
+  planes::PipelineOptions options = a->options;
   options.segment.theta_n_in = 60;  // nodes with fewer points are none
   const auto b = make_run(a->subject, options);
   int lost = 0;
@@ -37,14 +37,15 @@ TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
     EXPECT_EQ(plane_of_region(*b, voxels), 0);
     const RegionDecision parting = first_difference(*b, *a, voxels);
     ASSERT_GT(parting.step, 0);
-    const TraceEvent& event = *b->event_at(parting.step);
-    if (event.type == EventType::drop) continue;  // most of it had been assigned
+    const planes::TraceEvent& event = *b->event_at(parting.step);
+    if (event.type == planes::EventType::drop) continue;  // most of it had been assigned
     ++lost;
-    ASSERT_EQ(event.type, EventType::decide);
-    EXPECT_EQ(event.node_case, static_cast<int>(Case::II)) << describe_event(*b, parting.step);
+    ASSERT_EQ(event.type, planes::EventType::decide);
+    EXPECT_EQ(event.node_case, static_cast<int>(planes::Case::II))
+        << describe_event(*b, parting.step);
     const std::int32_t there = same_node(*b, event.node, *a);
     ASSERT_GE(there, 0);
-    EXPECT_NE(a->octree().nodes[there].decided, Case::II);
+    EXPECT_NE(a->octree().nodes[there].decided, planes::Case::II);
     EXPECT_EQ(b->timeline.node_of_point(parting.voxel, b->steps()), event.node);
 
     const RegionDecision loss = loss_of_region(*b, voxels);
@@ -56,24 +57,24 @@ TEST(RegionDecision, APlaneIsLostWhereItsNodesAreDecidedOtherwise) {
 }
 
 TEST(RegionDecision, PlanesThatBecameOnePartAtTheMergeThatJoinedThem) {
-  const auto a = test::run_of_stairs(profile_options(Profile::paper), 0);
-  PipelineOptions options = a->options;
+  const auto a = test::run_of_stairs(planes::profile_options(planes::Profile::paper), 0);
+  planes::PipelineOptions options = a->options;
   options.segment.theta_coplane = 0;  // everything of a label is one plane
   const auto b = make_run(a->subject, options);
   ASSERT_LT(b->segmentation.planes.size(), a->segmentation.planes.size());
   int merged = 0;
-  for (const PlaneRegion& plane : a->segmentation.planes) {
+  for (const planes::PlaneRegion& plane : a->segmentation.planes) {
     const auto voxels = voxels_of(*a, plane.id);
     const RegionDecision parting = first_difference(*b, *a, voxels);
     if (parting.step == 0) continue;  // it founded the one
-    const TraceEvent& event = *b->event_at(parting.step);
-    merged += event.type == EventType::merge;
+    const planes::TraceEvent& event = *b->event_at(parting.step);
+    merged += event.type == planes::EventType::merge;
     const RegionDecision joining = joining_of_region(*b, voxels);
     if (joining.step == 0) continue;
-    EXPECT_NE(b->event_at(joining.step)->type, EventType::found);
+    EXPECT_NE(b->event_at(joining.step)->type, planes::EventType::found);
   }
   EXPECT_GT(merged, 0);
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

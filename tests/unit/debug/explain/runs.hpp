@@ -11,11 +11,11 @@
 
 namespace planescope::test {
 
-inline std::shared_ptr<Subject> subject_of(std::vector<Vec3f> points,
-                                           std::vector<Label> labels,
-                                           const Cube& cube) {
-  auto subject = std::make_shared<Subject>();
-  PreparedFrame& prepared = subject->prepared;
+inline std::shared_ptr<debug::Subject> subject_of(std::vector<Vec3f> points,
+                                                  std::vector<Label> labels,
+                                                  const planes::Cube& cube) {
+  auto subject = std::make_shared<debug::Subject>();
+  planes::PreparedFrame& prepared = subject->prepared;
   prepared.cloud.T_world_sensor.translation() = Vec3d(-1.5, 0, 1);
   prepared.cloud.cube = cube;
   prepared.cloud.points = points;
@@ -32,20 +32,23 @@ inline std::shared_ptr<Subject> subject_of(std::vector<Vec3f> points,
   return subject;
 }
 
-inline std::shared_ptr<const Run> run_of_cloud(std::uint64_t seed, const SegmentOptions& options) {
+inline std::shared_ptr<const debug::Run> run_of_cloud(std::uint64_t seed,
+                                                      const planes::SegmentOptions& options) {
   LabelledCloud cloud = random_cloud(seed);
-  PipelineOptions pipeline;
+  planes::PipelineOptions pipeline;
   pipeline.segment = options;
-  return make_run(subject_of(std::move(cloud.points), std::move(cloud.labels), cloud.cube),
-                  pipeline);
+  return debug::make_run(subject_of(std::move(cloud.points), std::move(cloud.labels), cloud.cube),
+                         pipeline);
 }
 
 /// Stairs with their exact labels and true planes.
-inline std::shared_ptr<Subject> stairs_subject(int index, double noise_m, int points = 2048) {
-  StairsOptions options;
+inline std::shared_ptr<debug::Subject> stairs_subject(int index,
+                                                      double noise_m,
+                                                      int points = 2048) {
+  lab::StairsOptions options;
   options.noise_m = noise_m;
   options.points = points;
-  const Stairs stairs = make_stairs(index, options);
+  const lab::Stairs stairs = lab::make_stairs(index, options);
   std::vector<Label> labels;
   for (const std::uint8_t label : stairs.cloud.label)
     labels.push_back(label == 2 ? Label::v : Label::h);
@@ -58,13 +61,13 @@ inline std::shared_ptr<Subject> stairs_subject(int index, double noise_m, int po
   return subject;
 }
 
-inline std::shared_ptr<const Run> run_of_stairs(const SegmentOptions& options,
-                                                double noise_m,
-                                                int index = 0,
-                                                int points = 2048) {
-  PipelineOptions pipeline;
+inline std::shared_ptr<const debug::Run> run_of_stairs(const planes::SegmentOptions& options,
+                                                       double noise_m,
+                                                       int index = 0,
+                                                       int points = 2048) {
+  planes::PipelineOptions pipeline;
   pipeline.segment = options;
-  return make_run(stairs_subject(index, noise_m, points), pipeline);
+  return debug::make_run(stairs_subject(index, noise_m, points), pipeline);
 }
 
 }  // namespace planescope::test

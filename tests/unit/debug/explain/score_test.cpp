@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 VoxelTruth truth_of(std::vector<std::int32_t> planes, int count) {
@@ -43,4 +43,4 @@ TEST(QuickScore, EveryWayToLoseAPlaneHasItsName) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -4,7 +4,7 @@
 
 #include "core/debug/filter/filter.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 std::vector<std::string> at_end(const std::string& text) {
@@ -58,4 +58,4 @@ TEST(FilterCompletion, ReplacesTheWholeWordThatTheCursorIsIn) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

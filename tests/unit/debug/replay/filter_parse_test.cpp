@@ -6,7 +6,7 @@
 #include "core/debug/filter/filter.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 FilterProblem problem_of(const std::string& text) {
@@ -140,4 +140,4 @@ TEST(FilterManual, HasEveryNameAndTheMethodsOptionsStandWithThem) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -9,9 +9,9 @@
 
 namespace planescope::test {
 
-inline std::shared_ptr<Subject> subject_of(const LabelledCloud& cloud) {
-  auto subject = std::make_shared<Subject>();
-  PreparedFrame& prepared = subject->prepared;
+inline std::shared_ptr<debug::Subject> subject_of(const LabelledCloud& cloud) {
+  auto subject = std::make_shared<debug::Subject>();
+  planes::PreparedFrame& prepared = subject->prepared;
   prepared.cloud.T_world_sensor.translation() = Vec3d(-1.5, 0, 1);
   prepared.cloud.cube = cloud.cube;
   prepared.voxels.points = cloud.points;
@@ -20,17 +20,17 @@ inline std::shared_ptr<Subject> subject_of(const LabelledCloud& cloud) {
   return subject;
 }
 
-inline PipelineOptions options_of(Profile profile) {
-  PipelineOptions options;
-  options.segment = profile_options(profile);
+inline planes::PipelineOptions options_of(planes::Profile profile) {
+  planes::PipelineOptions options;
+  options.segment = planes::profile_options(profile);
   return options;
 }
 
 /// Three steps of a stair every 2 cm, 16 cm high, with their truth: treads 1, 3, 5 are h, risers
 /// 2, 4 are v. Exact, or with noise along each normal.
-inline std::shared_ptr<Subject> stair_subject(double noise_m = 0) {
+inline std::shared_ptr<debug::Subject> stair_subject(double noise_m = 0) {
   LabelledCloud cloud;
-  VoxelTruth truth;
+  debug::VoxelTruth truth;
   Random random(5);
   const auto add = [&](const Vec3d& p, const Vec3d& normal, Label label, int plane) {
     cloud.points.push_back((p + noise_m * random.normal() * normal).cast<float>());

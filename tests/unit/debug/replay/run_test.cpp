@@ -4,26 +4,27 @@
 
 #include "replay_subject.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 TEST(Run, FactsAgreeWithWhatWasDecided) {
-  for (const Profile profile : {Profile::paper, Profile::paper_closest, Profile::refined}) {
+  for (const planes::Profile profile :
+       {planes::Profile::paper, planes::Profile::paper_closest, planes::Profile::refined}) {
     const auto run = make_run(test::stair_subject(0.003), test::options_of(profile));
-    for (const TraceEvent& event : run->trace.events) {
-      if (event.type != EventType::decide) continue;
+    for (const planes::TraceEvent& event : run->trace.events) {
+      if (event.type != planes::EventType::decide) continue;
       const NodeFacts& facts = run->facts[event.node];
-      const auto decided = static_cast<Case>(event.node_case);
-      EXPECT_EQ(is_pure(facts.purity, run->segment_options), decided != Case::I);
-      if (decided == Case::III || decided == Case::IV) {
-        EXPECT_EQ(facts.e_n <= facts.theta_e_n, decided == Case::IV);
+      const auto decided = static_cast<planes::Case>(event.node_case);
+      EXPECT_EQ(planes::is_pure(facts.purity, run->segment_options), decided != planes::Case::I);
+      if (decided == planes::Case::III || decided == planes::Case::IV) {
+        EXPECT_EQ(facts.e_n <= facts.theta_e_n, decided == planes::Case::IV);
       }
     }
   }
 }
 
 TEST(Run, FactsCountTheTruePlanesOfEachNode) {
-  const auto run = make_run(test::stair_subject(), test::options_of(Profile::paper));
+  const auto run = make_run(test::stair_subject(), test::options_of(planes::Profile::paper));
   const NodeFacts& root = run->facts[0];
   EXPECT_EQ(root.truth_planes, 5u);
   EXPECT_EQ(root.truth_plane, 1);
@@ -32,8 +33,8 @@ TEST(Run, FactsCountTheTruePlanesOfEachNode) {
 }
 
 TEST(Run, EveryEventHasASentenceOfItsOwn) {
-  PipelineOptions options = test::options_of(Profile::refined);
-  options.segment.split_disconnected.rule = SplitRule::on;
+  planes::PipelineOptions options = test::options_of(planes::Profile::refined);
+  options.segment.split_disconnected.rule = planes::SplitRule::on;
   options.segment.split_disconnected.gap_m = 0.025;
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   for (std::int32_t step = 0; step <= run->steps(); ++step) {
@@ -48,10 +49,10 @@ TEST(Run, EveryEventHasASentenceOfItsOwn) {
 
 TEST(Run, ASceneWithoutPointsHasNoSteps) {
   auto subject = std::make_shared<Subject>();
-  const auto run = make_run(subject, test::options_of(Profile::refined));
+  const auto run = make_run(subject, test::options_of(planes::Profile::refined));
   EXPECT_EQ(run->steps(), 0);
   EXPECT_EQ(run->timeline.plane_count(), 0);
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

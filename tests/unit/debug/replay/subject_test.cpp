@@ -4,7 +4,7 @@
 
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 /// Two points that share a voxel, one that is no measurement, one alone, one that is cropped.
@@ -19,8 +19,8 @@ Frame cloud_frame() {
   return frame;
 }
 
-PipelineOptions crop_at_3_m() {
-  PipelineOptions options;
+planes::PipelineOptions crop_at_3_m() {
+  planes::PipelineOptions options;
   options.cloud.max_range_m = 3;
   options.cloud.range_for_clouds = true;
   return options;
@@ -28,19 +28,21 @@ PipelineOptions crop_at_3_m() {
 
 TEST(Subject, SourcesFindTheirVoxels) {
   const Frame frame = cloud_frame();
-  const auto subject = make_subject(frame, truth_of_cloud(*frame.cloud), crop_at_3_m(), nullptr);
+  const auto subject =
+      make_subject(frame, planes::truth_of_cloud(*frame.cloud), crop_at_3_m(), nullptr);
   ASSERT_EQ(subject->voxel_count(), 2u);
-  EXPECT_NE(subject->voxel_of_source(0), kNoVoxel);
+  EXPECT_NE(subject->voxel_of_source(0), planes::kNoVoxel);
   EXPECT_EQ(subject->voxel_of_source(0), subject->voxel_of_source(2));
   EXPECT_NE(subject->voxel_of_source(0), subject->voxel_of_source(3));
-  EXPECT_EQ(subject->voxel_of_source(1), kNoVoxel) << "not measured";
-  EXPECT_EQ(subject->voxel_of_source(4), kNoVoxel) << "out of range";
-  EXPECT_EQ(subject->voxel_of_source(77), kNoVoxel) << "not in the frame";
+  EXPECT_EQ(subject->voxel_of_source(1), planes::kNoVoxel) << "not measured";
+  EXPECT_EQ(subject->voxel_of_source(4), planes::kNoVoxel) << "out of range";
+  EXPECT_EQ(subject->voxel_of_source(77), planes::kNoVoxel) << "not in the frame";
 }
 
 TEST(Subject, VoxelsTakeTheTruthOfTheirPoints) {
   const Frame frame = cloud_frame();
-  const auto subject = make_subject(frame, truth_of_cloud(*frame.cloud), crop_at_3_m(), nullptr);
+  const auto subject =
+      make_subject(frame, planes::truth_of_cloud(*frame.cloud), crop_at_3_m(), nullptr);
   ASSERT_TRUE(subject->voxel_truth.known());
   EXPECT_EQ(subject->voxel_truth.plane_count, 4);
   EXPECT_EQ(subject->voxel_truth.plane[subject->voxel_of_source(0)], 4);
@@ -49,7 +51,7 @@ TEST(Subject, VoxelsTakeTheTruthOfTheirPoints) {
 }
 
 TEST(Subject, WithoutTruthNothingIsKnown) {
-  const auto classifier = make_pca_classifier();
+  const auto classifier = planes::make_pca_classifier();
   const auto subject = make_subject(cloud_frame(), std::nullopt, crop_at_3_m(), classifier.get());
   EXPECT_FALSE(subject->voxel_truth.known());
   EXPECT_FALSE(subject->truth.has_value());
@@ -57,4 +59,4 @@ TEST(Subject, WithoutTruthNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

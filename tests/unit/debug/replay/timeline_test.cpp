@@ -9,7 +9,7 @@
 #include "core/planes/segment/criteria.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::debug {
 namespace {
 
 const Vec3d kSensor(-1.5, 0, 1);
@@ -17,56 +17,57 @@ constexpr std::uint64_t kClouds = 12;
 
 struct NamedOptions {
   const char* name;
-  SegmentOptions options;
+  planes::SegmentOptions options;
 };
 void PrintTo(const NamedOptions& named, std::ostream* out) { *out << named.name; }
 
-SegmentOptions split_options() {
-  SegmentOptions options = profile_options(Profile::refined);
-  options.split_disconnected.rule = SplitRule::on;
+planes::SegmentOptions split_options() {
+  planes::SegmentOptions options = planes::profile_options(planes::Profile::refined);
+  options.split_disconnected.rule = planes::SplitRule::on;
   options.split_disconnected.gap_m =
       0.025;  // finer than the clouds are sampled: many parts, many too small
   return options;
 }
 
-SegmentOptions without_labels() {
-  SegmentOptions options = profile_options(Profile::paper);
+planes::SegmentOptions without_labels() {
+  planes::SegmentOptions options = planes::profile_options(planes::Profile::paper);
   options.use_labels = false;
   return options;
 }
 
-SegmentOptions with_spreads() {
-  SegmentOptions options = profile_options(Profile::refined);
+planes::SegmentOptions with_spreads() {
+  planes::SegmentOptions options = planes::profile_options(planes::Profile::refined);
   options.r8_voxel_spread.on = true;
   return options;
 }
 
 /// Planes cut across edges.
-SegmentOptions with_corners() {
-  SegmentOptions options = profile_options(Profile::refined);
+planes::SegmentOptions with_corners() {
+  planes::SegmentOptions options = planes::profile_options(planes::Profile::refined);
   options.use_labels = options.noise.estimate_sigma = false;
   options.noise.fixed_rms_m = 0.05;
   return options;
 }
 
-Measurements more_of(const test::LabelledCloud& cloud, const SegmentOptions& options) {
-  Measurements more;
+planes::Measurements more_of(const test::LabelledCloud& cloud,
+                             const planes::SegmentOptions& options) {
+  planes::Measurements more;
   if (options.r8_voxel_spread.on)
     more.spreads.assign(cloud.points.size(), {.xx = 2e-5f, .zz = 1e-5f});
-  if (needs_pixels(options)) more.pixels = test::picture_of(cloud.points, kSensor);
+  if (planes::needs_pixels(options)) more.pixels = test::picture_of(cloud.points, kSensor);
   return more;
 }
 
 struct Traced {
-  Trace trace;
-  Segmentation segmentation;
+  planes::Trace trace;
+  planes::Segmentation segmentation;
   Timeline timeline;
 };
 
-Traced traced(const test::LabelledCloud& cloud, const SegmentOptions& options) {
+Traced traced(const test::LabelledCloud& cloud, const planes::SegmentOptions& options) {
   Traced result;
-  result.segmentation = segment(cloud.points, cloud.labels, cloud.cube, kSensor, options,
-                                &result.trace, more_of(cloud, options));
+  result.segmentation = planes::segment(cloud.points, cloud.labels, cloud.cube, kSensor, options,
+                                        &result.trace, more_of(cloud, options));
   result.timeline = Timeline(result.trace, result.segmentation);
   return result;
 }
@@ -81,12 +82,12 @@ struct Changes {
 std::vector<Changes> changes_by_step(const Traced& run, std::size_t points) {
   std::vector<Changes> changes(static_cast<std::size_t>(run.timeline.steps()) + 1);
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(points); ++p)
-    for (const PointChange& change : run.timeline.changes_of_point(p)) {
+    for (const planes::PointChange& change : run.timeline.changes_of_point(p)) {
       EXPECT_EQ(change.leftover, change.plane < 0);
       EXPECT_TRUE(changes[change.step].plane_of.emplace(p, change.plane).second);
     }
   for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
-    for (const PlaneChange& change : run.timeline.changes_of_plane(k))
+    for (const planes::PlaneChange& change : run.timeline.changes_of_plane(k))
       changes[change.step].planes.insert(k);
   return changes;
 }
@@ -94,11 +95,11 @@ std::vector<Changes> changes_by_step(const Traced& run, std::size_t points) {
 /// What an event must change, told by the octree, the labels and where the points were before.
 class Expected {
  public:
-  Expected(const Traced& run, const SegmentOptions& options)
+  Expected(const Traced& run, const planes::SegmentOptions& options)
       : run_(run), octree_(run.segmentation.octree), options_(options) {}
 
-  Changes of(const TraceEvent& event, std::int32_t step) const {
-    using enum EventType;
+  Changes of(const planes::TraceEvent& event, std::int32_t step) const {
+    using enum planes::EventType;
     const bool of_node = event.node >= 0;
     switch (event.type) {
       case visit:
@@ -121,14 +122,14 @@ class Expected {
         break;
     }
     switch (event.stage) {
-      case Stage::r2_explain_away:
-      case Stage::r10_minor:
+      case planes::Stage::r2_explain_away:
+      case planes::Stage::r10_minor:
         return {points_of(event.plane, step - 1, -1), {event.plane}};
-      case Stage::r5_reassign_shared_cells:
-      case Stage::r11_pixel_borders:
+      case planes::Stage::r5_reassign_shared_cells:
+      case planes::Stage::r11_pixel_borders:
         return {{{event.point, event.other}}, {}};
-      case Stage::r7_second_merge:
-      case Stage::r9_join_sheets:
+      case planes::Stage::r7_second_merge:
+      case planes::Stage::r9_join_sheets:
         return {points_of(event.plane, step - 1, event.other), {event.plane, event.other}};
       default:  // fitted anew
         return {{}, {event.plane}};
@@ -152,7 +153,7 @@ class Expected {
   }
 
   template <typename Wanted>
-  std::map<std::int32_t, std::int32_t> in_node(const OctreeNode& node,
+  std::map<std::int32_t, std::int32_t> in_node(const planes::OctreeNode& node,
                                                std::int32_t to,
                                                Wanted wanted) const {
     std::map<std::int32_t, std::int32_t> points;
@@ -161,31 +162,31 @@ class Expected {
     return points;
   }
 
-  std::map<std::int32_t, std::int32_t> candidate_of(const TraceEvent& event,
+  std::map<std::int32_t, std::int32_t> candidate_of(const planes::TraceEvent& event,
                                                     std::int32_t to) const {
     return in_node(octree_.nodes[event.node], to,
                    [&](Label label) { return !options_.use_labels || label == event.label; });
   }
 
-  std::map<std::int32_t, std::int32_t> left_over_by(const OctreeNode& node) const {
-    const Purity purity = purity_of(node, options_.use_labels);
-    const bool all = node.decided == Case::II || node.at_max_depth;
-    const bool outliers = node.decided == Case::IV ||
-                          (node.impure_fit && !has_enough_inliers(purity.n_out, options_));
+  std::map<std::int32_t, std::int32_t> left_over_by(const planes::OctreeNode& node) const {
+    const planes::Purity purity = planes::purity_of(node, options_.use_labels);
+    const bool all = node.decided == planes::Case::II || node.at_max_depth;
+    const bool outliers = node.decided == planes::Case::IV ||
+                          (node.impure_fit && !planes::has_enough_inliers(purity.n_out, options_));
     return in_node(node, -1, [&](Label label) {
       return all || (outliers && options_.use_labels && label != purity.inlier);
     });
   }
 
   const Traced& run_;
-  const Octree& octree_;
-  const SegmentOptions& options_;
+  const planes::Octree& octree_;
+  const planes::SegmentOptions& options_;
 };
 
 class Replay : public testing::TestWithParam<NamedOptions> {};
 
 TEST_P(Replay, EachEventChangesWhatItSaysAndNothingElse) {
-  const SegmentOptions& options = GetParam().options;
+  const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds && !HasFailure(); ++seed) {
     const test::LabelledCloud cloud = test::random_cloud(seed);
     const Traced run = traced(cloud, options);
@@ -193,7 +194,7 @@ TEST_P(Replay, EachEventChangesWhatItSaysAndNothingElse) {
     const Expected expected(run, options);
     const std::vector<Changes> changes = changes_by_step(run, cloud.points.size());
     for (std::int32_t step = 1; step <= run.timeline.steps(); ++step) {
-      const TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
+      const planes::TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
       const Changes should = expected.of(event, step);
       ASSERT_EQ(changes[step].plane_of, should.plane_of) << "cloud " << seed << ", step " << step;
       ASSERT_EQ(changes[step].planes, should.planes) << "cloud " << seed << ", step " << step;
@@ -203,12 +204,12 @@ TEST_P(Replay, EachEventChangesWhatItSaysAndNothingElse) {
 
 TEST_P(Replay, NodesAreQueuedVisitedAndSettledByTheirEvents) {
   const Traced run = traced(test::random_cloud(5), GetParam().options);
-  const std::vector<OctreeNode>& nodes = run.segmentation.octree.nodes;
+  const std::vector<planes::OctreeNode>& nodes = run.segmentation.octree.nodes;
   for (std::int32_t step = 1; step <= run.timeline.steps(); ++step) {
-    const TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
-    if (event.type == EventType::visit) {
+    const planes::TraceEvent& event = run.trace.events[static_cast<std::size_t>(step) - 1];
+    if (event.type == planes::EventType::visit) {
       EXPECT_EQ(run.timeline.visited_at()[event.node], step);
-    } else if (event.type == EventType::decide) {
+    } else if (event.type == planes::EventType::decide) {
       EXPECT_EQ(run.timeline.decided_at()[event.node], step);
     }
   }
@@ -225,15 +226,17 @@ TEST_P(Replay, NodesAreQueuedVisitedAndSettledByTheirEvents) {
 }
 
 TEST_P(Replay, PlanesAreFittedToThePointsThatTheyHaveUntilLeftoversJoin) {
-  const SegmentOptions& options = GetParam().options;
+  const planes::SegmentOptions& options = GetParam().options;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
     const test::LabelledCloud cloud = test::random_cloud(seed);
     const Traced run = traced(cloud, options);
     const Expected at(run, options);
     for (std::int32_t k = 0; k < run.timeline.plane_count(); ++k)
-      for (const PlaneChange& change : run.timeline.changes_of_plane(k)) {
-        const TraceEvent& event = run.trace.events[static_cast<std::size_t>(change.step) - 1];
-        const bool later = event.stage == Stage::r6_refit || event.stage == Stage::r9_join_sheets;
+      for (const planes::PlaneChange& change : run.timeline.changes_of_plane(k)) {
+        const planes::TraceEvent& event =
+            run.trace.events[static_cast<std::size_t>(change.step) - 1];
+        const bool later =
+            event.stage == planes::Stage::r6_refit || event.stage == planes::Stage::r9_join_sheets;
         if (!change.alive || later) continue;
         const auto points = at.points_of(k, change.step, k);
         EXPECT_EQ(change.moments.count, static_cast<double>(points.size()));
@@ -246,13 +249,13 @@ TEST_P(Replay, PlanesAreFittedToThePointsThatTheyHaveUntilLeftoversJoin) {
 }
 
 TEST_P(Replay, TheLastStepIsTheResult) {
-  const SegmentOptions& options = GetParam().options;
+  const planes::SegmentOptions& options = GetParam().options;
   const test::LabelledCloud cloud = test::random_cloud(31);
   const Traced run = traced(cloud, options);
-  const Segmentation& s = run.segmentation;
+  const planes::Segmentation& s = run.segmentation;
   const Timeline& timeline = run.timeline;
   for (std::int32_t p = 0; p < static_cast<std::int32_t>(s.plane_of.size()); ++p) {
-    const PointChange last = timeline.point_at(p, timeline.steps());
+    const planes::PointChange last = timeline.point_at(p, timeline.steps());
     EXPECT_EQ(last.plane < 0 ? 0 : timeline.result_of_plane(last.plane), s.plane_of[p]);
     EXPECT_EQ(last.leftover, s.plane_of[p] == 0);
     const std::vector<std::int32_t> path = timeline.path_of_point(p);
@@ -262,50 +265,52 @@ TEST_P(Replay, TheLastStepIsTheResult) {
 }
 
 TEST(ReplayInputs, HoldEveryKindOfEventAndStage) {
-  std::set<std::pair<EventType, Stage>> seen;
+  std::set<std::pair<planes::EventType, planes::Stage>> seen;
   for (std::uint64_t seed = 1; seed <= kClouds; ++seed)
-    for (const SegmentOptions& options : {split_options(), with_corners()})
-      for (const TraceEvent& event : traced(test::random_cloud(seed), options).trace.events)
+    for (const planes::SegmentOptions& options : {split_options(), with_corners()})
+      for (const planes::TraceEvent& event : traced(test::random_cloud(seed), options).trace.events)
         seen.emplace(event.type, event.stage);
-  using enum EventType;
-  for (const auto& [type, stage] :
-       std::set<std::pair<EventType, Stage>>{{visit, Stage::criteria},
-                                             {decide, Stage::criteria},
-                                             {found, Stage::r1_merge_by_distance},
-                                             {merge, Stage::r1_merge_by_distance},
-                                             {wait, Stage::r3_weak_candidates},
-                                             {found, Stage::r3_weak_candidates},
-                                             {merge, Stage::r3_weak_candidates},
-                                             {leave, Stage::r3_weak_candidates},
-                                             {assign, Stage::assign},
-                                             {drop, Stage::assign},
-                                             {refine, Stage::r2_explain_away},
-                                             {refine, Stage::r5_reassign_shared_cells},
-                                             {refine, Stage::r6_refit},
-                                             {refine, Stage::r7_second_merge},
-                                             {refine, Stage::r9_join_sheets},
-                                             {refine, Stage::r10_minor},
-                                             {assign, Stage::r11_pixel_borders},
-                                             {refine, Stage::r11_pixel_borders},
-                                             {found, Stage::r12_part_corners},
-                                             {refine, Stage::r12_part_corners},
-                                             {found, Stage::split_disconnected},
-                                             {refine, Stage::split_disconnected},
-                                             {leave, Stage::split_disconnected}})
-    EXPECT_TRUE(seen.contains({type, stage})) << static_cast<int>(type) << ", " << to_string(stage);
+  using enum planes::EventType;
+  for (const auto& [type, stage] : std::set<std::pair<planes::EventType, planes::Stage>>{
+           {visit, planes::Stage::criteria},
+           {decide, planes::Stage::criteria},
+           {found, planes::Stage::r1_merge_by_distance},
+           {merge, planes::Stage::r1_merge_by_distance},
+           {wait, planes::Stage::r3_weak_candidates},
+           {found, planes::Stage::r3_weak_candidates},
+           {merge, planes::Stage::r3_weak_candidates},
+           {leave, planes::Stage::r3_weak_candidates},
+           {assign, planes::Stage::assign},
+           {drop, planes::Stage::assign},
+           {refine, planes::Stage::r2_explain_away},
+           {refine, planes::Stage::r5_reassign_shared_cells},
+           {refine, planes::Stage::r6_refit},
+           {refine, planes::Stage::r7_second_merge},
+           {refine, planes::Stage::r9_join_sheets},
+           {refine, planes::Stage::r10_minor},
+           {assign, planes::Stage::r11_pixel_borders},
+           {refine, planes::Stage::r11_pixel_borders},
+           {found, planes::Stage::r12_part_corners},
+           {refine, planes::Stage::r12_part_corners},
+           {found, planes::Stage::split_disconnected},
+           {refine, planes::Stage::split_disconnected},
+           {leave, planes::Stage::split_disconnected}})
+    EXPECT_TRUE(seen.contains({type, stage}))
+        << static_cast<int>(type) << ", " << planes::to_string(stage);
 }
 
-INSTANTIATE_TEST_SUITE_P(Profiles,
-                         Replay,
-                         testing::Values(NamedOptions{"paper", profile_options(Profile::paper)},
-                                         NamedOptions{"paper_closest",
-                                                      profile_options(Profile::paper_closest)},
-                                         NamedOptions{"refined", profile_options(Profile::refined)},
-                                         NamedOptions{"refined_split", split_options()},
-                                         NamedOptions{"refined_spreads", with_spreads()},
-                                         NamedOptions{"refined_corners", with_corners()},
-                                         NamedOptions{"paper_without_labels", without_labels()}),
-                         [](const auto& named) { return named.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Profiles,
+    Replay,
+    testing::Values(NamedOptions{"paper", planes::profile_options(planes::Profile::paper)},
+                    NamedOptions{"paper_closest",
+                                 planes::profile_options(planes::Profile::paper_closest)},
+                    NamedOptions{"refined", planes::profile_options(planes::Profile::refined)},
+                    NamedOptions{"refined_split", split_options()},
+                    NamedOptions{"refined_spreads", with_spreads()},
+                    NamedOptions{"refined_corners", with_corners()},
+                    NamedOptions{"paper_without_labels", without_labels()}),
+    [](const auto& named) { return named.param.name; });
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::debug

@@ -10,15 +10,15 @@
 #include "core/lab/bench/chain_bench.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
-std::vector<NamedClassifier> pca() { return {{"pca", make_pca_classifier()}}; }
+std::vector<NamedClassifier> pca() { return {{"pca", planes::make_pca_classifier()}}; }
 
 TEST(LabelBench, TiltedCloudsAreOffLevelByExactlyTheAngle) {
-  const LabelledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
+  const planes::LabelledCloud up{"stairs", {{0, 0, 1}}, {Label::h}};
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const LabelledCloud off = tilted(up, 5, seed);
+    const planes::LabelledCloud off = tilted(up, 5, seed);
     EXPECT_NEAR(off.points[0].z(), std::cos(5 * std::numbers::pi / 180), 1e-6);
     EXPECT_EQ(off.labels, up.labels);
   }
@@ -48,8 +48,8 @@ TEST(LabelBench, NoiseCostsEdgeLabels) {
 
 TEST(LabelBench, TheShippedNetworkIsAsGoodAsItWasAndBetterThanNormalsNearEdges) {
   const NamedClassifier gcn = {
-      "gcn",
-      make_classifier({}, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors").classifier};
+      "gcn", planes::make_classifier({}, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
+                 .classifier};
   // Half a point below what it reached with these clouds; see docs/classifier.md for 100 of each.
   const std::map<std::string, double> least_edge = {{"stairs, 0 cm", 97.1},
                                                     {"stairs, 0.1 cm", 95.0},
@@ -77,7 +77,8 @@ TEST(LabelBench, StopsWhereProgressThrows) {
 }
 
 TEST(ChainBench, TrueLabelsFindEveryPlaneAndNoLabelsDoBetter) {
-  const auto rows = measure_chain(pca(), profile_options(Profile::refined), {.count = 3});
+  const auto rows =
+      measure_chain(pca(), planes::profile_options(planes::Profile::refined), {.count = 3});
   ASSERT_EQ(rows.size(), 8u);  // noises x (truth, pca)
   for (std::size_t i = 0; i < rows.size(); i += 2) {
     EXPECT_EQ(rows[i].labels, "truth");
@@ -89,4 +90,4 @@ TEST(ChainBench, TrueLabelsFindEveryPlaneAndNoLabelsDoBetter) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

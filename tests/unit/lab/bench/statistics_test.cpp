@@ -4,7 +4,7 @@
 
 #include "core/lab/bench/interleaved.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 TEST(Statistics, TheMedianIsTheMiddleOrTheMeanOfTheMiddleTwo) {
@@ -35,4 +35,4 @@ TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const Table kTable{"Sizes", "In metres.", {"what", "long", "wide"}, {{"a", "1.5", "10.25"}}, 1};
@@ -25,4 +25,4 @@ TEST(Table, IsAMarkdownTableUnderAHeading) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,8 +7,8 @@ using namespace planescope;
 namespace {
 
 /// "row,column row,column" of what is best.
-std::string marked(const Table& table) {
-  const std::vector<std::vector<bool>> best = best_cells(table);
+std::string marked(const lab::Table& table) {
+  const std::vector<std::vector<bool>> best = lab::best_cells(table);
   std::string text;
   for (std::size_t r = 0; r < best.size(); ++r)
     for (std::size_t c = 0; c < best[r].size(); ++c)

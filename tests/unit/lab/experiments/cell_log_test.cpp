@@ -7,7 +7,7 @@
 #include "support/refusal.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,4 +60,4 @@ TEST_F(CellLogTest, IsGoneWhenTheRunIsOver) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -4,7 +4,7 @@
 
 #include "core/lab/experiments/paper_plan.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 
 inline Cell made_up_cell(const CellKey& key, double alpha_deg, double r_p = 100, double iou = 98) {
   Cell cell{key, 10, {}};
@@ -48,4 +48,4 @@ inline PaperTimings made_up_timings() {
   return timings;
 }
 
-}  // namespace planescope
+}  // namespace planescope::lab

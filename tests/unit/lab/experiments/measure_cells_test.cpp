@@ -7,15 +7,16 @@
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 CellTools tools() {
   CellTools tools;
-  PipelineOptions options;
+  planes::PipelineOptions options;
   tools.gcn =
-      make_classifier(options, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors").classifier;
-  tools.pca = make_pca_classifier();
+      planes::make_classifier(options, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
+          .classifier;
+  tools.pca = planes::make_pca_classifier();
   return tools;
 }
 
@@ -66,17 +67,17 @@ TEST(PaperPlan, HasEveryCellOnceAndThoseOfAQuickRunAmongThem) {
 
 TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
   for (const std::string& refinement : refinements()) {
-    const SegmentOptions o =
+    const planes::SegmentOptions o =
         cell_options(with_ours(stairs_of(1, 8192, 0.3), "refined", "gcn", without(refinement)))
             .segment;
     const int on = o.noise.estimate_sigma + o.r1_merge_by_distance.on + o.r2_explain_away.on +
                    o.r3_weak_candidates.on + o.r4_fit_impure_nodes.on +
                    o.r5_reassign_shared_cells.on + o.r6_refit.on + o.r7_second_merge.on +
                    o.r9_join_sheets.on + o.r10_minor.on + o.r11_pixel_borders.on +
-                   o.r12_part_corners.on + (o.split_disconnected.rule != SplitRule::off);
+                   o.r12_part_corners.on + (o.split_disconnected.rule != planes::SplitRule::off);
     EXPECT_EQ(on, 12) << refinement;
   }
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

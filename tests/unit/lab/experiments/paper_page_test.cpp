@@ -14,13 +14,13 @@ bool has(const std::string& page, const std::string& text) {
   return page.find(text) != std::string::npos;
 }
 
-Cell cell(const std::string& set,
-          double noise_cm,
-          const std::string& method,
-          const std::string& profile,
-          double alpha_deg,
-          double iou) {
-  Cell cell;
+lab::Cell cell(const std::string& set,
+               double noise_cm,
+               const std::string& method,
+               const std::string& profile,
+               double alpha_deg,
+               double iou) {
+  lab::Cell cell;
   cell.key = {.set = set,
               .seed = 1,
               .points = 8192,
@@ -38,8 +38,8 @@ Cell cell(const std::string& set,
   return cell;
 }
 
-PaperResults some_results() {
-  PaperResults results;
+lab::PaperResults some_results() {
+  lab::PaperResults results;
   results.command = "planescope bench paper --count '<few>'";
   results.build = {"0.1.0", "0123456789abcdef", true};
   results.weights.file = "own & others.safetensors";
@@ -53,15 +53,15 @@ PaperResults some_results() {
   return results;
 }
 
-PaperTimings some_timings() {
-  PaperTimings timings;
+lab::PaperTimings some_timings() {
+  lab::PaperTimings timings;
   timings.machine.cpu = "A <quick> CPU";
   timings.classifiers = {{"gcn", 2048, 1, 1.5}, {"gcn", 4096, 1, 2.5}, {"gcn", 8192, 1, 4.5}};
   return timings;
 }
 
-PaperPicture picture(const std::string& row, const std::string& column) {
-  PaperPicture picture;
+lab::PaperPicture picture(const std::string& row, const std::string& column) {
+  lab::PaperPicture picture;
   picture.row = row;
   picture.column = column;
   picture.caption = row + " < " + column;
@@ -71,13 +71,13 @@ PaperPicture picture(const std::string& row, const std::string& column) {
   return picture;
 }
 
-std::vector<PaperFigure> some_figures() {
-  PaperFigure figure;
+std::vector<lab::PaperFigure> some_figures() {
+  lab::PaperFigure figure;
   figure.id = "stairs_noise";
   figure.title = "Stairs & noise";
   figure.note = "a note";
   figure.pictures = {picture("paper", "0.0"), picture("paper", "0.3"), picture("refined", "0.3")};
-  return {figure, PaperFigure{"failures", "Where planes are lost", "", {}}};
+  return {figure, lab::PaperFigure{"failures", "Where planes are lost", "", {}}};
 }
 
 /// The first element that is not closed in the order in which elements were opened; empty: all are.
@@ -101,21 +101,22 @@ std::string unbalanced(const std::string& page) {
 
 class PaperPage : public testing::Test {
  protected:
-  const PaperResults results_ = some_results();
-  const PaperTimings timings_ = some_timings();
-  const std::vector<PaperFigure> figures_ = some_figures();
-  const std::string page_ = paper_page(results_, &timings_, figures_);
+  const lab::PaperResults results_ = some_results();
+  const lab::PaperTimings timings_ = some_timings();
+  const std::vector<lab::PaperFigure> figures_ = some_figures();
+  const std::string page_ = lab::paper_page(results_, &timings_, figures_);
 };
 
 }  // namespace
 
 TEST_F(PaperPage, ShowsEveryTableAndEveryClaim) {
-  std::vector<Table> tables = paper_tables(results_);
-  for (const Table& table : stricter_tables(results_)) tables.push_back(table);
-  for (const Table& table : timing_tables(timings_)) tables.push_back(table);
+  std::vector<lab::Table> tables = lab::paper_tables(results_);
+  for (const lab::Table& table : lab::stricter_tables(results_)) tables.push_back(table);
+  for (const lab::Table& table : lab::timing_tables(timings_)) tables.push_back(table);
   ASSERT_GE(tables.size(), 3u);
-  for (const Table& table : tables) EXPECT_TRUE(has(page_, ">" + table.title + "<")) << table.title;
-  for (const Claim& claim : claims(results_)) EXPECT_TRUE(has(page_, claim.measure));
+  for (const lab::Table& table : tables)
+    EXPECT_TRUE(has(page_, ">" + table.title + "<")) << table.title;
+  for (const lab::Claim& claim : lab::claims(results_)) EXPECT_TRUE(has(page_, claim.measure));
 }
 
 TEST_F(PaperPage, SaysWhatWasRunAndEscapesIt) {
@@ -150,7 +151,7 @@ TEST_F(PaperPage, PutsPicturesWhereTheirRowAndColumnMeet) {
 }
 
 TEST_F(PaperPage, IsThereBeforeAnythingWasMeasured) {
-  const std::string page = paper_page(PaperResults{}, nullptr, {});
+  const std::string page = lab::paper_page(lab::PaperResults{}, nullptr, {});
   EXPECT_EQ(unbalanced(page), "");
   EXPECT_FALSE(has(page, "<svg"));
 }

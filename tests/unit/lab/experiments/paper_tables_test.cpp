@@ -8,7 +8,7 @@
 #include "core/lab/experiments/printed.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const Table* titled(const std::vector<Table>& tables, const std::string& part) {
@@ -114,4 +114,4 @@ TEST(Claims, NameWhatWasMeasuredInTheRunAlone) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

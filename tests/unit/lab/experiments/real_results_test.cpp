@@ -9,11 +9,11 @@
 #include "core/lab/experiments/real_tables.hpp"
 #include "support/refusal.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
-Metrics scored(double iou, int noise) {
-  Metrics m;
+planes::Metrics scored(double iou, int noise) {
+  planes::Metrics m;
   m.planes_truth = 4;
   m.planes_found = 5;
   m.correct = m.detected_iou80 = 3;
@@ -57,8 +57,8 @@ TEST(RealResults, AHalfIsSummedUpOverItsFramesAndOneWithoutFramesIsLeftOut) {
   ASSERT_EQ(summaries.size(), 2u);
   EXPECT_DOUBLE_EQ(summaries[0].mean_iou.mean, 80);
   EXPECT_EQ(summaries[0].metrics.noise, 3);
-  EXPECT_EQ(plane_precision(summaries[0].metrics), 60);
-  EXPECT_EQ(plane_recall(summaries[0].metrics), 75);
+  EXPECT_EQ(planes::plane_precision(summaries[0].metrics), 60);
+  EXPECT_EQ(planes::plane_recall(summaries[0].metrics), 75);
 }
 
 TEST(RealResults, TheTablesShowHowFarOursIsFromTheBestOther) {
@@ -79,4 +79,4 @@ TEST(RealResults, AHalfHasOneOfTwoNames) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 constexpr int kSide = 100;  // pixels of an image's edge
@@ -49,8 +49,8 @@ TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
 }
 
 /// A level floor 0.6 m below a camera that looks 30 degrees down, and a wall 2.5 m ahead.
-PreparedFrame floor_and_wall(double rise) {
-  PreparedFrame frame;
+planes::PreparedFrame floor_and_wall(double rise) {
+  planes::PreparedFrame frame;
   const double down = 30 * M_PI / 180;
   frame.cloud = {};
   frame.cloud.T_world_sensor.linear().col(0) = -Vec3d::UnitY();
@@ -72,7 +72,7 @@ PreparedFrame floor_and_wall(double rise) {
 
 TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
   for (const double rise : {0.0, 0.02}) {
-    const PreparedFrame frame = floor_and_wall(rise);
+    const planes::PreparedFrame frame = floor_and_wall(rise);
     const std::vector<std::uint8_t> floor = floor_pixels(frame);
     int right = 0;
     for (std::size_t i = 0; i < floor.size(); ++i) {
@@ -84,7 +84,7 @@ TEST(Repeatability, TheFloorIsToldByPixelsEvenWhereGravityIsSlightlyOff) {
 }
 
 TEST(Repeatability, AFrameWithNothingBelowTheCameraHasNoFloor) {
-  PreparedFrame frame = floor_and_wall(0);
+  planes::PreparedFrame frame = floor_and_wall(0);
   std::fill(frame.cloud.kept.begin(), frame.cloud.kept.end(), std::uint8_t{0});
   const std::vector<std::uint8_t> floor = floor_pixels(frame);
   EXPECT_EQ(std::count(floor.begin(), floor.end(), 1), 0);
@@ -110,4 +110,4 @@ TEST(Repeatability, ThePiecesOfTheFloorArePlanesThatLieMostlyOnIt) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

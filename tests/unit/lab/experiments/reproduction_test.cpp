@@ -8,7 +8,7 @@
 
 #include "unit/lab/experiments/made_up_results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,4 +43,4 @@ TEST(Reproduction, TheCommittedPageFollowsFromTheCommittedRun) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

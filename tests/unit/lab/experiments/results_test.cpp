@@ -9,7 +9,7 @@
 #include "support/refusal.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,4 +76,4 @@ TEST(PaperTimings, ComeBackFromTheirFileToTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -6,7 +6,7 @@
 
 #include "unit/lab/synthetic/test_scenes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using namespace synthetic_test;
@@ -163,4 +163,4 @@ TEST(D435, WithoutNoiseDepthIsExactToHalfACount) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 #include "core/lab/synthetic/render_scene.hpp"
 #include "unit/lab/synthetic/test_scenes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using namespace synthetic_test;
@@ -109,4 +109,4 @@ TEST(EvaluationDepth, TheCameraModelLeavesHoles) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

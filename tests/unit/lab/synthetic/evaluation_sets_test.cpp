@@ -8,7 +8,7 @@
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 EvaluationOptions small() {
@@ -191,4 +191,4 @@ TEST(EvaluationSets, ThePoleOfASpiralIsNoPlane) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -7,7 +7,7 @@
 
 #include "core/model/random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 std::vector<std::uint32_t> plain_loop(const std::vector<Vec3f>& points, std::size_t count) {
@@ -58,4 +58,4 @@ TEST(FarthestPoints, AllAreTakenWhereThereAreFewer) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

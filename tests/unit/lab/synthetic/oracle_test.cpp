@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 const TruePolygon kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1};
@@ -44,4 +44,4 @@ TEST(Oracle, TakesTheFirstOfEquallyNearPlanesAndNoneWhereACurvedPartIsNearest) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

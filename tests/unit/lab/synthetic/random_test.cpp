@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/counter_random.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 TEST(Random, ValuesAreFixedForAllTime) {
@@ -32,4 +32,4 @@ TEST(Random, NormalValuesHaveTheMomentsOfANormalDistribution) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -12,7 +12,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 fs::path fresh_dir(const std::string& name) {
   const fs::path dir = fs::path(testing::TempDir()) / ("sample_" + name);
   fs::remove_all(dir);
-  fs::remove_all(default_label_dir(dir));
+  fs::remove_all(labels::default_label_dir(dir));
   return dir;
 }
 
@@ -43,12 +43,12 @@ std::vector<fs::path> files_under(const fs::path& dir) {
 void expect_same_content(const fs::path& a, const fs::path& b) {
   if (a.extension() != ".png") {
     EXPECT_EQ(read_file_bytes(a), read_file_bytes(b)) << a;
-  } else if (const PngInfo info = png_info(a); info.bit_depth == 16) {
-    EXPECT_TRUE(read_png_16(a).data == read_png_16(b).data) << a;
+  } else if (const io::PngInfo info = io::png_info(a); info.bit_depth == 16) {
+    EXPECT_TRUE(io::read_png_16(a).data == io::read_png_16(b).data) << a;
   } else if (info.channels == 1) {
-    EXPECT_TRUE(read_png_grey(a).data == read_png_grey(b).data) << a;
+    EXPECT_TRUE(io::read_png_grey(a).data == io::read_png_grey(b).data) << a;
   } else {
-    EXPECT_TRUE(read_png_rgb(a).data == read_png_rgb(b).data) << a;
+    EXPECT_TRUE(io::read_png_rgb(a).data == io::read_png_rgb(b).data) << a;
   }
 }
 
@@ -57,7 +57,8 @@ TEST(Sample, TheShippedSampleIsWhatTheDefaultsWrite) {
   const fs::path dir = fresh_dir("shipped");
   write_sample(dir);
   for (const auto& [ours, theirs] :
-       {std::pair{dir, shipped}, {default_label_dir(dir), default_label_dir(shipped)}}) {
+       {std::pair{dir, shipped},
+        {labels::default_label_dir(dir), labels::default_label_dir(shipped)}}) {
     const auto files = files_under(ours);
     ASSERT_EQ(files, files_under(theirs));
     for (const fs::path& file : files) expect_same_content(ours / file, theirs / file);
@@ -67,7 +68,7 @@ TEST(Sample, TheShippedSampleIsWhatTheDefaultsWrite) {
 TEST(Sample, TheShippedSampleIsSmall) {
   const fs::path shipped = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
   std::uintmax_t bytes = 0;
-  for (const fs::path& dir : {shipped, default_label_dir(shipped)})
+  for (const fs::path& dir : {shipped, labels::default_label_dir(shipped)})
     for (const fs::path& file : files_under(dir)) bytes += fs::file_size(dir / file);
   EXPECT_LT(bytes, 3'000'000u);
 }
@@ -75,7 +76,7 @@ TEST(Sample, TheShippedSampleIsSmall) {
 TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
   const fs::path dir = fresh_dir("truth");
   write_sample(dir, small_sample());
-  const auto recording = open_recording(dir);
+  const auto recording = io::open_recording(dir);
   ASSERT_EQ(recording->frame_count(), 3);
   for (int i = 0; i < 3; ++i) {
     const Frame frame = recording->frame(i);
@@ -86,7 +87,8 @@ TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
     EXPECT_DOUBLE_EQ(frame.intrinsics.fx, 38.5);
     EXPECT_FALSE(frame.gravity) << "the estimate has to find it";
     EXPECT_EQ(recording->frame_hash(i), depth_sha256(frame.depth));
-    const auto truth = read_frame_labels(default_label_dir(dir), i, recording->frame_hash(i));
+    const auto truth =
+        labels::read_frame_labels(labels::default_label_dir(dir), i, recording->frame_hash(i));
     ASSERT_TRUE(truth);
     EXPECT_GT(truth->planes.size(), 3u);
   }
@@ -102,8 +104,8 @@ TEST(Sample, AnotherSeedGivesOtherScenesAndTheSameSeedTheSame) {
   const fs::path depth = fs::path("depth") / "000000.png";
   EXPECT_EQ(read_file_bytes(one / depth), read_file_bytes(again / depth));
   EXPECT_NE(read_file_bytes(one / depth), read_file_bytes(two / depth));
-  const auto truth_one = read_frame_labels(default_label_dir(one), 0, "");
-  const auto truth_two = read_frame_labels(default_label_dir(two), 0, "");
+  const auto truth_one = labels::read_frame_labels(labels::default_label_dir(one), 0, "");
+  const auto truth_two = labels::read_frame_labels(labels::default_label_dir(two), 0, "");
   EXPECT_GT((truth_one->gravity.direction - truth_two->gravity.direction).norm(), 1e-3);
 }
 
@@ -113,9 +115,9 @@ TEST(Sample, CanStateItsTrueGravity) {
   options.gravity = true;
   write_sample(dir, options);
   for (int i = 0; i < 3; ++i) {
-    const auto stated = open_recording(dir)->frame(i).gravity;
+    const auto stated = io::open_recording(dir)->frame(i).gravity;
     ASSERT_TRUE(stated);
-    const auto truth = read_frame_labels(default_label_dir(dir), i, "");
+    const auto truth = labels::read_frame_labels(labels::default_label_dir(dir), i, "");
     EXPECT_LT((stated->direction - truth->gravity.direction).norm(), 1e-8);
   }
 }
@@ -163,4 +165,4 @@ TEST(Sample, BadOptionsAreRefusedBeforeAnythingIsWritten) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -11,7 +11,7 @@
 #include "core/model/plane.hpp"
 #include "unit/lab/synthetic/test_scenes.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 using namespace synthetic_test;
@@ -184,4 +184,4 @@ TEST(Scenes, AnUnknownNameIsRefusedWithTheNamesThereAre) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

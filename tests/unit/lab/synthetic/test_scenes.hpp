@@ -13,22 +13,24 @@ inline Vec3d point_at(const Frame& frame, int x, int y) {
 }
 
 /// A wall at right angles to the view of a level camera at the origin, `z_m` away.
-inline Scene wall_at(double z_m) {
-  Scene scene;
+inline lab::Scene wall_at(double z_m) {
+  lab::Scene scene;
   scene.camera.position = Vec3d::Zero();
-  add_polygon(scene, {{z_m, 20, -20}, {z_m, -20, -20}, {z_m, -20, 20}, {z_m, 20, 20}}, {});
+  lab::add_polygon(scene, {{z_m, 20, -20}, {z_m, -20, -20}, {z_m, -20, 20}, {z_m, 20, 20}}, {});
   return scene;
 }
 
-inline D435Model without_color(int width = 640, int height = 480) {
-  D435Model model;
-  model.intrinsics = d435_intrinsics(width, height);
+inline lab::D435Model without_color(int width = 640, int height = 480) {
+  lab::D435Model model;
+  model.intrinsics = lab::d435_intrinsics(width, height);
   model.color = false;
   return model;
 }
 
-inline Frame seen(const Scene& scene, const D435Model& model, FrameLabels* truth = nullptr) {
-  return render_scene(scene, scene.camera, model, 11, truth);
+inline Frame seen(const lab::Scene& scene,
+                  const lab::D435Model& model,
+                  FrameLabels* truth = nullptr) {
+  return lab::render_scene(scene, scene.camera, model, 11, truth);
 }
 
 /// Share of pixels without a measurement in a part of the image.

@@ -5,13 +5,13 @@
 
 #include "core/lab/training/training_set.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A level square metre of 64 x 64 points, labelled as a chessboard so that every point can be
 /// told apart from its neighbours.
-LabelledCloud board() {
-  LabelledCloud cloud{"board", {}, {}};
+planes::LabelledCloud board() {
+  planes::LabelledCloud cloud{"board", {}, {}};
   for (int i = 0; i < 4096; ++i) {
     const int x = i % 64, y = i / 64;
     cloud.points.emplace_back(static_cast<float>(x) / 63, static_cast<float>(y) / 63, 0.5f);
@@ -30,7 +30,7 @@ AugmentOptions nothing() {
 }
 
 TEST(Augment, WithNothingAskedForTheCloudStaysAsItIs) {
-  const LabelledCloud cloud = board(), same = augment(cloud, nothing(), 3);
+  const planes::LabelledCloud cloud = board(), same = augment(cloud, nothing(), 3);
   EXPECT_EQ(same.kind, cloud.kind);
   EXPECT_EQ(same.points, cloud.points);
   EXPECT_EQ(same.labels, cloud.labels);
@@ -41,7 +41,7 @@ TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
   options.gaussian_noise_m = 0.003;
   options.tilt_deg = 3;
   options.thinning = 0.5;
-  const LabelledCloud a = augment(board(), options, 1), b = augment(board(), options, 1);
+  const planes::LabelledCloud a = augment(board(), options, 1), b = augment(board(), options, 1);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.labels, b.labels);
   EXPECT_NE(a.points, augment(board(), options, 2).points);
@@ -50,7 +50,7 @@ TEST(Augment, TheSameSeedGivesTheSameCloudAndAnotherOneAnother) {
 TEST(Augment, UniformNoiseReachesItsBoundEitherWayAndNoFarther) {
   AugmentOptions options = nothing();
   options.uniform_noise_m = 0.01;
-  const LabelledCloud cloud = board(), noisy = augment(cloud, options, 1);
+  const planes::LabelledCloud cloud = board(), noisy = augment(cloud, options, 1);
   EXPECT_EQ(noisy.labels, cloud.labels);
   Vec3f least = Vec3f::Zero(), most = Vec3f::Zero();
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -69,7 +69,7 @@ TEST(Augment, GaussianNoiseVariesAmongCloudsUpToItsDeviation) {
   double least = 1, most = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     double squares = 0;
-    const LabelledCloud noisy = augment(board(), options, seed);
+    const planes::LabelledCloud noisy = augment(board(), options, seed);
     for (const Vec3f& p : noisy.points) squares += std::pow(p.z() - 0.5, 2);
     const double deviation = std::sqrt(squares / 4096);
     least = std::min(least, deviation);
@@ -83,7 +83,7 @@ TEST(Augment, GaussianNoiseVariesAmongCloudsUpToItsDeviation) {
 TEST(Augment, YawTurnsAboutTheVerticalOnly) {
   AugmentOptions options = nothing();
   options.yaw_deg = 180;
-  const LabelledCloud cloud = board(), turned = augment(cloud, options, 5);
+  const planes::LabelledCloud cloud = board(), turned = augment(cloud, options, 5);
   double moved = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     EXPECT_EQ(turned.points[i].z(), 0.5f);
@@ -98,7 +98,7 @@ TEST(Augment, TiltStaysWithinItsAngleAndLeavesTheLabels) {
   options.tilt_deg = 5;
   double most = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const LabelledCloud cloud = board(), tilted = augment(cloud, options, seed);
+    const planes::LabelledCloud cloud = board(), tilted = augment(cloud, options, seed);
     EXPECT_EQ(tilted.labels, cloud.labels);
     const Vec3f u = tilted.points[63] - tilted.points[0];
     const Vec3f v = tilted.points[63 * 64] - tilted.points[0];
@@ -115,7 +115,7 @@ TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
   options.cluster_radius_m = 0.3;
   bool whole = false, holed = false;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const LabelledCloud rest = augment(board(), options, seed);
+    const planes::LabelledCloud rest = augment(board(), options, seed);
     EXPECT_GE(rest.points.size(), 2048u);
     EXPECT_EQ(rest.points.size(), rest.labels.size());
     whole = whole || rest.points.size() == 4096;
@@ -129,9 +129,9 @@ TEST(Augment, ClustersAreRoundHolesAndHalfOfThePointsRemain) {
 TEST(Augment, KeepsTheNearestPointsToOneOfThemWithTheirLabels) {
   AugmentOptions options = nothing();
   options.points = 500;
-  const LabelledCloud cloud = board();
+  const planes::LabelledCloud cloud = board();
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const LabelledCloud part = augment(cloud, options, seed);
+    const planes::LabelledCloud part = augment(cloud, options, seed);
     ASSERT_EQ(part.points.size(), 500u);
     for (std::size_t i = 0; i < 500; ++i) {
       const long x = std::lround(part.points[i].x() * 63), y = std::lround(part.points[i].y() * 63);
@@ -162,9 +162,9 @@ TEST(Augment, ThinningKeepsARandomShare) {
 }
 
 TEST(Augment, AnEmptyCloudStaysEmpty) {
-  const LabelledCloud none{"none", {}, {}};
+  const planes::LabelledCloud none{"none", {}, {}};
   EXPECT_TRUE(augment(none, AugmentOptions{}, 1).points.empty());
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,7 +9,7 @@
 #include "core/model/random.hpp"
 #include "core/planes/rivals/plain_gcn.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A bent sheet with noise: no two distances alike.
@@ -23,42 +23,42 @@ std::vector<Vec3f> sheet(int count) {
   return points;
 }
 
-void expect_gradients(const NetworkConfig& config, int points_count) {
+void expect_gradients(const planes::NetworkConfig& config, int points_count) {
   const std::vector<Vec3f> points = sheet(points_count);
-  const NetworkWeights weights = random_weights(config, 5);
-  gcn::Graph graph;
-  gcn::make_graph(points, config, 1, best_simd(), graph);
+  const planes::NetworkWeights weights = random_weights(config, 5);
+  planes::gcn::Graph graph;
+  planes::gcn::make_graph(points, config, 1, best_simd(), graph);
   std::vector<Vec3f> sorted;
   for (const std::uint32_t i : graph.order) sorted.push_back(points[i]);
 
   // The loss is a random linear function of the logits.
   Random random(11);
-  const gcn::Layers layers = gcn::make_layers(weights);
+  const planes::gcn::Layers layers = planes::gcn::make_layers(weights);
   const auto width = static_cast<std::size_t>(layers.head.back().out);
   Buffer slopes(points.size() * width, 0);
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t c = 0; c < 2; ++c)
       slopes[i * width + c] = static_cast<float>(random.uniform(-1, 1));
 
-  const gcn::Kernels& kernels = gcn::kernels(best_simd());
-  gcn::Activations a;
-  gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
+  const planes::gcn::Kernels& kernels = planes::gcn::kernels(best_simd());
+  planes::gcn::Activations a;
+  planes::gcn::forward(graph, layers, kernels, 1, /*keep_winners=*/true, a);
   const auto gradients =
-      gcn::tensor_gradients(weights, gcn::backward(graph, layers, a, kernels, slopes));
+      planes::gcn::tensor_gradients(weights, backward(graph, layers, a, kernels, slopes));
 
-  PlainNetwork<double> network{config, {}};
+  planes::PlainNetwork<double> network{config, {}};
   for (const auto& tensor : weights.tensors)
     network.tensors.emplace_back(tensor.begin(), tensor.end());
-  const PlainGraph plain = make_plain_graph(sorted, config);
+  const planes::PlainGraph plain = planes::make_plain_graph(sorted, config);
   const auto loss = [&] {
-    const auto logits = plain_forward(network, plain, sorted);
+    const auto logits = planes::plain_forward(network, plain, sorted);
     double sum = 0;
     for (std::size_t i = 0; i < logits.size(); ++i)
       for (std::size_t c = 0; c < 2; ++c) sum += logits[i][c] * double{slopes[i * width + c]};
     return sum;
   };
 
-  const std::vector<TensorSpec> specs = tensor_specs(config);
+  const std::vector<planes::TensorSpec> specs = planes::tensor_specs(config);
   for (std::size_t t = 0; t < specs.size(); ++t) {
     SCOPED_TRACE(specs[t].name);
     double largest = 0;
@@ -82,11 +82,11 @@ void expect_gradients(const NetworkConfig& config, int points_count) {
 }
 
 TEST(GcnGradient, OfCompactMatchesFiniteDifferences) {
-  expect_gradients(network_config("compact"), 300);
+  expect_gradients(planes::network_config("compact"), 300);
 }
 
 TEST(GcnGradient, OfEveryKindOfLayerMatchesFiniteDifferences) {
-  NetworkConfig config;
+  planes::NetworkConfig config;
   config.levels = {{20, 7}, {17}, {18, 5}};
   config.supports = 2;
   config.neighbours = 6;
@@ -98,11 +98,11 @@ TEST(GcnGradient, OfEveryKindOfLayerMatchesFiniteDifferences) {
 }
 
 TEST(GcnGradient, WithoutAHiddenLayerMatchesFiniteDifferences) {
-  NetworkConfig config;
+  planes::NetworkConfig config;
   config.levels = {{8}};
   config.head = {};
   expect_gradients(config, 60);
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -9,12 +9,12 @@
 #include "core/lab/training/checkpoint.hpp"
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 /// A floor that meets a wall at x = 0, turned about z.
-LabelledCloud corner(std::uint64_t number) {
-  LabelledCloud cloud;
+planes::LabelledCloud corner(std::uint64_t number) {
+  planes::LabelledCloud cloud;
   const double yaw = 6.28 * random_uniform(1, number, 0);
   for (std::uint64_t i = 1; i <= 400; ++i) {
     const double u = random_uniform(2, number, 2 * i), v = random_uniform(2, number, 2 * i + 1);
@@ -51,9 +51,11 @@ std::filesystem::path temporary_file(const std::string& name) {
 
 TEST(Training, LearnsToTellAFloorFromAWall) {
   const TrainOptions options = quick_options();
-  const std::vector<LabelledCloud> unseen = {corner(1000001), corner(1000002), corner(1000003)};
-  const LabelAccuracy before = score_network(begin_training(options).weights, unseen, 1);
-  const LabelAccuracy after = score_network(train(options, options.steps, 2).weights, unseen, 1);
+  const std::vector<planes::LabelledCloud> unseen = {corner(1000001), corner(1000002),
+                                                     corner(1000003)};
+  const planes::LabelAccuracy before = score_network(begin_training(options).weights, unseen, 1);
+  const planes::LabelAccuracy after =
+      score_network(train(options, options.steps, 2).weights, unseen, 1);
   EXPECT_LT(before.inner_percent(), 90);
   EXPECT_GT(after.inner_percent(), 99);
   EXPECT_GT(after.edge_percent(), 75);
@@ -134,7 +136,7 @@ TEST(Training, RefusesADamagedCheckpoint) {
 TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
   const TrainOptions options = quick_options();
   const auto unknown = [](std::uint64_t number) {
-    LabelledCloud cloud = corner(number);
+    planes::LabelledCloud cloud = corner(number);
     cloud.labels.assign(cloud.points.size(), Label::unknown);
     return cloud;
   };
@@ -144,4 +146,4 @@ TEST(Training, DoesNotLearnFromPointsOfUnknownLabel) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

@@ -15,14 +15,14 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-LineChart accuracy_chart() {
+report::LineChart accuracy_chart() {
   return {.title = "accuracy",
           .x_name = "steps",
           .x = {250, 500, 1000},
           .curves = {{"stairs", {80, 90, 95}}, {"scans", {60, 80, 88}}}};
 }
 
-TrainingSummary two_epochs() {
+lab::TrainingSummary two_epochs() {
   return {.title = "Training of <own>.safetensors",
           .facts = {{"Recipe", "planescope"}, {"Command", "planescope train -o '<own>'"}},
           .validation_sets = {"stairs 0 cm", "scans"},
@@ -33,7 +33,7 @@ TrainingSummary two_epochs() {
 }  // namespace
 
 TEST(LineChart, DrawsEachCurveWithItsNameOverRoundTicks) {
-  const std::string svg = line_chart(accuracy_chart());
+  const std::string svg = report::line_chart(accuracy_chart());
   EXPECT_EQ(count(svg, "class=\"curve0\"") + count(svg, "class=\"curve1\""), 2u);
   for (const char* text : {">stairs<", ">scans<", ">steps<", ">0<", ">200<", ">1000<", ">60<",
                            ">100<", "aria-label=\"accuracy\""})
@@ -41,23 +41,23 @@ TEST(LineChart, DrawsEachCurveWithItsNameOverRoundTicks) {
 }
 
 TEST(LineChart, BeginsAtZeroWhereItIsAskedTo) {
-  LineChart chart = accuracy_chart();
-  EXPECT_EQ(count(line_chart(chart), ">0<"), 1u) << "on the x axis alone";
+  report::LineChart chart = accuracy_chart();
+  EXPECT_EQ(count(report::line_chart(chart), ">0<"), 1u) << "on the x axis alone";
   chart.from_zero = true;
-  EXPECT_EQ(count(line_chart(chart), ">0<"), 2u);
+  EXPECT_EQ(count(report::line_chart(chart), ">0<"), 2u);
 }
 
 TEST(LineChart, ShowsASinglePointAndValuesThatAreAllTheSame) {
-  LineChart chart{.title = "", .x_name = "steps", .x = {3}, .curves = {{"one", {100}}}};
-  const std::string point = line_chart(chart);
+  report::LineChart chart{.title = "", .x_name = "steps", .x = {3}, .curves = {{"one", {100}}}};
+  const std::string point = report::line_chart(chart);
   EXPECT_EQ(point.find("nan"), std::string::npos) << point;
   EXPECT_EQ(point.find("inf"), std::string::npos) << point;
   chart.curves[0].values = {0};
-  EXPECT_EQ(line_chart(chart).find("nan"), std::string::npos);
+  EXPECT_EQ(report::line_chart(chart).find("nan"), std::string::npos);
 }
 
 TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndNeedsNothingElse) {
-  const std::string page = training_page(two_epochs());
+  const std::string page = lab::training_page(two_epochs());
   EXPECT_EQ(count(page, "<svg"), 2u);
   for (const char* text : {"<dt>Recipe</dt><dd>planescope</dd>", "<td>250</td><td>0.5000</td>",
                            "<td>90.00 / 99.80</td>", "<td>85.00 / 99.50</td>", "stairs 0 cm",
@@ -68,9 +68,9 @@ TEST(TrainingPage, ShowsFactsCurvesAndEveryEpochAndNeedsNothingElse) {
 }
 
 TEST(TrainingPage, BeforeTheFirstEpochSaysSo) {
-  TrainingSummary summary = two_epochs();
+  lab::TrainingSummary summary = two_epochs();
   summary.epochs.clear();
-  const std::string page = training_page(summary);
+  const std::string page = lab::training_page(summary);
   EXPECT_EQ(page.find("<svg"), std::string::npos);
   EXPECT_NE(page.find("No epoch is complete yet"), std::string::npos);
 }

@@ -14,7 +14,7 @@
 #include "core/model/moments.hpp"
 #include "core/model/plane.hpp"
 
-namespace planescope {
+namespace planescope::lab {
 namespace {
 
 TrainingSetOptions objects(int stairs, int boxes, int planes) {
@@ -33,7 +33,7 @@ TrainingSetOptions one_of_each() {
   return options;
 }
 
-Bounds bounds_of(const LabelledCloud& cloud) {
+Bounds bounds_of(const planes::LabelledCloud& cloud) {
   Bounds bounds;
   for (const Vec3f& p : cloud.points) bounds.add(p.cast<double>());
   return bounds;
@@ -47,7 +47,7 @@ void expect_within(double value, double low, double high) {
   EXPECT_LE(value, high + 1e-4);
 }
 
-bool same(const LabelledCloud& a, const LabelledCloud& b) {
+bool same(const planes::LabelledCloud& a, const planes::LabelledCloud& b) {
   return a.kind == b.kind && a.points == b.points && a.labels == b.labels;
 }
 
@@ -57,7 +57,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
   TrainingSetOptions options = objects(3, 2, 1);
   options.points = 16;
   std::string kinds;
-  for (const LabelledCloud& cloud : make_training_set(options, 2)) {
+  for (const planes::LabelledCloud& cloud : make_training_set(options, 2)) {
     kinds += cloud.kind + " ";
     EXPECT_EQ(cloud.points.size(), 16u);
     EXPECT_EQ(cloud.labels.size(), 16u);
@@ -67,7 +67,7 @@ TEST(TrainingSet, HasThePapersNumbersOfObjectsUnlessToldOtherwise) {
 
 TEST(TrainingSet, StairsHaveThePapersSteps) {
   std::set<int> counts;
-  for (const LabelledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
+  for (const planes::LabelledCloud& cloud : make_training_set(objects(30, 0, 0), 2)) {
     // Axis-aligned: a height for each tread, a distance for each riser, the first one at 0.
     std::set<float> heights, risers;
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -91,7 +91,7 @@ TEST(TrainingSet, StairsHaveThePapersSteps) {
 
 TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
   int on_floor = 0;
-  for (const LabelledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
+  for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 40, 0), 2)) {
     Bounds top;
     std::map<float, int> x_of_sides, y_of_sides;
     bool floor = false;
@@ -125,7 +125,7 @@ TEST(TrainingSet, BoxesHaveATopAndFourSidesAndHalfStandOnFloor) {
 
 TEST(TrainingSet, PlanesHaveAnyInclinationAndTheirLabelFollowsIt) {
   double sum_z = 0, least_z = 1, most_z = 0;
-  for (const LabelledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
+  for (const planes::LabelledCloud& cloud : make_training_set(objects(0, 0, 40), 2)) {
     Moments moments;
     for (const Vec3f& p : cloud.points) moments.add(p.cast<double>());
     const PlaneFit fit = fit_plane(moments);
@@ -152,7 +152,7 @@ TEST(TrainingSet, PlanesHaveAnyInclinationAndTheirLabelFollowsIt) {
 }
 
 TEST(TrainingSet, ObjectsAreEvenlySpread) {
-  for (const LabelledCloud& cloud : make_training_set(objects(1, 1, 1), 1)) {
+  for (const planes::LabelledCloud& cloud : make_training_set(objects(1, 1, 1), 1)) {
     double nearest2 = 1e9;
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
       for (std::size_t j = i + 1; j < i + 200 && j < cloud.points.size(); ++j)
@@ -166,7 +166,7 @@ TEST(TrainingSet, ObjectsAreEvenlySpread) {
 TEST(TrainingSet, ScansShowBothLabelsWithinReachOnTheirVoxels) {
   TrainingSetOptions options = objects(0, 0, 0);
   options.scans = 6;
-  for (const LabelledCloud& scan : make_training_set(options, 2)) {
+  for (const planes::LabelledCloud& scan : make_training_set(options, 2)) {
     EXPECT_EQ(scan.kind, "scan");
     EXPECT_GE(scan.points.size(), 300u);
     const auto h = std::count(scan.labels.begin(), scan.labels.end(), Label::h);
@@ -192,7 +192,7 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
   add_polygon(scene, {{1, 9, 0}, {1, -9, 0}, {1, -9, 3}, {1, 9, 3}}, {});
   D435Model model;
   model.color = model.noise = false;
-  const LabelledCloud scan = make_scan(scene, model, 0.02, 1);
+  const planes::LabelledCloud scan = make_scan(scene, model, 0.02, 1);
   ASSERT_GT(scan.points.size(), 1000u);
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     // The sensor is the origin, x ahead, z up.
@@ -209,9 +209,9 @@ TEST(TrainingSet, AnExactScanHasTheLabelsOfItsSurfaces) {
 TEST(TrainingSet, WithRealErrorsHalfOfTheScansReachFartherThanTheCrop) {
   int far = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
-    const LabelledCloud usual = make_training_scan(seed, 0.02);
+    const planes::LabelledCloud usual = make_training_scan(seed, 0.02);
     EXPECT_TRUE(std::ranges::all_of(usual.points, [](auto& p) { return p.x() < 1.6; }));
-    const LabelledCloud scan = make_training_scan(seed, 0.02, true);
+    const planes::LabelledCloud scan = make_training_scan(seed, 0.02, true);
     const bool reaches = std::ranges::any_of(scan.points, [](auto& p) { return p.x() > 1.8; });
     far += reaches;
   }
@@ -285,10 +285,10 @@ TEST(TestScans, ShowOtherScenesThanTrainingWithTheSameSeed) {
   options.seed = 5;
   options.stairs = options.boxes = options.planes = 0;
   options.scans = 1;
-  const LabelledCloud trained = make_training_set(options, 1)[0];
+  const planes::LabelledCloud trained = make_training_set(options, 1)[0];
   EXPECT_NE(make_composed_test_scan(5, 0).points.size(), trained.points.size());
   EXPECT_NE(make_test_scan(5, 0).points.size(), trained.points.size());
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::lab

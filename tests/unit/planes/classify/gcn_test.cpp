@@ -14,14 +14,14 @@
 #include "core/planes/classify/neighbour_grid.hpp"
 #include "core/planes/rivals/plain_gcn.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 std::vector<Vec3f> stairs_points(int count, double noise_m = 0.002) {
-  StairsOptions options;
+  lab::StairsOptions options;
   options.points = count;
   options.noise_m = noise_m;
-  return make_stairs(0, options).cloud.points;
+  return lab::make_stairs(0, options).cloud.points;
 }
 
 /// An odd one: widths that fill no register, two supports, a level of one convolution, few points.
@@ -64,7 +64,7 @@ TEST(Gcn, AgreesWithThePlainOne) {
   for (const NetworkConfig& config : {network_config("compact"), network_config("small"),
                                       network_config("official"), odd_config()}) {
     SCOPED_TRACE(config.name);
-    const NetworkWeights weights = random_weights(config, 7);
+    const NetworkWeights weights = lab::random_weights(config, 7);
     const std::vector<float> logits = Gcn(weights).forward(points, 2);
     expect_near(logits, plain_logits(weights, points), 1e-5f);
     EXPECT_GT(*std::max_element(logits.begin(), logits.end()) -
@@ -91,7 +91,7 @@ double agreement(const std::vector<float>& a, const std::vector<float>& b) {
 
 /// Weights whose answers are mixed: the bias of the last layer such that half of the points are h.
 NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<Vec3f>& points) {
-  NetworkWeights weights = random_weights(config, 7);
+  NetworkWeights weights = lab::random_weights(config, 7);
   const std::vector<float> logits = Gcn(weights).forward(points, 1);
   std::vector<float> leads;
   for (std::size_t i = 0; i < logits.size(); i += 2) leads.push_back(logits[i] - logits[i + 1]);
@@ -103,7 +103,7 @@ NetworkWeights undecided_weights(const NetworkConfig& config, const std::vector<
 TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
   const std::vector<Vec3f> points = stairs_points(2000);
   for (const NetworkConfig& config : {network_config("compact"), odd_config()}) {
-    const NetworkWeights weights = random_weights(config, 3);
+    const NetworkWeights weights = lab::random_weights(config, 3);
     const std::vector<float> expected = Gcn(weights, Simd::plain).forward(points, 1);
     for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512}) {
       if (simd > best_simd()) continue;
@@ -118,7 +118,7 @@ TEST(Gcn, GivesTheSameBitsWithEveryInstructionSetAndThreadCount) {
 TEST(Gcn, LabelsAPermutedCloudAsItLabelsTheCloud) {
   const std::vector<Vec3f> points = stairs_points(3000);
   for (const NetworkConfig& config : {network_config("compact"), network_config("small")}) {
-    const Gcn network(random_weights(config, 4));
+    const Gcn network(lab::random_weights(config, 4));
     const std::vector<float> logits = network.forward(points, 1);
     const std::vector<std::size_t> order = shuffled_order(points.size(), 9);
     std::vector<Vec3f> permuted;
@@ -139,7 +139,7 @@ TEST(Gcn, LabelsAPermutedGridWithEqualDistancesAndEqualPointsAlike) {
       points.emplace_back(0, 0.02f * static_cast<float>(x), 0.02f * static_cast<float>(y));
     }
   for (int i = 0; i < 40; ++i) points.push_back(points[3]);
-  const Gcn network(random_weights(network_config("small"), 4));
+  const Gcn network(lab::random_weights(network_config("small"), 4));
   const std::vector<float> logits = network.forward(points, 1);
   const std::vector<std::size_t> order = shuffled_order(points.size(), 5);
   std::vector<Vec3f> permuted;
@@ -150,7 +150,7 @@ TEST(Gcn, LabelsAPermutedGridWithEqualDistancesAndEqualPointsAlike) {
 }
 
 TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
-  const NetworkWeights weights = random_weights(network_config("small"), 4);
+  const NetworkWeights weights = lab::random_weights(network_config("small"), 4);
   const Gcn network(weights);
   for (const int count : {3000, 40, 1, 900, 3000}) {
     const std::vector<Vec3f> points = stairs_points(count);
@@ -159,7 +159,7 @@ TEST(Gcn, RemembersNothingOfTheCloudsBefore) {
 }
 
 TEST(Gcn, AnswersSeveralThreadsAtOnce) {
-  const Gcn network(random_weights(network_config("compact"), 4));
+  const Gcn network(lab::random_weights(network_config("compact"), 4));
   const std::vector<Vec3f> a = stairs_points(1500), b = stairs_points(700, 0);
   const std::vector<float> of_a = network.forward(a, 1), of_b = network.forward(b, 1);
   parallel_for(
@@ -204,7 +204,7 @@ TEST(Gcn, KnowsNothingOfScale) {
 
 TEST(Gcn, AnswersForHardlyAnyPoints) {
   for (const NetworkConfig& config : {network_config("compact"), network_config("official")}) {
-    const auto classifier = make_gcn_classifier(random_weights(config, 2));
+    const auto classifier = make_gcn_classifier(lab::random_weights(config, 2));
     for (const std::size_t count : {0, 1, 2, 3, 5, 16, 17, 40}) {
       std::vector<Vec3f> points;
       for (std::size_t i = 0; i < count; ++i)
@@ -220,7 +220,7 @@ TEST(Gcn, AnswersForHardlyAnyPoints) {
 }
 
 TEST(Gcn, LabelsEqualPointsAlike) {
-  const auto classifier = make_gcn_classifier(random_weights(network_config("compact"), 2));
+  const auto classifier = make_gcn_classifier(lab::random_weights(network_config("compact"), 2));
   const std::vector<Vec3f> same(500, Vec3f(1, 2, 3));
   const Classification result = classifier->classify(same, 2);
   for (std::size_t i = 0; i < same.size(); ++i) {
@@ -230,7 +230,7 @@ TEST(Gcn, LabelsEqualPointsAlike) {
 }
 
 TEST(Gcn, LeavesPointsThatAreNotFiniteUnknownAndTheOthersAlone) {
-  const auto classifier = make_gcn_classifier(random_weights(network_config("compact"), 2));
+  const auto classifier = make_gcn_classifier(lab::random_weights(network_config("compact"), 2));
   const std::vector<Vec3f> points = stairs_points(600);
   std::vector<Vec3f> with_gaps = points;
   with_gaps.insert(with_gaps.begin() + 100, Vec3f(0, NAN, 0));
@@ -251,4 +251,4 @@ TEST(Gcn, LeavesPointsThatAreNotFiniteUnknownAndTheOthersAlone) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

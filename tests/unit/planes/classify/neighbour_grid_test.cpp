@@ -6,7 +6,7 @@
 #include <numeric>
 #include <random>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 std::vector<Vec3f> surface(std::uint64_t seed, int count) {
@@ -180,4 +180,4 @@ TEST(NeighbourGrid, ManyEqualPointsAreNoTrouble) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -10,7 +10,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/classify/classifier.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// A square of 1 m, tilted about the y axis, sampled every 2 cm with 1 mm of noise.
@@ -114,4 +114,4 @@ TEST(Pca, OptionsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

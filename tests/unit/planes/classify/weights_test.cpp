@@ -13,7 +13,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -381,4 +381,4 @@ TEST(DamagedWeights, WithAnAbsurdConfigurationAreRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 Intrinsics test_camera() {
@@ -76,4 +76,4 @@ TEST(Camera, APixelThatNoRayReachesIsNaN) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

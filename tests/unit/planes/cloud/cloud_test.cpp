@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 Gravity down(const Vec3d& direction) {
@@ -203,4 +203,4 @@ TEST(Cloud, NonsenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

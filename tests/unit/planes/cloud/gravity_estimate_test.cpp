@@ -9,7 +9,7 @@
 #include "core/planes/cloud/gravity.hpp"
 #include "support/render_depth.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 using test::add_box;
@@ -107,10 +107,10 @@ TEST(GravityEstimate, HolesAndNonsenseDoNotDisturb) {
 
 TEST(GravityEstimate, IsWithinTwoDegreesOnEveryFrameOfTheSample) {
   const std::filesystem::path path = PLANESCOPE_SOURCE_DIR "/assets/sample";
-  const auto sample = open_recording(path);
+  const auto sample = io::open_recording(path);
   ASSERT_GT(sample->frame_count(), 0);
   for (int i = 0; i < sample->frame_count(); ++i) {
-    const auto truth = read_frame_labels(default_label_dir(path), i, "");
+    const auto truth = labels::read_frame_labels(labels::default_label_dir(path), i, "");
     ASSERT_TRUE(truth.has_value()) << i;
     const auto estimate = estimate_gravity(sample->frame(i), {});
     ASSERT_TRUE(estimate.has_value()) << i;
@@ -134,9 +134,9 @@ TEST(GravityEstimate, AgreesWithTheFloorOfRealRecordings) {
                              Known{"felixchenfy_d4xx_640x480", {}, 3, {-0.059, 0.996, 0.066}},
                              Known{"aims_slam_realsense_640x480", aims, 0, {0.177, 0.922, 0.345}},
                              Known{"polylidar_d435i_424x240", {}, 3, {0.011, 0.861, 0.508}}}) {
-    RecordingOptions options;
+    io::RecordingOptions options;
     options.intrinsics = known.intrinsics;
-    const auto recording = open_recording(std::filesystem::path(data) / known.path, options);
+    const auto recording = io::open_recording(std::filesystem::path(data) / known.path, options);
     const Gravity gravity = resolve_gravity(recording->frame(known.frame), {});
     EXPECT_LT(angle_between_deg(gravity.direction, known.gravity), 3)
         << known.path << " frame " << known.frame << ": " << gravity.direction.transpose();
@@ -144,4 +144,4 @@ TEST(GravityEstimate, AgreesWithTheFloorOfRealRecordings) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

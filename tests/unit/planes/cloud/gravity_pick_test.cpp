@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 const Vec3d kDown = Vec3d(0.2, 0.9, 0.3).normalized();
@@ -68,4 +68,4 @@ TEST(GravityPick, ParallelWallsAndFloorsTakenForWallsAreRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 Frame empty_depth() {
@@ -112,4 +112,4 @@ TEST(Gravity, CloudsFallAlongMinusZUnlessTold) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

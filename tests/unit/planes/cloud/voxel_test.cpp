@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Points on a lattice that keeps half a millimetre off every cell's border, so that rounding
@@ -193,4 +193,4 @@ TEST(Voxels, ASizeThatNoKeyCanHoldIsRefused) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/lab/synthetic/stairs.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(LabelAccuracy, CountsPointsNearAnotherLabelApart) {
@@ -31,7 +31,7 @@ TEST(LabelAccuracy, OfNothingIsAllRight) {
 
 TEST(LabelAccuracy, KnowsTheEdgesOfAStaircaseThoughPointsAreSparse) {
   // Points 10 cm apart: hardly any has one of another label within 2 cm, though many an edge is.
-  const LabelledCloud stairs = labelled(make_stairs(0, {.points = 300}));
+  const LabelledCloud stairs = lab::labelled(lab::make_stairs(0, {.points = 300}));
   const auto near_points =
       near_other_label(stairs.points, stairs.labels, stairs.points, stairs.labels);
   const auto edges = std::count(stairs.near_edge.begin(), stairs.near_edge.end(), 1);
@@ -41,4 +41,4 @@ TEST(LabelAccuracy, KnowsTheEdgesOfAStaircaseThoughPointsAreSparse) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -9,7 +9,7 @@
 #include "core/planes/evaluate/assignment.hpp"
 #include "core/planes/evaluate/metrics_values.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Two true planes of 100 points each (z = 0 and z = 1) on a 10 x 10 grid of 10 cm.
@@ -242,4 +242,4 @@ TEST(Assignment, FindsTheBestOfAllPermutations) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 PipelineOptions with_classifier(const std::string& name) {
@@ -46,4 +46,4 @@ TEST(Classifiers, TakeAnythingThatLooksLikeAPathForAFile) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

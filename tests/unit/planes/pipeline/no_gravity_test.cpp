@@ -12,7 +12,7 @@
 #include "core/report/data/plane_summary.hpp"
 #include "support/render_depth.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// A floor, and a wall 1.2 m ahead, seen by a camera that is rolled by 70 degrees: no estimate.
@@ -37,7 +37,7 @@ TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
     for (const PlaneRegion& plane : result.segmentation.planes) {
       EXPECT_EQ(plane.label, Label::unknown) << method;
       EXPECT_GT(plane.fit.normal.dot(result.sensor() - plane.fit.centroid), 0) << "to the camera";
-      EXPECT_TRUE(std::isnan(summarize_planes(result, 0.02)[0].tilt_deg)) << method;
+      EXPECT_TRUE(std::isnan(report::summarize_planes(result, 0.02)[0].tilt_deg)) << method;
     }
     for (const Label label : result.classification.labels) EXPECT_EQ(label, Label::unknown);
   }
@@ -105,4 +105,4 @@ TEST(NoGravity, WhatTellsHFromVIsNoOptionOfSuchARun) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 
 #include "core/model/error.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(OptionsTable, EveryRowIsNamedOnceAndExplained) {
@@ -101,4 +101,4 @@ TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

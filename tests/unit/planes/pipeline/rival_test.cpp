@@ -5,7 +5,7 @@
 #include "core/planes/pipeline/score.hpp"
 #include "support/render_depth.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// A floor and a wall on it, as a cloud with its truth.
@@ -114,4 +114,4 @@ TEST(Rival, ItsOptionsAreSetByName) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Twelve points, each its own voxel: planes 1 and 2 found, six points of the first.
@@ -85,4 +85,4 @@ TEST(Score, EveryPointIsJudgedByThePlaneThatStandsForItsOwn) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

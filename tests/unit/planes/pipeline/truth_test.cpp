@@ -4,7 +4,7 @@
 
 #include "core/planes/pipeline/score.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(Truth, LabelImagesBecomeTruthPerPixel) {
@@ -82,4 +82,4 @@ TEST(Score, CroppedPointsAreNotScored) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -42,7 +42,7 @@ inline double angle_deg(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 57.29577951308232;
 }
 
-inline bool same(const FoundPlanes& a, const FoundPlanes& b) {
+inline bool same(const planes::FoundPlanes& a, const planes::FoundPlanes& b) {
   const auto same_fit = [](const PlaneFit& p, const PlaneFit& q) {
     return p.count == q.count && p.normal == q.normal && p.centroid == q.centroid &&
            p.eigenvalues == q.eigenvalues;

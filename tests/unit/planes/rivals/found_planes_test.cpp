@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 const std::vector<Vec3f> kPoints = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 0, 2},
@@ -32,4 +32,4 @@ TEST(FoundPlanes, OfNoPointsAreNone) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

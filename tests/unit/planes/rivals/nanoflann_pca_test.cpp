@@ -6,7 +6,7 @@
 
 #include "core/lab/synthetic/stairs.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Farther from every point of another plane than 16 neighbours reach.
@@ -21,7 +21,7 @@ std::vector<bool> away_from_edges(const PointSet& cloud) {
 }
 
 TEST(NanoflannPca, AgreesWithOurPcaAwayFromEdges) {
-  const PointSet cloud = make_stairs(2, {.points = 4096}).cloud;
+  const PointSet cloud = lab::make_stairs(2, {.points = 4096}).cloud;
   const std::vector<bool> away = away_from_edges(cloud);
   const Classification rival = make_nanoflann_pca_classifier()->classify(cloud.points, 1);
   const Classification ours = make_pca_classifier()->classify(cloud.points, 1);
@@ -37,7 +37,7 @@ TEST(NanoflannPca, AgreesWithOurPcaAwayFromEdges) {
 }
 
 TEST(NanoflannPca, GivesTheSameAnswerForAnyThreadCount) {
-  const PointSet cloud = make_stairs(1, {.points = 2048, .noise_m = 0.002}).cloud;
+  const PointSet cloud = lab::make_stairs(1, {.points = 2048, .noise_m = 0.002}).cloud;
   const auto classifier = make_nanoflann_pca_classifier();
   const Classification one = classifier->classify(cloud.points, 1);
   const Classification four = classifier->classify(cloud.points, 4);
@@ -55,4 +55,4 @@ TEST(NanoflannPca, TakesCloudsSmallerThanANeighbourhoodAndPointsThatAreNotFinite
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include "core/model/error.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 using test::angle_deg;
@@ -141,4 +141,4 @@ TEST(MissingPeers, AreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -7,7 +7,7 @@
 
 #include "unit/planes/rivals/found_planes_support.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(Ransac, FindsAFloorAndTheSmallerWallOnIt) {
@@ -67,4 +67,4 @@ TEST(Ransac, LeavesTheCallersThreadsAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 #include "core/planes/rivals/region_growing.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -145,4 +145,4 @@ TEST(RegionGrowingOfImages, AnswersTheSameAgainAndInThreadsAtATime) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

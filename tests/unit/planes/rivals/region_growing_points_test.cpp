@@ -6,7 +6,7 @@
 #include "core/planes/rivals/region_growing.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 FoundPlanes grow(const std::vector<Vec3f>& points, const RegionGrowingOptions& options = {}) {
@@ -25,7 +25,7 @@ TEST(RegionGrowingOfPoints, FindsAFloorAndTheSmallerWallOnIt) {
 }
 
 TEST(RegionGrowingOfPoints, FindsEveryTreadAndRiserOfAStaircase) {
-  const Stairs stairs = make_stairs(0, {.seed = 1001, .noise_m = 0.001});
+  const lab::Stairs stairs = lab::make_stairs(0, {.seed = 1001, .noise_m = 0.001});
   EXPECT_EQ(grow(stairs.cloud.points).planes.size(), stairs.normals.size());
 }
 
@@ -70,7 +70,8 @@ TEST(RegionGrowingOfPoints, FindsNothingInAnEmptyCloud) {
 }
 
 TEST(RegionGrowingOfPoints, AnswersTheSameAgainAndInThreadsAtATime) {
-  const std::vector<Vec3f> points = make_stairs(3, {.seed = 1001, .noise_m = 0.002}).cloud.points;
+  const std::vector<Vec3f> points =
+      lab::make_stairs(3, {.seed = 1001, .noise_m = 0.002}).cloud.points;
   const FoundPlanes once = grow(points);
   FoundPlanes others[2];
   {
@@ -82,4 +83,4 @@ TEST(RegionGrowingOfPoints, AnswersTheSameAgainAndInThreadsAtATime) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

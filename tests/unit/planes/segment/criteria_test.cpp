@@ -7,7 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 OctreeNode node_with(std::uint32_t n_h, std::uint32_t n_v) {
@@ -170,4 +170,4 @@ TEST(Profiles, PaperHasThePapersParameters) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

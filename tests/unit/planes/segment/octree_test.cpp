@@ -9,7 +9,7 @@
 #include "core/planes/segment/cells.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(Morton, CodesGoThereAndBack) {
@@ -104,4 +104,4 @@ TEST(Cells, NeighbourhoodsHoldThePlanesOfTouchingCells) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

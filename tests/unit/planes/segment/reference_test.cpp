@@ -4,7 +4,7 @@
 #include "support/reference_segment.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// The same points in the same planes, whatever the planes' numbers, and the same parameters.
@@ -174,4 +174,4 @@ TEST(DefaultAgainstReference, BoxTopsAreTwoPlanesWhereTheFloorShowsBetweenThem) 
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

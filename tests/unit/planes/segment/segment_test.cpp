@@ -8,7 +8,7 @@
 
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 const Vec3d kSensor(-1.5, 0, 1);
@@ -248,4 +248,4 @@ TEST(Segment, DegenerateInputsAreAnswered) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

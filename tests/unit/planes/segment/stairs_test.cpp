@@ -9,15 +9,15 @@
 #include "core/planes/segment/segment.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 Metrics score(Profile profile, double noise_m, int count = 6) {
-  StairsOptions set;
+  lab::StairsOptions set;
   set.noise_m = noise_m;
   std::vector<Metrics> all;
   for (int i = 0; i < count; ++i) {
-    const Stairs stairs = make_stairs(i, set);
+    const lab::Stairs stairs = lab::make_stairs(i, set);
     const PointSet& cloud = stairs.cloud;
     std::vector<Label> labels;
     for (const std::uint8_t l : cloud.label) labels.push_back(static_cast<Label>(l));
@@ -59,11 +59,12 @@ TEST(Stairs, ThePapersClosestReadingStaysNearIt) {
 }
 
 TEST(Stairs, AreTheSameEachTimeAndWithinThePapersRanges) {
-  const Stairs a = make_stairs(7, {}), b = make_stairs(7, {}), c = make_stairs(8, {});
+  const lab::Stairs a = lab::make_stairs(7, {}), b = lab::make_stairs(7, {}),
+                    c = lab::make_stairs(8, {});
   EXPECT_EQ(a.cloud.points.size(), 8192u);
   EXPECT_EQ(a.cloud.points, b.cloud.points);
   EXPECT_NE(a.width_m, c.width_m);
-  for (const Stairs& s : {a, c}) {
+  for (const lab::Stairs& s : {a, c}) {
     EXPECT_GE(s.steps, 2);
     EXPECT_LE(s.steps, 6);
     EXPECT_EQ(s.normals.size(), 2u * s.steps);
@@ -74,10 +75,10 @@ TEST(Stairs, AreTheSameEachTimeAndWithinThePapersRanges) {
 }
 
 TEST(Stairs, NoiseHasTheDeviationAskedFor) {
-  StairsOptions set;
+  lab::StairsOptions set;
   set.random_yaw = false;
   set.noise_m = 0.003;
-  const Stairs s = make_stairs(3, set);
+  const lab::Stairs s = lab::make_stairs(3, set);
   double sum = 0;
   int n = 0;
   for (std::size_t i = 0; i < s.cloud.points.size(); ++i)
@@ -90,4 +91,4 @@ TEST(Stairs, NoiseHasTheDeviationAskedFor) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 #include "support/gap_scenes.hpp"
 #include "support/scenes.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 const Vec3d kSensor(-1.5, 0, 0.8);
@@ -134,4 +134,4 @@ TEST(Options, OfARefinementStandInAGroup) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "support/wall_scene.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// A ball of 30 cm before a wall, and a board of 10 x 10 cm beside it.
@@ -41,4 +41,4 @@ TEST(MinorPlanes, ASmallBoardIsNone) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

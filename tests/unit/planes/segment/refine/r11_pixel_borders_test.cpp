@@ -4,7 +4,7 @@
 
 #include "support/wall_scene.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// Floor 60 cm below the camera, a wall 1.2 m before it: the crease is at y = 0.5.
@@ -49,4 +49,4 @@ TEST(PixelBorders, MoveThePointsThatMostPixelsLeave) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "support/wall_scene.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 enum class Edge { convex, concave };
@@ -78,4 +78,4 @@ TEST(PartCorners, TheTraceTellsWhichPlaneWasParted) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -4,7 +4,7 @@
 
 #include "core/planes/segment/criteria.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 TEST(ExplainAway, TellsNoiseFromSurfacesByWidthAndDensity) {
@@ -20,4 +20,4 @@ TEST(ExplainAway, TellsNoiseFromSurfacesByWidthAndDensity) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes

@@ -6,7 +6,7 @@
 
 #include "support/wall_scene.hpp"
 
-namespace planescope {
+namespace planescope::planes {
 namespace {
 
 /// How many planes have the wall's pixels along its middle row.
@@ -60,4 +60,4 @@ TEST(JoinSheets, TheTraceTellsWhoWentWhere) {
 }
 
 }  // namespace
-}  // namespace planescope
+}  // namespace planescope::planes
