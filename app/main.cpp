@@ -1,39 +1,18 @@
-// The one place where errors become a line on stderr and an exit code:
-// 0 fine, 1 a threshold or comparison failed, 2 bad input or usage, 3 rendering failed (the data
-// files are written), 130 cancelled.
+// planescope: the product.
 
-#include <cstdio>
-#include <exception>
-#include <string>
-
-#include "app/cli/cli.hpp"
-#include "app/cli/interrupt.hpp"
-#include "core/model/error.hpp"
-
-namespace {
-
-// One line, whatever a library's message looks like.
-int fail(std::string message, int code) {
-  for (char& c : message)
-    if (c == '\n' || c == '\r') c = ' ';
-  std::fprintf(stderr, "planescope: %s\n", message.c_str());
-  return code;
-}
-
-}  // namespace
+#include "app/cli/program.hpp"
+#include "app/commands/commands.hpp"
 
 int main(int argc, char** argv) {
-  try {
-    const planescope::app::Job job = planescope::app::parse_command_line(argc, argv);
-    const planescope::app::Interrupt interrupt;
-    const int code = job(interrupt.token());
-    if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
-    return code;
-  } catch (const planescope::Cancelled&) {
-    return fail("cancelled", 130);
-  } catch (const planescope::Error& error) {
-    return fail(error.what(), 2);
-  } catch (const std::exception& error) {
-    return fail(std::string("unexpected failure: ") + error.what(), 2);
-  }
+  using namespace planescope::app;
+  const Program program = {
+      .name = "planescope",
+      .about =
+          "planescope finds planes in depth recordings and point clouds, after Sun et al. 2023,\n"
+          "\"Multi-Resolution Planar Region Extraction\".\n"
+          "A command that is given no recording takes the sample that comes with it.",
+      .commands = {define_view, define_info, define_segment, define_report, define_eval,
+                   define_options, define_synth, define_train, define_labels},
+      .alone = "view"};
+  return run_program(program, argc, argv);
 }

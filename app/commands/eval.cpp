@@ -1,20 +1,50 @@
-#include "app/commands/eval.hpp"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/cli/progress.hpp"
-#include "app/commands/predictions.hpp"
+#include "app/commands/commands.hpp"
+#include "core/labels/exchange/exchange.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/evaluate/metrics_values.hpp"
 #include "core/planes/pipeline/score.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct EvalArgs {
+  InputArgs input;
+  std::filesystem::path prediction;  // scored in place of our own segmentation; empty: none
+  bool json = false;
+};
+
+/// What a folder says about a frame: as `planescope segment` wrote it (frames/000123), as label
+/// files, or in a format of exchange (000123.npy, .label, .npz, .ply, .pcd, .json). `gravity` is
+/// that of the truth. nullopt where it holds nothing of the frame. Throws Error where that is
+/// damaged or does not fit the frame.
+std::optional<FrameLabels> read_prediction(const fs::path& dir,
+                                           const io::Recording& recording,
+                                           const Frame& frame,
+                                           const Gravity& gravity) {
+  const std::string hash = recording.frame_hash(frame.index);
+  const std::string name = fmt::format("{:06}", frame.index);
+  if (fs::exists(dir / (name + ".plane.png")))
+    return labels::read_frame_labels(dir, frame.index, hash);
+  std::vector<fs::path> candidates = {dir / report::frame_folder(frame.index) / "cloud.ply"};
+  for (const char* ending : {".npy", ".label", ".npz", ".ply", ".pcd", ".json"})
+    candidates.push_back(dir / (name + ending));
+  for (const fs::path& path : candidates)
+    if (fs::exists(path))
+      return labels::labels_of_points(labels::read_labelled(path, labels::label_format_of(path)),
+                                      labels::make_label_grid(frame, gravity), hash, path.string());
+  return std::nullopt;
+}
 
 struct Row {
   std::string input;
@@ -95,8 +125,8 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
 }
 
-}  // namespace
-
+/// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
+/// has, or the predictions lack one of them. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   const bool predicted = !args.prediction.empty();
@@ -167,6 +197,21 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   json["mean"] = to_json(mean);
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   return 0;
+}
+
+}  // namespace
+
+void define_eval(CLI::App& app, Line& line) {
+  CLI::App* eval =
+      app.add_subcommand("eval", "Metrics against ground truth: label files, or a cloud's fields");
+  const auto args = std::make_shared<EvalArgs>();
+  add_inputs(eval, args->input, kManyInputs);
+  add_json(eval, args->json);
+  add_method(eval, args->input.pipeline);
+  add(eval, "--prediction", args->prediction, "DIR",
+      "Score what lies there instead: planescope segment's output, label files, or labels in\n"
+      "another tool's format (docs/labels.md)");
+  runs(eval, line, args, run_eval);
 }
 
 }  // namespace planescope::app

@@ -1,10 +1,9 @@
-#include "app/commands/info.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
@@ -12,6 +11,11 @@ namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct InfoArgs {
+  InputArgs input;
+  bool json = false;
+};
 
 struct Facts {
   io::RecordingInfo info;
@@ -245,9 +249,9 @@ void print_text(const Facts& f, double max_range_m) {
     line("labels", fmt::format("{} of {} frames, {}", f.labelled, f.frame_count, f.label_dir));
 }
 
-}  // namespace
-
-int run_info(const InfoArgs& args) {
+/// Prints what is in each recording: format, device, sizes, unit, intrinsics, colour, gravity, time
+/// and gaps, and what was lost. Returns the exit code.
+int run_info(const InfoArgs& args, std::stop_token) {
   Json json;
   json["schema"] = "planescope.info/1";
   json["recordings"] = Json::array();
@@ -260,6 +264,18 @@ int run_info(const InfoArgs& args) {
   }
   if (args.json) fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   return 0;
+}
+
+}  // namespace
+
+void define_info(CLI::App& app, Line& line) {
+  CLI::App* info = app.add_subcommand(
+      "info", "What is in a recording: sizes, unit, intrinsics, gravity, time and gaps");
+  const auto args = std::make_shared<InfoArgs>();
+  add_inputs(info, args->input, kManyInputs);
+  add_json(info, args->json);
+  add_method(info, args->input.pipeline);
+  runs(info, line, args, run_info);
 }
 
 }  // namespace planescope::app

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <thread>
 
 #include "app/cli/assets.hpp"
 #include "core/io/picked_gravity.hpp"
@@ -11,6 +13,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::app {
 namespace fs = std::filesystem;
@@ -48,6 +51,64 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count) {
     if (slice.step.value_or(1) >= frame_count) break;  // i + step might overflow
   }
   return frames;
+}
+
+int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+void set_pipeline_option(planes::PipelineOptions& options,
+                         const std::string& name,
+                         const std::string& text) {
+  if (name == "--set") {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
+    return planes::set_option(options, text.substr(0, equals), text.substr(equals + 1));
+  }
+  const std::string option = name == "--max-range" ? "max_range_m"
+                             : name == "--voxel"   ? "voxel_size_m"
+                                                   : name.substr(2);
+  planes::set_option(options, option, text);
+  if (name == "--max-range")
+    options.cloud.range_for_clouds = true;  // clouds are cropped only where that is asked for
+  if (name == "--classifier" && options.gravity.mode == planes::GravityMode::none)
+    throw Error("--classifier " + text +
+                ": with --gravity none no point is labelled h or v, leave one of them out");
+}
+
+namespace {
+
+std::array<double, 4> parse_intrinsics(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 4) throw Error("--intrinsics: '" + text + "' is not FX,FY,CX,CY");
+  std::array<double, 4> values{};
+  for (std::size_t i = 0; i < 4; ++i) values[i] = parse_number(parts[i], "--intrinsics");
+  if (values[0] <= 0 || values[1] <= 0)
+    throw Error("--intrinsics: '" + text + "' has a focal length that is not above 0");
+  return values;
+}
+
+double parse_depth_unit(const std::string& text) {
+  const double unit = parse_number(text, "--depth-unit");
+  if (unit <= 0 || unit > 1)
+    throw Error("--depth-unit: " + text +
+                " is out of range, expected metres per count, above 0 and at most 1");
+  return unit;
+}
+
+}  // namespace
+
+void set_input_option(InputArgs& args, const std::string& name, const std::string& text) {
+  if (name == "--frames")
+    args.frames = parse_frame_slice(text);
+  else if (name == "--intrinsics")
+    args.recording.intrinsics = parse_intrinsics(text);
+  else if (name == "--depth-unit")
+    args.recording.depth_unit_m = parse_depth_unit(text);
+  else if (name == "--instance-field")
+    args.recording.instance_field = text;
+  else if (name == "--labels")
+    args.label_dir = text;
+  else
+    set_pipeline_option(args.pipeline, name, text);
 }
 
 std::vector<OpenInput> open_inputs(const InputArgs& args) {

@@ -24,13 +24,25 @@ struct FrameSlice {
 FrameSlice parse_frame_slice(const std::string& text);  // throws Error
 std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count);
 
+int all_cores();
+
 struct InputArgs {
+  InputArgs() { pipeline.threads = all_cores(); }
+
   std::vector<std::filesystem::path> inputs;       // empty: the sample recording that ships with us
   FrameSlice frames;                               // default: all
   io::RecordingOptions recording;                  // --intrinsics, --depth-unit, --instance-field
-  planes::PipelineOptions pipeline;                // --profile, --set, --gravity, ..., --threads
+  planes::PipelineOptions pipeline;                // --profile, --set, ...; by default on all cores
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
 };
+
+/// What was typed after --profile, --set, --gravity, --max-range, --voxel, --classifier or
+/// --method. Throws Error.
+void set_pipeline_option(planes::PipelineOptions& options,
+                         const std::string& name,
+                         const std::string& text);
+/// Of these, or of --frames, --intrinsics, --depth-unit, --instance-field, --labels.
+void set_input_option(InputArgs& args, const std::string& name, const std::string& text);
 
 /// A recording that was opened, and what of it is asked for.
 struct OpenInput {

@@ -1,13 +1,16 @@
 #pragma once
 
-// planescope labels check|export|import|convert|compare|stats
+// What the commands of planescope labels share: their options, and folders of labels as they are
+// given.
 
 #include <filesystem>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
-#include "app/commands/inputs.hpp"
+#include "app/commands/commands.hpp"
+#include "core/io/recording.hpp"
 
 namespace planescope::app {
 
@@ -20,16 +23,36 @@ struct LabelsArgs {
   bool json = false;
 };
 
-/// One line per finding. Returns 0 where all is well or only hints were found, 1 with findings (or
-/// hints, if `strict`), 2 where files are damaged.
-int run_labels_check(const LabelsArgs& args, const std::stop_token& stop);
-/// Where people have worked: planes, area and time by frame.
-int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop);
-/// How far two sets of labels of the same frames agree.
-int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop);
-int run_labels_export(const LabelsArgs& args, const std::stop_token& stop);
-/// All files are read before any label is changed; what was there can be brought back by undo.
-int run_labels_import(const LabelsArgs& args, const std::stop_token& stop);
-int run_labels_convert(const LabelsArgs& args);
+struct LabelFolder {
+  std::filesystem::path dir;
+  std::vector<int> frames;  // with any label file; ascending, at least one
+};
+/// Throws Error where the folder is none or has no labels.
+LabelFolder list_labels(const std::filesystem::path& dir);
+
+/// A folder of labels, and what they were drawn on where that can be found.
+struct LabelledRecording {
+  LabelFolder labels;
+  std::filesystem::path path;
+  std::unique_ptr<io::Recording> recording;  // null: not found
+};
+/// What was typed is a recording, or a folder of labels.
+LabelledRecording open_labels(const LabelsArgs& args);
+
+/// The labels of a frame that the recording has. Throws Error where they are damaged or of another
+/// depth image.
+FrameLabels read_labels_of(const LabelledRecording& source, int frame);
+
+void define_labels_check(CLI::App* labels, Line& line);
+void define_labels_stats(CLI::App* labels, Line& line);
+void define_labels_compare(CLI::App* labels, Line& line);
+void define_labels_export(CLI::App* labels, Line& line);
+void define_labels_import(CLI::App* labels, Line& line);
+void define_labels_convert(CLI::App* labels, Line& line);
+
+/// The options of recordings that make sense for a folder of labels, --recording and --json.
+void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& what);
+/// --labels, as what reads labels takes it.
+void add_label_dir(CLI::App* command, LabelsArgs& args);
 
 }  // namespace planescope::app

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/progress.hpp"
-#include "app/commands/label_folder.hpp"
+#include "app/commands/labels.hpp"
 #include "core/labels/review/audit.hpp"
 #include "core/model/error.hpp"
 
@@ -80,8 +80,8 @@ void print_json(const LabelledRecording& source,
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-}  // namespace
-
+/// One line per finding. Returns 0 where all is well or only hints were found, 1 with findings (or
+/// hints, if `strict`), 2 where files are damaged.
 int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::vector<CheckedFrame> frames;
@@ -114,6 +114,19 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
   }
   if (counts.damaged > 0) return 2;
   return counts.findings > 0 || (args.strict && counts.hints > 0) ? 1 : 0;
+}
+
+}  // namespace
+
+void define_labels_check(CLI::App* labels, Line& line) {
+  CLI::App* check = labels->add_subcommand("check",
+                                           "What is damaged or looks wrong, a line each. Exit code "
+                                           "0 nothing but hints,\n1 findings, 2 damaged files");
+  const auto args = std::make_shared<LabelsArgs>();
+  add_label_inputs(check, *args, "A folder of labels, or a recording");
+  add_label_dir(check, *args);
+  check->add_flag("--strict", args->strict, "Exit code 1 for hints, too");
+  runs(check, line, args, run_labels_check);
 }
 
 }  // namespace planescope::app

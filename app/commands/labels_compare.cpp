@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/progress.hpp"
-#include "app/commands/label_folder.hpp"
+#include "app/commands/labels.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/model/error.hpp"
 
@@ -60,8 +60,7 @@ ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording&
   return {frame, labels::agreement_of(of_a, of_b)};
 }
 
-}  // namespace
-
+/// How far two sets of labels of the same frames agree.
 int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.input.inputs.size() != 2)
     throw Error(fmt::format("labels compare: {} folders are given, expected two, DIR_A and DIR_B",
@@ -114,6 +113,16 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
       "the same plane.\n");
   if (!one.empty()) fmt::print("{} frames have labels in one folder only.\n", one.size());
   return 0;
+}
+
+}  // namespace
+
+void define_labels_compare(CLI::App* labels, Line& line) {
+  CLI::App* compare =
+      labels->add_subcommand("compare", "How far two sets of labels of the same frames agree");
+  const auto args = std::make_shared<LabelsArgs>();
+  add_label_inputs(compare, *args, "Two folders of labels, DIR_A and DIR_B");
+  runs(compare, line, args, run_labels_compare);
 }
 
 }  // namespace planescope::app

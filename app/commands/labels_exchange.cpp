@@ -6,7 +6,7 @@
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/commands/label_folder.hpp"
+#include "app/commands/labels.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
@@ -130,7 +130,8 @@ Import read_import(const FileOfFrame& file,
   return import;
 }
 
-}  // namespace
+constexpr const char* kReadFormats = "evops|ply|pcd|kitti|npz|coco";
+constexpr const char* kFormats = "evops|ply|pcd|kitti|npz|coco|voxels";
 
 int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   const labels::LabelFormat format = labels::parse_label_format(args.format);
@@ -167,6 +168,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
+/// All files are read before any label is changed; what was there can be brought back by undo.
 int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   if (args.from.empty()) throw Error("labels import needs --from FILE or DIR");
   if (args.format.empty() && fs::is_directory(args.from))
@@ -207,17 +209,59 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   return 0;
 }
 
-int run_labels_convert(const LabelsArgs& args) {
-  if (args.input.inputs.size() != 1)
-    throw Error(
-        fmt::format("labels convert: {} files are given, expected one", args.input.inputs.size()));
-  const fs::path& in = args.input.inputs[0];
+struct ConvertArgs {
+  fs::path in, out;
+};
+
+int run_labels_convert(const ConvertArgs& args, const std::stop_token&) {
+  const fs::path& in = args.in;
   const labels::LabelFormat to = labels::label_format_of(args.out);
   const labels::LabelledPoints points = labels::read_labelled(in, labels::label_format_of(in));
   for (const fs::path& path :
        labels::write_labelled(fs::path(args.out).replace_extension(), to, points))
     fmt::print("{}\n", path.string());
   return 0;
+}
+
+}  // namespace
+
+void define_labels_export(CLI::App* labels, Line& line) {
+  CLI::App* command =
+      labels->add_subcommand("export", "Write labels in another tool's format, a file per frame");
+  const auto args = std::make_shared<LabelsArgs>();
+  add_inputs(command, args->input, "A recording with labels");
+  add(command, "--format", args->format, kFormats, "What to write");
+  add_of_method(command, args->input.pipeline, "--voxel", "M",
+                "Edge of a voxel of format voxels, default 0.02");
+  add_out(command, args->out)->required();
+  runs(command, line, args, run_labels_export);
+}
+
+void define_labels_import(CLI::App* labels, Line& line) {
+  CLI::App* command = labels->add_subcommand(
+      "import",
+      "Take labels from another tool's files. What was there can be brought back by undo");
+  const auto args = std::make_shared<LabelsArgs>();
+  add_inputs(command, args->input, "The recording that the labels are of");
+  command->get_option("--labels")
+      ->description(wrapped("Where the labels go; otherwise <recording>.labels beside it"));
+  add(command, "--format", args->format, kReadFormats,
+      "What the files are; otherwise as --from FILE is named");
+  add(command, "--from", args->from, "FILE|DIR",
+      "One file, for the frame of --frames; or a folder with files as export names them");
+  add_of_method(command, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate|none",
+                "Direction in which things fall, in the sensor's own frame; default auto");
+  runs(command, line, args, run_labels_import);
+}
+
+void define_labels_convert(CLI::App* labels, Line& line) {
+  CLI::App* command = labels->add_subcommand(
+      "convert",
+      "From one format to another, as the names end: .npy, .ply, .pcd, .label, .npz, .json");
+  const auto args = std::make_shared<ConvertArgs>();
+  add(command, "IN", args->in, "", "A file with labels")->required();
+  add(command, "-o,--out", args->out, "FILE", "What to write")->required();
+  runs(command, line, args, run_labels_convert);
 }
 
 }  // namespace planescope::app

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/progress.hpp"
-#include "app/commands/label_folder.hpp"
+#include "app/commands/labels.hpp"
 #include "core/labels/review/audit.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
@@ -100,8 +100,7 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
   return json;
 }
 
-}  // namespace
-
+/// Where people have worked: planes, area and time by frame.
 int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   const LabelledRecording source = open_labels(args);
   std::map<int, std::vector<labels::WorkTime>> work;
@@ -133,6 +132,17 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
     json["frames"].push_back(to_json(f, source.recording != nullptr));
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   return 0;
+}
+
+}  // namespace
+
+void define_labels_stats(CLI::App* labels, Line& line) {
+  CLI::App* stats =
+      labels->add_subcommand("stats", "Planes, labelled area, and who worked how long, by frame");
+  const auto args = std::make_shared<LabelsArgs>();
+  add_label_inputs(stats, *args, "A folder of labels, or a recording");
+  add_label_dir(stats, *args);
+  runs(stats, line, args, run_labels_stats);
 }
 
 }  // namespace planescope::app

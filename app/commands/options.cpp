@@ -1,14 +1,18 @@
-#include "app/commands/options.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/commands.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::app {
 namespace {
+
+struct OptionsArgs {
+  planes::PipelineOptions pipeline;  // the values to show
+  bool json = false;
+};
 
 void print_json(const planes::PipelineOptions& options) {
   nlohmann::ordered_json json;
@@ -40,14 +44,24 @@ void print_table(const planes::PipelineOptions& options) {
   }
 }
 
-}  // namespace
-
-int run_options(const OptionsArgs& args) {
+/// Prints every option that --set takes, with its unit, value and meaning. Returns the exit code.
+int run_options(const OptionsArgs& args, std::stop_token) {
   if (args.json)
     print_json(args.pipeline);
   else
     print_table(args.pipeline);
   return 0;
+}
+
+}  // namespace
+
+void define_options(CLI::App& app, Line& line) {
+  CLI::App* options = app.add_subcommand(
+      "options", "List every option that --set takes, with value, unit and meaning");
+  const auto args = std::make_shared<OptionsArgs>();
+  add_json(options, args->json);
+  add_method(options, args->pipeline);
+  runs(options, line, args, run_options);
 }
 
 }  // namespace planescope::app

@@ -5,19 +5,129 @@
 
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/commands/report_finish.hpp"
+#include "app/cli/output.hpp"
+#include "app/commands/commands.hpp"
 #include "app/commands/report_pictures.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
+#include "core/report/compare/judgement.hpp"
 #include "core/report/data/build_info.hpp"
+#include "core/report/data/report_files.hpp"
+#include "core/report/data/report_head.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kRulesFile = "planescope.rules.json";
+
+void print_facts(const std::filesystem::path& out, const report::Report& report, bool json) {
+  const report::ReportTotals totals = report::totals_of(report);
+  const std::string page = (out / "index.html").string();
+  if (!json) {
+    fmt::print("{}: {}, {}\n", page, counted(totals.frames_done, "frame"),
+               counted(totals.planes, "plane"));
+    if (report.judgement) fmt::print("{}", report.judgement->text());
+    return;
+  }
+  nlohmann::ordered_json facts = {
+      {"schema", "planescope/report-written/1"}, {"page", page},
+      {"recordings", totals.recordings},         {"frames_done", totals.frames_done},
+      {"frames_refused", totals.frames_refused}, {"planes", totals.planes},
+      {"rendered", !report.renderer.empty()}};
+  if (report.judgement) facts["verdict"] = report::judgement_json(*report.judgement);
+  fmt::print("{}\n", facts.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+/// Of those that could not be processed: how many, whether one is damaged, and the first.
+struct Refused {
+  int frames = 0;
+  bool unreadable = false;
+  std::string first;
+};
+
+Refused refused_of(const report::Report& report) {
+  Refused refused;
+  for (const report::ReportRecording& recording : report.recordings)
+    for (const report::ReportFrame& frame : recording.frames) {
+      if (frame.refused.empty()) continue;
+      ++refused.frames;
+      refused.unreadable |= frame.unreadable;
+      if (refused.first.empty()) refused.first = frame.refused;
+    }
+  return refused;
+}
+
+/// Reads what the report is to be held to. Throws Error.
+report::ReportGuard open_guard(const ReportGuardArgs& args) {
+  if (args.approve && args.baseline.empty())
+    throw Error("--approve: give --baseline FILE, which the report is to become");
+  if (args.approve) check_output_dir(fs::absolute(args.baseline).parent_path());
+  if (args.approve && fs::is_directory(args.baseline))
+    throw Error("--baseline " + args.baseline.string() + ": is a folder, expected a report.json");
+  return {args.baseline, args.rules, args.approve};
+}
+
+/// Throws Error where the report would take its baseline's place without being approved.
+void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::path& out) {
+  if (args.baseline.empty() || args.approve) return;
+  if (std::filesystem::weakly_canonical(args.baseline) ==
+      std::filesystem::weakly_canonical(out / "report.json"))
+    throw Error("--baseline " + args.baseline.string() +
+                ": the report would overwrite it; keep the baseline elsewhere");
+}
+
+/// A report without any frame that was processed is bad input: throws Error with the first reason.
+void throw_first_refusal(const report::Report& report) { throw Error(refused_of(report).first); }
+
+/// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
+/// Returns the exit code, as run_report(); throws Cancelled where the report is partial.
+int finish_report(const std::filesystem::path& out,
+                  report::Report& report,
+                  report::ReportGuard& guard,
+                  const ReportGuardArgs& args,
+                  bool json) {
+  if (!report.partial) report.judgement = guard.judge(report);
+  report::write_report_files(out, report);
+  if (report.partial) throw Cancelled();
+  print_facts(out, report, json);
+  const Refused refused = refused_of(report);
+  if (refused.frames > 0)
+    fmt::print(stderr, "planescope: {}: {} frame{} refused, the first: {}\n",
+               refused.unreadable ? "error" : "warning", refused.frames,
+               refused.frames == 1 ? " was" : "s were", refused.first);
+  if (!report.renderer_error.empty())
+    fmt::print(stderr, "planescope: rendering failed, the data files are written: {}\n",
+               report.renderer_error);
+  if (args.approve && refused.unreadable)
+    fmt::print(stderr, "planescope: warning: --approve: {} stays as it was\n",
+               args.baseline.string());
+  else if (args.approve) {
+    fs::create_directories(fs::absolute(args.baseline).parent_path());
+    guard.approve(out / "report.json");
+    fmt::print(stderr, "planescope: {} is the baseline now\n", args.baseline.string());
+  }
+  if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
+  if (refused.unreadable) return 2;
+  return report.renderer_error.empty() ? 0 : 3;
+}
+
+/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error where
+/// there is one.
+int run_report_init() {
+  if (std::filesystem::exists(kRulesFile))
+    throw Error(std::string(kRulesFile) + ": exists already");
+  write_file_text(kRulesFile, report::rules_json(report::built_in_rules()));
+  fmt::print("{}\n", kRulesFile);
+  return 0;
+}
 
 std::string now_utc() {
   const auto now =
@@ -75,6 +185,7 @@ std::string build_key(const report::Report& report, int copies) {
 }  // namespace
 
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
+  if (args.init) return run_report_init();
   report::ReportGuard guard = open_guard(args.guard);
   if (guard.is_on() && args.shard.count > 1)
     throw Error("--shard: give --baseline and --rules to planescope report merge");
@@ -122,6 +233,163 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     fmt::print(stderr, "planescope: {} of {} frames were finished before\n", resumed,
                frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
+}
+
+namespace {
+
+struct ReportMergeArgs {
+  std::vector<std::filesystem::path> shards;  // folders of reports with --shard
+  std::filesystem::path out;
+  bool json = false;
+  ReportGuardArgs guard;
+};
+
+struct ShardReport {
+  fs::path dir;
+  report::ReportHead head;
+  Shard shard;
+};
+
+ShardReport read_shard(const fs::path& dir) {
+  const fs::path file = dir / "report.json";
+  ShardReport read{dir, report::read_report_head(file), {}};
+  const report::Report& report = read.head.report;
+  if (report.shard.empty()) throw Error(file.string() + ": is a whole report, expected a shard");
+  if (report.partial)
+    throw Error(file.string() + ": shard " + report.shard +
+                " was stopped before its end; run it again with --resume");
+  read.shard = parse_shard(report.shard);
+  return read;
+}
+
+/// What the shards of one report have in common, as report.json writes it.
+std::string common_text(const report::Report& report) {
+  report::Report common = report;
+  common.created_utc.clear();
+  common.shard.clear();
+  common.renderer.clear();
+  common.renderer_error.clear();
+  for (report::ReportRecording& recording : common.recordings) recording.frames_asked = 0;
+  return report::report_json(common);
+}
+
+std::vector<ShardReport> read_shards(const std::vector<fs::path>& dirs) {
+  std::vector<ShardReport> shards;
+  for (const fs::path& dir : dirs) shards.push_back(read_shard(dir));
+  std::ranges::stable_sort(shards, {}, [](const ShardReport& s) { return s.shard.index; });
+  const ShardReport& first = shards.front();
+  const std::string common = common_text(first.head.report);
+  int expected = 1;
+  for (const ShardReport& shard : shards) {
+    const std::string name = shard.dir.string() + ": shard " + shard.head.report.shard;
+    if (shard.shard.count != first.shard.count || common_text(shard.head.report) != common)
+      throw Error(name + " is of another report than " + first.dir.string() +
+                  ": their recordings, options, weights or builds differ");
+    if (shard.shard.index < expected) throw Error(name + " was given twice");
+    if (shard.shard.index > expected) break;
+    ++expected;
+  }
+  if (expected <= first.shard.count)
+    throw Error(fmt::format("shard {}/{} is missing", expected, first.shard.count));
+  return shards;
+}
+
+fs::path folder_of(const report::Report& report, std::size_t recording, int index) {
+  return report_frame_folder(report.recordings.size(), recording, report.recordings[recording].name,
+                             index);
+}
+
+/// Joins the shards of one report to what the report without --shard would have been, but for
+/// times. Returns as run_report(). Throws Error where a shard is missing, given twice or of another
+/// report.
+int run_report_merge(const ReportMergeArgs& args, std::stop_token) {
+  report::ReportGuard guard = open_guard(args.guard);
+  check_baseline_place(args.guard, args.out);
+  std::vector<ShardReport> shards = read_shards(args.shards);
+  for (const ShardReport& shard : shards)
+    if (fs::weakly_canonical(shard.dir) == fs::weakly_canonical(args.out))
+      throw Error("output " + args.out.string() + " is one of the shards");
+  ReportFolder folder(args.out, false);
+  folder.give_up();  // what fails half way is begun again
+  std::set<fs::path> frames;
+  report::Report report = shards.front().head.report;
+  report.shard.clear();
+  for (report::ReportRecording& recording : report.recordings) recording.frames_asked = 0;
+  for (const ShardReport& shard : shards) {
+    const report::Report& part = shard.head.report;
+    report.created_utc = std::max(report.created_utc, part.created_utc);
+    if (report.renderer_error.empty()) report.renderer_error = part.renderer_error;
+    for (std::size_t r = 0; r < report.recordings.size(); ++r)
+      report.recordings[r].frames_asked += part.recordings[r].frames_asked;
+    for (const auto& [recording, index] : shard.head.frames) {
+      const fs::path frame = folder_of(report, recording, index);
+      folder.take(frame, shard.dir);
+      frames.insert(frame);
+      report.recordings[recording].frames.push_back(folder.read(frame));
+    }
+  }
+  if (!report.renderer_error.empty()) report.renderer.clear();
+  if (report::totals_of(report).frames_done == 0) throw_first_refusal(report);
+  folder.commit(true, frames);
+  return finish_report(args.out, report, guard, args.guard, args.json);
+}
+
+void add_guard(CLI::App* command, ReportGuardArgs& guard) {
+  add(command, "--baseline", guard.baseline, "FILE",
+      "An earlier report.json: what became of its planes; exit code 1 where it got worse");
+  add(command, "--rules", guard.rules, "FILE",
+      "planescope.rules.json: what the report is held to; with a baseline there are built-in ones");
+  command->add_flag("--approve", guard.approve, "The report becomes the baseline");
+}
+
+void define_merge(CLI::App* report, Line& line) {
+  CLI::App* merge = report->add_subcommand(
+      "merge", "Join the shards of a report to what the report without --shard would have been");
+  const auto args = std::make_shared<ReportMergeArgs>();
+  merge->add_option("SHARD", args->shards, "Their folders, all of them")->type_name("");
+  add_out(merge, args->out);
+  add_json(merge, args->json);
+  add_guard(merge, args->guard);
+  runs(merge, line, args, run_report_merge, [args] {
+    if (args->out.empty()) throw Error("report merge needs an output folder, -o DIR");
+    if (args->shards.empty()) throw Error("report merge: give the folders of the shards");
+  });
+}
+
+}  // namespace
+
+void define_report(CLI::App& app, Line& line) {
+  CLI::App* report = app.add_subcommand(
+      "report", "Write a report that opens in a browser: index.html, report.json, pictures");
+  const auto args = std::make_shared<ReportArgs>();
+  add_inputs(report, args->input, kManyInputs);
+  add_out(report, args->out);
+  add_json(report, args->json);
+  add_method(report, args->input.pipeline);
+  add_guard(report, args->guard);
+  add_read(
+      report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
+      "I/N", "Only the I-th of N parts of the frames, to be joined by planescope report merge");
+  report->add_flag_callback(
+      "--no-pictures", [args] { args->pictures = false; },
+      "Figures alone: some ten times quicker, for a check before each commit");
+  report->add_flag("--resume", args->resume,
+                   "Go on where a stopped run was: frames that it finished are taken as they are");
+  report->add_flag(
+      "--init", args->init,
+      "Write the built-in rules to planescope.rules.json, to be changed, and no report");
+  define_merge(report, line);
+  const auto run = [](const ReportArgs& all, std::stop_token stop) {
+    return run_report(all, stop);
+  };
+  runs(report, line, args, run, [&line, report, args] {
+    args->command = line.frames_text;
+    if (!args->init && args->out.empty()) throw Error("report needs an output folder, -o DIR");
+    for (const CLI::Option* option : report->get_options())
+      if (args->init && option->count() > 0 && option->get_name() != "--init")
+        throw Error("report --init: only writes planescope.rules.json, " + option->get_name() +
+                    " says nothing of it");
+  });
 }
 
 }  // namespace planescope::app

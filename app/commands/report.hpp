@@ -21,6 +21,7 @@ struct ReportArgs {
   InputArgs input;
   std::filesystem::path out;  // -o
   bool json = false;          // --json: print the path and the totals as JSON on stdout
+  bool init = false;          // write the built-in rules and no report
   std::string command;        // as it was typed, without what changes no frame
   ReportGuardArgs guard;
   Shard shard;          // which part of the frames
@@ -28,28 +29,12 @@ struct ReportArgs {
   bool pictures = true;
 };
 
-/// Writes the report. Returns the exit code: 0; 1 where a rule of level error is broken and nothing
-/// was approved; 2 where a frame could not be read, the others being in the report; 3 where
-/// rendering failed and the data files were still written. Throws Error on bad input, Cancelled
-/// (after a valid partial report) on stop.
+/// Writes the report, or with `init` the rules. Returns the exit code: 0; 1 where a rule of level
+/// error is broken and nothing was approved; 2 where a frame could not be read, the others being in
+/// the report; 3 where rendering failed and the data files were still written. Throws Error on bad
+/// input, Cancelled (after a valid partial report) on stop.
 int run_report(const ReportArgs& args,
                std::stop_token stop,
                const FrameRunner& runner = run_report_frame);
-
-struct ReportMergeArgs {
-  std::vector<std::filesystem::path> shards;  // folders of reports with --shard
-  std::filesystem::path out;
-  bool json = false;
-  ReportGuardArgs guard;
-};
-
-/// Joins the shards of one report to what the report without --shard would have been, but for
-/// times. Returns as run_report(). Throws Error where a shard is missing, given twice or of another
-/// report.
-int run_report_merge(const ReportMergeArgs& args);
-
-/// Writes the built-in rules to planescope.rules.json in the current folder. Throws Error where
-/// there is one.
-int run_report_init();
 
 }  // namespace planescope::app

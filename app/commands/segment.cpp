@@ -1,16 +1,21 @@
-#include "app/commands/segment.hpp"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
+#include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {
 namespace {
+
+struct SegmentArgs {
+  InputArgs input;            // one recording
+  std::filesystem::path out;  // -o
+  bool json = false;
+};
 
 // The one line that tells what became of a frame.
 std::string line_of(const std::string& folder, const planes::FrameResult& result) {
@@ -45,8 +50,8 @@ nlohmann::ordered_json frame_json(const std::string& folder, const planes::Frame
   return json;
 }
 
-}  // namespace
-
+/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply} for each frame. All or
+/// nothing on an Error; the frames done so far, and Cancelled, on a stop. Returns the exit code.
 int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
@@ -96,6 +101,21 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   }
   if (stop.stop_requested()) throw Cancelled();
   return 0;
+}
+
+}  // namespace
+
+void define_segment(CLI::App& app, Line& line) {
+  CLI::App* segment = app.add_subcommand(
+      "segment",
+      "Find the planes of each frame: planes.json, planes.png, cloud.ply, timings.json.\n"
+      "Planes and cloud.ply are in the world frame: z up, metres.");
+  const auto args = std::make_shared<SegmentArgs>();
+  add_inputs(segment, args->input, kOneInput);
+  add_out(segment, args->out)->required();
+  add_json(segment, args->json);
+  add_method(segment, args->input.pipeline);
+  runs(segment, line, args, run_segment);
 }
 
 }  // namespace planescope::app

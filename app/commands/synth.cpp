@@ -1,83 +1,24 @@
-#include "app/commands/synth.hpp"
+// planescope synth sample. Sets to measure and to train with: planescope-lab synth.
 
 #include <fmt/format.h>
-
-#include <atomic>
-#include <functional>
+#include <fmt/ranges.h>
 
 #include "app/cli/output.hpp"
-#include "app/cli/progress.hpp"
-#include "core/io/cloud_files/cloud_file.hpp"
-#include "core/lab/synthetic/sample_folder.hpp"
+#include "app/commands/commands.hpp"
+#include "core/lab/synthetic/sample.hpp"
+#include "core/lab/synthetic/scenes.hpp"
 #include "core/labels/model/label_files.hpp"
-#include "core/model/error.hpp"
-#include "core/model/parallel.hpp"
 
 namespace planescope::app {
 namespace {
 
-struct NamedCloud {
-  std::string name;
-  PointSet cloud;
+struct SynthSampleArgs {
+  std::filesystem::path out;  // -o
+  lab::SampleOptions sample;
 };
 
-/// DIR/NAME.ply for each of `count` clouds. Returns how many there are: fewer where stopped.
-int write_clouds(const std::filesystem::path& dir,
-                 const std::string& task,
-                 int count,
-                 int threads,
-                 const std::stop_token& stop,
-                 const std::function<NamedCloud(int)>& make_cloud) {
-  std::error_code failed;
-  std::filesystem::create_directories(dir, failed);
-  if (failed) throw Error("output " + dir.string() + ": " + failed.message());
-  std::atomic<int> done = 0;
-  Progress progress(task, count);
-  const auto make = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
-      const NamedCloud made = make_cloud(static_cast<int>(i));
-      io::write_ply(dir / (made.name + ".ply"), made.cloud);
-      ++done;
-      if (begin == 0) progress.show(done, "");  // one thread speaks for all
-    }
-  };
-  parallel_for(static_cast<std::size_t>(count), threads, make, 1);
-  return done;
-}
-
-int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
-  const auto make = [&](int i) {
-    lab::EvaluationFrame made = lab::make_evaluation_frame(args.set, i, args.options);
-    return NamedCloud{std::move(made.name), std::move(*made.frame.cloud)};
-  };
-  const int done = write_clouds(args.out, task, args.count, args.threads, stop, make);
-  fmt::print("{}: {} clouds of {}\n", args.out.string(), done, args.set.name);
-  if (stop.stop_requested()) throw Cancelled();
-  return 0;
-}
-
-int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
-  const lab::SampleFolder folder{
-      fmt::format("planescope {} --errors {}", task, lab::to_string(args.options.errors)),
-      args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
-  {
-    Progress progress(task, args.count);
-    lab::write_sample_folder(args.out, folder, [&](std::size_t i) {
-      if (stop.stop_requested()) throw Cancelled();
-      progress.show(static_cast<int>(i), "");
-      lab::EvaluationFrame made =
-          lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
-      return lab::SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
-    });
-  }
-  fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
-             args.set.name, labels::default_label_dir(args.out).string());
-  return 0;
-}
-
-}  // namespace
-
-int run_synth_sample(const SynthSampleArgs& args) {
+/// Writes a folder recording and its labels beside it. Returns the exit code.
+int run_synth_sample(const SynthSampleArgs& args, std::stop_token) {
   check_output_dir(args.out);
   lab::write_sample(args.out, args.sample);
   fmt::print("{}: {} frames, their ground truth in {}\n", args.out.string(),
@@ -85,21 +26,27 @@ int run_synth_sample(const SynthSampleArgs& args) {
   return 0;
 }
 
-int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
-  check_output_dir(args.out);
-  const auto make = [&](int i) {
-    return NamedCloud{fmt::format("stairs_{:03}", i), lab::make_stairs(i, args.stairs).cloud};
-  };
-  const int done = write_clouds(args.out, "synth stairs", args.count, args.threads, stop, make);
-  fmt::print("{}: {} stairs\n", args.out.string(), done);
-  if (stop.stop_requested()) throw Cancelled();
-  return 0;
-}
+}  // namespace
 
-int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
-  check_output_dir(args.out);
-  const std::string task = "synth set " + args.set.name;
-  return args.set.depth ? write_set_depth(args, task, stop) : write_set_clouds(args, task, stop);
+void define_synth(CLI::App& app, Line& line) {
+  CLI::App* synth = app.add_subcommand("synth", "Write synthetic recordings with ground truth");
+  CLI::App* sample = synth->add_subcommand(
+      "sample", "A recording as a depth camera makes it, and its exact ground truth in DIR.labels");
+  const auto args = std::make_shared<SynthSampleArgs>();
+  lab::SampleOptions& options = args->sample;
+  add_out(sample, args->out)->required();
+  add(sample, "--scenes", options.scenes, "NAME,...",
+      fmt::format("One frame each, of {}; default stairs,kerb,boxes",
+                  fmt::join(lab::scene_names(), ", ")));
+  add_size(sample, options.width, options.height, "Of the pictures in pixels, default 640x480");
+  add(sample, "--seed", options.seed, "N", "Another seed makes other scenes and noise, default 1")
+      ->check(whole(0));
+  sample->add_flag_callback(
+      "--exact", [&options] { options.noise = false; }, "Depth without noise and holes");
+  sample->add_flag_callback(
+      "--depth-only", [&options] { options.color = false; }, "No colour");
+  sample->add_flag("--with-gravity", options.gravity, "State the true gravity in the recording");
+  runs(sample, line, args, run_synth_sample);
 }
 
 }  // namespace planescope::app

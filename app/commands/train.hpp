@@ -1,18 +1,22 @@
 #pragma once
 
+// What planescope train and the trainings of planescope-lab share.
+
 #include <filesystem>
-#include <stop_token>
 #include <string>
 
-#include "app/commands/inputs.hpp"
+#include "app/cli/command.hpp"
 #include "core/lab/training/training_recipe.hpp"
 
 namespace planescope::app {
 
+constexpr const char* kDefaultRecipe = "planescope";
+
 struct TrainArgs {
-  std::filesystem::path out;       // -o FILE.safetensors; the page and the checkpoint lie beside it
-  InputArgs input;                 // labelled recordings to learn from as well; none: no recordings
-  lab::TrainingRecipe recipe;      // with seed, steps, clouds and network as asked for
+  std::filesystem::path out;  // -o FILE.safetensors; the page and the checkpoint lie beside it
+  InputArgs input;            // labelled recordings to learn from as well; none: no recordings
+  /// With seed, steps, clouds and network as asked for.
+  lab::TrainingRecipe recipe = lab::make_recipe(kDefaultRecipe);
   bool synthetic = true;           // false: the recordings alone
   int validation_clouds = 12;      // of each kind
   std::filesystem::path from;      // weights to begin with; empty: random ones
@@ -21,8 +25,11 @@ struct TrainArgs {
   std::string command;             // as it was typed
 };
 
-/// Trains a classifier. Stopped, it leaves a checkpoint to resume from and throws Cancelled.
-/// Returns the exit code: 1 where the baseline is better.
-int run_train(const TrainArgs& args, std::stop_token stop);
+/// --count and --seed of a recipe; `also`, where given, is a number of clouds that --count limits
+/// as well.
+void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also = nullptr);
+
+/// planescope-lab train: as planescope train, also without any recording.
+void define_recipe_train(CLI::App& app, Line& line);
 
 }  // namespace planescope::app

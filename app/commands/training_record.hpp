@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "app/commands/train.hpp"
@@ -7,6 +8,9 @@
 #include "core/lab/training/checkpoint.hpp"
 
 namespace planescope::app {
+
+nlohmann::ordered_json json_of(const lab::TrainingSetOptions& set);
+nlohmann::ordered_json json_of(const lab::AugmentOptions& options);
 
 /// How weights came about, as a JSON object for their file: nothing in it depends on where, when or
 /// with how many threads that was.

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "app/cli/assets.hpp"
+#include "app/commands/commands.hpp"
 #include "app/desktop/offscreen.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
@@ -127,10 +129,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   return 0;
 }
 
-}  // namespace
-
-State view_state(const ViewArgs& args) { return first_state(args, {}); }
-
+/// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
+/// 1: an expectation of the script failed; 3: no display, or no GL.
 int run_view(const ViewArgs& args, std::stop_token stop) {
   if (args.list_actions) {
     print_actions();
@@ -143,6 +143,60 @@ int run_view(const ViewArgs& args, std::stop_token stop) {
     fmt::print(stderr, "planescope: {}\n", failed.what());
     return 1;
   }
+}
+
+/// Options that a session or a report brings along.
+bool method_typed(const CLI::App& view) {
+  return std::ranges::any_of(view.get_options(), [](const CLI::Option* option) {
+    return option->get_group() == "Method" && option->get_name() != "--threads" &&
+           option->count() > 0;
+  });
+}
+
+}  // namespace
+
+State view_state(const ViewArgs& args) { return first_state(args, {}); }
+
+void define_view(CLI::App& app, Line& line) {
+  CLI::App* view = app.add_subcommand(
+      "view",
+      "Step through the octree traversal of a recording and find out why: the debugger's window.\n"
+      "Without a display, --screenshot draws the same window into a picture.");
+  const auto args = std::make_shared<ViewArgs>();
+  add_inputs(view, args->input, kManyInputs);
+  view->get_option("--frames")->description("The frame to begin with; all are in the strip");
+  view->get_option("--frames")->type_name("N");
+  add_method(view, args->input.pipeline);
+  const std::string window = "Window";
+  const auto option = [&](const char* name, auto& value, const char* type, const char* help) {
+    return add(view, name, value, type, help)->group(window);
+  };
+  option("--open", args->open, "FILE[#PLACE]",
+         "A session that was saved, at one of its bookmarks; or a report.json, at f12/p3: at the "
+         "decision that made plane 3 of frame 12, f12/was3: that lost the baseline's plane 3. r2/ "
+         "before it: of the report's second recording");
+  option("--baseline", args->baseline, "FILE",
+         "Of the report that is opened, whose options become run A; default: the one it names");
+  option("--script", args->script, "FILE.json", "Actions and input to begin with, docs/desktop.md");
+  option("--screenshot", args->screenshot, "FILE.png", "Draw the window into a picture, and end");
+  option("--state", args->state, "FILE.json", "Write what the window shows as plain facts");
+  add_size(view, args->width, args->height, "Of the picture in pixels, default 1440x900", 640, 400);
+  view->get_option("--size")->group(window);
+  option("--scale", args->scale, "FACTOR", "Of text and lines in the picture, default 1")
+      ->check(number(0.5, 4));
+  view->add_flag("--offscreen", args->offscreen, "No window, even where there is a display")
+      ->group(window);
+  view->add_flag("--fresh", args->fresh, "Ignore what the window remembers, and remember nothing")
+      ->group(window);
+  view->add_flag("--actions", args->list_actions, "List every action with its key")->group(window);
+  runs(view, line, args, run_view, [view, args] {
+    if (args->open.empty() && !args->baseline.empty())
+      throw Error("--baseline: is of a report, give --open REPORT.json");
+    if (!args->open.empty() && method_typed(*view))
+      throw Error(
+          "--open brings the options of the session or report: leave out --profile, --set and "
+          "such");
+  });
 }
 
 }  // namespace planescope::app

@@ -27,8 +27,4 @@ struct ViewArgs {
 /// The desktop's state with what was asked for open: recordings, a session, or the sample.
 desktop::State view_state(const ViewArgs& args);
 
-/// The desktop, or with --screenshot, --script or --offscreen its twin without a display. Exit code
-/// 1: an expectation of the script failed; 3: no display, or no GL.
-int run_view(const ViewArgs& args, std::stop_token stop);
-
 }  // namespace planescope::app

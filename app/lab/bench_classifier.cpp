@@ -1,6 +1,5 @@
-#include "app/lab/bench_classifier.hpp"
-
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -8,6 +7,7 @@
 #include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
+#include "app/lab/lab.hpp"
 #include "core/lab/bench/classifier_bench.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -16,6 +16,21 @@ namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::vector<std::string> kClassifierParts = {"accuracy", "gravity", "chain", "speed",
+                                                   "frames"};
+
+struct BenchClassifierArgs {
+  InputArgs input;                             // recordings whose frames are timed; the options
+  std::vector<std::string> weights = {"gcn"};  // gcn, the shipped ones, or files
+  std::set<std::string> parts;                 // of kClassifierParts
+  std::uint64_t seed = 960001;                 // of the clouds: no training has it
+  int count = 100;                             // clouds of each kind
+  int rounds = 20;                             // of the speed part
+  std::filesystem::path out;                   // -o; empty: nothing is written
+  bool json = false;
+  std::string command;  // as it was typed
+};
 
 constexpr double kTiltDeg = 5;
 
@@ -132,13 +147,8 @@ void write_files(const lab::ClassifierBench& bench, const fs::path& dir) {
   }
 }
 
-}  // namespace
-
-const std::vector<std::string>& bench_classifier_parts() {
-  static const std::vector<std::string> parts = {"accuracy", "gravity", "chain", "speed", "frames"};
-  return parts;
-}
-
+/// Measures networks: prints tables, and writes classifier.json and .md, and what depends on time
+/// to classifier.timings.json and .md. Returns the exit code; throws Cancelled on stop.
 int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   const lab::ClassifierBench bench = measure(args, stop);
@@ -153,6 +163,44 @@ int run_bench_classifier(const BenchClassifierArgs& args, std::stop_token stop) 
   for (lab::Table& table : lab::timing_tables(bench)) tables.push_back(std::move(table));
   fmt::print("{}", joined(tables, lab::to_text));
   return 0;
+}
+
+void finish(BenchClassifierArgs& args) {
+  expect_ours(args.input.pipeline, "bench classifier");
+  expect_gravity(args.input.pipeline, "bench classifier");
+  if (!args.parts.empty()) return;
+  args.parts = {kClassifierParts.begin(), kClassifierParts.end()};
+  if (args.input.inputs.empty()) args.parts.erase("frames");
+}
+
+}  // namespace
+
+void define_bench_classifier(CLI::App* bench, Line& line) {
+  CLI::App* classifier = bench->add_subcommand(
+      "classifier",
+      "Labels, planes and speed of networks against PCA normals, on synthetic clouds that no\n"
+      "training has seen; and how long frames of the given recordings take.");
+  const auto args = std::make_shared<BenchClassifierArgs>();
+  add_inputs(classifier, args->input,
+             "Bags, folders, .raw, .ply or .pcd files whose frames are timed");
+  classifier->remove_option(classifier->get_option("--labels"));
+  add_out(classifier, args->out);
+  add_json(classifier, args->json);
+  add(classifier, "--weights", args->weights, "gcn|FILE",
+      "Networks to measure, side by side: gcn, the one that comes with planescope (default), or "
+      "files. May be given many times");
+  add_parts(classifier, args->parts, kClassifierParts,
+            fmt::format("Of {}; default: all, frames where recordings are given",
+                        fmt::join(kClassifierParts, ", ")));
+  add(classifier, "--seed", args->seed, "N", "Another seed makes other clouds")->check(whole(0));
+  add(classifier, "--count", args->count, "N", "Clouds of each kind, default 100")->check(whole(1));
+  add(classifier, "--rounds", args->rounds, "N", "How often speed is measured, default 20")
+      ->check(whole(1));
+  add_clouds(classifier, args->input.pipeline);
+  runs(classifier, line, args, run_bench_classifier, [args, &line] {
+    args->command = line.text;
+    finish(*args);
+  });
 }
 
 }  // namespace planescope::app

@@ -1,5 +1,3 @@
-#include "app/lab/bench_desktop.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,9 @@
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
+#include "app/commands/view.hpp"
 #include "app/desktop/offscreen.hpp"
+#include "app/lab/lab.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -18,6 +18,13 @@ namespace {
 using namespace desktop;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
+
+struct BenchDesktopArgs {
+  ViewArgs view;              // recording, options, size of the window
+  int steps = 500;            // of the scrub
+  std::filesystem::path out;  // desktop.json is written there; empty: nowhere
+  bool json = false;
+};
 
 constexpr int kTicks = 60;  // of a slider
 
@@ -54,8 +61,7 @@ void print_row(const char* what, const Times& times, const Times& empty) {
              times.at(0.99), times.at(0.5) / empty.at(0.5), times.at(0.99) / empty.at(0.99));
 }
 
-}  // namespace
-
+/// How long the window takes to show a step, off-screen, against an empty one in the same run.
 int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   if (!args.out.empty()) check_output_dir(args.out);
   const ViewArgs& view = args.view;
@@ -127,6 +133,25 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
   print_row("a step anywhere in the trace", jump, empty);
   print_row("a tick of a slider, run and shown", tick, empty);
   return 0;
+}
+
+}  // namespace
+
+void define_bench_desktop(CLI::App* bench, Line& line) {
+  CLI::App* command = bench->add_subcommand(
+      "desktop",
+      "How long the debugger's window takes to show a step and a slider's tick, drawn without a\n"
+      "display, against an empty window in the same run.");
+  const auto args = std::make_shared<BenchDesktopArgs>();
+  ViewArgs& view = args->view;
+  add_inputs(command, view.input, kOneInput);
+  add_out(command, args->out);
+  add_json(command, args->json);
+  add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->check(whole(1));
+  add_size(command, view.width, view.height, "Of the window in pixels, default 1440x900", 640, 400);
+  add_method(command, view.input.pipeline);
+  command->remove_option(command->get_option("--method"));
+  runs(command, line, args, run_bench_desktop, [args] { args->view.fresh = true; });
 }
 
 }  // namespace planescope::app

@@ -1,20 +1,27 @@
 #include "app/lab/bench_paper.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
+#include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
-#include "app/lab/bench_paper_figures.hpp"
-#include "app/lab/bench_paper_real.hpp"
+#include "app/lab/lab.hpp"
+#include "app/lab/lists.hpp"
 #include "core/lab/experiments/cell_log.hpp"
 #include "core/lab/experiments/measure_timings.hpp"
 #include "core/lab/experiments/paper_page.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/reproduction.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "render/context.hpp"
@@ -23,6 +30,27 @@ namespace planescope::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::vector<std::string> kPaperParts = {"tables", "timings", "figures"};
+
+struct BenchPaperArgs {
+  InputArgs input;                         // recordings as they are typed
+  std::vector<PaperRecording> recordings;  // those that are taken
+  std::filesystem::path data;              // folder of recordings that labels are taken from
+  std::string weights = "gcn";             // gcn, the shipped ones, or a file
+  std::set<std::string> parts;             // of kPaperParts
+  std::uint64_t seed = 1, tuning_seed = 1001;
+  std::vector<std::string> sets;  // that are measured; empty: all
+  int count = 0;                  // frames of a set at most; 0: all
+  bool quick = false;             // fewer frames and conditions
+  bool resume = false;
+  int threads = all_cores();
+  std::filesystem::path out;   // -o
+  std::filesystem::path from;  // results that are there: nothing is measured
+  std::filesystem::path doc;   // with `from`: the file of docs/reproduction.md
+  bool json = false;
+  std::string same_command;  // measures the same again; without folders, which are this machine's
+};
 
 /// What was measured, now or before.
 struct Measured {
@@ -267,13 +295,9 @@ class PaperRun {
   std::optional<lab::CellLog> log_;  // until all is done, so that --resume measures no cell again
 };
 
-}  // namespace
-
-const std::vector<std::string>& bench_paper_parts() {
-  static const std::vector<std::string> parts = {"tables", "timings", "figures"};
-  return parts;
-}
-
+/// The paper's experiments: paper.json, .md and index.html, and what depends on time in
+/// paper.timings.json and .md. Returns the exit code, 3 where pictures could not be drawn; throws
+/// Cancelled on stop, and what was measured can be gone on with.
 int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop) {
   if (!args.doc.empty()) {
     write_file_text(args.doc, lab::reproduction_page(lab::read_results(args.from),
@@ -281,6 +305,90 @@ int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop) {
     return 0;
   }
   return PaperRun(args, std::move(stop)).run();
+}
+
+/// What is typed, or those of the list that comes with planescope which are below $PLANESCOPE_DATA.
+std::vector<PaperRecording> chosen_recordings(const BenchPaperArgs& args) {
+  if (args.input.inputs.empty())
+    return args.data.empty() || !args.from.empty()
+               ? std::vector<PaperRecording>()
+               : listed_recordings(
+                     find_asset("paper_recordings.txt", "the list of bench paper's recordings is"),
+                     args.data);
+  std::vector<PaperRecording> recordings;
+  for (const fs::path& input : args.input.inputs) {
+    recordings.push_back({fs::absolute(input / "").parent_path().filename().string(), args.input});
+    recordings.back().input.inputs = {input};
+  }
+  return recordings;
+}
+
+/// Without folders and threads: both leave the results alone.
+std::string same_command(const BenchPaperArgs& args, const CLI::App& typed) {
+  std::string text = "planescope-lab bench paper";
+  for (const fs::path& input : args.input.inputs)
+    text += fmt::format(" {}", input.lexically_normal().filename().string());
+  text += fmt::format(" --seed {} --tuning-seed {}", args.seed, args.tuning_seed);
+  if (args.quick) text += " --quick";
+  return text + typed_text(typed, {"--sets", "--count", "--frames", "--gravity", "--intrinsics",
+                                   "--depth-unit"});
+}
+
+void finish(BenchPaperArgs& args, const CLI::App& typed) {
+  if (args.doc.empty() && args.out.empty())
+    throw Error("bench paper needs an output folder, -o DIR");
+  if (!args.doc.empty() && args.from.empty())
+    throw Error("--doc needs the results that it is written from, --from DIR");
+  for (const std::string& set : args.sets)
+    if (set != lab::kRealLabelled) lab::find_evaluation_set(set);
+  if (args.parts.empty()) args.parts = {kPaperParts.begin(), kPaperParts.end()};
+  args.input.pipeline.threads = args.threads;
+  args.data = data_folder();
+  args.recordings = chosen_recordings(args);
+  for (const PaperRecording& recording : args.recordings)
+    expect_gravity(recording.input.pipeline, "bench paper");
+  args.same_command = same_command(args, typed);
+}
+
+}  // namespace
+
+void define_bench_paper(CLI::App* bench, Line& line) {
+  CLI::App* paper = bench->add_subcommand(
+      "paper",
+      "Every experiment of the paper beside its printed numbers, and measures on which methods\n"
+      "really differ: tables, plots and pictures as one page.");
+  const auto args = std::make_shared<BenchPaperArgs>();
+  add_inputs(paper, args->input,
+             "Recordings for table IV; without, those of assets/paper_recordings.txt that are\n"
+             "below $PLANESCOPE_DATA");
+  paper->remove_option(paper->get_option("--labels"));
+  add_of_method(paper, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
+                "Of the recordings that are given")
+      ->group("Recordings");
+  add_out(paper, args->out);
+  add_json(paper, args->json);
+  paper->add_flag("--quick", args->quick, "Fewer frames and conditions: under two minutes");
+  paper->add_flag("--resume", args->resume, "Go on with the run that was cut short in DIR");
+  add_parts(paper, args->parts, kPaperParts,
+            fmt::format("Of {}; the others stay as they are in DIR. Default: all",
+                        fmt::join(kPaperParts, ", ")));
+  add(paper, "--seed", args->seed, "N", "Of the sets that the tables are printed for, default 1")
+      ->check(whole(1));
+  add(paper, "--tuning-seed", args->tuning_seed, "N",
+      "Of the sets that options were tuned on, shown beside the claims; default 1001")
+      ->check(whole(1));
+  add(paper, "--sets", args->sets, "NAME,...",
+      "Measure these alone, of stairs, kerbs, depth_boxes, ...");
+  add(paper, "--count", args->count, "N", "At most so many frames of each set; default all")
+      ->check(whole(1));
+  add(paper, "--weights", args->weights, "gcn|FILE",
+      "The network: gcn, the one that comes with planescope (default), or a file");
+  add(paper, "--from", args->from, "DIR",
+      "Measure nothing: write pages of the results there, with figures where\nthey are of this "
+      "commit");
+  add(paper, "--doc", args->doc, "FILE.md", "With --from: write docs/reproduction.md alone");
+  add_threads(paper, args->threads);
+  runs(paper, line, args, run_bench_paper, [args, paper] { finish(*args, *paper); });
 }
 
 }  // namespace planescope::app

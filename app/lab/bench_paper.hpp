@@ -1,18 +1,20 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <set>
+// What the files of `planescope-lab bench paper` share: the real recordings of table IV, and
+// pictures.
+
+#include <functional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "app/commands/inputs.hpp"
+#include "core/lab/experiments/paper_page.hpp"
+#include "core/lab/experiments/results.hpp"
+#include "render/renderer.hpp"
 
 namespace planescope::app {
-
-/// "tables", "timings", "figures".
-const std::vector<std::string>& bench_paper_parts();
 
 /// A real recording under the name that it has in tables.
 struct PaperRecording {
@@ -20,27 +22,40 @@ struct PaperRecording {
   InputArgs input;
 };
 
-struct BenchPaperArgs {
+struct RealInput {
+  std::string name;
+  OpenInput input;
+  planes::PipelineOptions options;  // of one thread
+};
+/// Opens all, and takes at most `frames` of each, evenly spread.
+std::vector<RealInput> open_real(std::span<const PaperRecording> recordings, int frames);
+
+/// The same for any number of threads. Throws Error where a frame cannot be read. `progress(done,
+/// all)` may throw to stop.
+lab::RealRow measure_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          const std::function<void(int, int)>& progress = {});
+/// Of the frames whose gravity is known, `runs` runs.
+lab::RealTiming time_real(const RealInput& real,
+                          const planes::Classifier& classifier,
+                          int threads,
+                          int runs,
+                          const std::function<void(int, int)>& progress = {});
+
+struct PaperFigureArgs {
   std::vector<PaperRecording> recordings;
-  std::filesystem::path data;   // folder of recordings that labels are taken from
   std::string weights = "gcn";  // gcn, the shipped ones, or a file
-  std::set<std::string> parts;  // of bench_paper_parts()
-  std::uint64_t seed = 1, tuning_seed = 1001;
-  std::vector<std::string> sets;  // that are measured; empty: all
-  int count = 0;                  // frames of a set at most; 0: all
-  bool quick = false;             // fewer frames and conditions
-  bool resume = false;
   int threads = 1;
-  std::filesystem::path out;   // -o
-  std::filesystem::path from;  // results that are there: nothing is measured
-  std::filesystem::path doc;   // with `from`: the file of docs/reproduction.md
-  bool json = false;
-  std::string same_command;  // measures the same again; without folders, which are this machine's
+  std::stop_token stop;
+  std::function<void(const std::string& what)> progress;  // before each picture; may be empty
 };
 
-/// The paper's experiments: paper.json, .md and index.html, and what depends on time in
-/// paper.timings.json and .md. Returns the exit code, 3 where pictures could not be drawn; throws
-/// Cancelled on stop, and what was measured can be gone on with.
-int run_bench_paper(const BenchPaperArgs& args, std::stop_token stop);
+/// All figures, those without pictures left out. Seeds are those of `results`, labels those of the
+/// network. The same pixels for any thread count. Throws Error where weights are missing,
+/// a recording is damaged or nothing can be drawn, Cancelled on stop.
+std::vector<lab::PaperFigure> draw_paper_figures(const PaperFigureArgs& args,
+                                                 const lab::PaperResults& results,
+                                                 render::Renderer& renderer);
 
 }  // namespace planescope::app

@@ -1,8 +1,7 @@
-#include "app/lab/bench_paper_real.hpp"
-
 #include <algorithm>
 #include <optional>
 
+#include "app/lab/bench_paper.hpp"
 #include "core/lab/bench/frame_bench.hpp"
 #include "core/model/work_list.hpp"
 

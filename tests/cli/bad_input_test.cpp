@@ -193,7 +193,8 @@ TEST(BadOutput, AFolderBelowAFileIsRefusedBeforeTheWork) {
       EXPECT_NE(ran.err.find("file"), std::string::npos) << ran.err;
       EXPECT_EQ(read_text(dir / "file"), "in the way");
     }
-  const Ran stairs = run({"synth", "stairs", "-o", (dir / "file/below").string()});
+  const Ran stairs =
+      run({"planescope-lab", "synth", "stairs", "-o", (dir / "file/below").string()});
   EXPECT_EQ(stairs.code, 2);
   EXPECT_TRUE(is_one_line(stairs.err)) << stairs.err;
 }

@@ -1,4 +1,4 @@
-// planescope bench paper, with few sets and frames.
+// planescope-lab bench paper, with few sets and frames.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 namespace {
 
 Ran bench(const fs::path& out, const std::vector<std::string>& more) {
-  std::vector<std::string> args = {"bench", "paper", "--quick", "--count", "1", "-o", out.string()};
+  std::vector<std::string> args = {"planescope-lab", "bench", "paper", "--quick",
+                                   "--count",        "1",     "-o",    out.string()};
   args.insert(args.end(), more.begin(), more.end());
   return run(args);
 }
@@ -164,7 +165,7 @@ TEST(BenchPaper, DrawsEachFigureIntoThePage) {
 TEST(BenchPaper, WritesItsPagesAgainFromWhatWasMeasured) {
   const fs::path dir = scratch();
   ASSERT_EQ(bench(dir / "out", {"--only", "tables", "--sets", "kerbs"}).code, 0);
-  const Ran ran = run({"bench", "paper", "--from", (dir / "out").string(), "-o",
+  const Ran ran = run({"planescope-lab", "bench", "paper", "--from", (dir / "out").string(), "-o",
                        (dir / "again").string(), "--only", "tables"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   for (const char* file : {"paper.md", "index.html"})
@@ -173,9 +174,9 @@ TEST(BenchPaper, WritesItsPagesAgainFromWhatWasMeasured) {
 
 TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
   const fs::path out = scratch() / "out";
-  const Ran ran =
-      run_and_signal({"bench", "paper", "--only", "tables", "--sets", "kerbs", "-o", out.string()},
-                     SIGINT, out / "cells.jsonl");
+  const Ran ran = run_and_signal({"planescope-lab", "bench", "paper", "--only", "tables", "--sets",
+                                  "kerbs", "-o", out.string()},
+                                 SIGINT, out / "cells.jsonl");
   EXPECT_EQ(ran.code, 130);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_EQ(files_below(out), std::vector<std::string>{"cells.jsonl"});
@@ -184,14 +185,16 @@ TEST(BenchPaper, KeepsItsCellsWhenItIsInterrupted) {
 TEST(BenchPaper, RefusesWhatItDoesNotKnowInOneLine) {
   const fs::path out = scratch() / "out";
   const std::vector<std::pair<std::vector<std::string>, std::string>> bad = {
-      {{"bench", "paper"}, "-o DIR"},
-      {{"bench", "paper", "-o", out.string(), "--only", "tabels"}, "tabels"},
-      {{"bench", "paper", "-o", out.string(), "--sets", "stares"}, "stares"},
-      {{"bench", "paper", "-o", out.string(), "--count", "0"}, "--count"},
-      {{"bench", "paper", "-o", out.string(), "--weights", "pca"}, "is not a network"},
-      {{"bench", "paper", "-o", out.string(), (out / "none").string()}, "none"},
-      {{"bench", "paper", "--from", (out / "none").string(), "-o", out.string()}, "paper.json"},
-      {{"bench", "paper", "--doc", (out / "x.md").string()}, "--from"}};
+      {{"planescope-lab", "bench", "paper"}, "-o DIR"},
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), "--only", "tabels"}, "tabels"},
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), "--sets", "stares"}, "stares"},
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), "--count", "0"}, "--count"},
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), "--weights", "pca"},
+       "is not a network"},
+      {{"planescope-lab", "bench", "paper", "-o", out.string(), (out / "none").string()}, "none"},
+      {{"planescope-lab", "bench", "paper", "--from", (out / "none").string(), "-o", out.string()},
+       "paper.json"},
+      {{"planescope-lab", "bench", "paper", "--doc", (out / "x.md").string()}, "--from"}};
   for (const auto& [args, part] : bad) {
     const Ran ran = run(args);
     EXPECT_EQ(ran.code, 2) << part;

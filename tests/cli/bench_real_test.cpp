@@ -1,4 +1,4 @@
-// planescope bench real, with few frames.
+// planescope-lab bench real, with few frames.
 
 #include <gtest/gtest.h>
 
@@ -24,11 +24,17 @@ void write_labelled(const fs::path& dir) {
 }
 
 std::vector<std::string> frames_args(const fs::path& dir, const std::string& list = "list.txt") {
-  return {"bench",         "real",
-          "--only",        "frames",
-          "--data",        (dir / "data").string(),
-          "--frames-list", (dir / list).string(),
-          "--labels",      (dir / "labels").string()};
+  return {"planescope-lab",
+          "bench",
+          "real",
+          "--only",
+          "frames",
+          "--data",
+          (dir / "data").string(),
+          "--frames-list",
+          (dir / list).string(),
+          "--labels",
+          (dir / "labels").string()};
 }
 
 Ran run_with(std::vector<std::string> args, const std::vector<std::string>& more) {
@@ -55,7 +61,7 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
     EXPECT_EQ(frame["scores"][method]["planes_truth"], 2) << method;
   EXPECT_EQ(frame["scores"]["ours refined gcn"]["correct"], 2);
   EXPECT_EQ(json["halves"][0]["precision"], 100.0);
-  EXPECT_EQ(json["command"], "planescope bench real --frames-list list.txt --only frames");
+  EXPECT_EQ(json["command"], "planescope-lab bench real --frames-list list.txt --only frames");
 }
 
 TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
@@ -143,7 +149,7 @@ TEST(BenchReal, RefusesWhatItDoesNotKnowInOneLine) {
       {{"-o", out, "--only", "sets", "--seeds", "1,1"}, "twice"},
       {{"-o", out, "--only", "sets", "--count", "0"}, "--count"}};
   for (const auto& [args, part] : bad) {
-    const Ran ran = run_with({"bench", "real"}, args);
+    const Ran ran = run_with({"planescope-lab", "bench", "real"}, args);
     EXPECT_EQ(ran.code, 2) << part;
     EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
     EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;

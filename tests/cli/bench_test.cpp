@@ -1,4 +1,4 @@
-// planescope bench classifier, with few clouds and an untrained network.
+// planescope-lab bench classifier, with few clouds and an untrained network.
 
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ struct Bench {
   }
 
   Ran with(std::vector<std::string> more) const {
-    std::vector<std::string> args = {"bench",   "classifier", "--weights", weights,
-                                     "--count", "1",          "--rounds",  "1"};
+    std::vector<std::string> args = {"planescope-lab", "bench", "classifier", "--weights", weights,
+                                     "--count",        "1",     "--rounds",   "1"};
     args.insert(args.end(), more.begin(), more.end());
     return run(args);
   }

@@ -121,8 +121,9 @@ TEST(Eval, WithoutTruthItSaysWhereItLooked) {
 TEST(SynthStairs, TheSetIsWrittenTheSameEveryTimeAndScoresItself) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"}) {
-    const Ran ran = run({"synth", "stairs", "-o", (dir / name).string(), "--count", "3", "--points",
-                         "2048", "--noise", "0.001", "--threads", name[0] == 'a' ? "1" : "3"});
+    const Ran ran =
+        run({"planescope-lab", "synth", "stairs", "-o", (dir / name).string(), "--count", "3",
+             "--points", "2048", "--noise", "0.001", "--threads", name[0] == 'a' ? "1" : "3"});
     ASSERT_EQ(ran.code, 0) << ran.err;
   }
   ASSERT_EQ(files_below(dir / "a"),
@@ -150,7 +151,8 @@ TEST(SynthStairs, BadNumbersAreRefused) {
                                               {"--points", "-5"},
                                               {"--noise", "-0.1"},
                                               {"--seed", "x"}}) {
-    std::vector<std::string> args = {"synth", "stairs", "-o", (dir / "out").string()};
+    std::vector<std::string> args = {"planescope-lab", "synth", "stairs", "-o",
+                                     (dir / "out").string()};
     args.insert(args.end(), bad.begin(), bad.end());
     const Ran ran = run(args);
     EXPECT_EQ(ran.code, 2);
@@ -161,8 +163,8 @@ TEST(SynthStairs, BadNumbersAreRefused) {
 
 TEST(SynthSet, CloudsAreWrittenThatScoreThemselves) {
   const auto dir = scratch();
-  const Ran ran = run({"synth", "set", "ramps", "-o", (dir / "set").string(), "--count", "2",
-                       "--points", "2048", "--noise", "0.001"});
+  const Ran ran = run({"planescope-lab", "synth", "set", "ramps", "-o", (dir / "set").string(),
+                       "--count", "2", "--points", "2048", "--noise", "0.001"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   ASSERT_EQ(files_below(dir / "set"), (std::vector<std::string>{"ramps_000.ply", "ramps_001.ply"}));
   const Ran eval =
@@ -220,11 +222,11 @@ TEST(InstanceField, ARoomOfASimulatedLaserScannerKeepsItsAccuracy) {
 TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
   const auto dir = scratch();
   const std::string rec = (dir / "rec").string();
-  const Ran ran = run({"synth", "set", "depth_stairs", "-o", rec, "--count", "2", "--errors",
-                       "noise", "--seed", "3"});
+  const Ran ran = run({"planescope-lab", "synth", "set", "depth_stairs", "-o", rec, "--count", "2",
+                       "--errors", "noise", "--seed", "3"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json sidecar = Json::parse(read_text(dir / "rec/planescope.json"));
-  EXPECT_EQ(sidecar["made_by"], "planescope synth set depth_stairs --errors noise");
+  EXPECT_EQ(sidecar["made_by"], "planescope-lab synth set depth_stairs --errors noise");
   EXPECT_EQ(sidecar["seed"], 3);
   EXPECT_EQ(sidecar["frames"][1]["scene"], "depth_stairs_001");
 
@@ -241,8 +243,8 @@ TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
 TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"}) {
-    const Ran ran = run({"synth", "training", "-o", (dir / name).string(), "--count", "1", "--seed",
-                         "7", "--threads", name[0] == 'a' ? "1" : "3"});
+    const Ran ran = run({"planescope-lab", "synth", "training", "-o", (dir / name).string(),
+                         "--count", "1", "--seed", "7", "--threads", name[0] == 'a' ? "1" : "3"});
     ASSERT_EQ(ran.code, 0) << ran.err;
   }
   ASSERT_EQ(files_below(dir / "a"),
@@ -272,8 +274,8 @@ TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
 
 TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
   const auto dir = scratch();
-  const Ran ran = run({"synth", "training", "-o", dir.string(), "--recipe", "paper", "--count", "1",
-                       "--augmented"});
+  const Ran ran = run({"planescope-lab", "synth", "training", "-o", dir.string(), "--recipe",
+                       "paper", "--count", "1", "--augmented"});
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(files_below(dir), (std::vector<std::string>{"box_000.ply", "plane_000.ply",
                                                         "stairs_000.ply", "training.json"}));
@@ -284,7 +286,8 @@ TEST(SynthTraining, ThePapersRecipeHasNoScansAndCanBeSeenAugmented) {
 
 TEST(SynthTraining, AnUnknownRecipeIsRefusedWithTheNamesThereAre) {
   const auto dir = scratch();
-  const Ran ran = run({"synth", "training", "-o", (dir / "out").string(), "--recipe", "cookies"});
+  const Ran ran = run(
+      {"planescope-lab", "synth", "training", "-o", (dir / "out").string(), "--recipe", "cookies"});
   EXPECT_EQ(ran.code, 2);
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
   EXPECT_NE(ran.err.find("one of planescope, real-camera, paper"), std::string::npos) << ran.err;

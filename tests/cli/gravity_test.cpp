@@ -205,7 +205,7 @@ TEST(GravityNone, WhatIsAboutClassesIsRefusedInOneLine) {
        {std::vector<std::string>{"segment", rec, "-o", out, "--classifier", "pca"},
         std::vector<std::string>{"train", rec, "--recipe", "recordings", "-o",
                                  (dir / "w.safetensors").string()},
-        std::vector<std::string>{"bench", "classifier", rec, "-o", out}}) {
+        std::vector<std::string>{"planescope-lab", "bench", "classifier", rec, "-o", out}}) {
     std::vector<std::string> none = args;
     none.insert(none.end(), {"--gravity", "none"});
     const Ran ran = run(none);

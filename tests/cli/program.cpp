@@ -17,8 +17,11 @@ namespace fs = std::filesystem;
 namespace {
 
 pid_t start(const std::vector<std::string>& args, const fs::path& out, const fs::path& err) {
-  std::vector<std::string> words{PLANESCOPE_PROGRAM};
-  words.insert(words.end(), args.begin(), args.end());
+  std::vector<std::string> words = args;
+  if (!words.empty() && words[0] == "planescope-lab")
+    words[0] = PLANESCOPE_LAB;
+  else
+    words.insert(words.begin(), PLANESCOPE_PROGRAM);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -100,7 +103,8 @@ std::vector<std::string> files_below(const fs::path& dir) {
 }
 
 bool is_one_line(const std::string& err) {
-  return err.starts_with("planescope: ") && err.find('\n') == err.size() - 1;
+  return (err.starts_with("planescope: ") || err.starts_with("planescope-lab: ")) &&
+         err.find('\n') == err.size() - 1;
 }
 
 }  // namespace planescope::testing_cli

@@ -13,7 +13,8 @@ struct Ran {
   std::string err;
 };
 
-/// Runs `planescope ARGS...` with no terminal and waits for it.
+/// Runs `planescope ARGS...` with no terminal and waits for it; or `planescope-lab ...` where that
+/// is the first of them.
 Ran run(const std::vector<std::string>& args);
 
 /// Starts it, sends `signal_number` as soon as `marker` exists, and waits for the end.
@@ -29,7 +30,7 @@ std::string read_text(const std::filesystem::path& path);
 /// All files below `dir`, relative, sorted.
 std::vector<std::string> files_below(const std::filesystem::path& dir);
 
-/// True if `err` is exactly one line that starts with "planescope: ".
+/// True if `err` is exactly one line that begins with the program's name.
 bool is_one_line(const std::string& err);
 
 }  // namespace planescope::testing_cli

@@ -1,4 +1,4 @@
-// planescope train, with networks and training sets that are tiny.
+// planescope-lab train, with networks and training sets that are tiny.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -32,7 +32,8 @@ struct Training {
   }
 
   std::vector<std::string> command(std::vector<std::string> more) const {
-    std::vector<std::string> args = {"train", "--count", "1", "--from", start.string()};
+    std::vector<std::string> args = {"planescope-lab", "train",       "--count", "1",
+                                     "--from",         start.string()};
     args.insert(args.end(), more.begin(), more.end());
     if (std::find(args.begin(), args.end(), "-o") == args.end())
       args.insert(args.end(), {"-o", out.string()});

@@ -8,38 +8,47 @@ using namespace planescope::testing_cli;
 
 namespace {
 
-const std::vector<std::vector<std::string>> kCommands = {{"view"},
-                                                         {"info"},
-                                                         {"segment"},
-                                                         {"report"},
-                                                         {"eval"},
-                                                         {"synth"},
-                                                         {"synth", "sample"},
-                                                         {"synth", "stairs"},
-                                                         {"synth", "set"},
-                                                         {"options"},
-                                                         {"bench"},
-                                                         {"bench", "classifier"},
-                                                         {"bench", "desktop"}};
+using Words = std::vector<std::string>;
+
+const std::vector<Words> kCommands = {{"view"},  {"info"},    {"segment"}, {"report"},
+                                      {"eval"},  {"options"}, {"synth"},   {"synth", "sample"},
+                                      {"train"}, {"labels"}};
+const std::vector<Words> kLabCommands = {{"bench"},
+                                         {"bench", "paper"},
+                                         {"bench", "real"},
+                                         {"bench", "classifier"},
+                                         {"bench", "desktop"},
+                                         {"synth"},
+                                         {"synth", "stairs"},
+                                         {"synth", "set"},
+                                         {"synth", "training"},
+                                         {"train"}};
+
+void expect_explained(const std::string& program, Words typed, const Words& command) {
+  typed.insert(typed.end(), command.begin(), command.end());
+  typed.push_back("--help");
+  const Ran ran = run(typed);
+  EXPECT_EQ(ran.code, 0) << command[0];
+  EXPECT_NE(ran.out.find("Usage: " + program + " " + command[0]), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("--help"), std::string::npos);
+}
 
 }  // namespace
 
 TEST(Usage, TheHelpNamesEveryCommand) {
-  const Ran ran = run({"--help"});
-  EXPECT_EQ(ran.code, 0);
-  EXPECT_EQ(ran.err, "");
+  const Ran product = run({"--help"}), lab = run({"planescope-lab", "--help"});
+  EXPECT_EQ(product.code + lab.code, 0);
+  EXPECT_EQ(product.err + lab.err, "");
   for (const auto& command : kCommands)
-    EXPECT_NE(ran.out.find("  " + command[0] + " "), std::string::npos) << command[0];
+    EXPECT_NE(product.out.find("  " + command[0] + " "), std::string::npos) << command[0];
+  for (const auto& command : kLabCommands)
+    EXPECT_NE(lab.out.find("  " + command[0] + " "), std::string::npos) << command[0];
 }
 
 TEST(Usage, EveryCommandExplainsItself) {
-  for (auto command : kCommands) {
-    command.push_back("--help");
-    const Ran ran = run(command);
-    EXPECT_EQ(ran.code, 0) << command[0];
-    EXPECT_NE(ran.out.find("Usage: planescope " + command[0]), std::string::npos) << ran.out;
-    EXPECT_NE(ran.out.find("--help"), std::string::npos);
-  }
+  for (const Words& command : kCommands) expect_explained("planescope", {}, command);
+  for (const Words& command : kLabCommands)
+    expect_explained("planescope-lab", {"planescope-lab"}, command);
 }
 
 TEST(Usage, TheVersionIsOneLine) {
@@ -67,8 +76,8 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth or a weights file"},
       {{"options", "--method", "hough"}, "expected one of ours, ransac, region-growing"},
       {{"options", "--set", "ransac_min_points=2"}, "out of range"},
-      {{"bench", "classifier", "--set", "method=ransac"}, "measures method ours"},
-      {{"bench", "desktop", "--method", "ransac"}, "unknown option '--method'"},
+      {{"planescope-lab", "bench", "classifier", "--set", "method=ransac"}, "measures method ours"},
+      {{"planescope-lab", "bench", "desktop", "--method", "ransac"}, "unknown option '--method'"},
       {{"options", "--gravity", "down"}, "down"},
       {{"options", "--gravity", "0,0,0"}, "0,0,0"},
       {{"options", "extra"}, "unexpected argument 'extra'"},
@@ -80,17 +89,24 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"report", "merge", "--frames", "1"}, "see planescope report merge --help"},
       {{"report", "--init", "--frames", "1"}, "--frames says nothing of it"},
       {{"segment", "-o"}, "out"},
-      {{"synth"}, "sample, stairs"},
+      {{"synth"}, "one of: sample"},
+      {{"planescope-lab"}, "one of: bench, synth, train"},
+      {{"train", "-o", "w.safetensors"}, "planescope-lab train"},
       {{"synth", "sample"}, "-o DIR"},
-      {{"synth", "set", "cookies", "-o", "out"}, "expected one of stairs, side_walls"},
-      {{"synth", "set", "ramps"}, "-o DIR"},
-      {{"synth", "set", "ramps", "-o", "out", "--errors", "d435"}, "--errors: ramps has clouds"},
-      {{"synth", "set", "depth_boxes", "-o", "out", "--noise", "1"}, "depth_boxes has depth"},
-      {{"synth", "set", "depth_boxes", "-o", "out", "--errors", "much"}, "clean, noise, d435"},
-      {{"bench"}, "bench needs one of: paper, real, classifier"},
-      {{"bench", "classifier", "--only", "spede"}, "accuracy, gravity, chain, speed, frames"},
-      {{"bench", "classifier", "--count", "0"}, "--count"},
-      {{"bench", "classifier", "--weights", "pca"}, "not a network"},
+      {{"planescope-lab", "synth", "set", "cookies", "-o", "out"},
+       "expected one of stairs, side_walls"},
+      {{"planescope-lab", "synth", "set", "ramps"}, "-o DIR"},
+      {{"planescope-lab", "synth", "set", "ramps", "-o", "out", "--errors", "d435"},
+       "--errors: ramps has clouds"},
+      {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--noise", "1"},
+       "depth_boxes has depth"},
+      {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--errors", "much"},
+       "clean, noise, d435"},
+      {{"planescope-lab", "bench"}, "bench needs one of: paper, real, classifier"},
+      {{"planescope-lab", "bench", "classifier", "--only", "spede"},
+       "accuracy, gravity, chain, speed, frames"},
+      {{"planescope-lab", "bench", "classifier", "--count", "0"}, "--count"},
+      {{"planescope-lab", "bench", "classifier", "--weights", "pca"}, "not a network"},
   };
   for (const auto& [args, expected] : cases) {
     const Ran ran = run(args);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/lab/bench_paper_figures.hpp"
+#include "app/lab/bench_paper.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"

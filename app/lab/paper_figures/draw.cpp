@@ -1,6 +1,3 @@
-#include "app/lab/bench_paper_figures.hpp"
-
-#include "app/commands/inputs.hpp"
 #include "app/lab/paper_figures/parts.hpp"
 
 namespace planescope::app {

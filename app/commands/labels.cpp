@@ -1,4 +1,4 @@
-#include "app/commands/label_folder.hpp"
+#include "app/commands/labels.hpp"
 
 #include <fmt/format.h>
 
@@ -94,6 +94,28 @@ FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   if (!labels)
     throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), frame));
   return std::move(*labels);
+}
+
+void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& what) {
+  add_inputs(command, args.input, what);
+  for (const char* name : {"--frames", "--labels"})
+    command->remove_option(command->get_option(name));
+  add(command, "--recording", args.recording, "RECORDING",
+      "What the labels were drawn on; otherwise the one that DIR.labels is named after");
+  add_json(command, args.json);
+}
+
+void add_label_dir(CLI::App* command, LabelsArgs& args) {
+  add(command, "--labels", args.input.label_dir, "DIR",
+      "Of a recording; otherwise <recording>.labels");
+}
+
+void define_labels(CLI::App& app, Line& line) {
+  CLI::App* labels = app.add_subcommand(
+      "labels", "Check, compare, export and import ground truth (docs/labels.md)");
+  for (const auto define : {define_labels_check, define_labels_stats, define_labels_compare,
+                            define_labels_export, define_labels_import, define_labels_convert})
+    define(labels, line);
 }
 
 }  // namespace planescope::app

@@ -1,0 +1,103 @@
+#pragma once
+
+// What makes a command: a struct of options of its own, bound to CLI11's, and a job. The options
+// that many commands share are added here.
+
+#include <CLI/CLI.hpp>
+#include <climits>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "app/commands/inputs.hpp"
+
+namespace planescope::app {
+
+/// A command with its options, ready to run; returns the exit code.
+using Job = std::function<int(std::stop_token)>;
+
+/// A command line while it is read.
+struct Line {
+  std::string text;         // as one could type it again in a shell
+  std::string frames_text;  // without what changes no frame of a report: where it is written, how
+                            // it is run, what it is held to
+  Job job;                  // of the command that was typed
+};
+
+/// `command`, where it was typed, runs run(*args): its options are bound to `args`. `finish`, where
+/// given, is called before, when all options have their values; it may throw Error.
+template <typename Args>
+void runs(CLI::App* command,
+          Line& line,
+          const std::shared_ptr<Args>& args,
+          std::type_identity_t<std::function<int(const Args&, std::stop_token)>> run,
+          std::function<void()> finish = {}) {
+  command->final_callback([=, &line] {
+    if (!command->get_subcommands().empty()) return;  // one of its own commands was typed
+    if (finish) finish();
+    line.job = [args, run](std::stop_token stop) { return run(*args, std::move(stop)); };
+  });
+}
+
+/// CLI11 prints descriptions as they are: broken here, so that they fit beside the names.
+std::string wrapped(const std::string& text);
+
+/// An option with a value; of a list, its values stand between commas.
+template <typename Value>
+CLI::Option* add(CLI::App* command,
+                 const std::string& names,
+                 Value& value,
+                 const std::string& type,
+                 const std::string& help) {
+  CLI::Option* option = command->add_option(names, value, wrapped(help))->type_name(type);
+  if constexpr (CLI::detail::is_mutable_container<Value>::value &&
+                !std::is_same_v<Value, std::string>)
+    option->delimiter(',')->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  return option;
+}
+/// An option whose text is read by `read`, which may throw Error. Options are read in the order in
+/// which they were added, whatever the order in which they were typed.
+CLI::Option* add_read(CLI::App* command,
+                      const std::string& names,
+                      std::function<void(const std::string&)> read,
+                      const std::string& type,
+                      const std::string& help);
+
+// Validators of values.
+CLI::Validator whole(int least, int most = INT_MAX);
+CLI::Validator number(double least, double most = std::numeric_limits<double>::infinity());
+CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what);
+
+// Which recordings, and how their frames become planes.
+void add_inputs(CLI::App* command, InputArgs& args, const std::string& what);
+/// One of the options that set_pipeline_option() knows by its name.
+CLI::Option* add_of_method(CLI::App* command,
+                           planes::PipelineOptions& options,
+                           const char* name,
+                           const std::string& type,
+                           const std::string& help);
+/// What becomes of a frame before its points are labelled.
+void add_clouds(CLI::App* command, planes::PipelineOptions& options);
+void add_method(CLI::App* command, planes::PipelineOptions& options);
+CLI::Option* add_threads(CLI::App* command, int& threads);
+
+void add_json(CLI::App* command, bool& json);
+CLI::Option* add_out(CLI::App* command, std::filesystem::path& out);
+void add_size(CLI::App* command,
+              int& width,
+              int& height,
+              const std::string& help,
+              int least_width = 1,
+              int least_height = 1);
+
+/// Throws Error for other methods: what measures our own steps has nothing to measure of them.
+void expect_ours(const planes::PipelineOptions& options, const char* command);
+/// Throws Error without gravity: what is about h and v needs it.
+void expect_gravity(const planes::PipelineOptions& options, const char* command);
+
+}  // namespace planescope::app

@@ -1,0 +1,230 @@
+#include "app/cli/program.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <sstream>
+#include <thread>
+
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::app {
+namespace {
+
+// The handler may only do what is async-signal-safe: it writes one byte, and a thread that waits
+// for that byte asks for the stop.
+int g_signal_fd = -1;
+
+void on_signal(int) {
+  const int saved = errno;
+  const char byte = 's';
+  [[maybe_unused]] const ssize_t written = write(g_signal_fd, &byte, 1);
+  errno = saved;
+}
+
+void handle(int signal_number, void (*handler)(int)) {
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART | SA_RESETHAND;  // the second signal finds the default: the end
+  sigaction(signal_number, &action, nullptr);
+}
+
+/// Turns the first SIGINT or SIGTERM into a stop request, so that work ends at the next frame with
+/// valid output. A second one ends the program at once. One per process.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  std::stop_source source_;
+  int pipe_[2] = {-1, -1};
+  std::thread watcher_;
+};
+
+Interrupt::Interrupt() {
+  if (pipe2(pipe_, O_CLOEXEC) != 0) throw Error("cannot watch for signals: no pipe");
+  g_signal_fd = pipe_[1];
+  watcher_ = std::thread([this] {
+    char byte = 0;
+    while (true) {
+      const ssize_t got = read(pipe_[0], &byte, 1);
+      if (got < 0 && errno == EINTR) continue;
+      if (got == 1 && byte == 's') source_.request_stop();
+      if (got == 1 && byte == 's') continue;
+      return;
+    }
+  });
+  handle(SIGINT, on_signal);
+  handle(SIGTERM, on_signal);
+}
+
+Interrupt::~Interrupt() {
+  handle(SIGINT, SIG_DFL);
+  handle(SIGTERM, SIG_DFL);
+  const char byte = 'q';
+  [[maybe_unused]] const ssize_t written = write(pipe_[1], &byte, 1);
+  watcher_.join();
+  close(pipe_[0]);
+  close(pipe_[1]);
+}
+
+std::string shell_word(const std::string& word) {
+  if (!word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?[]#~`") == std::string::npos)
+    return word;
+  std::string inner;
+  for (const char c : word) inner += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return fmt::format("'{}'", inner);
+}
+
+/// The command line as one could type it again in a shell.
+std::string command_text(const Program& program, int argc, char** argv) {
+  std::string text = program.name;
+  for (int i = 1; i < argc; ++i) text.append(1, ' ').append(shell_word(argv[i]));
+  return text;
+}
+
+/// Without what changes no frame of a report: where it is written, how it is run, what it is held
+/// to.
+std::string frames_command_text(const Program& program, int argc, char** argv) {
+  constexpr std::string_view kWithValue[] = {"-o",         "--out",   "--threads",
+                                             "--baseline", "--rules", "--shard"};
+  constexpr std::string_view kFlags[] = {"--json", "--approve", "--resume"};
+  std::string text = program.name;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i], name = word.substr(0, word.find('='));
+    if (std::ranges::find(kFlags, word) != std::end(kFlags)) continue;
+    if (std::ranges::find(kWithValue, name) != std::end(kWithValue)) {
+      if (name == word) ++i;
+    } else if (!word.starts_with("-o")) {
+      text.append(1, ' ').append(shell_word(argv[i]));
+    }
+  }
+  return text;
+}
+
+// The command that was typed last: `synth stairs` is the app of `stairs`.
+const CLI::App* innermost(const CLI::App* app) {
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  return app;
+}
+
+std::vector<std::string> subcommand_names(const CLI::App* app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app->get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
+}
+
+// One line for what CLI11 did not understand, with the name that was probably meant.
+std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = innermost(&app);
+  const std::vector<std::string> extras = app.remaining(true);
+  if (extras.empty()) {
+    for (const CLI::Option* option : command->get_options())
+      if (error.get_name() == "RequiredError" && option->get_required() && option->count() == 0)
+        return fmt::format(
+            "{} needs {} {}: {}", command->get_name(),
+            option->get_snames().empty() ? option->get_name() : "-" + option->get_snames()[0],
+            option->get_type_name(), option->get_description());
+    std::string text = error.what();
+    return text.substr(0, text.find('\n'));
+  }
+  const std::string& word = extras.front();
+  const bool is_option = word.size() > 1 && word[0] == '-';
+  std::vector<std::string> names;
+  if (is_option) {
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  } else {
+    names = subcommand_names(command);
+  }
+  const std::string given = word.substr(0, word.find('='));
+  const std::string near = nearest_name(given, names);
+  std::string text = is_option       ? "unknown option '" + given + "'"
+                     : names.empty() ? "unexpected argument '" + given + "'"
+                                     : "unknown command '" + given + "'";
+  if (!near.empty()) return text + ", did you mean '" + near + "'?";
+  std::string path;
+  for (; command != &app; command = command->get_parent()) path = " " + command->get_name() + path;
+  return text + ", see " + app.get_name() + path + " --help";
+}
+
+Job print_job(const std::string& text) {
+  return [text](std::stop_token) {
+    fmt::print("{}", text);
+    return 0;
+  };
+}
+
+/// `--help` and `--version` become jobs that print. Throws Error on anything that is not
+/// understood.
+Job parse(const Program& program, int argc, char** argv) {
+  CLI::App app(program.about, program.name);
+  app.set_version_flag("--version", std::string(program.name) + " " PLANESCOPE_VERSION);
+  app.get_formatter()->column_width(34);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.footer(fmt::format(
+      "{} COMMAND --help tells more. Exit codes: 0 fine, 1 a comparison failed, 2 bad input or\n"
+      "usage, 3 rendering failed (the data files are written), 130 cancelled.\n",
+      program.name));
+  Line line{command_text(program, argc, argv), frames_command_text(program, argc, argv), {}};
+  for (const auto define : program.commands) define(app, line);
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    command->group("Commands");
+  try {
+    if (argc == 1 && program.alone)
+      app.parse(std::vector<std::string>{program.alone});
+    else
+      app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    std::ostringstream text;
+    app.exit(success, text, text);
+    return print_job(text.str());
+  } catch (const CLI::ParseError& error) {
+    throw Error(message_of(app, error));
+  }
+  if (line.job) return line.job;
+  const CLI::App* group = innermost(&app);
+  throw Error(fmt::format("{}needs one of: {}", group == &app ? "" : group->get_name() + " ",
+                          fmt::join(subcommand_names(group), ", ")));
+}
+
+/// One line, whatever a library's message looks like.
+int fail(const Program& program, std::string message, int code) {
+  for (char& c : message)
+    if (c == '\n' || c == '\r') c = ' ';
+  fmt::print(stderr, "{}: {}\n", program.name, message);
+  return code;
+}
+
+}  // namespace
+
+int run_program(const Program& program, int argc, char** argv) {
+  try {
+    const Job job = parse(program, argc, argv);
+    const Interrupt interrupt;
+    const int code = job(interrupt.token());
+    if (std::fflush(stdout) != 0) return fail(program, "standard output cannot be written to", 2);
+    return code;
+  } catch (const Cancelled&) {
+    return fail(program, "cancelled", 130);
+  } catch (const Error& error) {
+    return fail(program, error.what(), 2);
+  } catch (const std::exception& error) {
+    return fail(program, std::string("unexpected failure: ") + error.what(), 2);
+  }
+}
+
+}  // namespace planescope::app

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "app/cli/command.hpp"
+
+namespace planescope::app {
+
+struct Program {
+  const char* name;
+  const char* about;
+  /// Its commands, in the order of --help: each adds itself to the command line.
+  std::vector<void (*)(CLI::App& app, Line& line)> commands;
+  const char* alone = nullptr;  // the command that runs where none is typed
+};
+
+/// Runs what was typed. The one place where errors become a line on stderr and an exit code: 0
+/// fine, 1 a threshold or comparison failed, 2 bad input or usage, 3 rendering failed (the data
+/// files are written), 130 cancelled. The first SIGINT or SIGTERM asks the command to stop, the
+/// second ends the program.
+int run_program(const Program& program, int argc, char** argv);
+
+}  // namespace planescope::app

@@ -1,0 +1,22 @@
+#pragma once
+
+// Every command of planescope: a file each, named after it.
+
+#include "app/cli/command.hpp"
+
+namespace planescope::app {
+
+void define_view(CLI::App& app, Line& line);
+void define_info(CLI::App& app, Line& line);
+void define_segment(CLI::App& app, Line& line);
+void define_report(CLI::App& app, Line& line);
+void define_eval(CLI::App& app, Line& line);
+void define_options(CLI::App& app, Line& line);
+void define_synth(CLI::App& app, Line& line);
+void define_train(CLI::App& app, Line& line);
+void define_labels(CLI::App& app, Line& line);
+
+constexpr const char* kManyInputs = "Bags, folders, .raw, .ply or .pcd files";
+constexpr const char* kOneInput = "One bag, folder, .raw, .ply or .pcd file";
+
+}  // namespace planescope::app

@@ -1,0 +1,60 @@
+// planescope-lab: what measures planescope, and makes the sets that it is measured on and trained
+// with.
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "app/cli/program.hpp"
+#include "app/commands/train.hpp"
+#include "app/lab/lab.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::app {
+namespace {
+
+void define_bench(CLI::App& app, Line& line) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure what planescope can do, and how fast");
+  for (const auto define :
+       {define_bench_paper, define_bench_real, define_bench_classifier, define_bench_desktop})
+    define(bench, line);
+}
+
+}  // namespace
+
+void add_parts(CLI::App* command,
+               std::set<std::string>& parts,
+               const std::vector<std::string>& known,
+               const std::string& help) {
+  add(command, "--only", parts, "PART,...", help)->check(some_of(known, "a part"));
+}
+
+std::string typed_text(const CLI::App& command, const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names)
+    if (const CLI::Option* option = command.get_option(name); option->count() > 0)
+      text += fmt::format(" {} {}", name, CLI::detail::join(option->results(), ","));
+  return text;
+}
+
+std::filesystem::path data_folder() {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data || !*data) return {};
+  if (!std::filesystem::is_directory(data))
+    throw Error(std::string("PLANESCOPE_DATA: ") + data + " is not a folder");
+  return data;
+}
+
+}  // namespace planescope::app
+
+int main(int argc, char** argv) {
+  using namespace planescope::app;
+  const Program program = {
+      .name = "planescope-lab",
+      .about =
+          "planescope-lab measures planescope: its classifier, its planes beside other methods, "
+          "its\n"
+          "window; and makes the synthetic sets that it is measured on and trained with.",
+      .commands = {define_bench, define_synth_sets, define_recipe_train}};
+  return run_program(program, argc, argv);
+}

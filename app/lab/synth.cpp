@@ -1,0 +1,287 @@
+// planescope-lab synth: sets of frames that methods are measured on, and the classifier is trained
+// with.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
+#include "app/commands/training_record.hpp"
+#include "app/lab/lab.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/lab/synthetic/evaluation_sets.hpp"
+#include "core/lab/synthetic/sample_folder.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/parallel.hpp"
+
+namespace planescope::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct NamedCloud {
+  std::string name;
+  PointSet cloud;
+};
+
+/// DIR/NAME.ply for each of `count` clouds. Returns how many there are: fewer where stopped.
+int write_clouds(const std::filesystem::path& dir,
+                 const std::string& task,
+                 int count,
+                 int threads,
+                 const std::stop_token& stop,
+                 const std::function<NamedCloud(int)>& make_cloud) {
+  make_output_dir(dir);
+  std::atomic<int> done = 0;
+  Progress progress(task, count);
+  const auto make = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+      const NamedCloud made = make_cloud(static_cast<int>(i));
+      io::write_ply(dir / (made.name + ".ply"), made.cloud);
+      ++done;
+      if (begin == 0) progress.show(done, "");  // one thread speaks for all
+    }
+  };
+  parallel_for(static_cast<std::size_t>(count), threads, make, 1);
+  return done;
+}
+
+struct SynthStairsArgs {
+  std::filesystem::path out;  // -o
+  int count = 100;
+  lab::StairsOptions stairs;
+  int threads = all_cores();
+};
+
+/// Writes the paper's evaluation set: DIR/stairs_000.ply and so on, with label and instance.
+int run_synth_stairs(const SynthStairsArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  const auto make = [&](int i) {
+    return NamedCloud{fmt::format("stairs_{:03}", i), lab::make_stairs(i, args.stairs).cloud};
+  };
+  const int done = write_clouds(args.out, "synth stairs", args.count, args.threads, stop, make);
+  fmt::print("{}: {} stairs\n", args.out.string(), done);
+  if (stop.stop_requested()) throw Cancelled();
+  return 0;
+}
+
+void define_stairs(CLI::App* synth, Line& line) {
+  CLI::App* command = synth->add_subcommand(
+      "stairs", "The paper's evaluation set: stairs as PLY clouds with label and instance");
+  const auto args = std::make_shared<SynthStairsArgs>();
+  lab::StairsOptions& stairs = args->stairs;
+  add_out(command, args->out)->required();
+  add(command, "--count", args->count, "N", "How many stairs, default 100")->check(whole(1));
+  add(command, "--points", stairs.points, "N", "Points of each, default 8192; 0 = dense sampling")
+      ->check(whole(0));
+  add(command, "--noise", stairs.noise_m, "M",
+      "Standard deviation of the noise, added after the sampling; default 0")
+      ->check(number(0));
+  add(command, "--seed", stairs.seed, "N", "Another seed makes another set, default 1")
+      ->check(whole(0));
+  command->add_flag_callback(
+      "--axis-aligned", [&stairs] { stairs.random_yaw = false; }, "Do not turn the stairs about z");
+  add_threads(command, args->threads);
+  runs(command, line, args, run_synth_stairs);
+}
+
+struct SynthSetArgs {
+  std::filesystem::path out;  // -o
+  lab::EvaluationSet set;
+  int count = 0;  // 0: as many as are measured on
+  lab::EvaluationOptions options;
+  // What was typed, for it is of clouds or of depth alone.
+  std::optional<int> points;
+  std::optional<double> noise_m;
+  std::optional<lab::DepthErrors> errors;
+  int threads = all_cores();  // clouds
+};
+
+int write_set_clouds(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
+  const auto make = [&](int i) {
+    lab::EvaluationFrame made = lab::make_evaluation_frame(args.set, i, args.options);
+    return NamedCloud{std::move(made.name), std::move(*made.frame.cloud)};
+  };
+  const int done = write_clouds(args.out, task, args.count, args.threads, stop, make);
+  fmt::print("{}: {} clouds of {}\n", args.out.string(), done, args.set.name);
+  if (stop.stop_requested()) throw Cancelled();
+  return 0;
+}
+
+int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop_token stop) {
+  const lab::SampleFolder folder{
+      fmt::format("planescope-lab {} --errors {}", task, lab::to_string(args.options.errors)),
+      args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
+  {
+    Progress progress(task, args.count);
+    lab::write_sample_folder(args.out, folder, [&](std::size_t i) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(static_cast<int>(i), "");
+      lab::EvaluationFrame made =
+          lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
+      return lab::SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
+    });
+  }
+  fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
+             args.set.name, labels::default_label_dir(args.out).string());
+  return 0;
+}
+
+/// What was typed, where it suits the set.
+void set_options(SynthSetArgs& args) {
+  if (args.set.depth && (args.points || args.noise_m))
+    throw Error("--points, --noise: " + args.set.name + " has depth images, expected --errors");
+  if (!args.set.depth && args.errors)
+    throw Error("--errors: " + args.set.name + " has clouds, expected --points or --noise");
+  if (args.count == 0) args.count = args.set.frames;
+  args.options.points = args.points.value_or(args.options.points);
+  args.options.noise_m = args.noise_m.value_or(args.options.noise_m);
+  args.options.errors = args.errors.value_or(args.options.errors);
+}
+
+/// Writes frames of an evaluation set: clouds as synth stairs does, depth as synth sample does.
+int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  const std::string task = "synth set " + args.set.name;
+  return args.set.depth ? write_set_depth(args, task, stop) : write_set_clouds(args, task, stop);
+}
+
+void define_set(CLI::App* synth, Line& line) {
+  std::string names = "One of";
+  for (const lab::EvaluationSet& set : lab::evaluation_sets())
+    names += "\n" + wrapped(set.name + ": " + set.meaning);
+  CLI::App* command = synth->add_subcommand(
+      "set", "A set that methods are measured on: PLY clouds, or depth and its DIR.labels");
+  const auto args = std::make_shared<SynthSetArgs>();
+  command
+      ->add_option_function<std::string>(
+          "NAME", [args](const std::string& name) { args->set = lab::find_evaluation_set(name); },
+          names)
+      ->type_name("")
+      ->required();
+  add_out(command, args->out)->required();
+  add(command, "--count", args->count, "N", "How many frames; default as many as are measured on")
+      ->check(whole(1));
+  add(command, "--points", args->points, "N",
+      "Clouds: points of each, default 8192; 0 = dense sampling")
+      ->check(whole(0));
+  add(command, "--noise", args->noise_m, "M",
+      "Clouds: standard deviation of the noise on every coordinate, default 0")
+      ->check(number(0));
+  add_read(
+      command, "--errors",
+      [args](const std::string& text) { args->errors = lab::parse_depth_errors(text); },
+      "clean|noise|d435",
+      "Depth: exact (default), independent noise on every pixel, or the whole camera model");
+  add(command, "--seed", args->options.seed, "N", "Another seed makes another set, default 1")
+      ->check(whole(0));
+  add_threads(command, args->threads);
+  runs(command, line, args, run_synth_set, [args] { set_options(*args); });
+}
+
+struct SynthTrainingArgs {
+  std::filesystem::path out;  // -o
+  lab::TrainingRecipe recipe = lab::make_recipe(kDefaultRecipe);
+  bool augmented = false;  // as one step of training sees the clouds
+  int threads = all_cores();
+};
+
+Json header_of(const SynthTrainingArgs& args) {
+  const lab::TrainingRecipe& recipe = args.recipe;
+  Json json = {{"schema", "planescope.training_set/1"},
+               {"made_by", "planescope-lab synth training"},
+               {"recipe", recipe.name},
+               {"seed", recipe.set.seed},
+               {"options", json_of(recipe.set)}};
+  json["augmented"] = nullptr;
+  if (args.augmented)
+    json["augmented"] = {{"objects", json_of(recipe.objects)}, {"scans", json_of(recipe.scans)}};
+  return json;
+}
+
+std::vector<planes::LabelledCloud> make_clouds(const SynthTrainingArgs& args,
+                                               const std::stop_token& stop) {
+  Progress bar("synth training", args.recipe.set.count());
+  const auto show = [&](int done, int) {
+    if (stop.stop_requested()) throw Cancelled();
+    bar.show(done, "");
+  };
+  std::vector<planes::LabelledCloud> clouds =
+      lab::make_training_set(args.recipe.set, args.threads, show);
+  if (!args.augmented) return clouds;
+  for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i] = lab::vary(args.recipe, clouds[i], i);
+  return clouds;
+}
+
+void write_cloud(const std::filesystem::path& path, const planes::LabelledCloud& cloud) {
+  PointSet set;
+  set.points = cloud.points;
+  for (const Label label : cloud.labels) set.label.push_back(static_cast<std::uint8_t>(label));
+  io::write_ply(path, set);
+}
+
+/// Writes the training set: DIR/stairs_000.ply and so on with labels, and training.json last: a
+/// folder without it is not complete. Throws Cancelled on stop.
+int run_synth_training(const SynthTrainingArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  const std::vector<planes::LabelledCloud> clouds = make_clouds(args, stop);
+  make_output_dir(args.out);
+
+  Json json = header_of(args);
+  json["clouds"] = Json::array();
+  std::map<std::string, int> written;  // by kind
+  for (const planes::LabelledCloud& cloud : clouds) {
+    if (stop.stop_requested()) throw Cancelled();
+    const std::string name = fmt::format("{}_{:03}.ply", cloud.kind, written[cloud.kind]++);
+    write_cloud(args.out / name, cloud);
+    const auto h = std::count(cloud.labels.begin(), cloud.labels.end(), Label::h);
+    json["clouds"].push_back({{"file", name},
+                              {"kind", cloud.kind},
+                              {"points", cloud.points.size()},
+                              {"h", h},
+                              {"v", std::ssize(cloud.labels) - h}});
+  }
+  const std::string text = json.dump(1) + "\n";
+  write_file_text(args.out / "training.json", text);
+  fmt::print("{}: {} clouds\n", args.out.string(), clouds.size());
+  return 0;
+}
+
+void define_training(CLI::App* synth, Line& line) {
+  CLI::App* command = synth->add_subcommand(
+      "training", "What the classifier learns from: labelled PLY clouds, and training.json");
+  const auto args = std::make_shared<SynthTrainingArgs>();
+  add_out(command, args->out)->required();
+  add_read(
+      command, "--recipe",
+      [args](const std::string& name) { args->recipe = lab::make_recipe(name); }, "NAME",
+      fmt::format("{}; default {}: the paper's shapes and scans of scenes made of them",
+                  fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
+  add_recipe_limits(command, args->recipe);
+  command->add_flag("--augmented", args->augmented,
+                    "Noise, turns and holes as one step of training adds them");
+  add_threads(command, args->threads);
+  runs(command, line, args, run_synth_training);
+}
+
+}  // namespace
+
+void define_synth_sets(CLI::App& app, Line& line) {
+  CLI::App* synth = app.add_subcommand("synth", "Write synthetic sets with ground truth");
+  synth->require_subcommand(0, 1);  // `synth set stairs` names a set, not `synth stairs`
+  define_stairs(synth, line);
+  define_set(synth, line);
+  define_training(synth, line);
+}
+
+}  // namespace planescope::app
