@@ -116,9 +116,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
 Json intrinsics_json(const Intrinsics& k) {
   Json json = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
                {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
-  json["distortion"] = k.distortion == Distortion::none            ? "none"
-                       : k.distortion == Distortion::brown_conrady ? "brown_conrady"
-                                                                   : "inverse_brown_conrady";
+  json["distortion"] = to_string(k.distortion);
   if (k.distortion != Distortion::none) json["coefficients"] = k.coefficients;
   return json;
 }

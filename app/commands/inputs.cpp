@@ -9,7 +9,6 @@
 
 #include "app/cli/assets.hpp"
 #include "core/io/picked_gravity.hpp"
-#include "core/labels/model/frame_truth.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"

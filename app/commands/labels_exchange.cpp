@@ -8,6 +8,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
 #include "core/labels/exchange/exchange.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/cloud/gravity.hpp"

@@ -6,7 +6,7 @@
 
 #include "app/cli/progress.hpp"
 #include "core/lab/synthetic/counter_random.hpp"
-#include "core/labels/model/frame_truth.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 #include "core/planes/pipeline/labelled_frame.hpp"

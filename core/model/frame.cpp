@@ -2,6 +2,18 @@
 
 namespace planescope {
 
+const char* to_string(Distortion distortion) {
+  switch (distortion) {
+    case Distortion::brown_conrady:
+      return "brown_conrady";
+    case Distortion::inverse_brown_conrady:
+      return "inverse_brown_conrady";
+    case Distortion::none:
+      break;
+  }
+  return "none";
+}
+
 const char* to_string(GravitySource source) {
   switch (source) {
     case GravitySource::option:

@@ -12,6 +12,7 @@
 namespace planescope {
 
 enum class Distortion : std::uint8_t { none, brown_conrady, inverse_brown_conrady };
+const char* to_string(Distortion distortion);
 
 /// Pinhole camera. Pixel (u, v) looks along ((u-cx)/fx, (v-cy)/fy, 1): x right, y down, z forward.
 /// `brown_conrady` (OpenCV): coefficients k1 k2 p1 p2 k3 take undistorted to distorted.

@@ -12,7 +12,6 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
-#include "core/labels/model/frame_truth.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace planescope::desktop {

@@ -8,6 +8,7 @@
 #include "app/desktop/actions/arguments.hpp"
 #include "app/desktop/labeling/label_review.hpp"
 #include "app/desktop/labeling/label_work.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::desktop {

@@ -4,7 +4,7 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/jobs/cloud_thumbnail.hpp"
-#include "core/labels/model/frame_truth.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/page/thumbnail.hpp"

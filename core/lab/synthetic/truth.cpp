@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/lab/synthetic/render_scene.hpp"
-#include "core/labels/model/fragments.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 
 namespace planescope::lab {
 namespace {

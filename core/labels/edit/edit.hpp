@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/labels/model/label_files.hpp"
+#include "core/model/frame_labels.hpp"
 
 namespace planescope::labels {
 

@@ -43,6 +43,8 @@ PixelSet changed_by_painting(const FrameLabels& labels,
 int free_plane_id(const FrameLabels& labels);
 const LabelPlane* find_plane(const FrameLabels& labels, int id);
 PixelSet pixels_of_plane(const FrameLabels& labels, int id);
+/// Keeps the list in order of id.
+LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane);
 
 // All throw Error where there is no such plane, or it is locked.
 FrameLabels with_class(const FrameLabels& labels, int plane, Label label);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/labels/exchange/exchange_files.hpp"
+#include "core/labels/exchange/formats.hpp"
 
 // https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 namespace planescope::labels {

@@ -3,14 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/labels/model/fragments.hpp"
 #include "core/labels/model/grid.hpp"
-#include "core/model/plane.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 
 namespace planescope::labels {
 namespace {
 
-/// The second of the scatter's eigenvalues against the third: below it points are in a line.
+/// The middle of the scatter's eigenvalues over the largest: below it the points are in a line.
 constexpr double kLine = 1e-6;
 
 }  // namespace
@@ -28,25 +27,28 @@ FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixe
   }
   plane.points = static_cast<std::size_t>(moments.count);
   if (plane.points == 0) return plane;
-  const PlaneFit fit = fit_plane(moments);
-  plane.centroid = origin + moments.mean();
+  PlaneFit fit = fit_plane(moments);
+  fit.centroid += origin;
+  plane.centroid = fit.centroid;
   plane.offset_m = plane.normal.dot(plane.centroid);
   if (plane.points < 3) return plane;
-  if (!(fit.eigenvalues[1] > kLine * fit.eigenvalues[2])) {
+  const auto facing = facing_sensor(fit);
+  if (!facing) {
     plane.points = 2;
     return plane;
   }
-  plane.normal = fit.normal;
-  plane.offset_m = plane.normal.dot(plane.centroid);
-  if (plane.offset_m > 0) {
-    plane.normal = -plane.normal;
-    plane.offset_m = -plane.offset_m;
-  }
-  plane.rms_m = fit.rms_m();
-  for (const std::uint32_t pixel : pixels)
-    plane.area_m2 += grid.pixel_area_m2(pixel, &plane.normal);
+  plane.normal = facing->normal;
+  plane.offset_m = facing->offset_m();
+  plane.rms_m = facing->rms_m();
+  plane.area_m2 = grid.area_m2(pixels, &plane.normal);
   plane.tilt_deg = tilt_of(plane.normal, grid.gravity);
   return plane;
+}
+
+std::optional<PlaneFit> facing_sensor(PlaneFit fit) {
+  if (fit.count < 3 || !(fit.eigenvalues[1] > kLine * fit.eigenvalues[2])) return std::nullopt;
+  if (fit.offset_m() > 0) fit.normal = -fit.normal;
+  return fit;
 }
 
 double tilt_of(const Vec3d& normal, const Gravity& gravity) {

@@ -1,41 +1,239 @@
+// Normals after Holzer et al. 2012 ("Adaptive neighborhood selection for real-time surface normal
+// estimation"): summed-area tables make any window cost the same, and the distance to the next
+// depth edge says how large it may be. The windows here are fitted in inverse depth.
+
 #include "core/labels/model/grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
+#include <vector>
 
-#include "core/labels/model/depth_surface.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
 namespace planescope::labels {
 namespace {
 
-constexpr std::uint16_t kNoDepth = 0;
-constexpr std::uint16_t kFarOutlier = 65535;  // what RealSense cameras write for nonsense
-constexpr double kLeastCosine = 0.05;         // a surface seen edge-on must not seem endless
+/// On a plane inverse depth is linear in the ray (x, y, 1), and stereo measures it equally well at
+/// any range.
+struct InverseDepth {
+  int width = 0, height = 0;
+  std::vector<Vec2d> rays;    // per pixel
+  std::vector<double> per_m;  // 1 / z; 0 where not measured
+};
 
-void check(const Frame& frame) {
-  if (frame.is_cloud())
-    throw Error("frame " + frame.name +
-                ": is a cloud, whose labels are fields of its own file; expected a depth image");
-  const Image16& depth = frame.depth;
-  const Intrinsics& k = frame.intrinsics;
-  if (depth.empty() || k.width != depth.width || k.height != depth.height)
-    throw Error("frame " + frame.name + ": depth is " + std::to_string(depth.width) + "x" +
-                std::to_string(depth.height) + ", its intrinsics are for " +
-                std::to_string(k.width) + "x" + std::to_string(k.height));
-  if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
-    throw Error("frame " + frame.name +
-                ": focal length or depth unit is zero, expected both from the recording or from "
-                "--intrinsics and --depth-unit");
+struct DepthSurface {
+  double noise = 0;            // standard deviation of the measured inverse depth [1/m]
+  std::vector<Vec3f> normals;  // unit, towards the sensor; zero where too little is measured around
+};
+
+constexpr int kBlock_px = 48;  // stereo noise is correlated over some 20 pixels
+constexpr int kBlockStep_px = 16;
+constexpr double kLeastNoise = 0.0005;  // [1/m]
+constexpr double kMostNoise = 0.012;    // what is rougher is shape, not noise [1/m]
+constexpr double kUsualNoise = 0.004;   // where the image has no block to measure it on
+constexpr double kLeastFill = 0.6;      // of a block must be measured
+constexpr std::size_t kSmoothPart = 5;  // one block in five shows nothing but a smooth surface
+constexpr int kLeastReach_px = 2;       // of a normal's window from its middle
+constexpr int kWanted_px = 4;           // reach where there is hardly any noise
+constexpr double kReachNoises = 6;      // reach in space: tilts the fit by some ten degrees
+constexpr int kMostReach_px = 24;
+constexpr int kGap_px = 8;  // without a measurement, across which an edge is still looked for
+constexpr double kEdgeRatio = 0.025;   // of depth: a greater step from pixel to pixel is an edge
+constexpr double kEdgeNoises = 5;      // and at least this many times the noise
+constexpr std::uint8_t kFarAway = 64;  // from any edge [px]
+
+/// Sums over a window; x and y are the ray, w the inverse depth.
+enum Sum { kN, kX, kY, kW, kXX, kXY, kYY, kXW, kYW, kWW, kSums };
+using Sums = std::array<double, kSums>;
+
+class SummedArea {
+ public:
+  explicit SummedArea(const InverseDepth& depth)
+      : across_(depth.width + 1),
+        table_(static_cast<std::size_t>(depth.width + 1) * (depth.height + 1)) {
+    for (int v = 0; v < depth.height; ++v) {
+      Sums row{};
+      for (int u = 0; u < depth.width; ++u) {
+        const std::size_t i = static_cast<std::size_t>(v) * depth.width + u;
+        if (const double w = depth.per_m[i]; w > 0) {
+          const double x = depth.rays[i].x(), y = depth.rays[i].y();
+          const Sums add{1, x, y, w, x * x, x * y, y * y, x * w, y * w, w * w};
+          for (int k = 0; k < kSums; ++k) row[k] += add[k];
+        }
+        const Sums& above = at(u + 1, v);
+        Sums& here = at(u + 1, v + 1);
+        for (int k = 0; k < kSums; ++k) here[k] = above[k] + row[k];
+      }
+    }
+  }
+  /// Of [u0, u1) x [v0, v1).
+  Sums window(int u0, int v0, int u1, int v1) const {
+    const Sums &a = at(u0, v0), &b = at(u1, v0), &c = at(u0, v1), &d = at(u1, v1);
+    Sums sums;
+    for (int k = 0; k < kSums; ++k) sums[k] = d[k] - b[k] - c[k] + a[k];
+    return sums;
+  }
+
+ private:
+  Sums& at(int u, int v) { return table_[static_cast<std::size_t>(v) * across_ + u]; }
+  const Sums& at(int u, int v) const { return table_[static_cast<std::size_t>(v) * across_ + u]; }
+
+  int across_;
+  std::vector<Sums> table_;
+};
+
+/// w = a x + b y + c by least squares.
+struct Fit {
+  bool solved = false;
+  double a = 0, b = 0, c = 0;
+  double rms = 0;
+};
+
+Fit fit(const Sums& s) {
+  Fit result;
+  const double n = s[kN];
+  if (n < 6) return result;
+  const double mx = s[kX] / n, my = s[kY] / n, mw = s[kW] / n;
+  const double xx = s[kXX] / n - mx * mx, xy = s[kXY] / n - mx * my, yy = s[kYY] / n - my * my;
+  const double xw = s[kXW] / n - mx * mw, yw = s[kYW] / n - my * mw, ww = s[kWW] / n - mw * mw;
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > 1e-4 * xx * yy)) return result;  // pixels in a line
+  result.solved = true;
+  result.a = (xw * yy - yw * xy) / determinant;
+  result.b = (yw * xx - xw * xy) / determinant;
+  result.c = mw - result.a * mx - result.b * my;
+  result.rms = std::sqrt(std::max(0.0, ww - result.a * xw - result.b * yw) * n / (n - 3));
+  return result;
 }
+
+/// Whether the surface breaks off between two pixels in a row or column, `steps` apart.
+bool is_edge(double w0, double w1, int steps, double noise) {
+  return std::abs(w1 - w0) >
+         std::max(kEdgeNoises * noise, kEdgeRatio * std::min(w0, w1) * std::min(steps, 3));
+}
+
+/// Pixels to the nearest depth edge, diagonals as long as sides; 0 on both sides of one.
+std::vector<std::uint8_t> distance_to_edge(const InverseDepth& depth, double noise) {
+  const int width = depth.width, height = depth.height;
+  std::vector<std::uint8_t> distance(depth.per_m.size(), kFarAway);
+  const auto mark_line = [&](std::size_t first, std::size_t step, int count) {
+    int last = -1;  // the last measured one
+    for (int k = 0; k < count; ++k) {
+      const double w = depth.per_m[first + k * step];
+      if (!(w > 0)) continue;
+      if (last >= 0 && k - last <= kGap_px + 1 &&
+          is_edge(depth.per_m[first + last * step], w, k - last, noise))
+        for (int j = last; j <= k; ++j) distance[first + j * step] = 0;
+      last = k;
+    }
+  };
+  for (int v = 0; v < height; ++v) mark_line(static_cast<std::size_t>(v) * width, 1, width);
+  for (int u = 0; u < width; ++u)
+    mark_line(static_cast<std::size_t>(u), static_cast<std::size_t>(width), height);
+
+  const auto nearer = [&](std::size_t i, std::size_t j) {
+    distance[i] = std::min<std::uint8_t>(distance[i], static_cast<std::uint8_t>(distance[j] + 1));
+  };
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * width + u;
+      if (u > 0) nearer(i, i - 1);
+      if (v == 0) continue;
+      for (int du = -1; du <= 1; ++du)
+        if (u + du >= 0 && u + du < width) nearer(i, i - width + du);
+    }
+  for (int v = height - 1; v >= 0; --v)
+    for (int u = width - 1; u >= 0; --u) {
+      const std::size_t i = static_cast<std::size_t>(v) * width + u;
+      if (u + 1 < width) nearer(i, i + 1);
+      if (v + 1 == height) continue;
+      for (int du = -1; du <= 1; ++du)
+        if (u + du >= 0 && u + du < width) nearer(i, i + width + du);
+    }
+  return distance;
+}
+
+/// No window fits beside an edge: such pixels take the normals of their neighbours farther from it.
+void spread_towards_edges(const InverseDepth& depth,
+                          double noise,
+                          const std::vector<std::uint8_t>& distance,
+                          std::vector<Vec3f>& normals) {
+  const int width = depth.width, height = depth.height;
+  for (int ring = kLeastReach_px; ring >= 0; --ring)
+    for (int v = 0; v < height; ++v)
+      for (int u = 0; u < width; ++u) {
+        const std::size_t i = static_cast<std::size_t>(v) * width + u;
+        if (distance[i] != ring || !(depth.per_m[i] > 0)) continue;
+        Vec3f sum = Vec3f::Zero();
+        for (int dv = -1; dv <= 1; ++dv)
+          for (int du = -1; du <= 1; ++du) {
+            if (u + du < 0 || u + du >= width || v + dv < 0 || v + dv >= height) continue;
+            const std::size_t j = i + static_cast<std::size_t>(dv * width + du);
+            if (distance[j] > ring && depth.per_m[j] > 0 &&
+                !is_edge(depth.per_m[i], depth.per_m[j], 1, noise))
+              sum += normals[j];
+          }
+        if (const float length = sum.norm(); length > 0) normals[i] = sum / length;
+      }
+}
+
+/// Standard deviation of inverse depth, from the residuals of large blocks [1/m].
+double noise_of(const InverseDepth& depth, const SummedArea& sums) {
+  std::vector<double> roughness;
+  for (int v = 0; v + kBlock_px <= depth.height; v += kBlockStep_px)
+    for (int u = 0; u + kBlock_px <= depth.width; u += kBlockStep_px) {
+      const Sums block = sums.window(u, v, u + kBlock_px, v + kBlock_px);
+      if (block[kN] < kLeastFill * kBlock_px * kBlock_px) continue;
+      if (const Fit f = fit(block); f.solved) roughness.push_back(f.rms);
+    }
+  if (roughness.empty()) return kUsualNoise;
+  // Most blocks show edges and clutter; the smoothest ones show the noise.
+  const auto smooth =
+      roughness.begin() + static_cast<std::ptrdiff_t>(roughness.size() / kSmoothPart);
+  std::nth_element(roughness.begin(), smooth, roughness.end());
+  return std::clamp(*smooth, kLeastNoise, kMostNoise);
+}
+
+/// The normals' windows end at depth edges and grow with the noise.
+DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
+  const SummedArea sums(depth);
+  DepthSurface surface;
+  surface.noise = noise_of(depth, sums);
+  surface.normals.resize(depth.per_m.size(), Vec3f::Zero());
+  const std::vector<std::uint8_t> distance = distance_to_edge(depth, surface.noise);
+  for (int v = 0; v < depth.height; ++v)
+    for (int u = 0; u < depth.width; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * depth.width + u;
+      const double w = depth.per_m[i];
+      if (!(w > 0) || distance[i] <= kLeastReach_px) continue;
+      const double wanted = kReachNoises * surface.noise / w * focal_px;
+      const int reach = std::clamp(static_cast<int>(std::min(wanted, double{kMostReach_px})),
+                                   kWanted_px, kMostReach_px);
+      const int r = std::min(reach, distance[i] - 1);
+      const Fit f =
+          fit(sums.window(std::max(0, u - r), std::max(0, v - r), std::min(depth.width, u + r + 1),
+                          std::min(depth.height, v + r + 1)));
+      // Towards the sensor: the ray's z and the inverse depth are positive.
+      if (f.solved) surface.normals[i] = -Vec3d(f.a, f.b, f.c).normalized().cast<float>();
+    }
+  spread_towards_edges(depth, surface.noise, distance, surface.normals);
+  return surface;
+}
+
+constexpr double kLeastCosine = 0.05;  // bounds the area of a surface seen edge-on
 
 }  // namespace
 
 LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
-  check(frame);
+  if (frame.is_cloud())
+    throw Error("frame " + frame.name +
+                ": is a cloud, whose labels are fields of its own file; expected a depth image");
+  planes::check_camera(frame);
   LabelGrid grid;
   grid.width = frame.depth.width;
   grid.height = frame.depth.height;
@@ -51,7 +249,8 @@ LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint16_t counts = frame.depth.data[i];
     const Vec2d& ray = inverse.rays[i];
-    if (counts == kNoDepth || counts == kFarOutlier || std::isnan(ray.x())) continue;
+    if (counts == planes::kNoDepth || counts == planes::kFarOutlier || std::isnan(ray.x()))
+      continue;
     const double z = counts * frame.depth_unit_m;
     grid.measured[i] = 1;
     grid.points[i] = Vec3d(ray.x() * z, ray.y() * z, z).cast<float>();
@@ -84,6 +283,21 @@ double LabelGrid::pixel_area_m2(std::uint32_t pixel, const Vec3d* normal) const 
   const double slant = std::abs(facing.dot(point)) / point.z();
   const double least = kLeastCosine * point.norm() / point.z();
   return point.z() * point.z() / (std::abs(intrinsics.fx * intrinsics.fy) * std::max(slant, least));
+}
+
+double LabelGrid::area_m2(std::span<const std::uint32_t> pixels, const Vec3d* normal) const {
+  double area = 0;
+  for (const std::uint32_t pixel : pixels) area += pixel_area_m2(pixel, normal);
+  return area;
+}
+
+std::optional<std::uint32_t> LabelGrid::pixel_that_sees(const Vec3d& point) const {
+  if (!(point.z() > 0)) return std::nullopt;
+  const Vec2d at = planes::ray_to_pixel(intrinsics, point.head<2>() / point.z());
+  const double u = std::round(at.x()), v = std::round(at.y());
+  if (!(u >= 0 && v >= 0 && u < width && v < height)) return std::nullopt;
+  return static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(width) +
+         static_cast<std::uint32_t>(u);
 }
 
 FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256) {

@@ -3,12 +3,14 @@
 // The geometry that labels are drawn on: each measured pixel of a depth frame as a point.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
+#include "core/model/frame_labels.hpp"
 #include "core/model/image.hpp"
+#include "core/model/plane.hpp"
 
 namespace planescope::labels {
 
@@ -33,6 +35,10 @@ struct LabelGrid {
   /// Area of the surface that a pixel stands for [m2]; 0 where its normal is unknown and
   /// none is given.
   double pixel_area_m2(std::uint32_t pixel, const Vec3d* normal = nullptr) const;
+  double area_m2(std::span<const std::uint32_t> pixels, const Vec3d* normal = nullptr) const;
+  /// The pixel that a point of the sensor's frame falls on, whatever was measured there; nullopt
+  /// where it is behind the sensor or out of the image.
+  std::optional<std::uint32_t> pixel_that_sees(const Vec3d& point) const;
 };
 
 /// Throws Error for a cloud: its labels are fields of its own file.
@@ -58,6 +64,10 @@ struct FittedPlane {
 };
 /// Fewer than three points, or all in a line: `points` says so, the normal is +z.
 FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixels);
+
+/// The fit with its normal towards the sensor; nullopt where its points are fewer than three, or
+/// all in a line, so that they determine no plane.
+std::optional<PlaneFit> facing_sensor(PlaneFit fit);
 
 /// The angle between a normal and up, both in the sensor's frame; NaN where gravity is not known.
 double tilt_of(const Vec3d& normal, const Gravity& gravity);

@@ -1,10 +1,18 @@
 #pragma once
 
+// The label files of a frame: DIR/000123.{plane.png,hv.png,json}, numbered by 0-based depth frame.
+
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/model/frame_labels.hpp"
+
+namespace planescope::planes {
+struct SourceTruth;  // core/planes/pipeline/truth.hpp
+}
 
 namespace planescope::labels {
 
@@ -20,5 +28,42 @@ void write_frame_labels(const std::filesystem::path& dir,
 std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
                                              int frame_index,
                                              const std::string& expected_sha256);
+
+/// From `label_dir` where that holds labels of the frame (`sha256` must match where it is not
+/// empty), otherwise from the frame's own cloud fields, otherwise nullopt.
+std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
+                                               const std::filesystem::path& label_dir,
+                                               const std::string& sha256);
+
+// The three files as bytes, for those who need to know them before they are written or whether they
+// are still the same.
+
+inline constexpr std::size_t kLabelFiles = 3;  // plane image, h/v image, JSON: in this order
+
+using LabelFileBytes = std::array<std::vector<unsigned char>, kLabelFiles>;
+
+std::array<std::filesystem::path, kLabelFiles> label_file_paths(const std::filesystem::path& dir,
+                                                                int frame_index);
+
+/// False also where that cannot be found out.
+bool is_there(const std::filesystem::path& path);
+
+/// Throws Error, naming files in `dir`, where the labels are not consistent.
+LabelFileBytes encode_label_files(const std::filesystem::path& dir,
+                                  int frame_index,
+                                  const FrameLabels& labels);
+/// Makes the folder where needed.
+void write_label_files(const std::filesystem::path& dir,
+                       int frame_index,
+                       const LabelFileBytes& bytes);
+
+// Internal to core/labels/model (label_json.cpp).
+
+/// Everything of FrameLabels but its two images, as JSON text of schema "planescope.labels/1".
+std::string label_json(int frame_index, const FrameLabels& labels);
+
+/// The reverse; `where` names the file in messages. Throws Error on anything that is not such a
+/// text of this frame.
+FrameLabels parse_label_json(const std::string& text, int frame_index, const std::string& where);
 
 }  // namespace planescope::labels

@@ -1,8 +1,9 @@
-#include "core/labels/model/label_json.hpp"
+// The JSON among the label files.
 
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::labels {
@@ -11,10 +12,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.labels/1";
-constexpr std::array kLabelNames = {"unknown", "h", "v"};  // by Label
-constexpr std::array kDistortionNames = {"none", "brown_conrady", "inverse_brown_conrady"};
-constexpr std::array kGravitySources = {"option",   "sidecar", "imu", "picked",
-                                        "estimate", "assumed", "none"};  // by GravitySource
 constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "imported"};
 constexpr std::array kDisagreements = {"missed", "invented",   "split",
                                        "merged", "class_flip", "boundary"};
@@ -27,11 +24,20 @@ Vec3d vector_from(const Json& json) {
   return {values[0], values[1], values[2]};
 }
 
-template <typename Names>
-std::size_t index_of(const Names& names, const std::string& name, const std::string& where) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (name == names[i]) return i;
-  }
+const char* to_string(LabelOrigin origin) { return kOrigins[static_cast<std::size_t>(origin)]; }
+const char* to_string(DisagreementKind kind) {
+  return kDisagreements[static_cast<std::size_t>(kind)];
+}
+const char* to_string(ReviewDecision decision) {
+  return kDecisions[static_cast<std::size_t>(decision)];
+}
+
+/// The value that is called so, of those up to `last`.
+template <typename Enum>
+Enum named(const Json& json, Enum last, const std::string& where) {
+  const auto name = json.get<std::string>();
+  for (int i = 0; i <= static_cast<int>(last); ++i)
+    if (name == to_string(static_cast<Enum>(i))) return static_cast<Enum>(i);
   throw Error(where + ": unknown name \"" + name + "\"");
 }
 
@@ -42,7 +48,7 @@ Json to_json(const Intrinsics& k) {
           {"fy", k.fy},
           {"cx", k.cx},
           {"cy", k.cy},
-          {"distortion_model", kDistortionNames[static_cast<std::size_t>(k.distortion)]},
+          {"distortion_model", to_string(k.distortion)},
           {"distortion", k.coefficients}};
 }
 
@@ -54,23 +60,21 @@ Intrinsics intrinsics_from(const Json& json, const std::string& where) {
   k.fy = json.at("fy").get<double>();
   k.cx = json.at("cx").get<double>();
   k.cy = json.at("cy").get<double>();
-  const auto model = json.at("distortion_model").get<std::string>();
-  k.distortion = static_cast<Distortion>(index_of(kDistortionNames, model, where));
+  k.distortion = named(json.at("distortion_model"), Distortion::inverse_brown_conrady, where);
   k.coefficients = json.at("distortion").get<std::array<double, 5>>();
   return k;
 }
 
 Json to_json(const Gravity& gravity) {
   return {{"direction", gravity.known() ? to_json(gravity.direction) : Json()},
-          {"source", kGravitySources[static_cast<std::size_t>(gravity.source)]},
+          {"source", to_string(gravity.source)},
           {"confidence", gravity.confidence},
           {"note", gravity.note}};
 }
 
 Gravity gravity_from(const Json& json, const std::string& where) {
   Gravity gravity;
-  const auto source = json.at("source").get<std::string>();
-  gravity.source = static_cast<GravitySource>(index_of(kGravitySources, source, where));
+  gravity.source = named(json.at("source"), GravitySource::none, where);
   if (gravity.known()) gravity.direction = vector_from(json.at("direction"));
   gravity.confidence = json.at("confidence").get<double>();
   gravity.note = json.at("note").get<std::string>();
@@ -80,7 +84,7 @@ Gravity gravity_from(const Json& json, const std::string& where) {
 /// Values that most planes share are left out.
 Json to_json(const LabelPlane& plane) {
   Json json = {{"id", plane.id},
-               {"label", kLabelNames[static_cast<std::size_t>(plane.label)]},
+               {"label", to_string(plane.label)},
                {"normal", to_json(plane.normal)},
                {"offset_m", plane.offset_m},
                {"rms_m", plane.rms_m},
@@ -88,7 +92,7 @@ Json to_json(const LabelPlane& plane) {
                {"fragments", plane.fragments}};
   const LabelPlane usual;
   if (plane.origin != usual.origin) {
-    json["origin"] = kOrigins[static_cast<std::size_t>(plane.origin)];
+    json["origin"] = to_string(plane.origin);
   }
   if (plane.confidence != usual.confidence) json["confidence"] = plane.confidence;
   if (plane.locked) json["locked"] = true;
@@ -99,17 +103,14 @@ Json to_json(const LabelPlane& plane) {
 LabelPlane plane_from(const Json& json, const std::string& where) {
   LabelPlane plane;
   plane.id = json.at("id").get<int>();
-  const auto label = json.at("label").get<std::string>();
-  plane.label = static_cast<Label>(index_of(kLabelNames, label, where));
+  plane.label = named(json.at("label"), Label::v, where);
   plane.normal = vector_from(json.at("normal"));
   plane.offset_m = json.at("offset_m").get<double>();
   plane.rms_m = json.at("rms_m").get<double>();
   plane.tolerance_m = json.at("tolerance_m").get<double>();
   plane.fragments = json.at("fragments").get<int>();
-  if (json.contains("origin")) {
-    const auto origin = json.at("origin").get<std::string>();
-    plane.origin = static_cast<LabelOrigin>(index_of(kOrigins, origin, where));
-  }
+  if (json.contains("origin"))
+    plane.origin = named(json.at("origin"), LabelOrigin::imported, where);
   plane.confidence = json.value("confidence", plane.confidence);
   plane.locked = json.value("locked", plane.locked);
   plane.hidden = json.value("hidden", plane.hidden);
@@ -117,26 +118,20 @@ LabelPlane plane_from(const Json& json, const std::string& where) {
 }
 
 Json to_json(const ReviewNote& note) {
-  return {{"kind", kDisagreements[static_cast<std::size_t>(note.kind)]},
-          {"pixel", note.pixel},
-          {"pixels", note.pixels},
-          {"label_plane", note.label_plane},
-          {"other_plane", note.other_plane},
-          {"decision", kDecisions[static_cast<std::size_t>(note.decision)]},
-          {"reviewer", note.reviewer},
-          {"time_s", note.time_s}};
+  return {{"kind", to_string(note.kind)},    {"pixel", note.pixel},
+          {"pixels", note.pixels},           {"label_plane", note.label_plane},
+          {"other_plane", note.other_plane}, {"decision", to_string(note.decision)},
+          {"reviewer", note.reviewer},       {"time_s", note.time_s}};
 }
 
 ReviewNote note_from(const Json& json, const std::string& where) {
   ReviewNote note;
-  const auto kind = json.at("kind").get<std::string>();
-  note.kind = static_cast<DisagreementKind>(index_of(kDisagreements, kind, where));
+  note.kind = named(json.at("kind"), DisagreementKind::boundary, where);
   note.pixel = json.at("pixel").get<std::uint32_t>();
   note.pixels = json.at("pixels").get<std::uint32_t>();
   note.label_plane = json.at("label_plane").get<int>();
   note.other_plane = json.at("other_plane").get<int>();
-  const auto decision = json.at("decision").get<std::string>();
-  note.decision = static_cast<ReviewDecision>(index_of(kDecisions, decision, where));
+  note.decision = named(json.at("decision"), ReviewDecision::ignore, where);
   note.reviewer = json.at("reviewer").get<std::string>();
   note.time_s = json.at("time_s").get<std::int64_t>();
   return note;

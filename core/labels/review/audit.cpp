@@ -6,8 +6,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "core/labels/model/parts.hpp"
-#include "core/labels/model/pixel_depth.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -15,7 +14,8 @@ namespace {
 constexpr double kOutlierSigmas = 4;
 // Strips along the borders of labels are no region: one has a pixel this far from any label.
 constexpr int kStrip_px = 2;
-constexpr std::size_t kSpeck_px = 32;  // what ragged depth leaves of an edge is no part of a plane
+constexpr std::size_t kSpeck_px =
+    32;  // smaller parts are crumbs along ragged edges, not parts of a plane
 
 [[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...) {
   char text[160];
@@ -149,8 +149,8 @@ class Audit {
     const double limit = is_h ? options_.max_class_tilt_deg : 90 - options_.max_class_tilt_deg;
     if (is_h ? tilt_deg <= limit : tilt_deg >= limit) return;
     add(FindingKind::class_normal, s.plane.id, s.pixels, tilt_deg, limit,
-        text_of("labelled %s and tilted %.0f degrees, expected at %s %.0f", is_h ? "h" : "v",
-                tilt_deg, is_h ? "most" : "least", limit));
+        text_of("labelled %s and tilted %.0f degrees, expected at %s %.0f",
+                to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
   void check_unlabelled() {

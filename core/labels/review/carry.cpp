@@ -6,20 +6,17 @@
 #include <numbers>
 
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/edit/plane_edit.hpp"
-#include "core/labels/review/registration.hpp"
 #include "core/labels/wand/wand_field.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/cloud/camera.hpp"
 
 namespace planescope::labels {
 namespace {
 
-constexpr double kSameNoises = 4;       // a pixel sees what the other frame saw there ...
-constexpr double kSameLeast_m = 0.015;  // ... this close at least
+constexpr double kSameNoises = 4;  // of depth, within which both frames see the same surface ...
+constexpr double kSameLeast_m = 0.015;  // ... and at least this
 constexpr int kRefits = 3;
 constexpr std::size_t kLeastPixels = 25;  // of a plane, to be fitted
-constexpr double kMostTurn_deg = 20;      // by fitting it anew
+constexpr double kMostTurn_deg = 20;      // of a plane when it is fitted anew
 constexpr int kExtend_px = 8;
 constexpr double kSamePlane_deg = 10;  // an existing plane of the same number is the same one
 constexpr double kRegistering = 0.7;   // of the whole work
@@ -45,12 +42,9 @@ Expected warped(const LabelGrid& from,
   for (std::size_t i = 0; i < to.pixels(); ++i) {
     if (!to.measured[i]) continue;
     const Vec3d point = T_from_to * to.points[i].cast<double>();
-    if (!(point.z() > 0)) continue;
-    const Vec2d at = planes::ray_to_pixel(from.intrinsics, point.head<2>() / point.z());
-    const double u = std::round(at.x()), v = std::round(at.y());
-    if (!(u >= 0 && v >= 0 && u < from.width && v < from.height)) continue;
-    const std::size_t j = static_cast<std::size_t>(v) * from.width + static_cast<std::size_t>(u);
-    if (!from.measured[j]) continue;
+    const auto seen = from.pixel_that_sees(point);
+    if (!seen || !from.measured[*seen]) continue;
+    const std::uint32_t j = *seen;
     const double apart = std::abs(point.norm() - double{from.points[j].norm()});
     const double noise = std::hypot(from.sigma_m[j], to.sigma_m[i]);
     if (apart > std::max(kSameLeast_m, kSameNoises * noise)) continue;
@@ -143,7 +137,8 @@ class Carrying {
       for (const std::uint32_t i : front) {
         const Carried& plane = carried_[slot[result_.labels.plane.data[i]]];
         for_pixels(to_, box_around(to_, i, 1), [&](std::uint32_t j) {
-          if (!is_free(j) || !field_.lies_on(plane.sheet, j) || !faces(plane.sheet, j)) return;
+          if (!is_free(j) || !field_.lies_on(plane.sheet, j) || !field_.faces(plane.sheet, j))
+            return;
           paint(j, plane.id);
           next.push_back(j);
         });
@@ -188,12 +183,6 @@ class Carrying {
     result_.labels.plane.data[i] = static_cast<std::uint16_t>(id);
     result_.labels.hv.data[i] = static_cast<std::uint8_t>(find_plane(result_.labels, id)->label);
     result_.doubt[i] = 0;
-  }
-
-  bool faces(const Sheet& sheet, std::uint32_t i) const {
-    const float least =
-        static_cast<float>(std::cos(field_.options.max_angle_deg * std::numbers::pi / 180));
-    return to_.normals[i].isZero(0) || to_.normals[i].dot(sheet.normal) >= least;
   }
 
   const LabelGrid& to_;

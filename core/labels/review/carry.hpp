@@ -45,4 +45,21 @@ CarriedLabels carry_labels(const Frame& from_frame,
                            std::stop_token stop,
                            const std::function<void(double)>& progress = {});
 
+// The motion between two depth frames (carry_motion.cpp).
+
+struct Registration {
+  Pose T_to_from = Pose::Identity();
+  bool used_color = false;
+  double fitness = 0;  // share of points with a partner
+  double rms_m = 0;    // of partners, across the surface
+};
+
+/// Point-to-plane from coarse to fine, each point against what is seen where it falls in the other
+/// image; where both frames have aligned colour, brightness counts as well. Starts from no motion.
+/// Throws Cancelled when stopped. Sums run in one order: the same bits on every run.
+Registration register_frames(const LabelGrid& from,
+                             const LabelGrid& to,
+                             std::stop_token stop,
+                             const std::function<void(double)>& progress);
+
 }  // namespace planescope::labels

@@ -5,11 +5,68 @@
 #include <ranges>
 
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/model/plane_overlap.hpp"
-#include "core/labels/review/review_regions.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::labels {
+
+// Regions where two labelings disagree in the same way.
+
+namespace {
+
+/// Connected pixels (eight neighbours) of the same pair of planes.
+struct PairRegions {
+  std::vector<int> of_pixel;      // -1 none
+  std::vector<PixelSet> pixels;   // of each
+  std::vector<int> thickness_px;  // edge of the largest square inside
+  std::vector<std::uint32_t> deepest;
+};
+
+/// Thickness and deepest pixel of all regions at once: a pass down and one up.
+void measure_depth(PairRegions& regions, int width) {
+  const std::size_t count = regions.pixels.size(), pixels = regions.of_pixel.size();
+  regions.thickness_px.assign(count, 0);
+  regions.deepest.assign(count, 0);
+  std::vector<int> square(pixels, 0), steps(pixels, 0), most(count, 0);
+  const auto value = [&](const std::vector<int>& of, std::size_t pixel, int dx, int dy) {
+    const int x = static_cast<int>(pixel) % width + dx, y = static_cast<int>(pixel) / width + dy;
+    if (x < 0 || x >= width || y < 0 || static_cast<std::size_t>(y) * width >= pixels) return 0;
+    const std::size_t there = static_cast<std::size_t>(y) * width + x;
+    return regions.of_pixel[there] == regions.of_pixel[pixel] ? of[there] : 0;
+  };
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const int region = regions.of_pixel[i];
+    if (region < 0) continue;
+    const int left = value(square, i, -1, 0), up = value(square, i, 0, -1);
+    square[i] = 1 + std::min({left, up, value(square, i, -1, -1)});
+    steps[i] = 1 + std::min(value(steps, i, -1, 0), value(steps, i, 0, -1));
+    regions.thickness_px[region] = std::max(regions.thickness_px[region], square[i]);
+  }
+  for (std::size_t i = pixels; i-- > 0;) {
+    const int region = regions.of_pixel[i];
+    if (region < 0) continue;
+    steps[i] = 1 + std::min({steps[i] - 1, value(steps, i, 1, 0), value(steps, i, 0, 1)});
+    if (steps[i] < most[region]) continue;
+    most[region] = steps[i];
+    regions.deepest[region] = static_cast<std::uint32_t>(i);
+  }
+}
+
+/// `pairs`: per pixel a number for the pair of planes that disagree there, 0 where none do.
+PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, int width, int height) {
+  PixelSet disagreeing;
+  for (std::uint32_t i = 0; i < pairs.size(); ++i)
+    if (pairs[i] != 0) disagreeing.push_back(i);
+  PairRegions regions;
+  regions.pixels =
+      flooded_parts(disagreeing, width, height, regions.of_pixel,
+                    [&](std::uint32_t from, std::uint32_t to) { return pairs[from] == pairs[to]; });
+  measure_depth(regions, width);
+  return regions;
+}
+
+}  // namespace
+
 namespace {
 
 /// What is compared, pixel by pixel: planes of the labels, none, or nothing to say.
@@ -90,14 +147,6 @@ std::vector<std::uint64_t> disagreeing_pairs(std::span<const std::int32_t> plane
   return pairs;
 }
 
-double area_of(const PixelSet& pixels, const LabelGrid& grid, const LabelPlane* plane) {
-  double area = 0;
-  for (const std::uint32_t pixel : pixels) {
-    area += grid.pixel_area_m2(pixel, plane ? &plane->normal : nullptr);
-  }
-  return area;
-}
-
 /// The latest decision about a region of this kind that lay here and was about as large.
 std::optional<ReviewNote> note_about(const Disagreement& region,
                                      const std::vector<ReviewNote>& notes) {
@@ -126,7 +175,8 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
     Disagreement region;
     region.label_plane = planes[regions.pixels[i].front()];
     region.other_plane = other.plane[regions.pixels[i].front()];
-    region.area_m2 = area_of(regions.pixels[i], grid, find_plane(labels, region.label_plane));
+    const LabelPlane* plane = find_plane(labels, region.label_plane);
+    region.area_m2 = grid.area_m2(regions.pixels[i], plane ? &plane->normal : nullptr);
     if (region.area_m2 < options.min_area_m2) continue;
     region.kind = regions.thickness_px[i] <= options.boundary_px
                       ? DisagreementKind::boundary

@@ -7,15 +7,9 @@
 #include <vector>
 
 #include "core/labels/model/grid.hpp"
+#include "core/labels/review/agreement.hpp"
 
 namespace planescope::labels {
-
-/// What labels are compared with, on the same pixels.
-struct OtherLabels {
-  std::vector<std::int32_t> plane;  // per pixel, 0 none, -1 knows nothing here (cropped, ignored)
-  std::vector<Label> label;         // of a plane, by id - 1
-};
-OtherLabels other_of(const FrameLabels& labels);
 
 struct Disagreement {
   DisagreementKind kind = DisagreementKind::missed;
@@ -50,16 +44,5 @@ FrameLabels decided(const FrameLabels& labels,
                     ReviewDecision decision,
                     const std::string& reviewer,
                     std::int64_t time_s);
-
-/// Agreement of two labelings of the same pixels.
-struct Agreement {
-  double mean_iou = 0;         // of planes matched one to one, over all planes of both
-  double adjusted_rand = 0;    // over pixels that both label with a plane
-  double label_accuracy = 0;   // same h/v, of pixels where both have one
-  double pixel_agreement = 0;  // of labelled by either: same matched plane
-  int planes_a = 0, planes_b = 0, matched = 0;  // matched: IoU of at least 0.5
-  std::size_t pixels = 0;                       // scored: ignored by neither
-};
-Agreement agreement_of(const FrameLabels& a, const FrameLabels& b);
 
 }  // namespace planescope::labels

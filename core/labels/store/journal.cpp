@@ -6,9 +6,13 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <condition_variable>
+#include <mutex>
 #include <string_view>
+#include <thread>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -55,7 +59,7 @@ std::span<const unsigned char> content_of(std::span<const unsigned char> record)
   return content;
 }
 
-/// The end of the file is known, so this is a disk that cannot be read, not a damaged journal.
+/// The size of the file is known, so this is a disk error, not a damaged journal.
 void read_or_throw(const fs::path& path,
                    const FileDescriptor& file,
                    std::span<unsigned char> bytes,
@@ -103,6 +107,52 @@ bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
 }
 
 }  // namespace
+
+/// Makes what was written to a file survive a loss of power, without the writer waiting for it.
+class Journal::BackgroundSync {
+ public:
+  /// Takes a descriptor of its own.
+  explicit BackgroundSync(const FileDescriptor& file);
+
+  /// As soon as possible; requests that arrive in the meantime are combined.
+  void request();
+  /// The errno of the first request that failed, reported once, as the system does; 0: none failed.
+  int take_error() { return error_.exchange(0); }
+
+ private:
+  void loop(std::stop_token stop);
+
+  FileDescriptor file_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  bool wanted_ = false;
+  std::atomic<int> error_ = 0;
+  std::jthread thread_;  // last: it uses all of the above
+};
+
+Journal::BackgroundSync::BackgroundSync(const FileDescriptor& file)
+    : file_(::fcntl(file.get(), F_DUPFD_CLOEXEC, 0)),
+      thread_([this](std::stop_token stop) { loop(stop); }) {}
+
+void Journal::BackgroundSync::request() {
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_ = true;
+  }
+  wake_.notify_one();
+}
+
+void Journal::BackgroundSync::loop(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  while (wake_.wait(lock, stop, [this] { return wanted_; })) {
+    wanted_ = false;
+    lock.unlock();
+    if (int none = 0; ::fdatasync(file_.get()) != 0) error_.compare_exchange_strong(none, errno);
+    lock.lock();
+  }
+}
+
+Journal::~Journal() = default;
 
 Journal::Journal(fs::path path, Access access, const Visitor& visit) : path_(std::move(path)) {
   file_ = open_file(path_, access == Access::write ? O_RDWR : O_RDONLY);

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "core/labels/store/background_sync.hpp"
 #include "core/model/file_descriptor.hpp"
 
 namespace planescope::labels {
@@ -33,6 +32,7 @@ class Journal {
   /// is made by the first append(). Throws Error where the file cannot be read or is of a later
   /// version.
   Journal(std::filesystem::path path, Access access, const Visitor& visit);
+  ~Journal();
 
   const std::filesystem::path& path() const { return path_; }
   /// Bytes behind the last good record.
@@ -49,6 +49,8 @@ class Journal {
   JournalBytes read(const JournalPlace& place) const;
 
  private:
+  class BackgroundSync;
+
   void scan(const Visitor& visit);
 
   std::filesystem::path path_;

@@ -1,12 +1,203 @@
 #include "core/labels/store/journal_records.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "core/labels/model/label_bytes.hpp"
+#include "core/model/error.hpp"
 
 namespace planescope::labels {
 namespace {
+
+constexpr std::uint64_t kMaxPixels = 1u << 28u;  // of a frame, where it is read
+
+// Values as bytes and back, the same on every machine: whole numbers in groups of seven bits, the
+// lowest first; floating point as its eight bytes, the lowest first; text after its length.
+class RecordWriter {
+ public:
+  void number(std::uint64_t value) {
+    for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<unsigned char>(value | 0x80));
+    bytes_.push_back(static_cast<unsigned char>(value));
+  }
+  void real(double value) {
+    auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int i = 0; i < 8; ++i, bits >>= 8) bytes_.push_back(static_cast<unsigned char>(bits));
+  }
+  void text(const std::string& value) {
+    number(value.size());
+    bytes_.insert(bytes_.end(), value.begin(), value.end());
+  }
+
+  std::vector<unsigned char> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<unsigned char> bytes_;
+};
+
+/// Throws Error where the bytes do not hold what is asked for.
+class RecordReader {
+ public:
+  explicit RecordReader(std::span<const unsigned char> bytes) : bytes_(bytes) {}
+
+  std::uint64_t number(std::uint64_t most = UINT64_MAX) {
+    std::uint64_t value = 0;
+    for (int shift = 0;; shift += 7) {
+      const std::uint64_t byte = next();
+      if (shift > 63) fail();
+      value |= (byte & 0x7f) << shift;
+      if (byte < 0x80) break;
+    }
+    if (value > most) fail();
+    return value;
+  }
+  int integer() { return static_cast<int>(number(INT32_MAX)); }
+  double real() {
+    std::uint64_t bits = 0;
+    for (int i = 0; i < 8; ++i) bits |= static_cast<std::uint64_t>(next()) << (8 * i);
+    return std::bit_cast<double>(bits);
+  }
+  std::string text() {
+    const auto size = static_cast<std::size_t>(number(bytes_.size()));
+    std::string value(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size));
+    bytes_ = bytes_.subspan(size);
+    return value;
+  }
+  /// How many things of at least a byte each follow.
+  std::size_t count() { return static_cast<std::size_t>(number(bytes_.size())); }
+
+ private:
+  unsigned char next() {
+    if (bytes_.empty()) fail();
+    const unsigned char byte = bytes_.front();
+    bytes_ = bytes_.subspan(1);
+    return byte;
+  }
+  [[noreturn]] static void fail() {
+    throw Error("a record of labels does not hold what its kind needs");
+  }
+
+  std::span<const unsigned char> bytes_;
+};
+
+template <typename Enum>
+Enum read_enum(RecordReader& in, Enum last) {
+  return static_cast<Enum>(in.number(static_cast<std::uint64_t>(last)));
+}
+
+template <typename Enum>
+void write_enum(RecordWriter& out, Enum value) {
+  out.number(static_cast<std::uint64_t>(value));
+}
+
+void write(RecordWriter& out, const Vec3d& v) {
+  for (int i = 0; i < 3; ++i) out.real(v[i]);
+}
+
+Vec3d read_vector(RecordReader& in) {
+  Vec3d v;
+  for (int i = 0; i < 3; ++i) v[i] = in.real();
+  return v;
+}
+
+void write(RecordWriter& out, const ReviewNote& note) {
+  write_enum(out, note.kind);
+  out.number(note.pixel);
+  out.number(note.pixels);
+  out.number(static_cast<std::uint64_t>(note.label_plane));
+  out.number(static_cast<std::uint64_t>(note.other_plane));
+  write_enum(out, note.decision);
+  out.text(note.reviewer);
+  out.number(static_cast<std::uint64_t>(note.time_s));
+}
+
+ReviewNote read_note(RecordReader& in) {
+  ReviewNote note;
+  note.kind = read_enum(in, DisagreementKind::boundary);
+  note.pixel = static_cast<std::uint32_t>(in.number(kMaxPixels));
+  note.pixels = static_cast<std::uint32_t>(in.number(kMaxPixels));
+  note.label_plane = in.integer();
+  note.other_plane = in.integer();
+  note.decision = read_enum(in, ReviewDecision::ignore);
+  note.reviewer = in.text();
+  note.time_s = static_cast<std::int64_t>(in.number());
+  return note;
+}
+
+void write(RecordWriter& out, const LabelPlane& plane) {
+  out.number(static_cast<std::uint64_t>(plane.id));
+  write_enum(out, plane.label);
+  write(out, plane.normal);
+  out.real(plane.offset_m);
+  out.real(plane.rms_m);
+  out.real(plane.tolerance_m);
+  out.number(static_cast<std::uint64_t>(plane.fragments));
+  write_enum(out, plane.origin);
+  out.real(plane.confidence);
+  out.number(plane.locked ? 1 : 0);
+  out.number(plane.hidden ? 1 : 0);
+}
+
+LabelPlane read_plane(RecordReader& in) {
+  LabelPlane plane;
+  plane.id = static_cast<int>(in.number(kPlaneIgnore - 1));
+  plane.label = read_enum(in, Label::v);
+  plane.normal = read_vector(in);
+  plane.offset_m = in.real();
+  plane.rms_m = in.real();
+  plane.tolerance_m = in.real();
+  plane.fragments = in.integer();
+  plane.origin = read_enum(in, LabelOrigin::imported);
+  plane.confidence = in.real();
+  plane.locked = in.number(1) != 0;
+  plane.hidden = in.number(1) != 0;
+  return plane;
+}
+
+void write(RecordWriter& out, const LabelNotes& notes) {
+  write(out, notes.gravity.direction);
+  write_enum(out, notes.gravity.source);
+  out.real(notes.gravity.confidence);
+  out.text(notes.gravity.note);
+  out.text(notes.annotator);
+  out.text(notes.review_state);
+  out.number(notes.review.size());
+  for (const ReviewNote& note : notes.review) write(out, note);
+}
+
+LabelNotes read_notes(RecordReader& in) {
+  LabelNotes notes;
+  notes.gravity.direction = read_vector(in);
+  notes.gravity.source = read_enum(in, GravitySource::none);
+  notes.gravity.confidence = in.real();
+  notes.gravity.note = in.text();
+  notes.annotator = in.text();
+  notes.review_state = in.text();
+  notes.review.resize(in.count());
+  for (ReviewNote& note : notes.review) note = read_note(in);
+  return notes;
+}
+
+void write(RecordWriter& out, const Intrinsics& k) {
+  out.number(static_cast<std::uint64_t>(k.width));
+  out.number(static_cast<std::uint64_t>(k.height));
+  for (const double value : {k.fx, k.fy, k.cx, k.cy}) out.real(value);
+  write_enum(out, k.distortion);
+  for (const double value : k.coefficients) out.real(value);
+}
+
+Intrinsics read_intrinsics(RecordReader& in) {
+  Intrinsics k;
+  k.width = in.integer();
+  k.height = in.integer();
+  for (double* value : {&k.fx, &k.fy, &k.cx, &k.cy}) *value = in.real();
+  k.distortion = read_enum(in, Distortion::inverse_brown_conrady);
+  for (double& value : k.coefficients) value = in.real();
+  return k;
+}
 
 void write(RecordWriter& out, const RecordHead& head) {
   write_enum(out, head.kind);

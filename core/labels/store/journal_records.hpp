@@ -1,13 +1,13 @@
 #pragma once
 
-// What the journal of a label folder tells, record by record (docs/formats.md).
+// The records of a label folder's journal, byte by byte as docs/formats.md has them.
 
 #include <array>
 #include <span>
 #include <string>
 
 #include "core/labels/edit/edit.hpp"
-#include "core/labels/model/label_file_bytes.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/labels/store/journal.hpp"
 
 namespace planescope::labels {

@@ -3,9 +3,11 @@
 #include <pwd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
 #include <chrono>
 #include <exception>
+#include <map>
 #include <set>
 
 #include "core/labels/store/store_state.hpp"
@@ -28,6 +30,12 @@ LabelStoreOptions completed(LabelStoreOptions options) {
   if (options.annotator.empty()) options.annotator = login_name();
   if (!options.now_ms) options.now_ms = system_time_ms;
   return options;
+}
+
+constexpr double kLongestGapS = 60;  // a longer pause was spent on something else
+
+bool is_gesture(RecordKind kind) {
+  return kind == RecordKind::edit || kind == RecordKind::undo || kind == RecordKind::redo;
 }
 
 }  // namespace
@@ -111,5 +119,29 @@ void LabelStore::save_all() {
 }
 
 void LabelStore::sync() { state_->sync(); }
+
+std::vector<WorkTime> work_times(const std::filesystem::path& dir) {
+  std::map<std::pair<int, std::string>, WorkTime> times;
+  std::map<std::string, std::int64_t> latest_ms;  // gesture of an annotator
+  const Journal journal(
+      dir / "journal", Journal::Access::read, [&](const JournalPlace&, auto record) {
+        const RecordHead head = read_head(record);
+        if (!is_gesture(head.kind)) return true;
+        WorkTime& time = times[{head.frame, head.annotator}];
+        time.frame = head.frame;
+        time.annotator = head.annotator;
+        ++time.gestures;
+        if (const auto before = latest_ms.find(head.annotator); before != latest_ms.end()) {
+          const double gap_s = static_cast<double>(head.time_ms - before->second) / 1000;
+          time.seconds += std::clamp(gap_s, 0.0, kLongestGapS);
+        }
+        latest_ms[head.annotator] = head.time_ms;
+        return true;
+      });
+  std::vector<WorkTime> sorted;
+  sorted.reserve(times.size());
+  for (const auto& [key, time] : times) sorted.push_back(time);
+  return sorted;
+}
 
 }  // namespace planescope::labels

@@ -6,16 +6,257 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
-#include "core/labels/model/region.hpp"
-#include "core/labels/wand/wand_growth.hpp"
+#include "core/labels/model/pixel_sets.hpp"
+#include "core/labels/wand/wand_field.hpp"
 
 namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPixels = 25;  // of a plane
 constexpr int kSpeck_px = 100;            // smaller holes are filled
+constexpr int kNearClick_px = 4;          // by which a click may miss the surface
+constexpr int kLeastWindow_px = 10;       // of the fit at the click, to each side
+constexpr int kMostWindow_px = 40;
+constexpr double kWindowTolerances = 2.5;  // and at least this many tolerances in space
+constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
+constexpr int kGap_px = 4;                 // without a measurement that a region may cross
+constexpr std::uint8_t kCrossed = 2;
+constexpr int kTurned_px = 24;  // from an edge: normals nearer to it may be wrong
+constexpr int kFirstReach_px = 20;
+constexpr double kLeastFacing =
+    0.3;                            // of what lies on the plane; below it normals are useless here
+constexpr int kManyPixels = 20000;  // of a box; above it every fourth is enough
+constexpr int kMargin_px = 40;      // by which a region may still grow, once it is fitted
+constexpr int kMostRounds = 4;
+constexpr double kSettled = 0.02;  // of the pixels
+
+/// Which pixels of a box lie on the sheet (1), and which of these also face as it does (2).
+void mark_inliers(const WandField& field,
+                  const Sheet& sheet,
+                  const PixelBox& box,
+                  std::vector<std::uint8_t>& on) {
+  for_pixels(field.grid, box, [&](std::uint32_t i) {
+    if (!field.allowed[i] || !field.lies_on(sheet, i)) return;
+    on[i] = field.faces(sheet, i) ? 2 : 1;
+  });
+}
+
+/// Inliers, and gaps between them that may be crossed.
+std::vector<std::uint8_t> passable(const WandField& field,
+                                   const std::vector<std::uint8_t>& on,
+                                   const PixelBox& box,
+                                   std::uint8_t least) {
+  const LabelGrid& grid = field.grid;
+  std::vector<std::uint8_t> pass(grid.pixels(), 0);
+  for_pixels(grid, box, [&](std::uint32_t i) { pass[i] = on[i] >= least; });
+  // `gap`: pixels without a measurement since the last inlier of the row or column; -1 no inlier.
+  const auto cross = [&](std::uint32_t i, int& gap, std::uint32_t step) {
+    if (pass[i] == 1) {
+      for (; gap > 0; --gap) pass[i - static_cast<std::uint32_t>(gap) * step] = kCrossed;
+      gap = 0;
+    } else if (gap >= 0) {
+      gap = grid.measured[i] || gap == kGap_px ? -1 : gap + 1;
+    }
+  };
+  std::vector<int> gap_above(static_cast<std::size_t>(grid.width), -1);
+  for (int v = box.v0; v < box.v1; ++v) {
+    int gap_left = -1;
+    for (int u = box.u0; u < box.u1; ++u) {
+      const auto i = static_cast<std::uint32_t>(v * grid.width + u);
+      cross(i, gap_left, 1);
+      cross(i, gap_above[u], static_cast<std::uint32_t>(grid.width));
+    }
+  }
+  return pass;
+}
+
+/// Passable pixels that a click means.
+PixelSet starts_at(const LabelGrid& grid,
+                   std::uint32_t click,
+                   const std::vector<std::uint8_t>& pass) {
+  PixelSet starts;
+  for_pixels(grid, box_around(grid, click, kNearClick_px), [&](std::uint32_t i) {
+    if (pass[i]) starts.push_back(i);
+  });
+  return starts;
+}
+
+Moments moments_of(const LabelGrid& grid,
+                   const std::vector<std::uint8_t>& region,
+                   const PixelBox& box) {
+  Moments moments;
+  const int step = (box.u1 - box.u0) * (box.v1 - box.v0) > kManyPixels ? 2 : 1;
+  for (int v = box.v0; v < box.v1; v += step)
+    for (int u = box.u0; u < box.u1; u += step) {
+      const std::size_t i = static_cast<std::size_t>(v) * grid.width + u;
+      if (region[i]) moments.add(grid.points[i].cast<double>());
+    }
+  return moments;
+}
+
+bool touches(const LabelGrid& grid, const std::vector<std::uint8_t>& region, const PixelBox& box) {
+  for (int u = box.u0; u < box.u1; ++u)
+    if ((box.v0 > 0 && region[box.v0 * grid.width + u]) ||
+        (box.v1 < grid.height && region[(box.v1 - 1) * grid.width + u]))
+      return true;
+  for (int v = box.v0; v < box.v1; ++v)
+    if ((box.u0 > 0 && region[v * grid.width + box.u0]) ||
+        (box.u1 < grid.width && region[v * grid.width + box.u1 - 1]))
+      return true;
+  return false;
+}
+
+/// The region's pixels, with a margin around.
+PixelBox bounds_of(const LabelGrid& grid, const std::vector<std::uint8_t>& region, int margin) {
+  PixelBox box{grid.width, grid.height, 0, 0};
+  for (int v = 0; v < grid.height; ++v) {
+    const auto row = region.begin() + static_cast<std::ptrdiff_t>(v) * grid.width;
+    const auto end = row + grid.width;
+    const auto first = std::find(row, end, 1);
+    if (first == end) continue;
+    const auto last = std::find(std::reverse_iterator(end), std::reverse_iterator(row), 1);
+    box.u0 = std::min(box.u0, static_cast<int>(first - row));
+    box.u1 = std::max(box.u1, static_cast<int>(last.base() - row));
+    box.v0 = std::min(box.v0, v);
+    box.v1 = v + 1;
+  }
+  return {std::max(0, box.u0 - margin), std::max(0, box.v0 - margin),
+          std::min(grid.width, box.u1 + margin), std::min(grid.height, box.v1 + margin)};
+}
+
+/// The nearest free pixel to a click that may have hit a hole.
+std::optional<std::uint32_t> nearest_allowed(const WandField& field, std::uint32_t click) {
+  const LabelGrid& grid = field.grid;
+  std::optional<std::uint32_t> nearest;
+  int best = kNearClick_px * kNearClick_px + 1;
+  const int u = static_cast<int>(click) % grid.width, v = static_cast<int>(click) / grid.width;
+  for_pixels(grid, box_around(grid, click, kNearClick_px), [&](std::uint32_t i) {
+    const int du = static_cast<int>(i) % grid.width - u, dv = static_cast<int>(i) / grid.width - v;
+    if (!field.allowed[i] || du * du + dv * dv >= best) return;
+    best = du * du + dv * dv;
+    nearest = i;
+  });
+  return nearest;
+}
+
+std::optional<Sheet> plane_at(const WandField& field, std::uint32_t click) {
+  const LabelGrid& grid = field.grid;
+  const Vec3f& point = grid.points[click];
+  const double tolerance_m = field.tolerance_m({-point.normalized(), -point.norm()}, click);
+  const double reach = kWindowTolerances * tolerance_m * std::abs(grid.intrinsics.fx) / point.z();
+  const int window =
+      static_cast<int>(std::clamp(reach, double{kLeastWindow_px}, double{kMostWindow_px}));
+  const auto fit = fit_around(field, grid.measured, box_around(grid, click, window), click);
+  if (!fit || fit->share < kLeastShare) return std::nullopt;
+  return fit->sheet;
+}
+
+/// A region and the plane under it, as it grows over connected inliers; gaps that were not measured
+/// are crossed.
+class WandGrowth {
+ public:
+  explicit WandGrowth(const WandField& field);
+
+  /// From a click and the plane there, in ever larger boxes, the plane fitted anew each time.
+  /// False where that ends in nothing.
+  bool grow(std::uint32_t click, const Sheet& start);
+
+  /// Continues from there with further clicks until nothing changes.
+  void grow_on(const std::vector<std::uint32_t>& clicks);
+
+  /// Adds, up to some distance, what lies on the plane but faces elsewhere, as normals beside an
+  /// edge do.
+  void take_turned();
+
+  const Sheet& sheet() const { return sheet_; }
+  const PixelBox& box() const { return box_; }  // holds the region
+  std::vector<std::uint8_t>& region() { return region_; }
+
+  /// Adds to `reached` what is connected to a click within the region. Returns the pixels added.
+  PixelSet reach_within_region(std::uint32_t click, std::vector<std::uint8_t>& reached) const;
+
+ private:
+  void regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box);
+  bool refit();
+
+  const WandField& field_;
+  const LabelGrid& grid_;
+  Sheet sheet_;
+  // Strips narrower than the normals' windows have no normals: there distance alone decides.
+  bool facing_ = true;
+  PixelBox box_;
+  std::vector<std::uint8_t> on_;  // 1 on the sheet, 2 and facing as it does
+  std::vector<std::uint8_t> region_;
+};
+
+WandGrowth::WandGrowth(const WandField& field)
+    : field_(field), grid_(field.grid), on_(grid_.pixels(), 0), region_(grid_.pixels(), 0) {}
+
+bool WandGrowth::grow(std::uint32_t click, const Sheet& start) {
+  sheet_ = start;
+  for (int reach = kFirstReach_px;; reach *= 3) {
+    const PixelBox box = box_around(grid_, click, reach);
+    regrow({click}, box);
+    if (reach == kFirstReach_px) {
+      const auto facing = std::ranges::count(region_, 1);
+      facing_ = false;
+      regrow({click}, box);
+      facing_ = static_cast<double>(facing) >=
+                kLeastFacing * static_cast<double>(std::ranges::count(region_, 1));
+      if (facing_) regrow({click}, box);
+    }
+    if (!refit()) return false;
+    if (!touches(grid_, region_, box)) return true;
+  }
+}
+
+void WandGrowth::grow_on(const std::vector<std::uint32_t>& clicks) {
+  const PixelBox whole{0, 0, grid_.width, grid_.height};
+  PixelBox box = clicks.size() > 1 ? whole : bounds_of(grid_, region_, kMargin_px);
+  // A better fit finds more, and more makes a better fit.
+  for (int round = 0; round < kMostRounds; ++round) {
+    const auto before = static_cast<double>(std::ranges::count(region_, 1));
+    regrow(clicks, box);
+    const auto after = static_cast<double>(std::ranges::count(region_, 1));
+    const bool cut_off = touches(grid_, region_, box);
+    if (!cut_off && std::abs(after - before) <= kSettled * before) return;
+    if (cut_off) box = whole;
+    refit();
+  }
+  regrow(clicks, box);
+}
+
+void WandGrowth::take_turned() { spread(on_, grid_.width, grid_.height, kTurned_px, region_); }
+
+PixelSet WandGrowth::reach_within_region(std::uint32_t click,
+                                         std::vector<std::uint8_t>& reached) const {
+  const std::vector<std::uint8_t> pass = passable(field_, region_, box_, 1);
+  PixelSet added = flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), reached);
+  std::erase_if(added, [&](std::uint32_t i) { return !region_[i]; });
+  return added;
+}
+
+void WandGrowth::regrow(const std::vector<std::uint32_t>& clicks, const PixelBox& box) {
+  box_ = box;
+  std::ranges::fill(on_, std::uint8_t{0});
+  mark_inliers(field_, sheet_, box, on_);
+  const std::vector<std::uint8_t> pass = passable(field_, on_, box, facing_ ? 2 : 1);
+  std::ranges::fill(region_, std::uint8_t{0});
+  for (const std::uint32_t click : clicks)
+    flood(pass, grid_.width, grid_.height, starts_at(grid_, click, pass), region_);
+  for_pixels(grid_, box, [&](std::uint32_t i) { region_[i] = region_[i] && on_[i]; });
+}
+
+bool WandGrowth::refit() {
+  const Moments moments = moments_of(grid_, region_, box_);
+  const auto refitted = sheet_through(moments);
+  if (!refitted || moments.count < kLeastPixels) return false;
+  sheet_ = *refitted;
+  return true;
+}
 
 /// Whether a later click means the same plane.
 bool is_fragment(const WandField& field, const Sheet& sheet, std::uint32_t click) {

@@ -32,7 +32,7 @@ void for_pixels(const LabelGrid& grid, const PixelBox& box, const Visit& visit) 
     for (int u = box.u0; u < box.u1; ++u) visit(static_cast<std::uint32_t>(v * grid.width + u));
 }
 
-/// normal . x = offset, in floats: it is asked of every pixel.
+/// A plane normal . x = offset, in floats for speed: every pixel is compared with it.
 struct Sheet {
   Vec3f normal = Vec3f::UnitZ();
   float offset_m = 0;
@@ -49,6 +49,7 @@ struct WandField {
   WandOptions options;
   std::vector<float> noise;           // across a sheet at 1 m of offset, per pixel [m]
   std::vector<std::uint8_t> allowed;  // measured, and free to take
+  float least_cosine = 0;             // between normals that face the same way
 
   /// At close range the option itself; where noise is more than it allows for, in that ratio.
   float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
@@ -60,16 +61,21 @@ struct WandField {
   bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
     return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);
   }
+  /// True also where the normal is not known.
+  bool faces(const Sheet& sheet, std::uint32_t pixel) const {
+    const Vec3f& normal = grid.normals[pixel];
+    return normal.isZero(0) || normal.dot(sheet.normal) >= least_cosine;
+  }
 };
 WandField make_wand_field(const LabelGrid& grid,
                           const FrameLabels* labels,
                           const WandOptions& options);
 
 struct LocalFitOptions {
-  double half_px = 4;              // so far from the middle a pixel counts half
+  double half_px = 4;              // distance from the middle at which a pixel counts half
   int samples = 64;                // a fixed series of random ones
-  int most_pixels = 256;           // are looked at, evenly spread
-  std::span<const Sheet> hints{};  // spare the search where one holds most of the pixels
+  int most_pixels = 256;           // looked at, spread evenly
+  std::span<const Sheet> hints{};  // tried first: no search where one holds most of the pixels
 };
 struct LocalFit {
   Sheet sheet;
@@ -83,9 +89,9 @@ std::optional<LocalFit> fit_around(const WandField& field,
                                    std::uint32_t middle,
                                    const LocalFitOptions& options = {});
 
-/// Takes pixels off `region` that lie on another surface which meets the sheet at a crease:
-/// `region` is all within tolerance of it, and what runs on beyond tells where the other lies.
-/// `box` holds the region.
+/// Takes pixels off `region` that lie on another surface which meets the sheet at a crease. All of
+/// `region` is within tolerance of the sheet; where the other surface lies is told by its part
+/// outside of the region. `box` holds the region.
 void cut_at_creases(const WandField& field,
                     const Sheet& sheet,
                     const PixelBox& box,

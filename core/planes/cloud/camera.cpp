@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+
+#include "core/model/error.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -49,6 +52,19 @@ Vec2d invert(const std::array<double, 5>& c, const Vec2d& target) {
 }
 
 }  // namespace
+
+void check_camera(const Frame& frame) {
+  const Image16& depth = frame.depth;
+  const Intrinsics& k = frame.intrinsics;
+  if (k.width != depth.width || k.height != depth.height)
+    throw Error("frame " + frame.name + ": depth is " + std::to_string(depth.width) + "x" +
+                std::to_string(depth.height) + ", its intrinsics are for " +
+                std::to_string(k.width) + "x" + std::to_string(k.height));
+  if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
+    throw Error("frame " + frame.name +
+                ": focal length or depth unit is zero, expected both from the recording or from "
+                "--intrinsics and --depth-unit");
+}
 
 Vec2d pixel_to_ray(const Intrinsics& k, double u, double v) {
   const Vec2d seen((u - k.cx) / k.fx, (v - k.cy) / k.fy);

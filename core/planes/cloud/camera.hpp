@@ -1,11 +1,20 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/model/frame.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::planes {
+
+// Counts of a depth image that are no measurement.
+inline constexpr std::uint16_t kNoDepth = 0;
+inline constexpr std::uint16_t kFarOutlier = 65535;  // what RealSense cameras write for nonsense
+
+/// Throws Error naming the frame unless its intrinsics are for its depth image, and focal lengths
+/// and depth unit are known.
+void check_camera(const Frame& frame);
 
 /// The ray of pixel (u, v): (x, y) of (x, y, 1), with lens distortion removed. NaN where the
 /// distortion model cannot be inverted, so that no ray leads to the pixel.

@@ -12,9 +12,7 @@
 namespace planescope::planes {
 namespace {
 
-constexpr std::uint16_t kNoDepth = 0;
-constexpr std::uint16_t kFarOutlier = 65535;  // what RealSense cameras write for nonsense
-constexpr int kDeepestOctree = 21;            // three coordinates of 21 bits make a 64-bit key
+constexpr int kDeepestOctree = 21;  // three coordinates of 21 bits make a 64-bit key
 
 void check(const CloudOptions& options) {
   if (!(options.max_range_m > 0))
@@ -64,14 +62,7 @@ void crop(Cloud& cloud, const std::vector<std::uint8_t>& within_range) {
 Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
   const Image16& depth = frame.depth;
   const Intrinsics& k = frame.intrinsics;
-  if (k.width != depth.width || k.height != depth.height)
-    throw Error("frame " + frame.name + ": depth is " + std::to_string(depth.width) + "x" +
-                std::to_string(depth.height) + ", its intrinsics are for " +
-                std::to_string(k.width) + "x" + std::to_string(k.height));
-  if (!(k.fx != 0) || !(k.fy != 0) || !(frame.depth_unit_m > 0))
-    throw Error("frame " + frame.name +
-                ": focal length or depth unit is zero, expected both from the recording or from "
-                "--intrinsics and --depth-unit");
+  check_camera(frame);
   Cloud cloud;
   cloud.T_world_sensor = world_from_gravity(gravity.direction, true);
   cloud.width = depth.width;

@@ -13,18 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* text_of(Distortion distortion) {
-  switch (distortion) {
-    case Distortion::brown_conrady:
-      return "brown_conrady";
-    case Distortion::inverse_brown_conrady:
-      return "inverse_brown_conrady";
-    case Distortion::none:
-      break;
-  }
-  return "none";
-}
-
 Json depth_json(const io::RecordingInfo& info) {
   if (info.width == 0) return {};
   const Intrinsics& k = info.intrinsics;
@@ -37,7 +25,7 @@ Json depth_json(const io::RecordingInfo& info) {
             {"fy", k.fy},
             {"cx", k.cx},
             {"cy", k.cy},
-            {"distortion", text_of(k.distortion)},
+            {"distortion", to_string(k.distortion)},
             {"coefficients", k.coefficients},
             {"source", info.intrinsics_source}}}};
 }

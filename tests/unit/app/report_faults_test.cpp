@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/report.hpp"
-#include "core/labels/model/frame_truth.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "support/temp_dir.hpp"

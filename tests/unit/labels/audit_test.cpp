@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/labels/model/pixel_depth.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::labels {

@@ -1,6 +1,6 @@
 // Nothing that a damaged or hostile file says is trusted: each ends in one line that names it.
 
-#include "core/labels/exchange/coco_mask.hpp"
+#include "core/labels/exchange/formats.hpp"
 #include "core/model/file_bytes.hpp"
 #include "exchange_fixture.hpp"
 #include "support/label_readers.hpp"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/labels/model/pixel_sets.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/truth.hpp"
 #include "small_frames.hpp"
@@ -119,6 +120,28 @@ TEST(FittedPlane, FloorsAndCeilingsAreHorizontal) {
   EXPECT_EQ(class_of_tilt(46), Label::v);
   EXPECT_EQ(class_of_tilt(90), Label::v);
   EXPECT_EQ(class_of_tilt(180), Label::h);
+}
+
+TEST(Fragments, PartsThatTouchOnlyAtACornerAreTwo) {
+  Image16 image(4, 3);
+  image.data = {5, 5, 0, 2,  //
+                0, 5, 0, 2,  //
+                5, 0, 2, 0};
+  const auto counts = count_fragments(image);
+  ASSERT_EQ(counts.size(), 6u);
+  EXPECT_EQ(counts[5], 2);
+  EXPECT_EQ(counts[2], 2);
+  EXPECT_EQ(counts[1], 0);
+}
+
+TEST(Fragments, ASpiralIsOnePart) {
+  Image16 image(5, 5);
+  image.data = {1, 1, 1, 1, 1,  //
+                0, 0, 0, 0, 1,  //
+                1, 1, 1, 0, 1,  //
+                1, 0, 0, 0, 1,  //
+                1, 1, 1, 1, 1};
+  EXPECT_EQ(count_fragments(image)[1], 1);
 }
 
 }  // namespace

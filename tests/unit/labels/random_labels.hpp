@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "core/labels/edit/edit.hpp"
+#include "core/labels/store/store.hpp"
 #include "core/model/random.hpp"
 
 namespace planescope::labels {
@@ -92,6 +96,32 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   EXPECT_EQ(a.annotator, b.annotator);
   EXPECT_EQ(a.review_state, b.review_state);
   EXPECT_EQ(a.review, b.review);
+}
+
+// Stores of such labels, each in a folder of its own.
+
+inline std::filesystem::path fresh_dir(const std::string& name) {
+  const auto dir = std::filesystem::path(testing::TempDir()) / ("label_store_" + name);
+  std::filesystem::remove_all(dir);
+  return dir;
+}
+
+inline FrameLabels blank(int frame) {
+  FrameLabels labels = blank_labels(23, 17, static_cast<char>('a' + frame));
+  labels.annotator = "ann";
+  return labels;
+}
+
+inline LabelStoreOptions by(const std::string& annotator) { return {annotator, {}}; }
+
+/// A random gesture that changes something, on a frame that is open.
+inline void gesture(LabelStore& store, int frame, Random& random) {
+  const auto before = store.labels(frame);
+  LabelEdit edit;
+  while (edit.empty()) {
+    edit = make_edit(frame, "gesture", *before, after_random_gesture(*before, random));
+  }
+  store.commit(edit);
 }
 
 }  // namespace planescope::labels

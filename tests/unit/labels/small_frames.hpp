@@ -64,7 +64,7 @@ inline TrueFrame view_of(const lab::Scene& scene,
   return view;
 }
 
-/// Shared of joint pixels; both ascending.
+/// Intersection over union; both ascending.
 inline double iou(const labels::PixelSet& a, const labels::PixelSet& b) {
   labels::PixelSet both;
   std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));

@@ -7,8 +7,10 @@
 #include <csignal>
 #include <fstream>
 
+#include "core/labels/model/label_files.hpp"
 #include "core/model/file_bytes.hpp"
-#include "store_fixture.hpp"
+#include "random_labels.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::labels {
 namespace {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "store_fixture.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "random_labels.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::labels {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "core/labels/edit/operations.hpp"
-#include "core/labels/model/parts.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 #include "small_frames.hpp"
 
 namespace planescope::labels {

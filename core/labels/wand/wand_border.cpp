@@ -1,6 +1,4 @@
-// Where two surfaces meet at an angle, both are within tolerance of either plane. Past the end of
-// the region the other surface goes on: its plane is fitted there, tile by tile along the border,
-// and of the pixels near the border each goes to the plane that it is nearer to.
+// Where a region of the wand ends.
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +9,11 @@
 #include "core/labels/wand/wand_field.hpp"
 
 namespace planescope::labels {
+
+// Creases. Where two surfaces meet at an angle, points near the edge are within tolerance of both
+// planes. The other surface continues outside of the region: its plane is fitted there, tile by
+// tile along the border, and each pixel near the border goes to the nearer of the two planes.
+
 namespace {
 
 constexpr int kTile_px = 16;
@@ -29,7 +32,7 @@ constexpr std::size_t kRemembered = 6;  // surfaces, for the tiles that follow
 
 using Tile = std::vector<std::uint32_t>;
 
-/// Pixels that go on from the region without a step, just out of it.
+/// Pixels just outside of the region that continue it without a step in depth, by tile.
 std::vector<Tile> contacts_by_tile(const WandField& field,
                                    const Sheet& sheet,
                                    const PixelBox& box,
@@ -89,8 +92,8 @@ class CreaseCut {
  private:
   double sine_to(const Sheet& other) const { return other.normal.cross(sheet_.normal).norm(); }
 
-  /// The surface that goes on out of the region at `middle`. The flatter the crease, the farther
-  /// out it must be looked at to tell the two apart.
+  /// The surface that continues outside of the region at `middle`. The flatter the crease, the
+  /// larger the window that is needed to tell the two apart.
   std::optional<Sheet> surface_beyond(std::uint32_t middle, double tolerance_px) {
     for (const double tolerances : {2.0, 5.0}) {
       const int beyond =
@@ -119,7 +122,7 @@ class CreaseCut {
     known_.push_back(other);
   }
 
-  /// Not a bump in the region's own surface: it departs farther than noise would, or extends far.
+  /// Not a bump in the region's own surface: it is farther off than noise explains, or it is large.
   bool is_surface(const Sheet& other, const PixelBox& box) const {
     int all = 0, on = 0, far = 0;
     for (int v = box.v0; v < box.v1; v += 2)
@@ -190,6 +193,78 @@ void cut_at_creases(const WandField& field,
   for (const Tile& tile : contacts_by_tile(field, sheet, box, region))
     if (tile.size() >= kLeastContact_px) cut.cut_at(tile);
   cut.finish();
+}
+
+// Colour. Depth images are ragged at the borders of objects, colour images are not. Border pixels
+// whose depth leaves it open go to the side whose colour nearby is more like theirs.
+
+namespace {
+
+constexpr int kStrip_px = 3;          // of the border, to each side
+constexpr int kAround_px = 6;         // where the two sides' colours are taken from
+constexpr int kLeastColorPixels = 8;  // of each side
+constexpr float kContrast = 36;       // between them, of 255 per channel
+constexpr float kClearly = 0.6f;      // nearer to one than to the other
+constexpr float kDoubtful = 0.6f;     // of the tolerance: what fits worse inside may be wrong
+constexpr float kNearly = 2;          // times the tolerance: what fits better outside may belong
+
+struct MeanColor {
+  Vec3f sum = Vec3f::Zero();
+  int count = 0;
+
+  void add(const std::uint8_t* rgb) {
+    sum += Vec3f(rgb[0], rgb[1], rgb[2]);
+    ++count;
+  }
+  Vec3f value() const { return sum / static_cast<float>(count); }
+};
+
+}  // namespace
+
+void settle_border_by_color(const WandField& field,
+                            const Sheet& sheet,
+                            const PixelBox& box,
+                            std::vector<std::uint8_t>& region) {
+  const LabelGrid& grid = field.grid;
+  const int width = grid.width, height = grid.height;
+  std::vector<std::uint8_t> strip(grid.pixels(), 0);
+  for (int v = box.v0; v < box.v1; ++v)
+    for (int u = box.u0; u < box.u1; ++u) {
+      const int i = v * width + u;
+      const bool right = u + 1 < width && region[i] != region[i + 1];
+      const bool down = v + 1 < height && region[i] != region[i + width];
+      if (!right && !down) continue;
+      for_pixels(grid, box_around(grid, static_cast<std::uint32_t>(i), kStrip_px),
+                 [&](std::uint32_t j) { strip[j] = 1; });
+    }
+  enum : std::uint8_t { kUnknown, kInside, kOutside };
+  std::vector<std::uint8_t> side(grid.pixels(), kUnknown);
+  std::vector<std::uint32_t> doubtful;
+  for_pixels(grid, box, [&](std::uint32_t i) {
+    if (!grid.measured[i]) return;
+    const bool in_doubt =
+        strip[i] && field.allowed[i] &&
+        (region[i] ? !field.lies_on(sheet, i, kDoubtful) : field.lies_on(sheet, i, kNearly));
+    if (in_doubt)
+      doubtful.push_back(i);
+    else
+      side[i] = region[i] ? kInside : kOutside;
+  });
+  for (const std::uint32_t i : doubtful) {
+    MeanColor inside, outside;
+    for_pixels(grid, box_around(grid, i, kAround_px), [&](std::uint32_t j) {
+      if (side[j] == kInside) inside.add(&grid.color.data[std::size_t{3} * j]);
+      if (side[j] == kOutside) outside.add(&grid.color.data[std::size_t{3} * j]);
+    });
+    if (inside.count < kLeastColorPixels || outside.count < kLeastColorPixels) continue;
+    if ((inside.value() - outside.value()).norm() < kContrast) continue;
+    const std::uint8_t* rgb = &grid.color.data[std::size_t{3} * i];
+    const Vec3f own(rgb[0], rgb[1], rgb[2]);
+    const float to_inside = (own - inside.value()).norm();
+    const float to_outside = (own - outside.value()).norm();
+    if (to_inside < kClearly * to_outside) region[i] = 1;
+    if (to_outside < kClearly * to_inside) region[i] = 0;
+  }
 }
 
 }  // namespace planescope::labels

@@ -1,8 +1,10 @@
+#include "core/labels/wand/wand_field.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
-#include "core/labels/wand/wand_field.hpp"
 #include "core/model/plane.hpp"
 #include "core/model/random.hpp"
 
@@ -12,7 +14,6 @@ namespace {
 constexpr std::size_t kLeastFitPixels = 6;
 constexpr int kRefits = 3;
 constexpr double kHintShare = 0.7;
-constexpr double kLine = 1e-6;  // eigenvalues, the second against the third
 
 struct Weighted {
   std::uint32_t pixel = 0;
@@ -59,17 +60,16 @@ std::optional<Sheet> best_of_samples(const WandField& field,
 }  // namespace
 
 std::optional<Sheet> sheet_through(const Moments& moments) {
-  if (moments.count < 3) return std::nullopt;
-  const PlaneFit fit = fit_plane(moments);
-  if (!(fit.eigenvalues[1] > kLine * fit.eigenvalues[2])) return std::nullopt;
-  const double sign = fit.offset_m() > 0 ? -1 : 1;  // towards the sensor
-  return Sheet{(sign * fit.normal).cast<float>(), static_cast<float>(sign * fit.offset_m())};
+  const auto fit = facing_sensor(fit_plane(moments));
+  if (!fit) return std::nullopt;
+  return Sheet{fit->normal.cast<float>(), static_cast<float>(fit->offset_m())};
 }
 
 WandField make_wand_field(const LabelGrid& grid,
                           const FrameLabels* labels,
                           const WandOptions& options) {
-  WandField field{grid, options, {}, grid.measured};
+  const double max_angle = options.max_angle_deg * std::numbers::pi / 180;
+  WandField field{grid, options, {}, grid.measured, static_cast<float>(std::cos(max_angle))};
   field.noise.resize(grid.pixels(), 0);
   for (std::size_t i = 0; i < grid.pixels(); ++i)
     field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/labels/exchange/exchange_files.hpp"
+#include "core/labels/exchange/formats.hpp"
 #include "core/labels/exchange/npy.hpp"
 
 // NumPy's savez: a zip of .npy files, stored as they are. Arrays by name, one row per point:

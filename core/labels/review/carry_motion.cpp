@@ -2,8 +2,6 @@
 // term of RGB-D odometry (Park et al. 2017). Open3D has both, but its sums depend on the number of
 // threads: 60 000 points gave other last bits with two threads than with one (0.16).
 
-#include "core/labels/review/registration.hpp"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -11,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
 
@@ -21,16 +20,17 @@ using Vec6d = Eigen::Matrix<double, 6, 1>;
 using Mat6d = Eigen::Matrix<double, 6, 6>;
 
 struct Level {
-  int stride_px;   // one point of so many in each direction
+  int stride_px;   // between points, in each direction
   int blur_px;     // of the brightness, to each side
   double reach_m;  // partners are no farther
   int most_rounds;
 };
 constexpr std::array kLevels{Level{8, 6, 0.30, 20}, Level{4, 3, 0.15, 15}, Level{2, 1, 0.05, 10}};
-constexpr float kFacing = 0.7f;           // cosine between the normals of partners
-constexpr double kColorSigma = 0.06;      // of brightness, 0..1
-constexpr double kHuber = 1.5;            // standard deviations
-constexpr double kPrior = 4;              // per radian and metre, squared: where nothing tells
+constexpr float kFacing = 0.7f;       // cosine between the normals of partners
+constexpr double kColorSigma = 0.06;  // of brightness, 0..1
+constexpr double kHuber = 1.5;        // standard deviations
+constexpr double kPrior =
+    4;  // weight of "no motion" per radian^2 and metre^2: where nothing else decides
 constexpr double kSettled = 1e-6;         // of a step [rad, m]
 constexpr double kPartnerNoises = 4;      // of the final count of partners ...
 constexpr double kPartnerLeast_m = 0.01;  // ... and at least this
@@ -96,13 +96,10 @@ std::optional<Partner> partner_of(const LabelGrid& to,
                                   const Vec3d& point,
                                   const Vec3f& normal,
                                   double reach_m) {
-  if (!(point.z() > 0)) return std::nullopt;
-  const Vec2d at = planes::ray_to_pixel(to.intrinsics, point.head<2>() / point.z());
-  const double u = std::round(at.x()), v = std::round(at.y());
-  if (!(u >= 0 && v >= 0 && u < to.width && v < to.height)) return std::nullopt;
+  const auto seen = to.pixel_that_sees(point);
+  if (!seen || !to.measured[*seen] || to.normals[*seen].isZero(0)) return std::nullopt;
   Partner partner;
-  partner.pixel = static_cast<std::size_t>(v) * to.width + static_cast<std::size_t>(u);
-  if (!to.measured[partner.pixel] || to.normals[partner.pixel].isZero(0)) return std::nullopt;
+  partner.pixel = *seen;
   if (normal.dot(to.normals[partner.pixel]) < kFacing) return std::nullopt;
   const Vec3d offset = point - to.points[partner.pixel].cast<double>();
   if (offset.squaredNorm() > reach_m * reach_m) return std::nullopt;

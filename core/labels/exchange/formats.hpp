@@ -1,6 +1,6 @@
 #pragma once
 
-// What the formats of exchanged labels share. Internal to core/labels.
+// The formats of exchanged labels, and what they share. Internal to core/labels.
 
 #include <span>
 
@@ -47,6 +47,8 @@ LabelledPoints parse_npz(io::Bytes file, const std::string& where);
 
 FileBytes coco_bytes(const LabelledPoints& points, const std::string& name);
 LabelledPoints parse_coco(io::Bytes file, const std::string& where);
+/// The counts of a COCO mask that pycocotools compressed into text.
+std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::string& where);
 
 FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m);
 

@@ -1,12 +1,21 @@
 #pragma once
 
-// How two labelings of the same pixels share them. Internal to core/labels.
+// How two labelings of the same pixels share them, and how far they agree.
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/model/frame_labels.hpp"
+
 namespace planescope::labels {
+
+/// What labels are compared with, on the same pixels.
+struct OtherLabels {
+  std::vector<std::int32_t> plane;  // per pixel, 0 none, -1 knows nothing here (cropped, ignored)
+  std::vector<Label> label;         // of a plane, by id - 1
+};
+OtherLabels other_of(const FrameLabels& labels);
 
 struct PlaneOverlap {
   std::vector<int> ids_a, ids_b;           // of planes with pixels that are scored, ascending
@@ -28,5 +37,16 @@ struct PlanePair {
   std::size_t a = 0, b = 0;  // places in the overlap's lists
 };
 std::vector<PlanePair> matched_planes(const PlaneOverlap& overlap, double least_iou);
+
+/// Agreement of two labelings of the same pixels.
+struct Agreement {
+  double mean_iou = 0;         // of planes matched one to one, over all planes of both
+  double adjusted_rand = 0;    // over pixels that both label with a plane
+  double label_accuracy = 0;   // same h/v, of pixels where both have one
+  double pixel_agreement = 0;  // of labelled by either: same matched plane
+  int planes_a = 0, planes_b = 0, matched = 0;  // matched: IoU of at least 0.5
+  std::size_t pixels = 0;                       // scored: ignored by neither
+};
+Agreement agreement_of(const FrameLabels& a, const FrameLabels& b);
 
 }  // namespace planescope::labels

@@ -1,0 +1,243 @@
+// What the formats share, and those that are a list of points: EVOPS, PLY, PCD, SemanticKITTI,
+// voxels.
+
+#include "core/labels/exchange/formats.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/labels/exchange/npy.hpp"
+#include "core/planes/cloud/cloud.hpp"
+
+namespace planescope::labels {
+
+void check_count(std::uint64_t points, const std::string& where) {
+  if (points > kMaxLabelledPoints)
+    throw Error(where + ": " + std::to_string(points) + " points, expected at most " +
+                std::to_string(kMaxLabelledPoints));
+}
+
+std::string printable(std::string_view text) {
+  std::string result(text.substr(0, 60));
+  for (char& c : result)
+    if (c < ' ' || c > '~') c = '?';
+  return result;
+}
+
+template <typename T>
+std::vector<T> whole_numbers(std::span<const double> values,
+                             double low,
+                             double high,
+                             const std::string& where) {
+  std::vector<T> whole(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i];
+    if (!(value >= low && value <= high) || value != std::floor(value)) {
+      char text[128];
+      std::snprintf(text, sizeof(text),
+                    ": %g at place %zu, expected a whole number of %.0f to %.0f", value, i, low,
+                    high);
+      throw Error(where + text);
+    }
+    whole[i] = static_cast<T>(value);
+  }
+  return whole;
+}
+template std::vector<std::uint8_t> whole_numbers(std::span<const double>,
+                                                 double,
+                                                 double,
+                                                 const std::string&);
+template std::vector<std::uint16_t> whole_numbers(std::span<const double>,
+                                                  double,
+                                                  double,
+                                                  const std::string&);
+template std::vector<std::int32_t> whole_numbers(std::span<const double>,
+                                                 double,
+                                                 double,
+                                                 const std::string&);
+
+std::vector<std::int32_t> instances_of(std::span<const double> values, const std::string& where) {
+  return whole_numbers<std::int32_t>(values, 0, kPlaneIgnore, where + ": plane id");
+}
+
+std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::string& where) {
+  const auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
+  for (std::size_t i = 0; i < classes.size(); ++i)
+    if (classes[i] > 2 && classes[i] != kHvIgnore)
+      throw Error(where + ": class " + std::to_string(classes[i]) + " at place " +
+                  std::to_string(i) + ", expected 0 (unknown), 1 (h), 2 (v) or 255 (ignore)");
+  return classes;
+}
+
+// EVOPS (https://github.com/MobileRoboticsSkoltech/EVOPS): a NumPy array with one plane id per
+// point, 0 where there is none.
+
+FileBytes evops_bytes(const LabelledPoints& points) {
+  // To every other reader 65535 would be one more plane.
+  std::vector<std::int32_t> ids = points.instance;
+  for (std::int32_t& id : ids)
+    if (id == kPlaneIgnore) id = 0;
+  return npy_bytes("<i4", {ids.size()}, std::as_bytes(std::span(ids)));
+}
+
+LabelledPoints parse_evops(io::Bytes file, const std::string& where) {
+  const NpyArray array = parse_npy(file, where);
+  if (array.shape.size() != 1)
+    throw Error(where + ": an array of " + std::to_string(array.shape.size()) +
+                " dimensions, expected one plane id per point");
+  check_count(array.size(), where);
+  LabelledPoints points;
+  points.instance = instances_of(array.values(), where);
+  return points;
+}
+
+// PLY and PCD, with the fields of docs/labels.md.
+
+namespace {
+
+PointSet point_set_of(const LabelledPoints& points) {
+  PointSet set;
+  set.points = points.points;
+  set.rgb = points.rgb;
+  set.label = points.label;
+  set.instance = points.instance;
+  return set;
+}
+
+std::vector<io::IntField> pixel_fields_of(const LabelledPoints& points) {
+  if (points.pixel.empty()) return {};
+  io::IntField u{"u", {}}, v{"v", {}};
+  for (const DepthPixel& pixel : points.pixel) {
+    u.values.push_back(pixel.u);
+    v.values.push_back(pixel.v);
+  }
+  return {std::move(u), std::move(v)};
+}
+
+}  // namespace
+
+FileBytes labelled_ply_bytes(const LabelledPoints& points) {
+  return io::ply_bytes(point_set_of(points), pixel_fields_of(points));
+}
+
+FileBytes labelled_pcd_bytes(const LabelledPoints& points) {
+  return io::pcd_bytes(point_set_of(points), pixel_fields_of(points));
+}
+
+LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
+  // label and instance exactly as in the file: PointSet's are clamped to what fits.
+  io::CloudExtras extras{{"label", "instance", "u", "v"}, {}};
+  PointSet set = io::read_cloud_file(path, &extras);
+  const std::string where = path.string();
+  if (extras.values[1].empty() && !set.points.empty())
+    throw Error(where + ": its points have no field \"instance\", expected plane ids there");
+  LabelledPoints points;
+  points.label = classes_of(extras.values[0], where);
+  points.instance = instances_of(extras.values[1], where);
+  const auto u = whole_numbers<std::uint16_t>(extras.values[2], 0, 65535, where + ": u");
+  const auto v = whole_numbers<std::uint16_t>(extras.values[3], 0, 65535, where + ": v");
+  if (!u.empty() && !v.empty())
+    for (std::size_t i = 0; i < u.size(); ++i) points.pixel.push_back({u[i], v[i]});
+  points.rgb = std::move(set.rgb);
+  points.points = std::move(set.points);
+  const Vec3f origin = set.origin.cast<float>();
+  for (Vec3f& point : points.points) point += origin;
+  return points;
+}
+
+// SemanticKITTI (http://semantic-kitti.org/dataset.html): points as float32 x y z remission, and
+// for each a uint32, class in the lower and instance in the upper 16 bits.
+
+namespace {
+
+struct KittiPoint {
+  float x, y, z, remission;
+};
+static_assert(sizeof(KittiPoint) == 16);
+
+template <typename T>
+FileBytes bytes_of(const std::vector<T>& values) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+  return {bytes, bytes + values.size() * sizeof(T)};
+}
+
+void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
+  if (file.size() % each != 0)
+    throw Error(what + ": " + std::to_string(file.size()) + " bytes, expected a multiple of " +
+                std::to_string(each));
+}
+
+}  // namespace
+
+FileBytes kitti_points_bytes(const LabelledPoints& points) {
+  std::vector<KittiPoint> written;
+  written.reserve(points.size());
+  for (const Vec3f& p : points.points) written.push_back({p.x(), p.y(), p.z(), 0});
+  return bytes_of(written);
+}
+
+FileBytes kitti_label_bytes(const LabelledPoints& points) {
+  std::vector<std::uint32_t> written(points.size());
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const std::uint32_t label = points.label.empty() ? 0u : points.label[i];
+    written[i] = static_cast<std::uint32_t>(points.instance[i]) << 16 | label;
+  }
+  return bytes_of(written);
+}
+
+LabelledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& where) {
+  check_whole(label, sizeof(std::uint32_t), where + ".label");
+  check_whole(bin, sizeof(KittiPoint), where + ".bin");
+  const std::size_t count = label.size() / sizeof(std::uint32_t);
+  check_count(count, where + ".label");
+  if (!bin.empty() && bin.size() / sizeof(KittiPoint) != count)
+    throw Error(where + ".label: labels of " + std::to_string(count) + " points, " + where +
+                ".bin has " + std::to_string(bin.size() / sizeof(KittiPoint)));
+  LabelledPoints points;
+  std::vector<double> classes(count), instances(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t value;
+    std::memcpy(&value, label.data() + i * sizeof(value), sizeof(value));
+    classes[i] = value & 0xffff;
+    instances[i] = value >> 16;
+  }
+  points.label = classes_of(classes, where + ".label");
+  points.instance = instances_of(instances, where + ".label");
+  for (std::size_t i = 0; i < bin.size(); i += sizeof(KittiPoint)) {
+    KittiPoint p;
+    std::memcpy(&p, bin.data() + i, sizeof(p));
+    points.points.emplace_back(p.x, p.y, p.z);
+  }
+  return points;
+}
+
+// What a segmenter that works on voxels should have found: the voxels that ours makes, upright,
+// with the majority of their points' labels (0 has no vote).
+
+FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
+  if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
+    throw Error("voxel size " + std::to_string(voxel_size_m) + ", expected more than 0 m");
+  planes::Cloud cloud;
+  cloud.T_world_sensor = points.T_world_sensor;
+  const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();
+  double extent_m = 0;
+  for (const Vec3f& point : points.points) {
+    cloud.points.push_back(T_world_sensor * point);
+    extent_m = std::max(extent_m, static_cast<double>(cloud.points.back().cwiseAbs().maxCoeff()));
+  }
+  cloud.kept.assign(cloud.points.size(), 1);  // labels are not cropped by range
+  // About the sensor as the segmenter's cube, and doubled as that is, so that the grids agree.
+  while (cloud.cube.edge_m <= 2 * extent_m) cloud.cube.edge_m *= 2;
+  cloud.cube.min_corner = Vec3d::Constant(-cloud.cube.edge_m / 2);
+
+  const planes::VoxelCloud voxels = planes::voxelize(cloud, voxel_size_m);
+  PointSet set;
+  set.points = voxels.points;
+  if (!points.label.empty()) set.label = planes::vote_labels(voxels, points.label);
+  set.instance = planes::vote_instances(voxels, points.instance);
+  return io::ply_bytes(set);
+}
+
+}  // namespace planescope::labels

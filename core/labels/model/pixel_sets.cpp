@@ -1,0 +1,221 @@
+#include "core/labels/model/pixel_sets.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "core/model/disjoint_sets.hpp"
+
+namespace planescope::labels {
+
+std::vector<int> count_fragments(const Image16& image) {
+  if (image.empty()) return {};
+  DisjointSets sets(image.pixels());
+  const auto join_if_same = [&](int a, int b) {
+    if (image.data[a] == image.data[b])
+      sets.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  };
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const int i = y * image.width + x;
+      if (x > 0) join_if_same(i - 1, i);
+      if (y > 0) join_if_same(i - image.width, i);
+    }
+  }
+  std::vector<int> counts(*std::max_element(image.data.begin(), image.data.end()) + 1, 0);
+  for (std::uint32_t i = 0; i < sets.size(); ++i)
+    if (sets.root(i) == i) ++counts[image.data[i]];
+  return counts;
+}
+
+namespace {
+
+constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
+
+}  // namespace
+
+std::vector<PixelSet> connected_parts(const LabelGrid& grid,
+                                      std::span<const std::uint32_t> pixels,
+                                      int gap_px) {
+  // The pixels grow into the gaps, ring by ring; where two meet on a path short enough they are
+  // one. `steps` is the distance into the gap.
+  std::vector<std::uint16_t> steps(grid.pixels(), kFar);
+  DisjointSets sets(grid.pixels());
+  std::vector<std::uint32_t> reached(pixels.begin(), pixels.end());
+  for (const std::uint32_t pixel : reached) steps[pixel] = 0;
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const std::uint32_t pixel = reached[k];
+    if (2 * steps[pixel] >= gap_px) break;  // from here on the other side meets it half way
+    for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
+      if (grid.measured[other] || steps[other] != kFar) return;
+      steps[other] = static_cast<std::uint16_t>(steps[pixel] + 1);
+      sets.join(other, pixel);
+      reached.push_back(other);
+    });
+  }
+  for (const std::uint32_t pixel : reached)
+    for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
+      if (other > pixel || steps[other] == kFar || steps[pixel] + steps[other] > gap_px) return;
+      sets.join(pixel, other);
+    });
+
+  std::vector<PixelSet> parts;
+  std::vector<int> part_of_root(grid.pixels(), -1);
+  for (const std::uint32_t pixel : pixels) {
+    int& part = part_of_root[sets.root(pixel)];
+    if (part < 0) {
+      part = static_cast<int>(parts.size());
+      parts.emplace_back();
+    }
+    parts[part].push_back(pixel);
+  }
+  return parts;
+}
+
+std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height) {
+  assert(!pixels.empty());
+  // Steps to the outside, by one pass down and one up; a frame of zeros around the image.
+  const int stride = width + 2;
+  std::vector<int> steps(static_cast<std::size_t>(stride) * (height + 2), 0);
+  const auto place = [&](std::uint32_t pixel) {
+    const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+    return (y + 1) * stride + x + 1;
+  };
+  for (const std::uint32_t pixel : pixels) {
+    const int at = place(pixel);
+    steps[at] = 1 + std::min(steps[at - 1], steps[at - stride]);
+  }
+  std::uint32_t deepest = pixels.front();
+  for (auto pixel = pixels.rbegin(); pixel != pixels.rend(); ++pixel) {
+    const int at = place(*pixel);
+    steps[at] = std::min({steps[at], 1 + steps[at + 1], 1 + steps[at + stride]});
+    if (steps[at] >= steps[place(deepest)]) deepest = *pixel;
+  }
+  return deepest;
+}
+
+std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
+                                      int width,
+                                      int height,
+                                      int distance_px) {
+  // Along the rows, then along the columns: a square is both.
+  const auto image = static_cast<std::size_t>(width) * height;
+  std::vector<std::uint8_t> along(image, 0), near(image, 0);
+  for (const std::uint32_t pixel : pixels) {
+    const int x = static_cast<int>(pixel) % width, row = static_cast<int>(pixel) - x;
+    const int from = std::max(0, x - distance_px), to = std::min(width - 1, x + distance_px);
+    std::fill(along.begin() + row + from, along.begin() + row + to + 1, std::uint8_t{1});
+  }
+  for (int y = 0; y < height; ++y) {
+    const int from = std::max(0, y - distance_px), to = std::min(height - 1, y + distance_px);
+    for (int v = from; v <= to; ++v)
+      for (int x = 0; x < width; ++x) near[y * width + x] |= along[v * width + x];
+  }
+  return near;
+}
+
+std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
+                                  int width,
+                                  int height,
+                                  int gap_px) {
+  // Grown by half of the gap, parts that are nearer touch.
+  const auto grown = pixels_near(pixels, width, height, std::max(0, gap_px / 2 - 1));
+  std::vector<int> part_of;
+  return flooded_parts(pixels, width, height, part_of,
+                       [&](std::uint32_t, std::uint32_t to) { return grown[to] != 0; });
+}
+
+std::vector<std::uint32_t> flood(const std::vector<std::uint8_t>& passable,
+                                 int width,
+                                 int height,
+                                 std::span<const std::uint32_t> start,
+                                 std::vector<std::uint8_t>& region) {
+  // Row by row: a run is filled whole, and the rows above and below are searched along it.
+  std::vector<std::uint32_t> added;
+  std::vector<std::uint32_t> open(start.begin(), start.end());
+  const auto free = [&](std::size_t i) { return passable[i] && !region[i]; };
+  while (!open.empty()) {
+    const std::uint32_t pixel = open.back();
+    open.pop_back();
+    if (!free(pixel)) continue;
+    const std::size_t row = pixel / width * static_cast<std::size_t>(width);
+    std::size_t first = pixel, end = pixel + std::size_t{1};
+    while (first > row && free(first - 1)) --first;
+    while (end < row + width && free(end)) ++end;
+    for (std::size_t i = first; i < end; ++i) {
+      region[i] = 1;
+      added.push_back(static_cast<std::uint32_t>(i));
+    }
+    const auto search = [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i)
+        if (free(i) && (i + 1 == to || !free(i + 1))) open.push_back(static_cast<std::uint32_t>(i));
+    };
+    if (row > 0) search(first - width, end - width);
+    if (row + width < static_cast<std::size_t>(width) * height) search(first + width, end + width);
+  }
+  return added;
+}
+
+void spread(const std::vector<std::uint8_t>& passable,
+            int width,
+            int height,
+            int reach,
+            std::vector<std::uint8_t>& region) {
+  std::vector<std::uint32_t> front, next;
+  const auto visit = [&](std::uint32_t i) {
+    if (!passable[i] || region[i]) return;
+    region[i] = 1;
+    next.push_back(i);
+  };
+  const auto visit_around = [&](std::uint32_t i) {
+    const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+    if (x > 0) visit(i - 1);
+    if (x + 1 < width) visit(i + 1);
+    if (y > 0) visit(i - width);
+    if (y + 1 < height) visit(i + width);
+  };
+  // The first ring in one pass: most of a region has no open neighbour.
+  for (std::size_t i = 0; i < region.size(); ++i)
+    if (region[i]) front.push_back(static_cast<std::uint32_t>(i));
+  for (int step = 0; step < reach && !front.empty(); ++step) {
+    for (const std::uint32_t i : front) visit_around(i);
+    front.swap(next);
+    next.clear();
+  }
+}
+
+std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
+                                       int width,
+                                       int height,
+                                       int most) {
+  std::vector<std::uint32_t> holes, hole;
+  enum : std::uint8_t { kOpen, kRegion, kThisHole, kNoHole };
+  std::vector<std::uint8_t> seen = region;
+  for (std::size_t first = 1; first < region.size(); ++first) {
+    if (seen[first] || !region[first - 1]) continue;  // a hole begins right of the region
+    hole.assign(1, static_cast<std::uint32_t>(first));
+    seen[first] = kThisHole;
+    bool closed = true;
+    for (std::size_t k = 0; k < hole.size() && closed; ++k) {
+      const std::uint32_t i = hole[k];
+      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+      if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) {
+        closed = false;
+        break;
+      }
+      for (const std::uint32_t j : {i - 1, i + 1, i - width, i + width}) {
+        if (seen[j] == kNoHole) closed = false;
+        if (seen[j] != kOpen) continue;
+        seen[j] = kThisHole;
+        hole.push_back(j);
+      }
+      closed = closed && hole.size() <= static_cast<std::size_t>(most);
+    }
+    // What was too large is left half visited; whatever touches it is no hole either.
+    for (const std::uint32_t i : hole) seen[i] = closed ? kRegion : kNoHole;
+    if (closed) holes.insert(holes.end(), hole.begin(), hole.end());
+  }
+  return holes;
+}
+
+}  // namespace planescope::labels

@@ -1,0 +1,103 @@
+#pragma once
+
+// Sets of pixels of an image: their connected parts, distances within them, growing and filling.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/labels/model/grid.hpp"
+#include "core/model/image.hpp"
+
+namespace planescope::labels {
+
+/// Connected parts (four neighbours) of every value in an image, by value; as long as the largest
+/// value needs.
+std::vector<int> count_fragments(const Image16& image);
+
+/// Calls visit(neighbour) for the eight pixels around one, fewer at the image's border.
+template <typename Visit>
+void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& visit) {
+  const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+  for (int v = y > 0 ? y - 1 : y; v <= y + 1 && v < height; ++v)
+    for (int u = x > 0 ? x - 1 : x; u <= x + 1 && u < width; ++u)
+      if (u != x || v != y) visit(static_cast<std::uint32_t>(v * width + u));
+}
+
+/// Parts of a set: two pixels are in one part where steps to one of eight neighbours, each allowed
+/// by `joins(from, to)`, lead from one to the other, over pixels of the set or not. In order of
+/// their first pixels. `part_of`: per pixel of the image the part that reached it, -1 none.
+template <typename Joins>
+std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
+                                    int width,
+                                    int height,
+                                    std::vector<int>& part_of,
+                                    const Joins& joins) {
+  part_of.assign(static_cast<std::size_t>(width) * height, -1);
+  std::vector<PixelSet> parts;
+  std::vector<std::uint32_t> open;
+  for (const std::uint32_t seed : pixels) {
+    if (part_of[seed] < 0) {
+      const int part = static_cast<int>(parts.size());
+      parts.emplace_back();
+      part_of[seed] = part;
+      open.assign(1, seed);
+      while (!open.empty()) {
+        const std::uint32_t pixel = open.back();
+        open.pop_back();
+        for_neighbours(pixel, width, height, [&](std::uint32_t next) {
+          if (part_of[next] >= 0 || !joins(pixel, next)) return;
+          part_of[next] = part;
+          open.push_back(next);
+        });
+      }
+    }
+    parts[part_of[seed]].push_back(seed);
+  }
+  return parts;
+}
+
+/// Eight neighbours; parts that at most `gap_px` pixels without a measurement keep apart are one.
+/// In order of their first pixels.
+std::vector<PixelSet> connected_parts(const LabelGrid& grid,
+                                      std::span<const std::uint32_t> pixels,
+                                      int gap_px);
+
+/// The pixel of a set that is farthest from all that is not in it; of several the first. The
+/// image's border counts as outside. `pixels` is not empty.
+std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height);
+
+/// Per pixel of the image: 1 where one of the set is at most `distance_px` columns and rows away.
+std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
+                                      int width,
+                                      int height,
+                                      int distance_px);
+
+/// Parts of a set that lie at least `gap_px` (even) columns or rows apart, whatever lies between.
+std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
+                                  int width,
+                                  int height,
+                                  int gap_px);
+
+/// Adds to `region` (1) what can be reached from `start` over pixels where `passable` is not 0,
+/// by sides. Returns the pixels added.
+std::vector<std::uint32_t> flood(const std::vector<std::uint8_t>& passable,
+                                 int width,
+                                 int height,
+                                 std::span<const std::uint32_t> start,
+                                 std::vector<std::uint8_t>& region);
+
+/// Adds to `region` what lies within `reach` steps of it, of pixels where `passable` is not 0.
+void spread(const std::vector<std::uint8_t>& passable,
+            int width,
+            int height,
+            int reach,
+            std::vector<std::uint8_t>& region);
+
+/// The holes of a region with at most `most` pixels each; none of them touches the image's border.
+std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
+                                       int width,
+                                       int height,
+                                       int most);
+
+}  // namespace planescope::labels

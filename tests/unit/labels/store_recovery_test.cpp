@@ -1,0 +1,381 @@
+// What is there after a kill, with a damaged journal and with a long one.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include "core/labels/store/journal_records.hpp"
+#include "core/model/file_bytes.hpp"
+#include "random_labels.hpp"
+#include "support/refusal.hpp"
+
+namespace planescope::labels {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 3;
+constexpr int kSeed = 1000, kChoices = 19;  // the first choice is to save
+
+/// A labeling session that goes the same way every time, and what must be there after each of its
+/// steps.
+class Script {
+ public:
+  Script() {
+    for (int frame = 0; frame < kFrames; ++frame) labels_[frame] = blank(frame);
+  }
+
+  /// The next step, with a store or without.
+  void step(LabelStore* store) {
+    Random random(kSeed + steps_++);
+    const int choice = random.integer(0, kChoices);
+    const int frame = random.integer(0, kFrames - 1);
+    if (choice == 0) {
+      if (store) steps_ % 2 == 0 ? store->save(frame) : store->save_all();
+    } else if (choice < 6 && !done_.empty()) {
+      if (store) store->undo();
+      revert_edit(labels_[done_.back().frame], done_.back());
+      undone_.push_back(done_.back());
+      done_.pop_back();
+    } else if (choice < 9 && !undone_.empty()) {
+      if (store) store->redo();
+      apply_edit(labels_[undone_.back().frame], undone_.back());
+      done_.push_back(undone_.back());
+      undone_.pop_back();
+    } else {
+      FrameLabels& labels = labels_[frame];
+      const LabelEdit edit = make_edit(frame, "step", labels, after_random_gesture(labels, random));
+      if (store) store->commit(edit);
+      if (edit.empty()) return;
+      apply_edit(labels, edit);
+      done_.push_back(edit);
+      undone_.clear();
+    }
+  }
+
+  bool is_in(const LabelStore& store) const {
+    if (store.undo_count() != done_.size() || store.redo_count() != undone_.size()) return false;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const auto found = store.labels(frame);
+      const FrameLabels& expected = labels_.at(frame);
+      if (!make_edit(frame, "", *found, expected).empty()) return false;
+    }
+    return true;
+  }
+
+  int steps() const { return steps_; }
+  int steps_before_save() const {
+    int steps = 0;
+    while (Random(kSeed + steps_ + steps).integer(0, kChoices) != 0) ++steps;
+    return steps;
+  }
+
+ private:
+  int steps_ = 0;
+  std::map<int, FrameLabels> labels_;
+  std::vector<LabelEdit> done_, undone_;
+};
+
+void open_all(LabelStore& store) {
+  for (int frame = 0; frame < kFrames; ++frame) store.open(frame, blank(frame));
+}
+
+/// Goes on with the script until it is killed, and says after each step that it is done.
+[[noreturn]] void work(const std::filesystem::path& dir, Script script, int acknowledge) {
+  try {
+    LabelStore store(dir, by("ann"));
+    open_all(store);
+    if (!store.read_only().empty()) ::_exit(1);
+    while (true) {
+      script.step(&store);
+      if (::write(acknowledge, "x", 1) != 1) ::_exit(2);
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    ::_exit(3);
+  }
+}
+
+/// How many steps were acknowledged before the kill, which comes some time after the first `steps`.
+int work_and_be_killed(const std::filesystem::path& dir,
+                       const Script& script,
+                       int steps,
+                       unsigned after_us) {
+  int ends[2];
+  if (::pipe(ends) != 0) std::abort();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::close(ends[0]);
+    work(dir, script, ends[1]);
+  }
+  ::close(ends[1]);
+  int count = 0;
+  char acknowledgement = 0;
+  while (count < steps && ::read(ends[0], &acknowledgement, 1) == 1) ++count;
+  ::usleep(after_us);
+  ::kill(child, SIGKILL);
+  while (::read(ends[0], &acknowledgement, 1) == 1) ++count;
+  ::close(ends[0]);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status)) << "ended by itself with " << WEXITSTATUS(status);
+  return count;
+}
+
+TEST(KilledSessions, HaveExactlyTheirAcknowledgedGesturesAfterEachOfAHundredKills) {
+  const auto dir = fresh_dir("killed");
+  Random random(41);
+  Script script;
+  int in_progress = 0;
+  for (int round = 0; round < 100; ++round) {
+    // Every other time while it saves, which takes longest.
+    const bool saves = round % 2 == 1;
+    const int steps = saves ? script.steps_before_save() : random.integer(0, 30);
+    const auto after_us = static_cast<unsigned>(random.integer(0, saves ? 40000 : 1000));
+    const int acknowledged = work_and_be_killed(dir, script, steps, after_us);
+    for (int i = 0; i < acknowledged; ++i) script.step(nullptr);
+
+    LabelStore store(dir, by("ann"));
+    open_all(store);
+    for (const std::string& notice : store.notices()) {
+      EXPECT_NE(notice.find("damaged"), std::string::npos) << notice;
+    }
+    if (!script.is_in(store)) {
+      script.step(nullptr);  // at most the one in progress, whole
+      ++in_progress;
+    }
+    ASSERT_TRUE(script.is_in(store)) << "round " << round << ", step " << script.steps();
+  }
+  std::printf("%d steps, %d of them done but not yet acknowledged at a kill\n", script.steps(),
+              in_progress);
+  EXPECT_GT(script.steps(), 100);
+}
+
+/// A journal of a few gestures, the last of one pixel, and the labels and length after each.
+struct Session {
+  fs::path dir;
+  std::vector<FrameLabels> labels = {blank(0)};
+  std::vector<std::uintmax_t> lengths = {0};
+
+  Session(const std::string& name, int gestures) : dir(fresh_dir(name)) {
+    Random random(11);
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    for (int i = 0; i < gestures; ++i) {
+      if (i + 1 < gestures) {
+        gesture(store, 0, random);
+      } else {
+        FrameLabels next = labels.back();
+        next.hv.data[7] ^= 1;
+        store.commit(make_edit(0, "Last", labels.back(), next));
+      }
+      labels.push_back(*store.labels(0));
+      lengths.push_back(fs::file_size(dir / "journal"));
+    }
+  }
+
+  std::vector<unsigned char> bytes() const { return read_file_bytes(dir / "journal"); }
+
+  /// Opens the folder with this journal; it must hold the labels after `kept` gestures, keep what
+  /// was cut off, and go on from there.
+  void expect_kept(std::span<const unsigned char> journal, std::size_t kept) const {
+    fs::remove(dir / "journal.damaged-1");
+    write_file_bytes(dir / "journal", journal);
+    {
+      LabelStore store(dir, by("ann"));
+      ASSERT_EQ(store.read_only(), "");
+      ASSERT_EQ(store.notices().size(), 1u);
+      EXPECT_NE(store.notices()[0].find("journal.damaged-1"), std::string::npos);
+      ASSERT_EQ(store.undo_count(), kept);
+      expect_same(*store.open(0, blank(0)), labels[kept]);
+      FrameLabels next = labels[kept];
+      next.hv.data[0] ^= 1;
+      store.commit(make_edit(0, "Next", labels[kept], next));
+    }
+    const auto aside = read_file_bytes(dir / "journal.damaged-1");
+    ASSERT_LT(aside.size(), journal.size() + 1);
+    EXPECT_TRUE(std::equal(aside.begin(), aside.end(), journal.end() - aside.size()));
+    LabelStore store(dir, by("ann"));
+    EXPECT_TRUE(store.notices().empty());
+    EXPECT_EQ(store.undo_count(), kept + 1);
+  }
+};
+
+TEST(DamagedJournals, OneThatIsCutAnywhereInItsLastRecordKeepsAllBefore) {
+  const Session session("cut", 6);
+  const auto whole = session.bytes();
+  for (auto size = session.lengths[5] + 1; size < session.lengths[6]; ++size) {
+    ASSERT_NO_FATAL_FAILURE(session.expect_kept(std::span(whole).first(size), 5)) << size;
+  }
+}
+
+TEST(DamagedJournals, AnyWrongByteInTheLastRecordIsFound) {
+  const Session session("flipped", 6);
+  const auto whole = session.bytes();
+  for (auto at = session.lengths[5]; at < session.lengths[6]; ++at) {
+    auto bytes = whole;
+    bytes[at] ^= static_cast<unsigned char>(1 + at % 255);
+    ASSERT_NO_FATAL_FAILURE(session.expect_kept(bytes, 5)) << at;
+  }
+}
+
+TEST(DamagedJournals, AWrongByteInTheMiddleSetsAsideWhatFollows) {
+  const Session session("middle", 6);
+  auto bytes = session.bytes();
+  bytes[(session.lengths[2] + session.lengths[3]) / 2] ^= 0x10;
+  session.expect_kept(bytes, 2);
+  EXPECT_EQ(fs::file_size(session.dir / "journal.damaged-1"), bytes.size() - session.lengths[2]);
+}
+
+TEST(DamagedJournals, ZerosAtTheEndAreDamage) {
+  const Session session("zeros", 3);
+  auto bytes = session.bytes();
+  bytes.resize(bytes.size() + 4096);
+  session.expect_kept(bytes, 3);
+}
+
+TEST(DamagedJournals, OneThatWasCutInItsFirstLineIsStartedAnew) {
+  const Session session("header", 2);
+  const auto whole = session.bytes();
+  session.expect_kept(std::span(whole).first(5), 0);
+}
+
+TEST(DamagedJournals, EachIsSetAsideUnderANameOfItsOwn) {
+  const Session session("names", 2);
+  const auto bytes = session.bytes();
+  for (int i = 1; i <= 3; ++i) {
+    write_file_bytes(session.dir / "journal", std::span(bytes).first(bytes.size() - 1));
+    LabelStore(session.dir, by("ann"));
+    EXPECT_TRUE(fs::exists(session.dir / ("journal.damaged-" + std::to_string(i))));
+  }
+}
+
+TEST(DamagedJournals, SavedFilesAreTakenOverWhereTheJournalLostTheirGestures) {
+  const fs::path dir = fresh_dir("lost_saving");
+  Random random(12);
+  FrameLabels saved;
+  std::uintmax_t length = 0;
+  {
+    LabelStore store(dir, by("ann"));
+    store.open(0, blank(0));
+    gesture(store, 0, random);
+    length = fs::file_size(dir / "journal");
+    gesture(store, 0, random);
+    gesture(store, 0, random);
+    store.save(0);
+    saved = *store.labels(0);
+  }
+  fs::resize_file(dir / "journal", length + 9);
+  LabelStore store(dir, by("ann"));
+  EXPECT_EQ(store.open(0, blank(0))->plane.data, saved.plane.data);
+  EXPECT_EQ(store.undo_count(), 2u);
+  EXPECT_FALSE(store.unsaved(0));
+}
+
+TEST(DamagedJournals, OneOfALaterVersionIsRefusedAndLeftAlone) {
+  const Session session("version", 1);
+  auto bytes = session.bytes();
+  bytes[std::string("planescope.journal/").size()] = '2';
+  write_file_bytes(session.dir / "journal", bytes);
+  expect_refused([&] { LabelStore(session.dir, by("ann")); }, "version 2");
+  EXPECT_EQ(session.bytes(), bytes);
+}
+
+TEST(DamagedJournals, RecordsOfAnUnknownKindAreRefusedAndLeftAlone) {
+  const Session session("kind", 1);
+  {
+    Journal journal(session.dir / "journal", Journal::Access::write,
+                    [](const auto&, const auto&) { return true; });
+    journal.append(std::vector<JournalBytes>{{99, 0, 0, 0}});
+  }
+  const auto bytes = session.bytes();
+  expect_refused([&] { LabelStore(session.dir, by("ann")); }, (session.dir / "journal").string());
+  EXPECT_EQ(session.bytes(), bytes);
+}
+
+TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
+  FrameLabels labels = blank(0);
+  Random random(13);
+  for (int i = 0; i < 20; ++i) labels = after_random_gesture(labels, random);
+  const auto base = base_record({RecordKind::base, 0, 5, "ann"}, labels);
+  const auto edit =
+      edit_record({RecordKind::edit, 0, 5, "ann"}, make_edit(0, "all", blank(0), labels));
+  for (int i = 0; i < 20000; ++i) {
+    auto bytes = i % 2 == 0 ? base : edit;
+    for (int k = random.integer(1, 4); k > 0; --k) {
+      bytes[random.integer(0, static_cast<int>(bytes.size()) - 1)] =
+          static_cast<unsigned char>(random.bits());
+    }
+    bytes.resize(bytes.size() - random.integer(0, 3));
+    try {
+      if (i % 2 == 0) {
+        read_base(bytes);
+      } else {
+        FrameLabels to = blank(0);
+        for (const LabelRun& run : read_edit(bytes, to.plane.data.size()).runs) {
+          ASSERT_LE(run.first + run.count, to.plane.data.size());
+        }
+      }
+    } catch (const Error&) {
+    }
+  }
+}
+
+/// What a brush of this place and size changes; `labels` follow.
+LabelEdit stroke(FrameLabels& labels, int x, int y, int radius, int plane) {
+  LabelEdit edit;
+  edit.title = "Brush";
+  const auto add = [&](std::uint32_t pixel) {
+    LabelRun run = {pixel, 1, labels.plane.data[pixel], static_cast<std::uint16_t>(plane), 0, 0};
+    if (run.plane_before == run.plane_after) return;
+    if (!edit.runs.empty() && edit.runs.back().first + edit.runs.back().count == pixel &&
+        edit.runs.back().plane_before == run.plane_before) {
+      ++edit.runs.back().count;
+    } else {
+      edit.runs.push_back(run);
+    }
+  };
+  for (int v = std::max(y - radius, 0); v <= std::min(y + radius, labels.plane.height - 1); ++v) {
+    for (int u = std::max(x - radius, 0); u <= std::min(x + radius, labels.plane.width - 1); ++u) {
+      const bool is_inside = (u - x) * (u - x) + (v - y) * (v - y) <= radius * radius;
+      if (is_inside) add(static_cast<std::uint32_t>(v * labels.plane.width + u));
+    }
+  }
+  apply_edit(labels, edit);
+  return edit;
+}
+
+TEST(LabelStores, TenThousandGesturesAreReplayedExactly) {
+  const auto dir = fresh_dir("replay");
+  const FrameLabels nothing = blank_labels(640, 480);
+  FrameLabels labels = nothing;
+  Random random(1);
+  std::vector<JournalBytes> records = {base_record({RecordKind::base, 0, 0, "ann"}, nothing)};
+  for (int i = 0; i < 10000; ++i) {
+    const LabelEdit edit = stroke(labels, random.integer(0, 639), random.integer(0, 479),
+                                  random.integer(2, 50), random.integer(1, 30));
+    records.push_back(edit_record({RecordKind::edit, 0, i, "ann"}, edit));
+  }
+  std::filesystem::create_directories(dir);
+  Journal(dir / "journal", Journal::Access::write, nullptr).append(records);
+
+  const auto start = std::chrono::steady_clock::now();
+  LabelStore store(dir, by("ann"));
+  const auto replayed = store.open(0, nothing);
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  std::printf("10000 gestures, journal of %.1f MB: replayed in %.0f ms\n",
+              static_cast<double>(std::filesystem::file_size(dir / "journal")) / 1e6,
+              elapsed.count());
+  EXPECT_EQ(store.undo_count(), 10000u);
+  EXPECT_EQ(replayed->plane.data, labels.plane.data);
+}
+
+}  // namespace
+}  // namespace planescope::labels
