@@ -8,7 +8,7 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
-#include "core/lab/synthetic/sample_folder.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/lab/bench/chain_bench.hpp"
 #include "core/lab/bench/frame_bench.hpp"
 #include "core/lab/bench/label_bench.hpp"
-#include "core/lab/bench/machine.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/lab/bench/speed_bench.hpp"
 #include "core/lab/bench/table.hpp"
 #include "core/planes/pipeline/classifiers.hpp"

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/printed.hpp"

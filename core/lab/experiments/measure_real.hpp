@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/io/recording.hpp"
-#include "core/lab/experiments/measure_cells.hpp"
+#include "core/lab/experiments/measure_paper.hpp"
 #include "core/lab/experiments/real_results.hpp"
 #include "core/planes/cloud/gravity.hpp"
 

@@ -112,6 +112,14 @@ CellKey with_rival(CellKey frames, const std::string& method, const std::string&
   return frames;
 }
 
+CellKey with_method_of(CellKey frames, const CellKey& other) {
+  frames.method = other.method;
+  frames.profile = other.profile;
+  frames.classifier = other.classifier;
+  frames.setting = other.setting;
+  return frames;
+}
+
 bool same_frames(const CellKey& a, const CellKey& b) {
   return a.set == b.set && a.seed == b.seed && a.points == b.points && a.noise_cm == b.noise_cm &&
          a.errors == b.errors;

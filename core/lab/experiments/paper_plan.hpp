@@ -32,6 +32,8 @@ CellKey with_ours(CellKey frames,
                   const std::string& setting = "");
 CellKey with_rival(CellKey frames, const std::string& method, const std::string& setting = "");
 
+CellKey with_method_of(CellKey frames, const CellKey& other);
+
 /// Whether both are of the same frames.
 bool same_frames(const CellKey& a, const CellKey& b);
 

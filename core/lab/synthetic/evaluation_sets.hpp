@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/lab/synthetic/oracle.hpp"
+#include "core/lab/synthetic/scene.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/lab/synthetic/rectangles.hpp"
+#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 

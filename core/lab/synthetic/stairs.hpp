@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/lab/synthetic/oracle.hpp"
+#include "core/lab/synthetic/scene.hpp"
 #include "core/model/frame.hpp"
 #include "core/planes/classify/labelled_cloud.hpp"
 

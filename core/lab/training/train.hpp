@@ -42,7 +42,11 @@ struct TrainState {
   std::vector<Epoch> epochs;
 };
 
-/// Weights drawn as the official code draws them.
+/// Weights drawn as the official code and PyTorch draw them: uniform within one over the root of
+/// how many terms a layer sums, or puts out.
+planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed);
+
+/// Begins with random_weights() and moments of 0.
 TrainState begin_training(const TrainOptions& options);
 
 /// `draw(number)`: the cloud of that number; clouds step * batch .. + batch - 1 make a step. Called

@@ -1,8 +1,6 @@
-#include "core/lab/bench/statistics.hpp"
-
 #include <gtest/gtest.h>
 
-#include "core/lab/bench/interleaved.hpp"
+#include "core/lab/bench/measuring.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -1,6 +1,6 @@
-#include "core/lab/experiments/best_cells.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/lab/bench/table.hpp"
 
 using namespace planescope;
 

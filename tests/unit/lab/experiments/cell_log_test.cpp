@@ -1,9 +1,8 @@
-#include "core/lab/experiments/cell_log.hpp"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 
+#include "core/lab/experiments/results.hpp"
 #include "support/refusal.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 

@@ -1,9 +1,8 @@
-#include "core/lab/experiments/measure_cells.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "core/lab/experiments/measure_paper.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 

@@ -1,11 +1,10 @@
-#include "core/lab/experiments/reproduction.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "core/lab/experiments/paper_markdown.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 
 namespace planescope::lab {

@@ -1,10 +1,9 @@
-#include "core/lab/synthetic/farthest_points.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/random.hpp"
 
 namespace planescope::lab {

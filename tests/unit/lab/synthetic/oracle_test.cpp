@@ -1,4 +1,4 @@
-#include "core/lab/synthetic/oracle.hpp"
+#include "core/lab/experiments/oracle.hpp"
 
 #include <gtest/gtest.h>
 

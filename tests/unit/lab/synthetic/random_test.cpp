@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/lab/synthetic/counter_random.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/lab/training/gcn_backward.hpp"
-#include "core/lab/training/random_weights.hpp"
+#include "core/lab/training/train.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/rivals/plain_gcn.hpp"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/lab/synthetic/counter_random.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/training/checkpoint.hpp"
 #include "core/model/error.hpp"
 

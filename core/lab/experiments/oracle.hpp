@@ -7,15 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "core/lab/synthetic/scene.hpp"
 #include "core/model/types.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
-
-/// A piece of a true plane; several may share their plane.
-struct TruePolygon {
-  std::vector<Vec3d> corners;  // convex, [m]
-  int plane = 0;               // id from 1; 0: part of something curved
-};
 
 /// Distance from a point to the nearest point of the polygon [m].
 double distance_m(const TruePolygon& polygon, const Vec3d& point);
@@ -24,5 +20,10 @@ double distance_m(const TruePolygon& polygon, const Vec3d& point);
 /// where that is something curved.
 std::vector<std::int32_t> oracle_planes(std::span<const Vec3f> points,
                                         std::span<const TruePolygon> polygons);
+
+/// The oracle as a method, to be scored like all others: every voxel to the nearest of the polygons
+/// (in the frame's own coordinates), planes fitted to their voxels by least squares.
+planes::FrameResult oracle_result(const planes::PreparedFrame& prepared,
+                                  std::span<const TruePolygon> polygons);
 
 }  // namespace planescope::lab

@@ -1,6 +1,7 @@
 #pragma once
 
-// Runs and scores the contestants of cells.
+// Measures what `planescope bench paper` tells: runs and scores the contestants of cells, and times
+// them.
 
 #include <filesystem>
 #include <functional>
@@ -36,5 +37,18 @@ std::vector<Cell> measure_cells(std::span<const CellKey> keys,
 /// The labelled frame of ICL-NUIM's living room below a folder of recordings, nullopt where it is
 /// not there. Throws Error where it is damaged.
 std::optional<EvaluationFrame> read_real_labelled(const std::filesystem::path& data);
+
+/// How long it takes: the paper's table II, and the frames a second beside table V.
+struct TimingOptions {
+  std::uint64_t seed = 1;             // of the stairs
+  int rounds = 20;                    // whose median counts: one staircase after the other
+  int threads = 1;                    // classifiers are measured on one thread and on these
+  std::function<void()> before_turn;  // may be empty and may throw to stop
+};
+
+std::vector<ClassifierTiming> classifier_timings(const CellTools& tools,
+                                                 const TimingOptions& options);
+/// On one thread, each frame from its points to its planes.
+std::vector<MethodTiming> method_timings(const CellTools& tools, const TimingOptions& options);
 
 }  // namespace planescope::lab

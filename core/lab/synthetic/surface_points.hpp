@@ -1,5 +1,7 @@
 #pragma once
 
+// Points evenly spread over surfaces.
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,5 +33,9 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              std::size_t count,
                              const Mat3d& turn,
                              Random& random);
+
+/// Farthest point sampling: indices of `count` points (all, where there are fewer), each the one
+/// farthest from those before it, beginning with point 0; of equally far ones the first.
+std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::size_t count);
 
 }  // namespace planescope::lab

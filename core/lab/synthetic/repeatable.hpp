@@ -1,11 +1,14 @@
 #pragma once
 
-// Counter-based random numbers: a value depends on its seed, stream and index alone, so images can
-// be filled in any order (random.hpp has the plain sequence). Integer arithmetic and sums only: the
-// same bytes on every machine, which the distributions of <random> and the functions of libm do not
-// promise.
+// Random numbers, sines and rotations that are the same to the last bit on every machine, which the
+// distributions of <random> and the functions of libm do not promise. Random numbers are
+// counter-based: a value depends on its seed, stream and index alone, so images can be filled in
+// any order (random.hpp has the plain sequence).
 
+#include <cmath>
 #include <cstdint>
+
+#include "core/model/types.hpp"
 
 namespace planescope::lab {
 
@@ -38,6 +41,19 @@ constexpr double random_normal(std::uint64_t seed, std::uint64_t stream, std::ui
   constexpr double kMean = 8 * 32767.5;
   constexpr double kInverseDeviation = 1.0 / 53509.91992145;  // sqrt(8 (65536^2 - 1) / 12)
   return (static_cast<double>(sum) - kMean) * kInverseDeviation;
+}
+
+/// Results of libm may differ in the last bit between machines, and so would the pixels that
+/// follow: rounded to 2^-40 (1e-12) they are the same everywhere.
+inline double repeatable(double x) { return std::round(x * 0x1p40) * 0x1p-40; }
+inline double sin_deg(double degrees) { return repeatable(std::sin(degrees * M_PI / 180)); }
+inline double cos_deg(double degrees) { return repeatable(std::cos(degrees * M_PI / 180)); }
+
+/// Rotation by `angle_deg` about a unit axis (Rodrigues).
+inline Mat3d rotation(const Vec3d& axis, double angle_deg) {
+  Mat3d cross;
+  cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+  return Mat3d::Identity() + sin_deg(angle_deg) * cross + (1 - cos_deg(angle_deg)) * cross * cross;
 }
 
 }  // namespace planescope::lab
