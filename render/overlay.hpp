@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "render/palette.hpp"
 #include "render/passes.hpp"
-#include "render/theme.hpp"
 #include "render/view.hpp"
 
 namespace planescope::render {

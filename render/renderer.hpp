@@ -49,10 +49,4 @@ class Renderer {
 /// The bound framebuffer's lower left part as an RGB picture, row 0 at the top.
 Image8 read_picture(int width, int height);
 
-/// Text drawn into an RGB image on the CPU with the same font: for overlays on camera images.
-/// (x, y): left end of the baseline [px]. Returns the advance [px].
-double draw_text(
-    Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
-double text_width(const std::string& utf8, double size_px);
-
 }  // namespace planescope::render

@@ -1,10 +1,9 @@
-// What is known of each voxel at a step, and its colour.
+#include "render/step_colors.hpp"
 
 #include <array>
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
-#include "render/step_parts.hpp"
 
 namespace planescope::render {
 namespace {

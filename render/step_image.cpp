@@ -7,7 +7,7 @@
 
 #include "render/palette.hpp"
 #include "render/region_image.hpp"
-#include "render/step_parts.hpp"
+#include "render/step_colors.hpp"
 
 namespace planescope::render {
 namespace {

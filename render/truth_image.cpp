@@ -6,7 +6,6 @@
 
 #include "render/paint.hpp"
 #include "render/region_image.hpp"
-#include "render/renderer.hpp"
 #include "render/scene_parts.hpp"
 
 namespace planescope::render {

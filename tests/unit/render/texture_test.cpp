@@ -1,7 +1,6 @@
 #include "gl_fixture.hpp"
 #include "render/font.hpp"
 #include "render/gl.hpp"
-#include "render/image_texture.hpp"
 
 namespace planescope::render {
 namespace {

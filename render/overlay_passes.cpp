@@ -1,15 +1,48 @@
+#include "render/overlay_passes.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 
 #include "core/model/error.hpp"
-#include "render/shapes.hpp"
 
-PLANESCOPE_ASSET_DECLARE(glyphs_vert);
 PLANESCOPE_ASSET_DECLARE(glyphs_frag);
+PLANESCOPE_ASSET_DECLARE(glyphs_vert);
+PLANESCOPE_ASSET_DECLARE(shapes_frag);
+PLANESCOPE_ASSET_DECLARE(shapes_vert);
 
 namespace planescope::render {
+
+// ---- Shapes ----
+
+ShapePass::ShapePass()
+    : program_(
+          make_program("shapes", PLANESCOPE_ASSET(shapes_vert), PLANESCOPE_ASSET(shapes_frag))),
+      array_(make_vertex_array()),
+      instances_(make_buffer()) {
+  glBindVertexArray(array_);
+  glBindBuffer(GL_ARRAY_BUFFER, instances_);
+  const std::size_t stride = sizeof(OverlayShape);
+  static_assert(offsetof(OverlayShape, hatch_period_px) == offsetof(OverlayShape, radius) + 8);
+  set_attribute({0, 4, GL_FLOAT, stride, offsetof(OverlayShape, x0), true});
+  set_attribute({1, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, fill), true});
+  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(OverlayShape, border), true});
+  set_attribute({3, 3, GL_FLOAT, stride, offsetof(OverlayShape, radius), true});
+}
+
+void ShapePass::draw(std::span<const OverlayShape> shapes, int width, int height) {
+  if (shapes.empty()) return;
+  glUseProgram(program_);
+  set_uniform(program_, "viewport",
+              Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
+  glBindVertexArray(array_);
+  upload(instances_, shapes);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(shapes.size()));
+}
+
+// ---- Text ----
+
 namespace {
 
 constexpr double kMaxSize_px = 256;
@@ -55,9 +88,7 @@ void TextPass::draw(std::span<const OverlayText> texts, int width, int height) {
   set_uniform(program_, "viewport",
               Eigen::Vector2f(static_cast<float>(width), static_cast<float>(height)));
   glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, instances_);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(Instance)),
-               instances.data(), GL_STREAM_DRAW);
+  upload(instances_, instances);
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
 }
 
@@ -69,14 +100,12 @@ bool TextPass::append(const OverlayText& text, std::vector<Instance>& instances)
   for (const bool halo : {true, false}) {
     if (halo && (text.halo_px <= 0 || text.halo.a == 0)) continue;
     for (const PlacedGlyph& placed : layout.glyphs) {
-      const long quarters = std::lround((text.x + placed.x) * Font::kPhases);
-      const double pen = std::floor(static_cast<double>(quarters) / Font::kPhases);
-      const int phase = static_cast<int>(quarters - static_cast<long>(pen) * Font::kPhases);
+      const Font::Pen pen = Font::pen_at(text.x + placed.x);
       const Entry* glyph = entry(
-          {placed.codepoint, sixteenths(size_px), phase, halo ? sixteenths(text.halo_px) : 0});
+          {placed.codepoint, sixteenths(size_px), pen.phase, halo ? sixteenths(text.halo_px) : 0});
       if (glyph == nullptr) return false;
       if (glyph->width == 0) continue;
-      instances.push_back({static_cast<float>(pen + glyph->left),
+      instances.push_back({static_cast<float>(pen.column + glyph->left),
                            static_cast<float>(baseline + glyph->top),
                            static_cast<float>(glyph->width), static_cast<float>(glyph->height),
                            static_cast<float>(glyph->x), static_cast<float>(glyph->y),

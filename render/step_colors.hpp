@@ -1,6 +1,7 @@
 #pragma once
 
-// What the pictures of a step share. Internal to render/step_*.
+// What is known of each voxel at a step, and its colour: shared by the pictures of a step in space
+// and on the camera's image.
 
 #include <cstdint>
 #include <vector>
@@ -40,21 +41,5 @@ ColorBy told_by(const debug::Run& run, ColorBy asked);
 
 /// A settled node that was not divided: its points are done with.
 bool is_settled_leaf(const debug::Run& run, std::int32_t node, std::int32_t step);
-
-std::uint32_t pick_id(Picked::Kind kind, std::int32_t index);
-
-// Parts of scene_step().
-void add_node_boxes(const debug::Run& run,
-                    const StepLook& look,
-                    const StepState& state,
-                    DrawList& list);
-void add_planes(const debug::Run& run,
-                const StepLook& look,
-                const StepState& state,
-                DrawList& list);
-void add_step_legend(const debug::Run& run,
-                     const StepLook& look,
-                     const StepState& state,
-                     DrawList& list);
 
 }  // namespace planescope::render

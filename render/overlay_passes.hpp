@@ -1,5 +1,7 @@
 #pragma once
 
+// Draws what overlay.hpp lays out, in pixels from the top left corner of the picture.
+
 #include <cstdint>
 #include <map>
 #include <optional>
