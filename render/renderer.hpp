@@ -8,8 +8,8 @@
 
 namespace planescope::render {
 
-/// Quick: half the time on a CPU, with the edges of points and fills not smoothed; for a view that
-/// moves.
+/// `quick` takes half the time on a CPU and leaves points and fills without antialiasing: for a
+/// view that moves.
 enum class Effort : std::uint8_t { fine, quick };
 
 /// Draws a DrawList with GL 3.3 core into a framebuffer of its own. Needs a current context, and

@@ -107,7 +107,7 @@ Image8 image_overlay(const Frame& frame,
 namespace {
 
 constexpr Rgba kInk{52, 58, 66, 255};
-constexpr Rgba kUnmeasured{232, 234, 237, 255};
+constexpr Rgba kNotMeasured{232, 234, 237, 255};
 constexpr Rgba kHatch{196, 200, 206, 255};
 constexpr Rgba kBeyond{150, 154, 160, 255};
 constexpr int kBarRoom = 120;  // [px] right of the image
@@ -144,7 +144,7 @@ Ramp ramp_of(const Frame& frame, double max_range_m) {
 
 Rgba pixel_color(
     std::uint16_t count, const Frame& frame, const Ramp& ramp, double max_range_m, int x, int y) {
-  if (!measured(count)) return on_hatch(x, y, kHatchSpacing) ? kHatch : kUnmeasured;
+  if (!measured(count)) return on_hatch(x, y, kHatchSpacing) ? kHatch : kNotMeasured;
   const double depth_m = count * frame.depth_unit_m;
   return depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
 }
@@ -188,7 +188,7 @@ void draw_notes(Image8& image, int bottom, double max_range_m) {
     x += 34;
     x += draw_text(image, x, top + 15, text, 17, kInk) + 28;
   };
-  swatch(true, kUnmeasured, "no measurement");
+  swatch(true, kNotMeasured, "no measurement");
   char text[48];
   std::snprintf(text, sizeof text, "beyond %.4g m", max_range_m);
   swatch(false, kBeyond, text);

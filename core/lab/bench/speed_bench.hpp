@@ -32,7 +32,7 @@ struct SpeedRow {
   int points = 0, threads = 1;
   std::vector<std::pair<Simd, double>> network_ms;  // the widest instruction set last
   double nanoflann_ms = 0, pca_ms = 0;              // PCA with 16 neighbours, nanoflann's and ours
-  double nanoflann_ratio = 0, pca_ratio = 0;        // how often the time of the network
+  double nanoflann_ratio = 0, pca_ratio = 0;        // as multiples of the network's time
 };
 
 /// On one thread. The plain forward is given its neighbours: nothing of it is a search.

@@ -16,6 +16,9 @@ constexpr int kPoints = 8192;
 
 const std::vector<std::string> kLabels = {"truth", "gcn", "pca"};
 
+const std::vector<std::string> kHardCloudSets = {"side_walls", "open_risers", "equal_boxes",
+                                                 "ramps",      "kerbs",       "spiral"};
+
 bool is_depth(const CellKey& frames) { return frames.points == 0; }
 
 class Plan {
@@ -60,12 +63,6 @@ class Plan {
 };
 
 }  // namespace
-
-const std::vector<std::string>& hard_sets() {
-  static const std::vector<std::string> sets = {"side_walls", "open_risers", "equal_boxes",
-                                                "ramps",      "kerbs",       "spiral"};
-  return sets;
-}
 
 const std::vector<std::string>& depth_sets() {
   static const std::vector<std::string> sets = {"depth_stairs", "depth_boxes", "depth_slopes"};
@@ -191,7 +188,7 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
   cells.add_ablation(stairs_of(plan.seed, kPoints, 0.3));
   const std::vector<double> hard_noise_cm =
       plan.quick ? std::vector<double>{0.2} : std::vector<double>{0, 0.2};
-  for (const std::string& set : hard_sets())
+  for (const std::string& set : kHardCloudSets)
     for (const double noise_cm : hard_noise_cm)
       cells.add_methods(clouds_of(set, plan.seed, noise_cm));
   const std::vector<std::string> errors = plan.quick

@@ -103,7 +103,7 @@ Gravity exact_gravity(const Vec3d& down) {
   return {down, GravitySource::sidecar, 1, "exact, from the synthetic scene"};
 }
 
-/// What is true of a scene, in a frame's coordinates.
+/// Ground truth of a scene, in a frame's coordinates.
 void tell_truth(EvaluationFrame& out, const Scene& scene, const Pose& T_frame_world) {
   out.frame.gravity = exact_gravity(T_frame_world.linear() * -Vec3d::UnitZ());
   out.normals.resize(scene.planes);

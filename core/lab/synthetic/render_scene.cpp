@@ -14,7 +14,7 @@ namespace planescope::lab {
 
 namespace {
 
-/// Nine digits are far below any error of measurement, and print the same on every machine.
+/// Nine digits: far below any measurement error, and printed alike on every machine.
 double rounded(double x) { return std::round(x * 1e9) / 1e9; }
 Vec3d rounded(const Vec3d& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
 

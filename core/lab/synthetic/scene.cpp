@@ -77,7 +77,7 @@ void add_cylinder(
   add_polygon(scene, lid, material);
 }
 
-// ---- What scenes are put together from ----
+// ---- Parts of scenes ----
 
 std::vector<Vec3d> level(const Range& x, const Range& y, double z) {
   return {{x.low, y.low, z}, {x.high, y.low, z}, {x.high, y.high, z}, {x.low, y.high, z}};

@@ -70,10 +70,7 @@ void add_box(
 void add_cylinder(
     Scene& scene, const Vec3d& base, double radius_m, double height_m, const Material& material);
 
-// ---- What scenes are put together from ----
-
-// What scenes are put together from: corners of faces for add_polygon(), and things of several
-// faces. x forward, y left, z up [m].
+// ---- Parts of scenes: corners of faces for add_polygon(), and things of several faces ----
 
 struct Range {
   double low = 0, high = 0;
@@ -114,7 +111,7 @@ struct Ramp {
 };
 void add_ramp(Scene& scene, const Ramp& ramp);
 
-/// Everything so far, about the vertical through a point.
+/// Turns everything added so far about the vertical through a point.
 void turn(Scene& scene, const Vec3d& center, double angle_deg);
 
 }  // namespace planescope::lab

@@ -27,7 +27,7 @@ const Material kTealBox{{0.10, 0.38, 0.38}, Texture::plain};
 const Material kRubber{{0.62, 0.42, 0.06}, Texture::rubber};
 const Material kEnamel{{0.16, 0.30, 0.48}, Texture::plain};
 
-/// Numbers that vary a scene, each call the next one of its seed.
+/// Random numbers that vary a scene, in sequence from its seed.
 struct Variation {
   std::uint64_t seed = 0;
   std::uint64_t next = 0;
@@ -142,7 +142,7 @@ void build_boxes(Scene& scene, Variation& vary) {
   add_level(scene, -1, wall, -2.5, 2.5, 0, kFloorboards);
   add_front(scene, wall, -2.5, 2.5, 0, 2.6, kPlaster);
   const auto box = [&](double x, double y, const Vec3d& size, double yaw_deg, const Material& m) {
-    // Drawn in statements of their own: the order of arguments is the compiler's choice.
+    // Drawn one statement at a time: arguments are evaluated in any order.
     const double scale = vary.between(0.95, 1.05);
     const double turn_deg = vary.between(-5, 5);
     add_box(scene, Vec3d(x, y, 0), scale * size, yaw_deg + turn_deg, m);
@@ -204,8 +204,7 @@ Scene make_scene(const std::string& name, std::uint64_t seed) {
 
 namespace {
 
-/// A solid of a constant outline: a convex polygon in x-z, counter-clockwise seen from -y, drawn
-/// out from y = right to y = left.
+/// A convex outline in x-z, counter-clockwise seen from -y, extruded from y = right to y = left.
 struct Prism {
   std::vector<Vec2d> outline;
   double right = 0, left = 0;

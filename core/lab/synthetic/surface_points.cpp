@@ -11,8 +11,8 @@ namespace planescope::lab {
 
 namespace {
 
-/// A kd-tree that knows, below every node, the point farthest from all that were chosen. A new
-/// choice changes only what is nearer to it than to any before: a few leaves.
+/// A kd-tree that keeps, for every node, the point farthest from all chosen ones. A new choice
+/// changes only leaves that are nearer to it than to every earlier one: a few.
 class FarthestTree {
  public:
   explicit FarthestTree(std::span<const Vec3f> points)
@@ -67,8 +67,8 @@ class FarthestTree {
     build(points, middle, end);
   }
 
-  /// Rounding never turns an order around: no point of the box comes out nearer than this, and what
-  /// is skipped would not have changed.
+  /// Rounding is monotonic: no point of the box comes out nearer than this, so nothing that is
+  /// skipped would have changed.
   static float box_distance2(const Node& node, const Vec3f& p) {
     const Vec3f d = (node.min - p).cwiseMax(p - node.max).cwiseMax(0.f);
     return d.x() * d.x() + d.y() * d.y() + d.z() * d.z();

@@ -16,7 +16,7 @@ struct Rectangle {
   Vec3d side_u;
   Vec3d side_v;
   Vec3d normal;         // unit, outward
-  bool halved = false;  // a triangle: what lies on the corner's side of the diagonal between sides
+  bool halved = false;  // the triangle at `corner`, cut off along the diagonal
   double area() const {
     return halved ? side_u.cross(side_v).norm() / 2 : side_u.norm() * side_v.norm();
   }
@@ -35,7 +35,7 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              Random& random);
 
 /// Farthest point sampling: indices of `count` points (all, where there are fewer), each the one
-/// farthest from those before it, beginning with point 0; of equally far ones the first.
+/// farthest from those before it, starting with point 0; ties go to the lower index.
 std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::size_t count);
 
 }  // namespace planescope::lab

@@ -11,7 +11,7 @@
 
 namespace planescope::lab {
 
-// ---- Where it begins ----
+// ---- Initial weights ----
 
 planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed) {
   planes::NetworkWeights weights;
@@ -37,7 +37,7 @@ planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::
   return weights;
 }
 
-// ---- Steps ----
+// ---- Training steps ----
 
 namespace {
 

@@ -14,9 +14,11 @@
 
 namespace planescope::lab {
 
-// ---- The paper's objects ----
+// ---- The paper's objects (Sec. III) ----
 
 namespace {
+
+// Clean and axis-aligned, their sizes drawn uniformly from the paper's ranges.
 
 planes::LabelledCloud sampled(const char* kind,
                               std::span<const Rectangle> faces,
@@ -40,8 +42,7 @@ void add_floor(std::vector<Rectangle>& faces, double length, double width, doubl
   faces.push_back({{length, 0, 0}, x, across, up});
 }
 
-}  // namespace
-
+/// 2 to 6 steps of length 0.2-0.4 m, width 0.2-1.5 m and height 0.08-0.3 m.
 planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   StairsOptions options;
   options.seed = seed;
@@ -56,6 +57,8 @@ planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points) {
   return cloud;
 }
 
+/// Length and width 0.1-2 m, height 0.08-0.3 m: a top and four sides. The paper does not say what
+/// boxes stand on: `on_floor` lays floor around it, 10-50 cm wide.
 planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
@@ -71,6 +74,7 @@ planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_flo
   return sampled("box", faces, points, random);
 }
 
+/// Length and width 0.1-2 m, two edges level, the normal's z component uniform in [-1, 1].
 planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
   Random random(seed);
   const double length = random.uniform(0.1, 2), width = random.uniform(0.1, 2);
@@ -83,8 +87,6 @@ planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points) {
 }
 
 // ---- The set ----
-
-namespace {
 
 enum Kind : std::uint64_t { kStairs = 1, kBox = 2, kPlane = 3, kScan = 4 };
 
@@ -118,7 +120,7 @@ std::vector<planes::LabelledCloud> make_training_set(
   return set;
 }
 
-// ---- What varies a cloud ----
+// ---- Augmentation ----
 
 namespace {
 

@@ -38,7 +38,7 @@ struct AugmentOptions {
   double cluster_radius_m = 0.1;  // up to
   double tilt_deg = 0;            // off level, up to, about a random horizontal axis
   int points = 2048;              // kept at most: the nearest ones to a random point; 0 all
-  double thinning = 1;            // a random share of the points, down to this one, goes on
+  double thinning = 1;            // keeps a random share of the points, at least this one
   double yaw_deg = 180;           // turned about z, up to, either way
 };
 
@@ -47,18 +47,5 @@ struct AugmentOptions {
 planes::LabelledCloud augment(const planes::LabelledCloud& cloud,
                               const AugmentOptions& options,
                               std::uint64_t seed);
-
-// The paper's objects (Sec. III), sizes drawn uniformly from its ranges; clean, axis-aligned,
-// decided by the seed alone.
-
-/// 2 to 6 steps of length 0.2-0.4 m, width 0.2-1.5 m and height 0.08-0.3 m.
-planes::LabelledCloud make_stairs_shape(std::uint64_t seed, int points);
-
-/// Length and width 0.1-2 m, height 0.08-0.3 m: a top and four sides. The paper does not say what
-/// boxes stand on: `on_floor` lays floor around it, 10-50 cm wide.
-planes::LabelledCloud make_box_shape(std::uint64_t seed, int points, bool on_floor);
-
-/// Length and width 0.1-2 m, two edges level, the normal's z component uniform in [-1, 1].
-planes::LabelledCloud make_plane_shape(std::uint64_t seed, int points);
 
 }  // namespace planescope::lab

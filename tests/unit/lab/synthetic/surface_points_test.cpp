@@ -1,9 +1,10 @@
+#include "core/lab/synthetic/surface_points.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/random.hpp"
 
 namespace planescope::lab {

@@ -1,9 +1,9 @@
+#include "core/lab/synthetic/repeatable.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "core/lab/synthetic/repeatable.hpp"
 
 namespace planescope::lab {
 namespace {

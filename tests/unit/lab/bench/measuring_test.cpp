@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "core/lab/bench/measuring.hpp"
+
+#include <gtest/gtest.h>
 
 namespace planescope::lab {
 namespace {
