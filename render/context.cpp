@@ -227,7 +227,7 @@ class GlfwContext : public GlContext {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
     glfwWindowHint(GLFW_RESIZABLE, GLFW_TRUE);
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // as large to the eye at any pixel density
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // the same apparent size at any density
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {
       const std::string answer = glfw_answer();

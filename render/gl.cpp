@@ -204,7 +204,7 @@ void check_size(int width, int height) {
 void SceneTarget::resize(int new_width, int new_height) {
   if (new_width == width && new_height == height) return;
   check_size(new_width, new_height);
-  width = 0;  // until all of it stands
+  width = 0;  // until everything is made
   color = storage(samples, GL_RGBA8, new_width, new_height);
   depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
   box_depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
@@ -215,7 +215,7 @@ void SceneTarget::resize(int new_width, int new_height) {
 
   flat_depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
   flat_color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
-  // Blending leaves the alpha channel with values that mean nothing.
+  // Blending leaves meaningless values in the alpha channel.
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_ONE);
   glBindTexture(GL_TEXTURE_2D, 0);
   resolved = framebuffer({});

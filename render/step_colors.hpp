@@ -23,7 +23,7 @@ struct StepState {
 };
 StepState step_state(const debug::Run& run, std::int32_t step);
 
-/// Colours of what is no data.
+/// Colours of marks, not of data.
 struct MarkColors {
   Rgba selected;
   Rgba current;  // what the step's event is about

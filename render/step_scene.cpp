@@ -187,7 +187,7 @@ void add_planes(const debug::Run& run,
     const bool large = is_named(own.size(), points.size());
     if (!large && !selected && !current) continue;
     const Vec3f from = change->fit.centroid.cast<float>();
-    // Towards the eye of a reader: up, or to the sensor's side.
+    // Towards the viewer: up, or to the sensor's side.
     Vec3f normal = change->fit.normal.cast<float>();
     const Vec3f to_sensor = run.subject->prepared.sensor().cast<float>() - from;
     if (run.timeline.label_of_plane(plane) == Label::h ? normal.z() < 0 : normal.dot(to_sensor) < 0)
@@ -313,7 +313,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   points.colors = voxel_colors(run, look, state);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
-  points.max_px = 120;  // surfaces stay closed close by
+  points.max_px = 120;  // surfaces stay closed when seen from nearby
   list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
@@ -332,7 +332,7 @@ Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& ca
   const Vec3d middle = ((box.min + box.max) / 2).cast<double>();
   const double radius_m = std::max({0.5 * (box.max - box.min).cast<double>().norm(),
                                     4 * run.subject->prepared.voxels.size_m, 0.02});
-  constexpr double kRoom = 2;  // the node's surroundings say where it is
+  constexpr double kRoom = 2;  // some of the node's surroundings stay in view
   const double half_view = camera.fov_y_deg * std::numbers::pi / 360;
   const double distance_m = kRoom * radius_m / std::sin(half_view);
   Vec3d back = camera.eye - camera.target;

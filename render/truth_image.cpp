@@ -25,7 +25,7 @@ std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) 
   return counts;
 }
 
-/// Of what is wrong; faded where nothing is, or it was not scored.
+/// Colour of a kind of error; faded for points that are right or were not scored.
 Rgba verdict_color(planes::Verdict verdict) {
   switch (verdict) {
     case planes::Verdict::missed:

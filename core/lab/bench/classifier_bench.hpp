@@ -17,8 +17,8 @@ namespace planescope::lab {
 
 struct ClassifierBench {
   std::string command;  // as it was typed
-  std::vector<std::pair<std::string, planes::WeightsRecord>>
-      networks;  // name in the tables, where from
+  // Names in the tables, and the weights.
+  std::vector<std::pair<std::string, planes::WeightsRecord>> networks;
 
   LabelBenchOptions labels;
   bool accuracy = false, gravity = false;  // which of the label rows' figures are asked for

@@ -25,7 +25,7 @@ struct NamedClassifier {
 struct LabelBenchOptions {
   std::uint64_t seed = 960001;
   int count = 100;      // clouds of each set
-  double tilt_deg = 0;  // measured once more on clouds turned by so much off level
+  double tilt_deg = 0;  // also measured on clouds tilted by this much
   int threads = 1;
 };
 

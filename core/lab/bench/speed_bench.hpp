@@ -39,8 +39,8 @@ struct SpeedRow {
 struct ReferenceRow {
   std::string network;
   int points = 0;
-  double whole_ms = 0;    // search and forward
-  double forward_ms = 0;  // the forward on a graph that is there
+  double whole_ms = 0;    // neighbour search and forward pass
+  double forward_ms = 0;  // the forward pass on a graph already built
   double plain_ms = 0;
   double whole_ratio = 0, forward_ratio = 0;  // how much longer the plain one takes
 };

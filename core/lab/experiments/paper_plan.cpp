@@ -44,7 +44,7 @@ class Plan {
       if (method == planes::Method::ransac)
         add(with_rival(frames, planes::to_string(method), kRansacCoarse));
     }
-    // Where a real frame's planes end is not known.
+    // The oracle needs to know where planes end, which is not known of a real frame.
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
   }
   void add_ablation(const CellKey& frames) {
@@ -156,7 +156,7 @@ std::string contestant_name(const CellKey& key) {
 planes::PipelineOptions cell_options(const CellKey& key) {
   planes::PipelineOptions options;
   options.threads = 1;
-  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // nothing of it is nearer than 1.5
+  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // all of it is farther than 1.5 m
   if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
   if (key.method != "ours") {
     if (key.points > 0) {

@@ -171,7 +171,7 @@ std::vector<PaperPlot> noise_plots(const PaperResults& results) {
 }
 
 std::vector<PaperPlot> set_plots(const PaperResults& results) {
-  constexpr std::size_t kMostGroups = 6;  // whose names stay apart
+  constexpr std::size_t kMostGroups = 6;  // as many names as fit side by side
   std::vector<PaperPlot> plots;
   for (const bool clouds : {true, false}) {
     const std::vector<CellKey> frames = frames_of(results, clouds);

@@ -54,7 +54,7 @@ void build_open_risers(Scene& scene, Random& random) {
   const int treads = random.integer(3, 6);
   const double length = random.uniform(0.22, 0.32), height = random.uniform(0.15, 0.22);
   const double width = random.uniform(0.5, 1.2), thickness = random.uniform(0.03, 0.05);
-  const double nosing = random.uniform(0, 0.04);  // that treads lie one above the other
+  const double nosing = random.uniform(0, 0.04);  // by which treads overlap
   for (int i = 0; i < treads; ++i) {
     const Vec3d foot((i + 0.5) * length, 0, (i + 1) * height - thickness);
     add_box(scene, foot, {length + nosing, width, thickness}, 0, {});
@@ -200,7 +200,7 @@ void build_boxes_view(Scene& scene, Random& random) {
   const double front = place_camera(scene, random);
   const int boxes = random.integer(3, 6);
   std::vector<Disc> taken;
-  constexpr int kMaxTries = 500;  // where big ones leave no room, there are fewer
+  constexpr int kMaxTries = 500;  // big boxes may leave no room for all
   for (int i = 0; i < kMaxTries && std::ssize(taken) < boxes; ++i) {
     const double length = random.uniform(0.12, 0.5), width = random.uniform(0.12, 0.5);
     const double height = random.uniform(0.08, 0.4), yaw_deg = random.uniform(0, 90);

@@ -153,11 +153,8 @@ PointSet sample_cloud(const Scene& scene, const EvaluationOptions& options, Rand
       triangles.faces, static_cast<std::size_t>(options.points), Mat3d::Identity(), random);
   PointSet cloud;
   for (std::size_t i = 0; i < sampled.points.size(); ++i) {
-    Vec3d p = sampled.points[i].cast<double>();
-    if (options.noise_m > 0)
-      for (int axis = 0; axis < 3; ++axis) p[axis] += options.noise_m * random.normal();
     const Surface& surface = scene.surfaces[triangles.surface[sampled.rectangle[i]]];
-    cloud.points.push_back(p.cast<float>());
+    cloud.points.push_back(with_noise(sampled.points[i], options.noise_m, random));
     cloud.instance.push_back(surface.plane);
     cloud.label.push_back(static_cast<std::uint8_t>(label_of_normal(surface.normal)));
   }

@@ -152,4 +152,11 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
   return even;
 }
 
+Vec3f with_noise(const Vec3f& point, double sigma_m, Random& random) {
+  Vec3d p = point.cast<double>();
+  if (sigma_m > 0)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += sigma_m * random.normal();
+  return p.cast<float>();
+}
+
 }  // namespace planescope::lab

@@ -34,6 +34,10 @@ SurfacePoints sample_surface(std::span<const Rectangle> rectangles,
                              const Mat3d& turn,
                              Random& random);
 
+/// A point with Gaussian noise of standard deviation `sigma_m` on every coordinate; draws nothing
+/// where that is 0.
+Vec3f with_noise(const Vec3f& point, double sigma_m, Random& random);
+
 /// Farthest point sampling: indices of `count` points (all, where there are fewer), each the one
 /// farthest from those before it, starting with point 0; ties go to the lower index.
 std::vector<std::uint32_t> farthest_points(std::span<const Vec3f> points, std::size_t count);

@@ -41,7 +41,7 @@ planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::
 
 namespace {
 
-constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-8;  // Adam's usual ones
+constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-8;  // Adam's usual constants
 
 double learning_rate(const TrainOptions& options, int step) {
   if (step < options.warm_up_steps)
