@@ -52,11 +52,16 @@ function(planescope_unity target)
   endforeach()
 endfunction()
 
-# planescope_house(NAME [KNOWS houses...] [WITHOUT sources...]): the library planescope::NAME of all .cpp
-# files below the current folder, on top of the houses it knows.
+# planescope_house(NAME [KNOWS houses...] [FOLDERS folders...] [WITHOUT sources...]): the library
+# planescope::NAME of all .cpp files below the current folder, or below some folders of it, on top of the
+# houses it knows.
 function(planescope_house name)
-  cmake_parse_arguments(ARG "" "" "KNOWS;WITHOUT" ${ARGN})
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  cmake_parse_arguments(ARG "" "" "KNOWS;FOLDERS;WITHOUT" ${ARGN})
+  set(patterns *.cpp)
+  if(ARG_FOLDERS)
+    list(TRANSFORM ARG_FOLDERS APPEND /*.cpp OUTPUT_VARIABLE patterns)
+  endif()
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${patterns})
   list(REMOVE_ITEM sources ${ARG_WITHOUT})
   add_library(planescope_${name} STATIC ${sources})
   add_library(planescope::${name} ALIAS planescope_${name})

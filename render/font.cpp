@@ -25,6 +25,12 @@ Font::Font() : impl_(std::make_unique<Impl>()) {
 }
 Font::~Font() = default;
 
+Font::Pen Font::pen_at(double x) {
+  const long quarters = std::lround(x * kPhases);
+  const int column = static_cast<int>(std::floor(static_cast<double>(quarters) / kPhases));
+  return {column, static_cast<int>(quarters - static_cast<long>(column) * kPhases)};
+}
+
 TextLayout Font::layout(const std::string& utf8, double size_px) const {
   const stbtt_fontinfo& info = impl_->info;
   const double scale = stbtt_ScaleForMappingEmToPixels(&info, static_cast<float>(size_px));

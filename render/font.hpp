@@ -38,6 +38,13 @@ class Font {
   Font(const Font&) = delete;
   Font& operator=(const Font&) = delete;
 
+  /// Where a glyph is drawn whose pen stands at x: a whole pixel, and a phase to its right.
+  struct Pen {
+    int column = 0;
+    int phase = 0;  // quarters of a pixel
+  };
+  static Pen pen_at(double x);
+
   TextLayout layout(const std::string& utf8, double size_px) const;
   /// `phase`: quarters of a pixel to the right.
   GlyphBitmap glyph(char32_t codepoint, double size_px, int phase) const;

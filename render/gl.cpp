@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cassert>
 #include <cstring>
+#include <initializer_list>
 #include <vector>
 
 #include "core/model/error.hpp"
@@ -145,6 +147,126 @@ std::string gl_description() {
     version = version.substr(at + std::strlen("(Core Profile) "));
   }
   return text(GL_RENDERER) + ", " + version;
+}
+
+// ---- Framebuffers ----
+
+namespace {
+
+struct Attachment {
+  GLenum point = GL_COLOR_ATTACHMENT0;
+  GLuint renderbuffer = 0;
+};
+
+GlRenderbuffer storage(int samples, GLenum format, int width, int height) {
+  GlRenderbuffer buffer = make_renderbuffer();
+  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
+  return buffer;
+}
+
+GlTexture texture(GLint format, GLenum channels, int width, int height) {
+  GlTexture result = make_texture();
+  glBindTexture(GL_TEXTURE_2D, result);
+  glTexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, channels, GL_UNSIGNED_INT, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return result;
+}
+
+GlFramebuffer framebuffer(std::initializer_list<Attachment> attachments) {
+  GlFramebuffer result = make_framebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, result);
+  for (const Attachment& attachment : attachments) {
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment.point, GL_RENDERBUFFER,
+                              attachment.renderbuffer);
+  }
+  return result;
+}
+
+void check_complete(const char* what, int width, int height) {
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  if (status == GL_FRAMEBUFFER_COMPLETE) return;
+  throw Error(fmt::format("OpenGL cannot draw a {} of {} x {} pixels (framebuffer status {:#x})",
+                          what, width, height, status));
+}
+
+void check_size(int width, int height) {
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  if (width >= 1 && height >= 1 && width <= largest && height <= largest) return;
+  throw Error(fmt::format("a picture of {} x {} pixels was asked for, expected 1 to {} each way",
+                          width, height, largest));
+}
+
+}  // namespace
+
+void SceneTarget::resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height) return;
+  check_size(new_width, new_height);
+  width = 0;  // until everything is made
+  color = storage(samples, GL_RGBA8, new_width, new_height);
+  depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  box_depth = storage(samples, GL_DEPTH_COMPONENT24, new_width, new_height);
+  scene = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, depth}});
+  check_complete("picture", new_width, new_height);
+  boxes = framebuffer({{GL_COLOR_ATTACHMENT0, color}, {GL_DEPTH_ATTACHMENT, box_depth}});
+  check_complete("picture", new_width, new_height);
+
+  flat_depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
+  flat_color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
+  // Blending leaves meaningless values in the alpha channel.
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_A, GL_ONE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  resolved = framebuffer({});
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, flat_color, 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, flat_depth, 0);
+  check_complete("picture", new_width, new_height);
+  width = new_width;
+  height = new_height;
+}
+
+void IdTarget::resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height) return;
+  check_size(new_width, new_height);
+  width = 0;
+  ids = storage(0, GL_R32UI, new_width, new_height);
+  depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
+  framebuffer =
+      planescope::render::framebuffer({{GL_COLOR_ATTACHMENT0, ids}, {GL_DEPTH_ATTACHMENT, depth}});
+  check_complete("picking buffer", new_width, new_height);
+  width = new_width;
+  height = new_height;
+}
+
+// ---- Images as textures ----
+
+void ImageTexture::upload(const Image8& image) {
+  assert(!image.empty() && (image.channels == 3 || image.channels == 4));
+  GLint before = 0;
+  glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
+  const bool same = width_ == image.width && height_ == image.height && channels_ == image.channels;
+  if (texture_ == 0) texture_ = make_texture();
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const GLenum channels = image.channels == 3 ? GL_RGB : GL_RGBA;
+  if (same) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width, image.height, channels, GL_UNSIGNED_BYTE,
+                    image.data.data());
+  } else {
+    glTexImage2D(GL_TEXTURE_2D, 0, image.channels == 3 ? GL_RGB8 : GL_RGBA8, image.width,
+                 image.height, 0, channels, GL_UNSIGNED_BYTE, image.data.data());
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(before));
+  width_ = image.width;
+  height_ = image.height;
+  channels_ = image.channels;
+  check_gl("uploading an image");
 }
 
 }  // namespace planescope::render

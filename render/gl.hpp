@@ -1,17 +1,9 @@
 #pragma once
 
-// The little of GL that every pass shares: the entry points, owned objects, programs.
+// The little of GL that everything shares: the entry points, owned objects, programs, buffers,
+// framebuffers and images as textures.
 
 #define GL_GLEXT_PROTOTYPES
-#include <GL/glcorearb.h>
-
-#include <Eigen/Core>
-#include <cstddef>
-#include <string>
-#include <string_view>
-#include <utility>
-
-#include "render/draw_list.hpp"
 
 /// The bytes of a file that planescope_embed() compiled in, by its symbol.
 #define PLANESCOPE_ASSET_DECLARE(name)                      \
@@ -21,6 +13,19 @@
   std::string_view(                                           \
       reinterpret_cast<const char*>(planescope_asset_##name), \
       static_cast<std::size_t>(planescope_asset_##name##_end - planescope_asset_##name))
+
+#include <GL/glcorearb.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/model/image.hpp"
+#include "render/draw_list.hpp"
 
 namespace planescope::render {
 
@@ -74,6 +79,14 @@ struct Attribute {
 };
 void set_attribute(const Attribute& attribute);
 
+/// Fills an array buffer, and leaves it bound.
+template <typename Values>
+void upload(const GlBuffer& buffer, const Values& values) {
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(std::span(values).size_bytes()),
+               std::data(values), GL_STREAM_DRAW);
+}
+
 inline Eigen::Vector4f to_vector(Rgba color) {
   return Eigen::Vector4f(color.r, color.g, color.b, color.a) / 255.0f;
 }
@@ -88,5 +101,48 @@ void check_gl(const char* where);
 
 /// Renderer and driver of the current context. Throws Error unless it is OpenGL 3.3 or later.
 std::string gl_description();
+
+/// Framebuffers of one picture, kept while its size stays the same.
+struct SceneTarget {
+  explicit SceneTarget(int samples_per_pixel) : samples(samples_per_pixel) {}
+
+  int samples = 4;  // 0: no antialiasing
+  int width = 0, height = 0;
+  GlRenderbuffer color, depth, box_depth;
+  GlFramebuffer scene;     // color + depth
+  GlFramebuffer boxes;     // color + box_depth: boxes hide boxes, but nothing else
+  GlTexture flat_color;    // the finished picture, opaque when sampled
+  GlTexture flat_depth;    // of the points, for shading
+  GlFramebuffer resolved;  // flat_color + flat_depth
+
+  void resize(int new_width, int new_height);
+};
+
+struct IdTarget {
+  int width = 0, height = 0;
+  GlRenderbuffer ids, depth;
+  GlFramebuffer framebuffer;
+
+  void resize(int new_width, int new_height);
+};
+
+/// An image as a GL texture, row 0 at the top (texture coordinate v = 0). Shown larger than it is,
+/// its pixels stay square. Needs the context that was current when it was made.
+class ImageTexture {
+ public:
+  ImageTexture() = default;  // id() 0
+  explicit ImageTexture(const Image8& image) { upload(image); }
+
+  /// Replaces what it shows; quicker where the size stays. RGB or RGBA, not empty.
+  void upload(const Image8& image);
+
+  std::uint32_t id() const { return texture_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  GlTexture texture_;
+  int width_ = 0, height_ = 0, channels_ = 0;
+};
 
 }  // namespace planescope::render

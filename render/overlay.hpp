@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "render/palette.hpp"
 #include "render/passes.hpp"
-#include "render/theme.hpp"
 #include "render/view.hpp"
 
 namespace planescope::render {
@@ -38,8 +38,8 @@ struct Overlay {  // drawn in this order
 
 Overlay layout_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
 
-/// Lengths on paper grow with the picture: 1 for one of 500 to 720 rows, so that text stays legible
-/// in a panel of a window.
+/// Scale of text and line widths, which grow with the picture: 1 for one of 500 to 720 rows, so
+/// that text stays legible in a panel of a window.
 double overlay_scale(int width, int height);
 
 /// The longest length of the series 1, 2, 5, 10, ... that takes at most `max_px`.

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/font.hpp"
+
 namespace planescope::render {
+
+// ---- Marks ----
 
 void blend_pixel(Image8& image, int x, int y, Rgba color, double coverage) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
@@ -49,6 +53,49 @@ Image8 enlarge(const Image8& image, int factor) {
 int enlargement(int width) {
   constexpr int kCrispWidth = 1000;
   return width <= 0 ? 1 : std::clamp((kCrispWidth + width - 1) / width, 1, 4);
+}
+
+// ---- Text ----
+
+// Text on the CPU, for overlays on camera images.
+
+namespace {
+
+void blend_glyph(Image8& image, const GlyphBitmap& glyph, int left, int top, Rgba color) {
+  const std::uint8_t rgb[3] = {color.r, color.g, color.b};
+  const int x_begin = std::max(0, -left);
+  const int x_end = std::min(glyph.width, image.width - left);
+  const int y_begin = std::max(0, -top);
+  const int y_end = std::min(glyph.height, image.height - top);
+  for (int y = y_begin; y < y_end; ++y) {
+    for (int x = x_begin; x < x_end; ++x) {
+      const int alpha = glyph.coverage[static_cast<std::size_t>(y) * glyph.width + x] * color.a;
+      for (int c = 0; c < std::min(3, image.channels); ++c) {
+        std::uint8_t& value = image.at(left + x, top + y, c);
+        const int mixed = value * (255 * 255 - alpha) + rgb[c] * alpha;
+        value = static_cast<std::uint8_t>((mixed + 255 * 255 / 2) / (255 * 255));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double draw_text(
+    Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color) {
+  const Font& font = default_font();
+  const TextLayout layout = font.layout(utf8, size_px);
+  const int baseline = static_cast<int>(std::lround(y));
+  for (const PlacedGlyph& placed : layout.glyphs) {
+    const Font::Pen pen = Font::pen_at(x + placed.x);
+    const GlyphBitmap glyph = font.glyph(placed.codepoint, size_px, pen.phase);
+    blend_glyph(image, glyph, pen.column + glyph.left, baseline + glyph.top, color);
+  }
+  return layout.width;
+}
+
+double text_width(const std::string& utf8, double size_px) {
+  return default_font().layout(utf8, size_px).width;
 }
 
 }  // namespace planescope::render

@@ -1,6 +1,8 @@
 #pragma once
 
-// Small marks painted into an RGB image on the CPU.
+// Small marks and text painted into an RGB image on the CPU: for overlays on camera images.
+
+#include <string>
 
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
@@ -17,5 +19,11 @@ bool on_hatch(int x, int y, int spacing_px);
 Image8 enlarge(const Image8& image, int factor);
 /// The factor that brings small sensor images to a size at which text and lines are crisp.
 int enlargement(int width);
+
+/// Text in the one typeface (font.hpp). (x, y): left end of the baseline [px]. Returns the advance
+/// [px].
+double draw_text(
+    Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
+double text_width(const std::string& utf8, double size_px);
 
 }  // namespace planescope::render

@@ -1,5 +1,7 @@
 #pragma once
 
+// The colours of data, and those of everything else.
+
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/segment/octree.hpp"
 #include "render/draw_list.hpp"
@@ -32,5 +34,16 @@ void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPla
 
 Rgba depth_color(double depth_m,
                  double max_m);  // perceptually even ramp, near is bright; 0 is neutral grey
+
+/// The colours of everything that is not data.
+struct ThemeColors {
+  Rgba background_top, background_bottom;
+  Rgba ink;                  // titles and text
+  Rgba muted;                // subtitles, scale bar
+  Rgba panel, panel_border;  // under overlay text
+  Rgba halo;                 // around labels and arrows
+  Rgba axis_x, axis_y, axis_z;
+};
+const ThemeColors& theme_colors(Theme theme);
 
 }  // namespace planescope::render

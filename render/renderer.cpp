@@ -6,10 +6,9 @@
 
 #include "render/gl.hpp"
 #include "render/overlay.hpp"
+#include "render/overlay_passes.hpp"
+#include "render/palette.hpp"
 #include "render/passes.hpp"
-#include "render/shapes.hpp"
-#include "render/target.hpp"
-#include "render/theme.hpp"
 #include "render/view.hpp"
 
 PLANESCOPE_ASSET_DECLARE(background_frag);

@@ -8,8 +8,8 @@
 
 namespace planescope::render {
 
-/// Quick: half the time on a CPU, with the edges of points and fills not smoothed; for a view that
-/// moves.
+/// `quick` takes half the time on a CPU and leaves points and fills without antialiasing: for a
+/// view that moves.
 enum class Effort : std::uint8_t { fine, quick };
 
 /// Draws a DrawList with GL 3.3 core into a framebuffer of its own. Needs a current context, and
@@ -48,11 +48,5 @@ class Renderer {
 
 /// The bound framebuffer's lower left part as an RGB picture, row 0 at the top.
 Image8 read_picture(int width, int height);
-
-/// Text drawn into an RGB image on the CPU with the same font: for overlays on camera images.
-/// (x, y): left end of the baseline [px]. Returns the advance [px].
-double draw_text(
-    Image8& image, double x, double y, const std::string& utf8, double size_px, Rgba color);
-double text_width(const std::string& utf8, double size_px);
 
 }  // namespace planescope::render

@@ -66,6 +66,22 @@ RobustBounds robust_bounds(std::span<const Vec3f> points) {
   return bounds;
 }
 
+bool is_named(std::size_t voxels, std::size_t all) {
+  return static_cast<double>(voxels) >= 0.008 * static_cast<double>(all);
+}
+
+float normal_arrow_m(std::span<const Vec3f> voxels) {
+  return std::clamp(0.05F * robust_bounds(voxels).diagonal(), 0.06F, 1.0F);
+}
+
+double least_numeral_edge_m(std::span<const Vec3f> voxels) {
+  return 0.05 * robust_bounds(voxels).diagonal();
+}
+
+std::string case_numeral(const planes::OctreeNode& node) {
+  return std::string(planes::to_string(node.decided)) + (node.impure_fit ? "*" : "");
+}
+
 void add_gravity(const planes::FrameResult& result, DrawList& list) {
   // At the left edge of the frame's picture, below the title.
   const Camera camera = frame_camera(result, 4.0 / 3);

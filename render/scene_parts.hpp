@@ -38,6 +38,18 @@ struct RobustBounds {
 };
 RobustBounds robust_bounds(std::span<const Vec3f> points);
 
+/// Whether a plane is large enough, as a share of all voxels, to get an arrow and a name.
+bool is_named(std::size_t voxels, std::size_t all);
+/// Length of the arrows along planes' normals in a scene of these voxels.
+float normal_arrow_m(std::span<const Vec3f> voxels);
+
+/// Numerals stand on at most so many nodes of a scene, the largest, ...
+inline constexpr std::size_t kMostNumerals = 60;
+/// ... whose edge is at least this.
+double least_numeral_edge_m(std::span<const Vec3f> voxels);
+/// "III"; "I*" where the node was fitted label by label.
+std::string case_numeral(const planes::OctreeNode& node);
+
 /// The arrow stands at the left edge of the frame's own view; it says so where its direction is
 /// only estimated or assumed.
 void add_gravity(const planes::FrameResult& result, DrawList& list);

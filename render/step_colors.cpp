@@ -1,10 +1,9 @@
-// What is known of each voxel at a step, and its colour.
+#include "render/step_colors.hpp"
 
 #include <array>
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
-#include "render/step_parts.hpp"
 
 namespace planescope::render {
 namespace {
@@ -137,7 +136,7 @@ MarkColors mark_colors(Theme theme) {
 std::vector<Rgba> voxel_colors(const debug::Run& run,
                                const StepLook& look,
                                const StepState& state) {
-  constexpr double kHighlight = 0.55;  // share of the mark: the colour below still tells
+  constexpr double kHighlight = 0.55;  // share of the mark; the colour below still shows
   const MarkColors marks = mark_colors(look.theme);
   std::vector<Rgba> colors = base_colors(run, look, state);
   const auto emphasise = [&](std::size_t voxel, Rgba mark) {

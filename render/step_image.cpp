@@ -7,14 +7,14 @@
 
 #include "render/palette.hpp"
 #include "render/region_image.hpp"
-#include "render/step_parts.hpp"
+#include "render/step_colors.hpp"
 
 namespace planescope::render {
 namespace {
 
 constexpr std::int32_t kUnmeasured = -3;  // beside StepState::kOpen, kLeftover
 
-/// Blending with whole numbers: a step's picture has hundreds of thousands of pixels.
+/// Blends in integers: a step's picture has hundreds of thousands of pixels.
 void blend(std::uint8_t* pixel, Rgba color, int share_256) {
   const auto mixed = [share_256](int below, int above) {
     return static_cast<std::uint8_t>(below + (above - below) * share_256 / 256);

@@ -8,13 +8,275 @@
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
-#include "render/step_parts.hpp"
+#include "render/step_colors.hpp"
 
 namespace planescope::render {
 namespace {
 
+// An id for picking: its kind, and below it the index.
 constexpr int kKindShift = 30;
 constexpr std::uint32_t kIndexMask = (1u << kKindShift) - 1;
+
+std::uint32_t pick_id(Picked::Kind kind, std::int32_t index) {
+  return static_cast<std::uint32_t>(kind) << kKindShift | static_cast<std::uint32_t>(index);
+}
+
+// ---- The octree's nodes as they stand at the step ----
+
+// A traversal to the leaves makes thousands of nodes. Children come after their parents, so the
+// first of a kind are the largest; the small ones show by their voxels' colour.
+constexpr std::size_t kMostSettled = 250;
+constexpr std::size_t kMostWaiting = 120;
+
+struct Boxes {
+  const debug::Run& run;
+  const StepLook& look;
+  const StepState& state;
+  DrawList& list;
+
+  const planes::OctreeNode& node(std::int32_t i) const {
+    return run.octree().nodes[static_cast<std::size_t>(i)];
+  }
+  /// The part of its cell that holds its points.
+  DrawBox tile(std::int32_t i) const {
+    DrawBox box = points_box(run.octree(), node(i), run.subject->prepared.voxels.size_m);
+    box.id = pick_id(Picked::Kind::node, i);
+    return box;
+  }
+  void add_settled() const;
+  void add_waiting() const;
+  void add_numerals(const std::vector<std::int32_t>& settled) const;
+  void add_parents(std::int32_t of, Rgba color) const;
+  void add_frame(std::int32_t i, Rgba color, float width_px, const std::string& text) const;
+};
+
+void Boxes::add_settled() const {
+  const bool by_case = look.color_by == ColorBy::cases;
+  std::vector<std::int32_t> settled;
+  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+  for (std::int32_t i = 0; i < n && settled.size() < kMostSettled; ++i)
+    if (is_settled_leaf(run, i, look.step)) settled.push_back(i);
+  for (const std::int32_t i : settled) {
+    DrawBox box = tile(i);
+    box.color = case_color(node(i).decided);
+    if (!by_case)
+      box.color.a = 110;  // outlines alone: a tint would spoil the colours that were asked for
+    else
+      box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
+    list.boxes.push_back(box);
+  }
+  if (by_case) add_numerals(settled);
+}
+
+/// Numerals on the largest, so that cases need not be told by colour alone.
+void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
+  const planes::Octree& octree = run.octree();
+  const double least_edge_m = least_numeral_edge_m(run.subject->prepared.voxels.points);
+  std::size_t count = 0;
+  for (const std::int32_t i : settled) {
+    if (octree.node_edge_m(node(i)) < least_edge_m || ++count > kMostNumerals) return;
+    const DrawBox box = tile(i);
+    list.labels.push_back({(box.min + box.max) / 2, case_numeral(node(i)),
+                           theme_colors(look.theme).ink, 15, true, true});
+  }
+}
+
+/// The head of the queue.
+void Boxes::add_waiting() const {
+  Rgba color = theme_colors(look.theme).muted;
+  color.a = 90;
+  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+  std::size_t count = 0;
+  for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
+    if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
+    DrawBox box = tile(i);
+    box.color = color;
+    list.boxes.push_back(box);
+    ++count;
+  }
+}
+
+/// The nearest cells that the node lies in, so that its place in the tree is seen.
+void Boxes::add_parents(std::int32_t of, Rgba color) const {
+  color.a = 45;
+  std::int32_t i = node(of).parent;
+  for (int levels = 3; levels > 0 && i >= 0; --levels, i = node(i).parent) {
+    DrawBox box = cell_box(run.octree(), node(i));
+    box.color = color;
+    list.boxes.push_back(box);
+  }
+}
+
+void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::string& text) const {
+  DrawBox box = tile(i);
+  DrawLines edges;
+  edges.width_px = width_px;
+  edges.shine_through = true;
+  each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
+    edges.positions.push_back(from);
+    edges.positions.push_back(to);
+    edges.colors.push_back(color);
+  });
+  list.lines.push_back(std::move(edges));
+  box.color = color;
+  list.boxes.push_back(box);  // to be picked by
+  // Below: above it stands the name of its voxel.
+  const Vec3f foot((box.min.x() + box.max.x()) / 2, (box.min.y() + box.max.y()) / 2, box.min.z());
+  list.labels.push_back({foot, text, color, 15, true});
+}
+
+void add_node_boxes(const debug::Run& run,
+                    const StepLook& look,
+                    const StepState& state,
+                    DrawList& list) {
+  const Boxes boxes{run, look, state, list};
+  const MarkColors marks = mark_colors(look.theme);
+  if (look.show_settled) boxes.add_settled();
+  if (look.show_queue) boxes.add_waiting();
+  const bool selected = look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step;
+  const auto name = [](std::int32_t node) { return "node " + std::to_string(node); };
+  if (state.node >= 0 && state.node != look.node) {
+    boxes.add_parents(state.node, marks.current);
+    boxes.add_frame(state.node, marks.current, 3, name(state.node));
+  }
+  if (selected) {
+    boxes.add_parents(look.node, marks.selected);
+    boxes.add_frame(look.node, marks.selected, look.node == state.node ? 5.0F : 3.0F,
+                    name(look.node));
+  }
+}
+
+// ---- The planes of the trace as they stand at the step ----
+
+/// Which voxels each plane holds at this moment.
+std::vector<std::vector<Vec3f>> points_by_plane(const debug::Run& run, const StepState& state) {
+  const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
+  std::vector<std::vector<Vec3f>> members(static_cast<std::size_t>(run.timeline.plane_count()));
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (state.plane_of[v] >= 0)
+      members[static_cast<std::size_t>(state.plane_of[v])].push_back(points[v]);
+  return members;
+}
+
+void add_planes(const debug::Run& run,
+                const StepLook& look,
+                const StepState& state,
+                DrawList& list) {
+  const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
+  const float arrow_m = normal_arrow_m(points);
+  const Rgba ink = theme_colors(look.theme).ink;
+  const Rgba selected_color = mark_colors(look.theme).selected;
+  const auto members = points_by_plane(run, state);
+  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
+    const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
+    if (change == nullptr || !change->alive) continue;
+    const auto& own = members[static_cast<std::size_t>(plane)];
+    DrawPolygon polygon;
+    polygon.corners = outline_on_plane(change->fit, own);
+    if (polygon.corners.size() < 3) continue;
+    const bool selected = plane == look.plane;
+    const bool current = plane == state.plane;
+    const Rgba color = plane_color(plane + 1);
+    const Rgba strong = selected ? selected_color : mix(color, ink, 0.35);
+    polygon.fill = with_alpha(color, 45);
+    polygon.outline = with_alpha(strong, 235);
+    polygon.outline_px = selected || current ? 3.5F : 2.0F;
+    polygon.id = pick_id(Picked::Kind::plane, plane);
+    list.polygons.push_back(std::move(polygon));
+
+    const bool large = is_named(own.size(), points.size());
+    if (!large && !selected && !current) continue;
+    const Vec3f from = change->fit.centroid.cast<float>();
+    // Towards the viewer: up, or to the sensor's side.
+    Vec3f normal = change->fit.normal.cast<float>();
+    const Vec3f to_sensor = run.subject->prepared.sensor().cast<float>() - from;
+    if (run.timeline.label_of_plane(plane) == Label::h ? normal.z() < 0 : normal.dot(to_sensor) < 0)
+      normal = -normal;
+    list.arrows.push_back({from, from + arrow_m * normal, strong, selected ? 3.5F : 2.5F});
+    list.labels.push_back({from + 1.35F * arrow_m * normal, debug::plane_name(plane),
+                           selected ? selected_color : ink, selected ? 19.0F : 16.0F, true});
+  }
+}
+
+// ---- What the colours mean ----
+
+using Mark = LegendEntry::Mark;
+
+void add_cases(const debug::Run& run, std::int32_t step, Rgba waiting, DrawList& list) {
+  std::size_t count[5] = {}, hatched = 0, queued = 0;
+  for (std::size_t i = 0; i < run.octree().nodes.size(); ++i) {
+    const planes::OctreeNode& node = run.octree().nodes[i];
+    if (run.timeline.decided_at()[i] <= step) {
+      ++count[static_cast<int>(node.decided)];
+      hatched += node.at_max_depth;
+    } else {
+      queued += run.timeline.queued_at()[i] <= step;
+    }
+  }
+  add_case_legend(count, list);
+  if (hatched > 0)
+    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
+                           "at full depth: left over  " + std::to_string(hatched)});
+  if (queued > 0)
+    list.legend.push_back({Mark::dot, waiting, "in the queue  " + std::to_string(queued)});
+}
+
+void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
+  const auto holds = [&](std::int32_t what) {
+    return std::count(state.plane_of.begin(), state.plane_of.end(), what);
+  };
+  const auto entry = [&](Rgba color, const std::string& text, std::ptrdiff_t count) {
+    if (count > 0) list.legend.push_back({Mark::dot, color, text + "  " + std::to_string(count)});
+  };
+  entry(leftover_color(), "left over", holds(StepState::kLeftover));
+  entry(waiting, "not settled yet", holds(StepState::kOpen));
+}
+
+void add_step_legend(const debug::Run& run,
+                     const StepLook& look,
+                     const StepState& state,
+                     DrawList& list) {
+  const Rgba waiting = mark_colors(look.theme).waiting;
+  switch (told_by(run, look.color_by)) {
+    case ColorBy::cases:
+      add_cases(run, look.step, waiting, list);
+      break;
+    case ColorBy::planes:
+      add_plane_states(state, waiting, list);
+      break;
+    case ColorBy::labels:
+      if (!run.subject->prepared.gravity.known()) {
+        list.legend.push_back(
+            {Mark::dot, label_color(Label::unknown), "neither h nor v: gravity is not known"});
+        break;
+      }
+      list.legend.push_back({Mark::dot, label_color(Label::h), "h  level"});
+      list.legend.push_back({Mark::dot, label_color(Label::v), "v  upright"});
+      if (!run.is_ours())
+        list.legend.push_back({Mark::dot, label_color(Label::unknown), "in no plane"});
+      break;
+    case ColorBy::margins:
+      list.legend.push_back({Mark::dot, margin_color(Label::h, 1), "h, sure"});
+      list.legend.push_back({Mark::dot, margin_color(Label::v, 1), "v, sure"});
+      list.legend.push_back({Mark::dot, margin_color(Label::h, 0), "unsure"});
+      break;
+    case ColorBy::truth:
+      if (!run.subject->voxel_truth.known()) {
+        list.legend.push_back({Mark::dot, waiting, "this frame has no ground truth"});
+      } else {
+        list.legend.push_back({Mark::dot, leftover_color(), "in no true plane"});
+        list.legend.push_back({Mark::dot, waiting, "not scored"});
+      }
+      break;
+    case ColorBy::camera:
+      break;
+  }
+  if (!look.marked.empty())
+    list.legend.push_back({Mark::dot, mark_colors(look.theme).marked,
+                           "marked  " + std::to_string(look.marked.size())});
+}
+
+// ---- The whole scene ----
 
 /// One voxel made large, so that it is found among its neighbours.
 void add_voxel(const debug::Run& run,
@@ -36,10 +298,6 @@ void add_voxel(const debug::Run& run,
 
 }  // namespace
 
-std::uint32_t pick_id(Picked::Kind kind, std::int32_t index) {
-  return static_cast<std::uint32_t>(kind) << kKindShift | static_cast<std::uint32_t>(index);
-}
-
 Picked picked(std::uint32_t id) {
   const auto kind = static_cast<Picked::Kind>(id >> kKindShift);
   if (kind == Picked::Kind::nothing) return {};
@@ -55,7 +313,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   points.colors = voxel_colors(run, look, state);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
-  points.max_px = 120;  // surfaces stay closed close by
+  points.max_px = 120;  // surfaces stay closed when seen from nearby
   list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
@@ -74,7 +332,7 @@ Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& ca
   const Vec3d middle = ((box.min + box.max) / 2).cast<double>();
   const double radius_m = std::max({0.5 * (box.max - box.min).cast<double>().norm(),
                                     4 * run.subject->prepared.voxels.size_m, 0.02});
-  constexpr double kRoom = 2;  // the node's surroundings say where it is
+  constexpr double kRoom = 2;  // some of the node's surroundings stay in view
   const double half_view = camera.fov_y_deg * std::numbers::pi / 360;
   const double distance_m = kRoom * radius_m / std::sin(half_view);
   Vec3d back = camera.eye - camera.target;

@@ -27,7 +27,7 @@ struct StepLook {
   std::int32_t plane = -1;   // of the trace
   std::int32_t voxel = -1;
   std::span<const std::uint32_t> marked;  // voxels of a region that the user marked
-  Theme theme = Theme::dark;              // colours of what is no data
+  Theme theme = Theme::dark;              // of marks, not of data
 };
 
 DrawList scene_step(const debug::Run& run, const StepLook& look);
@@ -51,7 +51,8 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
 /// Both at once.
 Image8 image_step(const debug::Run& run, const StepLook& look, Backdrop backdrop, double opacity);
 
-/// A camera that holds the node's box, seen from where `camera` looks.
+/// `camera` moved so that the node's box and some of its surroundings fill the view, looking the
+/// same way.
 Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& camera);
 
 }  // namespace planescope::render

@@ -6,14 +6,13 @@
 
 #include "render/paint.hpp"
 #include "render/region_image.hpp"
-#include "render/renderer.hpp"
 #include "render/scene_parts.hpp"
 
 namespace planescope::render {
 namespace {
 
-constexpr double kTint = 0.55;
-constexpr Rgba kInk{32, 36, 42, 255};
+constexpr double kTruthTint = 0.55;
+constexpr Rgba kTruthInk{32, 36, 42, 255};
 constexpr int kTitleRoom = 52, kLegendRoom = 52, kGap = 12;  // [px]
 constexpr const char* kTitles[] = {"Labels", "Found", "Errors"};
 constexpr std::size_t kVerdicts = 6;
@@ -24,6 +23,42 @@ std::array<std::size_t, kVerdicts> counts_of(const planes::JudgedFrame& judged) 
   std::array<std::size_t, kVerdicts> counts{};
   for (const planes::Verdict verdict : judged.verdict) ++counts[static_cast<std::size_t>(verdict)];
   return counts;
+}
+
+/// Colour of a kind of error; faded for points that are right or were not scored.
+Rgba verdict_color(planes::Verdict verdict) {
+  switch (verdict) {
+    case planes::Verdict::missed:
+      return {0, 114, 178, 255};
+    case planes::Verdict::invented:
+      return {230, 159, 0, 255};
+    case planes::Verdict::wrong_plane:
+      return {204, 60, 130, 255};
+    case planes::Verdict::wrong_class:
+      return {0, 158, 115, 255};
+    case planes::Verdict::unscored:
+    case planes::Verdict::right:
+      break;
+  }
+  return kSceneFaded;
+}
+
+/// A colour id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
+/// for it, a new one where there is none.
+std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
+                                   const planes::FrameResult& result,
+                                   std::span<const int> color_of_plane) {
+  int next = static_cast<int>(result.segmentation.planes.size());
+  for (const int id : color_of_plane) next = std::max(next, id);
+  std::vector<int> colors;
+  for (const int found : judged.found_of) {
+    if (found == 0)
+      colors.push_back(++next);
+    else
+      colors.push_back(
+          color_of_plane.empty() ? found : color_of_plane[static_cast<std::size_t>(found) - 1]);
+  }
+  return colors;
 }
 
 /// What each of the three pictures shows of a point; alpha 0: nothing.
@@ -48,7 +83,7 @@ PointColors point_colors(const planes::FrameResult& result,
 
 Image8 titled(const Image8& image, const std::string& title) {
   Image8 result(image.width, image.height + kTitleRoom, 3, 255);
-  draw_text(result, 4, kTitleRoom - 16, title, 30, kInk);
+  draw_text(result, 4, kTitleRoom - 16, title, 30, kTruthInk);
   std::copy(image.data.begin(), image.data.end(),
             result.data.begin() + static_cast<std::ptrdiff_t>(3) * image.width * kTitleRoom);
   return result;
@@ -64,45 +99,13 @@ Image8 with_legend(const Image8& image, const planes::JudgedFrame& judged) {
     fill_rect(result, static_cast<int>(x), y, 26, 26,
               verdict_color(static_cast<planes::Verdict>(k)));
     x += 36;
-    x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kInk) + 36;
+    x += draw_text(result, x, y + 22, fmt::format("{} {}", kNames[k], counts[k]), 26, kTruthInk) +
+         36;
   }
   return result;
 }
 
 }  // namespace
-
-Rgba verdict_color(planes::Verdict verdict) {
-  switch (verdict) {
-    case planes::Verdict::missed:
-      return {0, 114, 178, 255};
-    case planes::Verdict::invented:
-      return {230, 159, 0, 255};
-    case planes::Verdict::wrong_plane:
-      return {204, 60, 130, 255};
-    case planes::Verdict::wrong_class:
-      return {0, 158, 115, 255};
-    case planes::Verdict::unscored:
-    case planes::Verdict::right:
-      break;
-  }
-  return kSceneFaded;
-}
-
-std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
-                                   const planes::FrameResult& result,
-                                   std::span<const int> color_of_plane) {
-  int next = static_cast<int>(result.segmentation.planes.size());
-  for (const int id : color_of_plane) next = std::max(next, id);
-  std::vector<int> colors;
-  for (const int found : judged.found_of) {
-    if (found == 0)
-      colors.push_back(++next);
-    else
-      colors.push_back(
-          color_of_plane.empty() ? found : color_of_plane[static_cast<std::size_t>(found) - 1]);
-  }
-  return colors;
-}
 
 std::string errors_text(const planes::JudgedFrame& judged) {
   const auto counts = counts_of(judged);
@@ -129,7 +132,8 @@ Image8 image_truth(const Frame& frame,
       const auto pixel = static_cast<int>(result.cloud.source[i]);
       const Rgba color = colors.of[k][i];
       if (color.a > 0)
-        blend_pixel(panel, pixel % panel.width, pixel / panel.width, color, k < 2 ? kTint : 0.85);
+        blend_pixel(panel, pixel % panel.width, pixel / panel.width, color,
+                    k < 2 ? kTruthTint : 0.85);
     }
     panels.push_back(titled(enlarge(panel, factor), kTitles[k]));
   }

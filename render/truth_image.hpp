@@ -13,15 +13,6 @@
 
 namespace planescope::render {
 
-/// Of what is wrong; faded where nothing is, or it was not scored.
-Rgba verdict_color(planes::Verdict verdict);
-
-/// A colour id per true plane, by JudgedFrame::true_plane - 1: that of the found plane which stands
-/// for it, a new one where there is none.
-std::vector<int> true_plane_colors(const planes::JudgedFrame& judged,
-                                   const planes::FrameResult& result,
-                                   std::span<const int> color_of_plane);
-
 /// "missed 3.1 %, wrong plane 0.4 %" of the points scored, in words; "all right" where nothing is.
 std::string errors_text(const planes::JudgedFrame& judged);
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "app/cli/progress.hpp"
-#include "core/lab/synthetic/counter_random.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"

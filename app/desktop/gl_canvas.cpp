@@ -5,7 +5,7 @@
 #include "app/desktop/canvas.hpp"
 #include "app/desktop/state/label_state.hpp"
 #include "core/labels/edit/selection.hpp"
-#include "render/image_texture.hpp"
+#include "render/gl.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope::desktop {

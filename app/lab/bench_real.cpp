@@ -13,7 +13,7 @@
 #include "app/lab/lists.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
-#include "core/lab/experiments/real_tables.hpp"
+#include "core/lab/experiments/real_results.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 

@@ -8,6 +8,7 @@
 #include <nanoflann.hpp>
 #include <string>
 
+#include "core/lab/bench/measuring.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
@@ -67,12 +68,12 @@ void neighbours(benchmark::State& state) {
     nanoflann_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(by_nanoflann(points)); }));
     pca_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(pca->classify(points, 1)); }));
   }
-  state.counters["nanoflann_ms"] = median(nanoflann_ms);
+  state.counters["nanoflann_ms"] = lab::median(nanoflann_ms);
   for (const auto& [simd, ms] : grid_ms) {
-    state.counters[to_string(simd) + "_ms"] = median(ms);
-    state.counters[to_string(simd) + "_ratio"] = median(nanoflann_ms) / median(ms);
+    state.counters[to_string(simd) + "_ms"] = lab::median(ms);
+    state.counters[to_string(simd) + "_ratio"] = lab::median(nanoflann_ms) / lab::median(ms);
   }
-  state.counters["pca_ms"] = median(pca_ms);
+  state.counters["pca_ms"] = lab::median(pca_ms);
 }
 BENCHMARK(neighbours)->RangeMultiplier(2)->Range(2048, 16384)->Unit(benchmark::kMillisecond);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/io/recording.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "support/render_depth.hpp"
 #include "timing.hpp"
@@ -45,9 +46,9 @@ void voxel_grid(benchmark::State& state, const Frame& frame, double max_range_m)
         milliseconds([&] { benchmark::DoNotOptimize(theirs.VoxelDownSample(kVoxel_m)); }));
   }
   state.counters["points"] = static_cast<double>(cloud.counts.kept);
-  state.counters["ours_ms"] = median(ours_ms);
-  state.counters["open3d_ms"] = median(open3d_ms);
-  state.counters["ratio"] = median(open3d_ms) / median(ours_ms);
+  state.counters["ours_ms"] = lab::median(ours_ms);
+  state.counters["open3d_ms"] = lab::median(open3d_ms);
+  state.counters["ratio"] = lab::median(open3d_ms) / lab::median(ours_ms);
 }
 
 void add(const std::string& name, const Frame& frame) {

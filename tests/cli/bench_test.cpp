@@ -7,7 +7,7 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/lab/training/random_weights.hpp"
+#include "core/lab/training/train.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;

@@ -1,5 +1,7 @@
 // planescope-lab train, with networks and training sets that are tiny.
 
+#include "core/lab/training/train.hpp"
+
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -9,7 +11,6 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
-#include "core/lab/training/random_weights.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/planes/classify/weights.hpp"
 

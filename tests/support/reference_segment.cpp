@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "support/reference_criteria.hpp"
-#include "support/reference_sight.hpp"
 
 namespace planescope::reference {
 namespace {

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/lab/bench/chain_bench.hpp"
 #include "core/lab/bench/frame_bench.hpp"
 #include "core/lab/bench/label_bench.hpp"
-#include "core/lab/bench/machine.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/lab/bench/speed_bench.hpp"
 #include "core/lab/bench/table.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
@@ -18,8 +17,8 @@ namespace planescope::lab {
 
 struct ClassifierBench {
   std::string command;  // as it was typed
-  std::vector<std::pair<std::string, planes::WeightsRecord>>
-      networks;  // name in the tables, where from
+  // Names in the tables, and the weights.
+  std::vector<std::pair<std::string, planes::WeightsRecord>> networks;
 
   LabelBenchOptions labels;
   bool accuracy = false, gravity = false;  // which of the label rows' figures are asked for

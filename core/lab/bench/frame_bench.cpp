@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "core/lab/bench/statistics.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/planes/pipeline/frame_times.hpp"
 
 namespace planescope::lab {

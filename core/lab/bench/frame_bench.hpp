@@ -23,10 +23,10 @@ struct FrameRow {
   double whole_fps = 0;  // of these, back-projection and cropping; not of loading
 };
 
-/// Up to `runs` of `frames`, evenly spread; fewer are run repeatedly, after some that do not
-/// count. Frames are loaded anew for each run. `options.threads` as given. Throws Error where a
-/// frame cannot be read or has no gravity. `progress` is called before each run with its number and
-/// that of all; it may be empty and may throw to stop.
+/// Up to `runs` of `frames`, evenly spread; where there are fewer, each is run several times. Some
+/// warm-up runs do not count. Frames are loaded anew for each run. `options.threads` as given.
+/// Throws Error where a frame cannot be read or has no gravity. `progress` is called before each
+/// run with its number and that of all; it may be empty and may throw to stop.
 FrameRow measure_frames(const io::Recording& recording,
                         const std::vector<int>& frames,
                         const planes::PipelineOptions& options,

@@ -1,6 +1,7 @@
 #pragma once
 
-// How many labels classifiers get right on clouds that no training has seen.
+// How many labels classifiers get right on clouds that no training has seen, and what becomes of
+// the planes of staircases that are segmented by those labels.
 
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,8 @@
 
 #include "core/planes/classify/labelled_cloud.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
+#include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/segment/options.hpp"
 
 namespace planescope::lab {
 
@@ -22,7 +25,7 @@ struct NamedClassifier {
 struct LabelBenchOptions {
   std::uint64_t seed = 960001;
   int count = 100;      // clouds of each set
-  double tilt_deg = 0;  // measured once more on clouds turned by so much off level
+  double tilt_deg = 0;  // also measured on clouds tilted by this much
   int threads = 1;
 };
 
@@ -30,8 +33,8 @@ struct LabelRow {
   std::string set;
   std::string classifier;
   planes::LabelAccuracy level;
-  planes::LabelAccuracy
-      tilted;  // with the labels of the level cloud; nothing counted without tilt_deg
+  // Against the labels of the level cloud; nothing counted without tilt_deg.
+  planes::LabelAccuracy tilted;
 };
 
 /// Stairs of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, and scans of composed scenes and of
@@ -45,5 +48,20 @@ std::vector<LabelRow> measure_labels(std::span<const NamedClassifier> classifier
 planes::LabelledCloud tilted(const planes::LabelledCloud& cloud,
                              double angle_deg,
                              std::uint64_t seed);
+
+/// The planes of staircases whose points a classifier labelled.
+struct ChainRow {
+  double noise_cm = 0;
+  std::string labels;       // "truth", or a classifier's name
+  planes::Metrics metrics;  // mean_of() all staircases
+};
+
+/// Staircases of 8192 points with 0, 0.1, 0.2 and 0.3 cm of noise, as measure_labels() has them,
+/// through the whole pipeline without a voxel grid: a row for each noise and classifier, the true
+/// labels first. The same for any number of threads.
+std::vector<ChainRow> measure_chain(std::span<const NamedClassifier> classifiers,
+                                    const planes::SegmentOptions& segment,
+                                    const LabelBenchOptions& options,
+                                    const std::function<void(int, int)>& progress = {});
 
 }  // namespace planescope::lab

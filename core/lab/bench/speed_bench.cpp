@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include "core/lab/bench/interleaved.hpp"
-#include "core/lab/bench/statistics.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/gcn_forward.hpp"

@@ -32,15 +32,15 @@ struct SpeedRow {
   int points = 0, threads = 1;
   std::vector<std::pair<Simd, double>> network_ms;  // the widest instruction set last
   double nanoflann_ms = 0, pca_ms = 0;              // PCA with 16 neighbours, nanoflann's and ours
-  double nanoflann_ratio = 0, pca_ratio = 0;        // how often the time of the network
+  double nanoflann_ratio = 0, pca_ratio = 0;        // as multiples of the network's time
 };
 
 /// On one thread. The plain forward is given its neighbours: nothing of it is a search.
 struct ReferenceRow {
   std::string network;
   int points = 0;
-  double whole_ms = 0;    // search and forward
-  double forward_ms = 0;  // the forward on a graph that is there
+  double whole_ms = 0;    // neighbour search and forward pass
+  double forward_ms = 0;  // the forward pass on a graph already built
   double plain_ms = 0;
   double whole_ratio = 0, forward_ratio = 0;  // how much longer the plain one takes
 };

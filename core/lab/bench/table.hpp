@@ -1,5 +1,7 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <string>
 #include <vector>
 
@@ -16,5 +18,20 @@ struct Table {
 
 std::string to_text(const Table& table);      // aligned, for a terminal
 std::string to_markdown(const Table& table);  // a heading of the third level, the table, the note
+
+/// By row and column, whether a method is best there: in its column, which says by its name whether
+/// the least, the most or the nearest to 100 is good; or in its row, where methods are columns (a
+/// table of mean IoU). Printed numbers, the oracle and true labels do not compete; of other tables
+/// nothing is best.
+std::vector<std::vector<bool>> best_cells(const Table& table);
+
+// Figures as cells have them.
+
+inline std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+
+/// Frames a second; a dash where there was nothing to do.
+inline std::string speed_text(double fps) { return fps > 0 ? fixed(fps, 1) : "-"; }
+
+inline double percent(int part, int whole) { return whole > 0 ? 100.0 * part / whole : 0; }
 
 }  // namespace planescope::lab

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/experiments/printed.hpp"
@@ -58,7 +58,8 @@ class Claims {
  public:
   explicit Claims(const PaperResults& results) : results_(results) {}
 
-  /// `frames(seed)`: the stairs that are scored; `of_paper`: the measure in its tables, if it is.
+  /// `frames(seed)`: the stairs that are scored; `of_paper`: the measure in the paper's tables,
+  /// null where they lack it.
   template <typename Frames>
   void add(const std::string& set,
            const Frames& frames,

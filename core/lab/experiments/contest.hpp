@@ -17,12 +17,12 @@
 
 namespace planescope::lab {
 
-/// What labels points for ours.
+/// The classifiers that label points for our method.
 struct Labellers {
   std::shared_ptr<const planes::Classifier> gcn, pca;
 };
 
-/// What is true of a frame that has labels, or fields of a cloud.
+/// Ground truth of a frame, from its labels or from the fields of its cloud.
 planes::SourceTruth truth_of(const EvaluationFrame& frame);
 
 /// One frame and all methods that find planes in it. Points are labelled once for all profiles.

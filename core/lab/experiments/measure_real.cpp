@@ -26,6 +26,17 @@ std::vector<CellKey> and_rivals(std::vector<CellKey> methods) {
   return methods;
 }
 
+std::vector<CellKey> real_methods() {
+  return and_rivals(
+      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca"),
+                    with_ours({}, "paper", "gcn"), with_ours({}, "paper-closest", "gcn")}));
+}
+
+std::vector<CellKey> set_methods() {
+  return and_rivals(
+      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca")}));
+}
+
 std::vector<planes::Metrics> score_by_pixel(const EvaluationFrame& frame,
                                             std::span<const CellKey> methods,
                                             const Labellers& labellers,
@@ -73,17 +84,6 @@ EvaluationFrame read_listed(const ListedFrame& listed,
     throw Error(fmt::format("{}: no labels of frame {}, expected {:06}.json", dir.string(),
                             name.frame, name.frame));
   return out;
-}
-
-std::vector<CellKey> real_methods() {
-  return and_rivals(
-      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca"),
-                    with_ours({}, "paper", "gcn"), with_ours({}, "paper-closest", "gcn")}));
-}
-
-std::vector<CellKey> set_methods() {
-  return and_rivals(
-      and_ablation({with_ours({}, "refined", "gcn"), with_ours({}, "refined", "pca")}));
 }
 
 LabelledScores measure_labelled(std::span<const ListedFrame> listed,

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/io/recording.hpp"
-#include "core/lab/experiments/measure_cells.hpp"
+#include "core/lab/experiments/measure_paper.hpp"
 #include "core/lab/experiments/real_results.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
@@ -37,28 +37,25 @@ EvaluationFrame read_listed(const ListedFrame& listed,
                             const std::filesystem::path& data,
                             const std::filesystem::path& labels);
 
-/// What is measured on real frames: ours in its profiles and with either labeller, and every other
-/// method of this build with its defaults. On sets: profile refined alone.
-std::vector<CellKey> real_methods();
-std::vector<CellKey> set_methods();
-
 // All are the same for any number of threads. `progress(done, all)` may be empty and may throw to
 // stop.
 
-/// `frames[i]` is what was read of `listed[i]`.
+/// Ours in its profiles and with either labeller, and every other method of this build with its
+/// defaults. `frames[i]` is what was read of `listed[i]`.
 LabelledScores measure_labelled(std::span<const ListedFrame> listed,
                                 std::span<const EvaluationFrame> frames,
                                 const CellTools& tools,
                                 const std::function<void(int, int)>& progress = {});
 
-/// The first `count` frames of a depth set, 0: all that it has. True planes of fewer voxels than
-/// kMinTruthVoxels are not scored.
+/// The same methods, but of our profiles refined alone, on the first `count` frames of a depth set,
+/// 0: all that it has. True planes of fewer voxels than kMinTruthVoxels are not scored.
 SetScores measure_set(const CellKey& set,
                       int count,
                       const CellTools& tools,
                       const std::function<void(int, int)>& progress = {});
 
-/// The first `count` frames of a recording, 0: all that it has.
+/// The methods of measure_labelled() on the first `count` frames of a recording, 0: all that it
+/// has.
 RepeatScores measure_repeat(const io::Recording& recording,
                             const Reading& reading,
                             int count,

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <kainjow/mustache.hpp>
 
-#include "core/lab/experiments/best_cells.hpp"
-#include "core/lab/experiments/paper_plots.hpp"
+#include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/model/error.hpp"
 #include "core/report/page/line_chart.hpp"
@@ -52,8 +51,7 @@ Data record_data(const PaperResults& results, const PaperTimings* timings) {
                     html_escape(results.weights.network), html_escape(results.weights.sha256)));
   if (timings)
     add("Timed on",
-        fmt::format("{}, {} cores, {}; {} threads", html_escape(timings->machine.cpu),
-                    timings->machine.cores, to_string(timings->machine.simd), timings->threads));
+        fmt::format("{}; {} threads", html_escape(to_text(timings->machine)), timings->threads));
   if (results.quick) add("Quick", "fewer frames and cells than the full run has");
   if (results.real.empty()) add("Recordings", "none: table IV and real scenes are left out");
   if (results.count > 0) add("Frames", fmt::format("at most {} of each set", results.count));

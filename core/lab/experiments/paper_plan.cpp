@@ -16,6 +16,9 @@ constexpr int kPoints = 8192;
 
 const std::vector<std::string> kLabels = {"truth", "gcn", "pca"};
 
+const std::vector<std::string> kHardCloudSets = {"side_walls", "open_risers", "equal_boxes",
+                                                 "ramps",      "kerbs",       "spiral"};
+
 bool is_depth(const CellKey& frames) { return frames.points == 0; }
 
 class Plan {
@@ -41,7 +44,7 @@ class Plan {
       if (method == planes::Method::ransac)
         add(with_rival(frames, planes::to_string(method), kRansacCoarse));
     }
-    // Where a real frame's planes end is not known.
+    // The oracle needs to know where planes end, which is not known of a real frame.
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
   }
   void add_ablation(const CellKey& frames) {
@@ -60,12 +63,6 @@ class Plan {
 };
 
 }  // namespace
-
-const std::vector<std::string>& hard_sets() {
-  static const std::vector<std::string> sets = {"side_walls", "open_risers", "equal_boxes",
-                                                "ramps",      "kerbs",       "spiral"};
-  return sets;
-}
 
 const std::vector<std::string>& depth_sets() {
   static const std::vector<std::string> sets = {"depth_stairs", "depth_boxes", "depth_slopes"};
@@ -112,6 +109,14 @@ CellKey with_rival(CellKey frames, const std::string& method, const std::string&
   return frames;
 }
 
+CellKey with_method_of(CellKey frames, const CellKey& other) {
+  frames.method = other.method;
+  frames.profile = other.profile;
+  frames.classifier = other.classifier;
+  frames.setting = other.setting;
+  return frames;
+}
+
 bool same_frames(const CellKey& a, const CellKey& b) {
   return a.set == b.set && a.seed == b.seed && a.points == b.points && a.noise_cm == b.noise_cm &&
          a.errors == b.errors;
@@ -151,7 +156,7 @@ std::string contestant_name(const CellKey& key) {
 planes::PipelineOptions cell_options(const CellKey& key) {
   planes::PipelineOptions options;
   options.threads = 1;
-  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // nothing of it is nearer than 1.5
+  if (key.set == kRealLabelled) options.cloud.max_range_m = 4;  // all of it is farther than 1.5 m
   if (key.points > 0) options.cloud.voxel_size_m = 0;  // points are scored, each its own voxel
   if (key.method != "ours") {
     if (key.points > 0) {
@@ -183,7 +188,7 @@ std::vector<CellKey> planned_cells(const PaperPlan& plan) {
   cells.add_ablation(stairs_of(plan.seed, kPoints, 0.3));
   const std::vector<double> hard_noise_cm =
       plan.quick ? std::vector<double>{0.2} : std::vector<double>{0, 0.2};
-  for (const std::string& set : hard_sets())
+  for (const std::string& set : kHardCloudSets)
     for (const double noise_cm : hard_noise_cm)
       cells.add_methods(clouds_of(set, plan.seed, noise_cm));
   const std::vector<std::string> errors = plan.quick

@@ -1,6 +1,7 @@
 #pragma once
 
-// Which cells the experiments have: the paper's tables and the stricter ones are made of them.
+// Which cells the experiments consist of; the paper's tables and the stricter ones are made from
+// them.
 
 #include <optional>
 #include <string>
@@ -17,20 +18,21 @@ inline constexpr const char* kRansacCoarse = "theta_pf 0.02";
 // What the sets' names and conditions are in cells.
 inline constexpr const char* kStairs = "stairs";
 inline constexpr const char* kRealLabelled = "icl_nuim";  // the labelled frame of $PLANESCOPE_DATA
-const std::vector<std::string>& hard_sets();              // of clouds
 const std::vector<std::string>& depth_sets();
 
-/// Cells without method: what is segmented.
+/// Keys without a method: which frames are segmented.
 CellKey stairs_of(std::uint64_t seed, int points, double noise_cm);
 CellKey clouds_of(const std::string& set, std::uint64_t seed, double noise_cm);  // 8192 points
 CellKey depth_of(const std::string& set, std::uint64_t seed, const std::string& errors);
 
-/// The same frames segmented otherwise.
+/// The same frames with a method, or with another one.
 CellKey with_ours(CellKey frames,
                   const std::string& profile,
                   const std::string& classifier,
                   const std::string& setting = "");
 CellKey with_rival(CellKey frames, const std::string& method, const std::string& setting = "");
+
+CellKey with_method_of(CellKey frames, const CellKey& other);
 
 /// Whether both are of the same frames.
 bool same_frames(const CellKey& a, const CellKey& b);

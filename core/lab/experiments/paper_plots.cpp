@@ -1,5 +1,3 @@
-#include "core/lab/experiments/paper_plots.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "core/lab/experiments/paper_page.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/printed.hpp"
 #include "core/report/page/bar_chart.hpp"
@@ -50,15 +49,6 @@ int color_of(const CellKey& contestant) {
   return at == all.end() ? -1 : static_cast<int>(at - all.begin()) + 1;
 }
 
-CellKey on_frames(CellKey contestant, const CellKey& frames) {
-  contestant.set = frames.set;
-  contestant.seed = frames.seed;
-  contestant.points = frames.points;
-  contestant.noise_cm = frames.noise_cm;
-  contestant.errors = frames.errors;
-  return contestant;
-}
-
 std::vector<double> noise_of_stairs(const PaperResults& results) {
   std::vector<double> noise_cm;
   for (const Cell& cell : results.cells)
@@ -93,7 +83,7 @@ report::LineChart noise_chart(const PaperResults& results,
     report::Curve curve{contestant.name, {}, color_of(contestant.key)};
     for (const double noise : noise_cm) {
       const CellKey frames = stairs_of(results.seed, kPaperPoints, noise);
-      const Cell* cell = results.find(on_frames(contestant.key, frames));
+      const Cell* cell = results.find(with_method_of(frames, contestant.key));
       curve.values.push_back(cell ? cell->metrics.*measure : kNone);
     }
     if (has_values(curve)) chart.curves.push_back(std::move(curve));
@@ -122,7 +112,7 @@ std::vector<CellKey> frames_of(const PaperResults& results, bool clouds) {
 std::vector<CellKey> bar_contestants(const PaperResults& results) {
   std::vector<CellKey> all = {with_ours({}, "refined", "gcn")};
   for (const Cell& cell : results.cells) {
-    const CellKey contestant = on_frames(cell.key, {});
+    const CellKey contestant = with_method_of({}, cell.key);
     if (contestant.method != "ours" && std::find(all.begin(), all.end(), contestant) == all.end())
       all.push_back(contestant);
   }
@@ -142,7 +132,7 @@ report::BarChart set_chart(const PaperResults& results,
   for (const CellKey& contestant : bar_contestants(results)) {
     report::Curve bar{contestant_name(contestant), {}, color_of(contestant)};
     for (const CellKey& group : frames) {
-      const Cell* cell = results.find(on_frames(contestant, group));
+      const Cell* cell = results.find(with_method_of(group, contestant));
       bar.values.push_back(cell ? cell->metrics.mean_iou : kNone);
       if (cell) chart.low = std::min(chart.low, cell->metrics.mean_iou);
     }
@@ -181,7 +171,7 @@ std::vector<PaperPlot> noise_plots(const PaperResults& results) {
 }
 
 std::vector<PaperPlot> set_plots(const PaperResults& results) {
-  constexpr std::size_t kMostGroups = 6;  // whose names stay apart
+  constexpr std::size_t kMostGroups = 6;  // as many names as fit side by side
   std::vector<PaperPlot> plots;
   for (const bool clouds : {true, false}) {
     const std::vector<CellKey> frames = frames_of(results, clouds);

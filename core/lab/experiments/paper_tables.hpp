@@ -32,8 +32,6 @@ std::vector<Claim> claims(const PaperResults& results);
 
 Table claim_table(std::span<const Claim> claims);
 
-/// paper.md: claims, the paper's tables, the stricter ones.
-std::string paper_markdown(const PaperResults& results);
 /// Tables one after the other, each by itself.
 std::string joined(std::span<const Table> tables, std::string (*text)(const Table&));
 

@@ -7,7 +7,7 @@
 
 namespace planescope::lab {
 
-/// What became of all 100 stairs.
+/// Means over all 100 stairs.
 struct PrintedCell {
   std::string table;        // "I", "III", "V"
   std::string method;       // "ours", "ransac", "region-growing"

@@ -1,14 +1,12 @@
-#include "core/lab/experiments/real_tables.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/measure_real.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
-#include "core/lab/experiments/real_summary.hpp"
+#include "core/lab/experiments/real_results.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::lab {
@@ -175,10 +173,9 @@ std::string real_markdown(const RealResults& results) {
   return fmt::format(
       "# Real frames, sets of many seeds, frame to frame\n\n"
       "    {}\n\n"
-      "planescope {}, commit {}{}. Weights {} ({}), SHA-256 {}.\n\n{}",
-      results.command, results.build.version, results.build.commit,
-      results.build.modified ? " with changes" : "", results.weights.file, results.weights.network,
-      results.weights.sha256, joined(real_tables(results), to_markdown));
+      "{}. Weights {}.\n\n{}",
+      results.command, to_text(results.build), to_text(results.weights),
+      joined(real_tables(results), to_markdown));
 }
 
 }  // namespace planescope::lab

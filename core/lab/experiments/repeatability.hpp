@@ -34,10 +34,10 @@ struct Neighbours {
 /// Both frames have as many pixels. A pixel is the same in both, wherever the camera went.
 Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next);
 
-/// The floor of a depth frame, told by its pixels alone: the level below the camera that most
-/// pixels lie within 3 cm of, then a plane fitted to the pixels near it, five times. A pixel is
-/// near within 3 cm, and within 1 cm x z^2 where its depth z [m] makes that more, as a stereo
-/// camera's noise grows. Of each pixel, whether it is the floor's: 1, else 0.
+/// The floor of a depth frame, found from its pixels alone, whatever the method: the level below
+/// the camera that most pixels lie within 3 cm of, then a plane fitted to the pixels near it, five
+/// times. A pixel is near within 3 cm, and within 1 cm x z^2 where its depth z [m] makes that more,
+/// as a stereo camera's noise grows. Of each pixel, whether it is the floor's: 1, else 0.
 std::vector<std::uint8_t> floor_pixels(const planes::PreparedFrame& frame);
 
 /// How whole the floor is in what was found.

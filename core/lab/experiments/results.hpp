@@ -1,13 +1,15 @@
 #pragma once
 
-// What the experiments measured: cells, from which every table, plot and page follows.
+// What the experiments measured: cells, from which every table, plot and page follows; and the
+// files that keep it.
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "core/lab/bench/machine.hpp"
+#include "core/lab/bench/measuring.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/report/data/build_info.hpp"
@@ -85,6 +87,11 @@ struct PaperTimings {
   std::vector<MethodTiming> methods;          // table V's frames a second
 };
 
+/// "planescope 0.1.0, commit 0f3a... with changes"
+std::string to_text(const report::BuildInfo& build);
+/// "gcn.safetensors (compact, 27714 parameters), SHA-256 9c2d..."
+std::string to_text(const planes::WeightsRecord& weights);
+
 /// DIR/paper.json and DIR/paper.timings.json. Throw Error naming the file.
 void write_results(const std::filesystem::path& dir, const PaperResults& results);
 void write_timings(const std::filesystem::path& dir, const PaperTimings& timings);
@@ -94,5 +101,23 @@ PaperTimings read_timings(const std::filesystem::path& dir);
 /// A cell as one line of JSON, and back, to the same bits. parse_cell() throws Error.
 std::string cell_line(const Cell& cell);
 Cell parse_cell(const std::string& line);
+
+/// Cells as they are measured, so that a run that was cut short can resume where it stopped.
+/// DIR/cells.jsonl: a line that tells the run, then one for each cell.
+class CellLog {
+ public:
+  /// Throws Error where there is a run and `resume` is not set, or where it is another run: of
+  /// other seeds, weights, build or size than `run`.
+  CellLog(const std::filesystem::path& dir, const PaperResults& run, bool resume);
+
+  const std::vector<Cell>& cells() const { return cells_; }  // of the run so far
+  void append(std::span<const Cell> cells);
+  /// The run is finished and its results are written elsewhere: removes the file.
+  void finish();
+
+ private:
+  std::filesystem::path file_;
+  std::vector<Cell> cells_;
+};
 
 }  // namespace planescope::lab

@@ -1,14 +1,46 @@
 // What tells methods apart (SegComp, EVOPS and panoptic conventions), for all of them on all sets.
 
 #include <algorithm>
+#include <optional>
+#include <span>
 
-#include "core/lab/experiments/cell_figures.hpp"
+#include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
 namespace planescope::lab {
 namespace {
+
+/// Several sets as one: means over all their frames, counts added up. nullopt where one of them was
+/// not measured.
+std::optional<Cell> joined_cell(const PaperResults& results, std::span<const CellKey> keys) {
+  if (keys.size() == 1) {  // to the same bits
+    const Cell* cell = results.find(keys[0]);
+    return cell ? std::optional(*cell) : std::nullopt;
+  }
+  std::vector<planes::Metrics> of_frames;
+  Cell joined;
+  planes::Metrics sums;
+  for (const CellKey& key : keys) {
+    const Cell* cell = results.find(key);
+    if (!cell) return std::nullopt;
+    of_frames.insert(of_frames.end(), static_cast<std::size_t>(cell->frames), cell->metrics);
+    const std::vector<planes::Metrics> both = {sums, cell->metrics};
+    sums = planes::mean_of(both);  // its counts are sums
+    joined.frames += cell->frames;
+  }
+  joined.metrics = planes::mean_of(of_frames);
+  for (const auto count : {&planes::Metrics::planes_truth, &planes::Metrics::planes_found,
+                           &planes::Metrics::detected_iou80, &planes::Metrics::correct,
+                           &planes::Metrics::over_segmented, &planes::Metrics::under_segmented,
+                           &planes::Metrics::missed, &planes::Metrics::noise,
+                           &planes::Metrics::pieces, &planes::Metrics::ghosts})
+    joined.metrics.*count = sums.*count;
+  joined.metrics.points = sums.points;
+  joined.metrics.r_p = percent(sums.planes_found, sums.planes_truth);
+  return joined;
+}
 
 const std::vector<std::string> kColumns = {"alpha", "r_p",  "r_m",  "points", "IoU",
                                            "PQ",    "det",  "over", "under",  "missed",
@@ -55,13 +87,8 @@ struct Subject {
 };
 
 std::vector<CellKey> each_with(const std::vector<CellKey>& frames, const CellKey& contestant) {
-  std::vector<CellKey> keys = frames;
-  for (CellKey& key : keys) {
-    key.method = contestant.method;
-    key.profile = contestant.profile;
-    key.classifier = contestant.classifier;
-    key.setting = contestant.setting;
-  }
+  std::vector<CellKey> keys;
+  for (const CellKey& key : frames) keys.push_back(with_method_of(key, contestant));
   return keys;
 }
 
@@ -117,7 +144,7 @@ Table overview(const PaperResults& results) {
   Table table{"Mean IoU of every method on every set", kColumnNote, {"frames"}, {}, 1};
   std::vector<CellKey> methods;
   for (const Cell& cell : results.cells) {
-    const CellKey method = each_with({CellKey{}}, cell.key)[0];
+    const CellKey method = with_method_of({}, cell.key);
     const bool ours = method.method == "ours";
     if (ours &&
         (method.profile != "refined" || method.classifier == "none" || !method.setting.empty()))

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/lab/synthetic/counter_random.hpp"
-#include "core/lab/synthetic/trigonometry.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -49,7 +48,8 @@ double kernel_energy(int passes) {
   return energy;
 }
 
-/// Normal noise of unit variance at every pixel, alike over a few pixels: `passes` of the blur.
+/// Gaussian noise of unit variance, correlated over a few pixels: white noise after `passes` of the
+/// blur.
 std::vector<float> correlated_normal(
     int width, int height, int passes, std::uint64_t seed, Stream stream) {
   const int margin = 2 * passes;
@@ -62,7 +62,7 @@ std::vector<float> correlated_normal(
     blur(field, w, h, false);
   }
   const auto scale =
-      static_cast<float>(1 / kernel_energy(passes));  // both directions: squared root
+      static_cast<float>(1 / kernel_energy(passes));  // rows and columns: the root of its square
   std::vector<float> out(static_cast<std::size_t>(width) * height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
@@ -70,8 +70,8 @@ std::vector<float> correlated_normal(
   return out;
 }
 
-/// Noise of unit variance that is alike over `cell_px`: normal at the corners of a grid of such
-/// cells, smooth between.
+/// Value noise of unit variance: Gaussian at the corners of a grid of cells `cell_px` wide,
+/// interpolated smoothly between them.
 class SmoothNormal {
  public:
   SmoothNormal(int width, int cell_px, std::uint64_t seed, Stream stream)
@@ -111,8 +111,8 @@ double grazing(double cos_incidence, const D435Model& model) {
   return t * t * (3 - 2 * t);
 }
 
-/// The disparity of another surface that the matching window around a pixel holds: one that jumps
-/// by > 1.5 px. Where there is none, the pixel's own.
+/// The disparity of another surface, more than 1.5 px off, within the matching window around a
+/// pixel; the pixel's own where there is none.
 double beyond_jump(const std::vector<double>& disparity, const Intrinsics& k, int x, int y) {
   constexpr int kReach = 2;
   const double here = disparity[y * k.width + x];

@@ -1,7 +1,7 @@
 #pragma once
 
-// A stereo depth camera after the Intel RealSense D435, as far as its errors matter here: depth
-// from disparity, noise and steps that grow with depth squared, what only one eye sees.
+// A model of how the Intel RealSense D435 errs: depth comes from noisy, quantised disparity, so
+// noise and steps grow with the square of depth, and what only one imager sees is lost.
 
 #include <cstdint>
 #include <limits>
@@ -11,7 +11,7 @@
 
 namespace planescope::lab {
 
-/// About 385 px of focal length at 640 x 480; scaled with the width, no distortion.
+/// Focal length 385 px at 640 x 480, scaled with the width; no distortion.
 Intrinsics d435_intrinsics(int width, int height);
 
 struct D435Model {
@@ -23,14 +23,14 @@ struct D435Model {
   double disparity_step_px = 1.0 / 32;                // the matcher's sub-pixel steps
   double max_disparity_px = 126;                      // nearer: no measurement
   double max_range_m = 10;                            // farther: no measurement
-  double grazing_start_deg = 74;  // from here on surfaces seen at a slant start to drop out
-  double grazing_end_deg = 86;    // and from here on nearly all is lost
-  // What real cameras add, and the sets' camera does not:
-  double bow_sigma_px = 0;  // standard deviation of an error that is alike over bow_px
+  double grazing_start_deg = 74;  // angle of incidence at which pixels start to drop out
+  double grazing_end_deg = 86;    // ... and at which nearly all do
+  // Errors of real cameras that the evaluation sets leave out:
+  double bow_sigma_px = 0;  // standard deviation of an error correlated over bow_px
   int bow_px = 40;
-  // Where a normal noise, alike over patches, is above so many sigma:
-  double flying_from = kNever;  // pixels at jumps are measured between the two surfaces
-  double blind_from = kNever;   // nothing is measured: black, shiny or without texture
+  // Where a smooth field of Gaussian noise exceeds so many sigma:
+  double flying_from = kNever;  // at depth jumps, pixels lie between the two surfaces
+  double blind_from = kNever;   // nothing is measured, as on black, shiny, plain patches
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   bool noise = true;  // false: exact depth, rounded to counts, wherever a ray hits
   bool color = true;  // false: frames without a colour image (quicker)
@@ -50,8 +50,8 @@ struct TrueView {
 /// Depth counts as the camera measures them; 0 where it does not.
 Image16 measure_depth(const TrueView& view, const D435Model& model, std::uint64_t seed);
 
-/// Every pixel's exact depth with a nearly normal error of depth_sigma_m(), independent of its
-/// neighbours'; no holes.
+/// Exact depth plus independent, nearly Gaussian noise of standard deviation depth_sigma_m() at
+/// every pixel; no holes.
 Image16 measure_with_pixel_noise(const TrueView& view, const D435Model& model, std::uint64_t seed);
 
 }  // namespace planescope::lab

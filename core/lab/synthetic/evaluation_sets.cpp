@@ -1,8 +1,21 @@
 #include "core/lab/synthetic/evaluation_sets.hpp"
 
+#include <cassert>
+#include <cstdio>
+#include <map>
+
+#include "core/lab/synthetic/evaluation_scenes.hpp"
+#include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
+#include "core/lab/synthetic/scene.hpp"
+#include "core/lab/synthetic/stairs.hpp"
+#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::lab {
+
+// ---- The sets ----
+
 namespace {
 
 constexpr DepthErrors kAllErrors[] = {DepthErrors::clean, DepthErrors::noise, DepthErrors::d435};
@@ -56,6 +69,172 @@ const EvaluationSet& find_evaluation_set(const std::string& name) {
     known += (known.empty() ? "" : ", ") + set.name;
   }
   throw Error("evaluation set \"" + name + "\" is not known, expected one of " + known);
+}
+
+// ---- Their frames ----
+
+namespace {
+
+using Build = void (*)(Scene&, Random&);
+
+Build build_of(const EvaluationSet& set) {
+  static const std::map<std::string, Build> builds = {
+      {"side_walls", build_side_walls},
+      {"open_risers", build_open_risers},
+      {"equal_boxes", build_equal_boxes},
+      {"ramps", build_ramps},
+      {"kerbs", build_kerbs},
+      {"spiral", build_spiral},
+      {"depth_stairs", build_stairs_view},
+      {"depth_boxes", build_boxes_view},
+      {"depth_slopes", build_slopes_view},
+  };
+  return builds.at(set.name);
+}
+
+/// The seed of a frame, from its set's name: a set stays the same when others are added or removed.
+std::uint64_t seed_of(const EvaluationSet& set, int index, std::uint64_t seed) {
+  std::uint64_t stream = 0;
+  for (const char c : set.name) stream = mix_bits(stream ^ static_cast<unsigned char>(c));
+  return random_bits(seed, stream, static_cast<std::uint64_t>(index));
+}
+
+Gravity exact_gravity(const Vec3d& down) {
+  return {down, GravitySource::sidecar, 1, "exact, from the synthetic scene"};
+}
+
+/// Ground truth of a scene, in a frame's coordinates.
+void tell_truth(EvaluationFrame& out, const Scene& scene, const Pose& T_frame_world) {
+  out.frame.gravity = exact_gravity(T_frame_world.linear() * -Vec3d::UnitZ());
+  out.normals.resize(scene.planes);
+  for (const Surface& surface : scene.surfaces) {
+    TruePolygon polygon{{}, surface.plane};
+    for (const Vec3d& corner : surface.corners) polygon.corners.push_back(T_frame_world * corner);
+    out.polygons.push_back(std::move(polygon));
+    if (surface.plane > 0) out.normals[surface.plane - 1] = T_frame_world.linear() * surface.normal;
+  }
+}
+
+void fill_stairs(EvaluationFrame& out, int index, const EvaluationOptions& options) {
+  StairsOptions stairs_options;
+  stairs_options.seed = options.seed;
+  stairs_options.points = options.points;
+  stairs_options.noise_m = options.noise_m;
+  Stairs stairs = make_stairs(index, stairs_options);
+  out.polygons = true_polygons(stairs);
+  out.normals = std::move(stairs.normals);
+  out.frame.cloud = std::move(stairs.cloud);
+  out.frame.gravity = exact_gravity(-Vec3d::UnitZ());
+}
+
+/// Its faces as triangles, and the surface that each is of.
+struct Triangles {
+  std::vector<Rectangle> faces;
+  std::vector<std::uint32_t> surface;
+};
+Triangles triangles_of(const Scene& scene) {
+  Triangles triangles;
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
+    const Surface& surface = scene.surfaces[s];
+    const std::vector<Vec3d>& corners = surface.corners;
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      triangles.faces.push_back({corners[0], corners[i - 1] - corners[0], corners[i] - corners[0],
+                                 surface.normal, /*halved=*/true});
+      triangles.surface.push_back(static_cast<std::uint32_t>(s));
+    }
+  }
+  return triangles;
+}
+
+/// Points on a scene's surfaces, as stairs have them.
+PointSet sample_cloud(const Scene& scene, const EvaluationOptions& options, Random& random) {
+  const Triangles triangles = triangles_of(scene);
+  const SurfacePoints sampled = sample_surface(
+      triangles.faces, static_cast<std::size_t>(options.points), Mat3d::Identity(), random);
+  PointSet cloud;
+  for (std::size_t i = 0; i < sampled.points.size(); ++i) {
+    const Surface& surface = scene.surfaces[triangles.surface[sampled.rectangle[i]]];
+    cloud.points.push_back(with_noise(sampled.points[i], options.noise_m, random));
+    cloud.instance.push_back(surface.plane);
+    cloud.label.push_back(static_cast<std::uint8_t>(label_of_normal(surface.normal)));
+  }
+  return cloud;
+}
+
+void fill_cloud(EvaluationFrame& out, Build build, std::uint64_t seed, const EvaluationOptions& o) {
+  Random random(seed);
+  Scene scene;
+  build(scene, random);
+  turn(scene, Vec3d::Zero(), random.uniform(0, 360));
+  tell_truth(out, scene, Pose::Identity());
+  out.frame.cloud = sample_cloud(scene, o, random);
+}
+
+/// Whether a quick look, at a quarter of the resolution, finds at least three planes nearby.
+bool shows_enough(const Scene& scene, const D435Model& model) {
+  constexpr double kNearM = 1.5;
+  constexpr int kPlanes = 3, kPixels = 160, kShrink = 4;
+  D435Model small = model;
+  small.noise = false;
+  small.intrinsics =
+      d435_intrinsics(model.intrinsics.width / kShrink, model.intrinsics.height / kShrink);
+  const SceneView view = view_scene(scene, scene.camera, small);
+  std::map<int, int> pixels;
+  for (std::size_t i = 0; i < view.surfaces.size(); ++i)
+    if (view.surfaces[i] >= 0 && view.depth.depth_m[i] < kNearM)
+      ++pixels[scene.surfaces[view.surfaces[i]].plane];
+  int planes = 0;
+  for (const auto& [plane, count] : pixels)
+    if (plane > 0 && count * kShrink * kShrink >= kPixels) ++planes;
+  return planes >= kPlanes;
+}
+
+Scene build_view(Build build, std::uint64_t seed, const D435Model& model) {
+  for (std::uint64_t attempt = 0;; ++attempt) {
+    assert(attempt < 1000);
+    Random random(random_bits(seed, 1, attempt));
+    Scene scene;
+    build(scene, random);
+    if (shows_enough(scene, model)) return scene;
+  }
+}
+
+void fill_depth(EvaluationFrame& out, Build build, std::uint64_t seed, DepthErrors errors) {
+  D435Model model;
+  model.noise = errors == DepthErrors::d435;
+  model.color = false;
+  const Scene scene = build_view(build, seed, model);
+  const Pose T_world_camera = pose_of(scene.camera);
+  const SceneView view = view_scene(scene, scene.camera, model);
+  const std::uint64_t noise_seed = random_bits(seed, 2, 0);
+  Frame& frame = out.frame;
+  frame.intrinsics = model.intrinsics;
+  frame.depth_unit_m = model.depth_unit_m;
+  frame.depth = errors == DepthErrors::noise
+                    ? measure_with_pixel_noise(view.depth, model, noise_seed)
+                    : measure_depth(view.depth, model, noise_seed);
+  out.labels = true_labels(scene, T_world_camera, view.surfaces, frame);
+  tell_truth(out, scene, T_world_camera.inverse());
+}
+
+}  // namespace
+
+EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
+                                      int index,
+                                      const EvaluationOptions& options) {
+  char number[16];
+  std::snprintf(number, sizeof(number), "_%03d", index);
+  EvaluationFrame out;
+  out.name = set.name + number;
+  out.frame.name = out.name;
+  out.frame.index = index;
+  if (set.name == "stairs")
+    fill_stairs(out, index, options);
+  else if (set.depth)
+    fill_depth(out, build_of(set), seed_of(set, index, options.seed), options.errors);
+  else
+    fill_cloud(out, build_of(set), seed_of(set, index, options.seed), options);
+  return out;
 }
 
 }  // namespace planescope::lab

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/lab/synthetic/oracle.hpp"
+#include "core/lab/synthetic/scene.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/frame.hpp"
 
@@ -42,8 +42,7 @@ struct EvaluationOptions {
   DepthErrors errors = DepthErrors::clean;  // depth images
 };
 
-/// A frame and everything that is true of it, in its own coordinates (sensor axes for depth
-/// images).
+/// A frame and its exact ground truth, in its own coordinates (sensor axes for depth images).
 struct EvaluationFrame {
   std::string name;                   // "open_risers_003"
   Frame frame;                        // knows its gravity; clouds carry label and instance
@@ -52,8 +51,8 @@ struct EvaluationFrame {
   std::vector<TruePolygon> polygons;
 };
 
-/// Frame `index` of a set: the same for any other asked for before. Of depth sets the geometry is
-/// the same for all `errors`.
+/// Frame `index` of a set, whatever was made before it. The geometry of depth sets does not depend
+/// on `errors`.
 EvaluationFrame make_evaluation_frame(const EvaluationSet& set,
                                       int index,
                                       const EvaluationOptions& options);

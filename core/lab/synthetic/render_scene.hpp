@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/lab/synthetic/d435.hpp"
@@ -32,5 +33,12 @@ Frame render_scene(const Scene& scene,
 
 /// SHA-256 of a depth image as little-endian counts: what Recording::frame_hash gives for it.
 std::string depth_sha256(const Image16& depth);
+
+/// Ground truth of a frame where it is known what every pixel sees: `surfaces` per pixel, indices
+/// in scene.surfaces, -1 nothing.
+FrameLabels true_labels(const Scene& scene,
+                        const Pose& T_world_camera,
+                        std::span<const int> surfaces,
+                        const Frame& frame);
 
 }  // namespace planescope::lab

@@ -1,11 +1,119 @@
 #include "core/lab/synthetic/sample.hpp"
 
-#include "core/lab/synthetic/counter_random.hpp"
+#include <cassert>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+
+#include "core/io/image/png.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/synthetic/scenes.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::lab {
+
+// ---- Any synthetic folder ----
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSidecar = "planescope.json";
+
+std::string frame_name(std::size_t index) {
+  char name[24];
+  std::snprintf(name, sizeof(name), "%06zu", index);
+  return name;
+}
+
+/// Throws Error if a folder holds anything that this sample would not overwrite.
+void check_folder(const fs::path& dir, const std::set<std::string>& expected) {
+  std::error_code error;
+  if (!fs::exists(dir, error)) return;
+  if (!fs::is_directory(dir, error)) throw Error(dir.string() + ": exists and is not a folder");
+  fs::directory_iterator entries(dir, error);
+  if (error) throw Error(dir.string() + ": cannot be read: " + error.message());
+  for (const auto& entry : entries) {
+    const std::string name = entry.path().filename().string();
+    if (!expected.contains(name)) {
+      throw Error(dir.string() + ": holds " + name +
+                  ", which is not part of this sample; expected a new or empty folder");
+    }
+  }
+}
+
+void check_target(const fs::path& dir, const SampleFolder& folder) {
+  std::set<std::string> images, labels;
+  for (std::size_t i = 0; i < folder.frames; ++i) {
+    const std::string name = frame_name(i);
+    images.insert(name + ".png");
+    for (const char* suffix : {".json", ".plane.png", ".hv.png"}) labels.insert(name + suffix);
+  }
+  std::set<std::string> content = {kSidecar, "depth"};
+  if (folder.color) content.insert("color");
+  check_folder(dir, content);
+  check_folder(dir / "depth", images);
+  if (folder.color) check_folder(dir / "color", images);
+  check_folder(labels::default_label_dir(dir), labels);
+}
+
+void make_folder(const fs::path& dir) {
+  std::error_code error;
+  fs::create_directories(dir, error);
+  if (error) throw Error(dir.string() + ": cannot be made a folder: " + error.message());
+}
+
+Json sidecar_of(const SampleFolder& folder, const Frame& first) {
+  const Intrinsics& k = first.intrinsics;
+  Json json;
+  json["schema"] = "planescope.recording/1";
+  json["made_by"] = folder.made_by;
+  json["seed"] = folder.seed;
+  json["intrinsics"] = {
+      {"width", k.width}, {"height", k.height},          {"fx", k.fx}, {"fy", k.fy}, {"cx", k.cx},
+      {"cy", k.cy},       {"distortion", k.coefficients}};
+  json["depth_unit_m"] = first.depth_unit_m;
+  json["color_aligned"] = folder.color;
+  json["frames"] = Json::array();
+  return json;
+}
+
+}  // namespace
+
+void write_sample_folder(const fs::path& dir,
+                         const SampleFolder& folder,
+                         const std::function<SampleFrame(std::size_t)>& make_frame) {
+  assert(folder.frames > 0);
+  check_target(dir, folder);
+  make_folder(dir / "depth");
+  if (folder.color) make_folder(dir / "color");
+
+  Json json;
+  for (std::size_t i = 0; i < folder.frames; ++i) {
+    const std::string name = frame_name(i);
+    const auto [frame, truth, scene] = make_frame(i);
+    if (i == 0) json = sidecar_of(folder, frame);
+    io::write_png(dir / "depth" / (name + ".png"), frame.depth);
+    if (folder.color) io::write_png(dir / "color" / (name + ".png"), frame.color);
+    labels::write_frame_labels(labels::default_label_dir(dir), static_cast<int>(i), truth);
+
+    Json entry = {{"name", name}, {"scene", scene}, {"timestamp_s", static_cast<double>(i)}};
+    if (folder.gravity) {
+      const Vec3d& down = truth.gravity.direction;
+      entry["gravity"] = {down.x(), down.y(), down.z()};
+    }
+    json["frames"].push_back(entry);
+  }
+  const std::string text = json.dump(1) + "\n";
+  write_file_text(dir / kSidecar, text);
+}
+
+// ---- The sample ----
+
 namespace {
 
 constexpr int kMinSide = 16, kMaxSide = 8192;

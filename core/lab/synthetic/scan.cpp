@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "core/lab/synthetic/composed_scene.hpp"
-#include "core/lab/synthetic/counter_random.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/synthetic/scenes.hpp"
 #include "core/model/parallel.hpp"
 #include "core/planes/cloud/cloud.hpp"
@@ -13,7 +12,7 @@
 namespace planescope::lab {
 namespace {
 
-enum Stream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 104 };
+enum ScanStream : std::uint64_t { kView = 1, kCamera = 2, kTestScene = 3, kComposedTest = 104 };
 
 bool is_worth_learning(const planes::LabelledCloud& scan) {
   constexpr std::size_t kLeastVoxels = 300;

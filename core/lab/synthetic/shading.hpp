@@ -7,8 +7,8 @@
 
 namespace planescope::lab {
 
-/// Share of the light from all around that reaches a point on a surface, 0..1: less beside
-/// surfaces that rise above it.
+/// Ambient occlusion: the share of light from all around that reaches a point on a surface, 0..1,
+/// less beside surfaces that rise above it.
 double openness(const Scene& scene, const CastScene& cast, int surface, const Vec3d& point);
 
 /// Linear RGB of a point on a surface: its texture under a lamp that casts shadows, and under the

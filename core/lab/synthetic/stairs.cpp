@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/lab/synthetic/rectangles.hpp"
+#include "core/lab/synthetic/surface_points.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
@@ -53,11 +53,8 @@ Stairs make_stairs(int index, const StairsOptions& options) {
   const SurfacePoints surface =
       sample_surface(faces, static_cast<std::size_t>(options.points), turn, random);
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    Vec3d p = surface.points[i].cast<double>();
-    if (options.noise_m > 0)
-      for (int axis = 0; axis < 3; ++axis) p[axis] += options.noise_m * random.normal();
     const std::uint32_t face = surface.rectangle[i];
-    stairs.cloud.points.push_back(p.cast<float>());
+    stairs.cloud.points.push_back(with_noise(surface.points[i], options.noise_m, random));
     stairs.cloud.instance.push_back(static_cast<std::int32_t>(face) + 1);
     stairs.cloud.label.push_back(static_cast<std::uint8_t>(label_of_normal(faces[face].normal)));
   }

@@ -2,12 +2,12 @@
 
 // The paper's evaluation set (Sec. V): stairs of random size, a tread and a riser per step. The
 // noise is added to the points that were sampled: farthest point sampling of noisy points would
-// favour those that stick out. The paper does not say which of the two comes first.
+// favour outliers. The paper does not say which of the two comes first.
 
 #include <cstdint>
 #include <vector>
 
-#include "core/lab/synthetic/oracle.hpp"
+#include "core/lab/synthetic/scene.hpp"
 #include "core/model/frame.hpp"
 #include "core/planes/classify/labelled_cloud.hpp"
 
@@ -33,14 +33,13 @@ struct Stairs {
   double length_m = 0, width_m = 0, height_m = 0, yaw_rad = 0;
 };
 
-/// Staircase `index` of the set: the same for any other index asked for before.
+/// Staircase `index` of the set, whatever was made before it.
 Stairs make_stairs(int index, const StairsOptions& options);
 
 /// Its risers and treads, in the cloud's coordinates.
 std::vector<TruePolygon> true_polygons(const Stairs& stairs);
 
-/// Its points and labels; near an edge is what lies within 2 cm of a tread or riser, whichever it
-/// is not on itself.
+/// Its points and labels. Near an edge is what lies within 2 cm of a face of the other label.
 planes::LabelledCloud labelled(const Stairs& stairs);
 
 }  // namespace planescope::lab

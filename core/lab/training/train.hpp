@@ -1,7 +1,7 @@
 #pragma once
 
-// Training of a 3D-GCN: Adam on a cross-entropy that counts points beside another label more, and
-// if asked both labels alike.
+// Training of a 3D-GCN: Adam on a cross-entropy that weighs points near the other label more and,
+// if asked to, balances the two classes.
 
 #include <cstdint>
 #include <functional>
@@ -23,7 +23,7 @@ struct TrainOptions {
   double learning_rate = 2e-3;  // of Adam; warms up, then falls to 0 along a cosine
   int warm_up_steps = 50;
   bool balance_classes = false;  // h and v weigh the same in each cloud
-  double edge_weight = 4;        // of a point that has a neighbour of the other label
+  double edge_weight = 4;        // weight of a point that has a neighbour of the other label
   int epoch_steps = 2500;        // steps between validations
 };
 
@@ -42,7 +42,11 @@ struct TrainState {
   std::vector<Epoch> epochs;
 };
 
-/// Weights drawn as the official code draws them.
+/// Weights drawn as the official code and PyTorch draw them: uniform within 1 / sqrt(inputs) for
+/// the head, 1 / sqrt(outputs) for the graph convolutions.
+planes::NetworkWeights random_weights(const planes::NetworkConfig& config, std::uint64_t seed);
+
+/// Begins with random_weights() and moments of 0.
 TrainState begin_training(const TrainOptions& options);
 
 /// `draw(number)`: the cloud of that number; clouds step * batch .. + batch - 1 make a step. Called
@@ -56,7 +60,7 @@ double train_step(TrainState& state,
                   int threads,
                   Simd simd = best_simd());
 
-/// Of a network on labelled clouds, over all their points.
+/// Accuracy of a network over all points of the clouds.
 planes::LabelAccuracy score_network(const planes::NetworkWeights& weights,
                                     std::span<const planes::LabelledCloud> clouds,
                                     int threads,

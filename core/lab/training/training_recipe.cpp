@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/lab/synthetic/counter_random.hpp"
+#include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/error.hpp"

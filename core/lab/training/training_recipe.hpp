@@ -25,9 +25,9 @@ struct TrainingRecipe {
   }
 };
 
-/// "planescope", the default: more than half of it scans, mixed noise, a loss that minds the edges.
-/// "real-camera": that, with scans that err as real cameras do, also beyond the crop.
-/// "paper": the text of Sec. III, objects alone, plain cross-entropy.
+/// "planescope", the default: more than half of it scans, mixed noise, a loss that weighs points
+/// near edges more. "real-camera": that, with scans that err as real cameras do, also beyond the
+/// crop. "paper": the text of Sec. III, objects alone, plain cross-entropy.
 const std::vector<std::string>& recipe_names();
 
 /// Throws Error naming the recipes there are.

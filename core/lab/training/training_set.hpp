@@ -38,7 +38,7 @@ struct AugmentOptions {
   double cluster_radius_m = 0.1;  // up to
   double tilt_deg = 0;            // off level, up to, about a random horizontal axis
   int points = 2048;              // kept at most: the nearest ones to a random point; 0 all
-  double thinning = 1;            // a random share of the points, down to this one, goes on
+  double thinning = 1;            // keeps a random share of the points, at least this one
   double yaw_deg = 180;           // turned about z, up to, either way
 };
 

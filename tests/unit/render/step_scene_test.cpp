@@ -1,17 +1,64 @@
 #include "render/step_scene.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
+#include "core/debug/replay/run.hpp"
 #include "gl_fixture.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
-#include "step_fixture.hpp"
+#include "support/render_depth.hpp"
 
 namespace planescope::render {
 namespace {
 
-using test::first_step;
+/// A depth frame of two steps, run with a trace.
+std::shared_ptr<const debug::Run> stairs_run(planes::Profile profile = planes::Profile::refined) {
+  std::vector<test::Parallelogram> scene = {{{-1, -2, 0}, {4, 0, 0}, {0, 4, 0}}};
+  test::add_box(scene, {0.7, -0.3, 0}, {0.8, 0.6, 0.17});
+  test::add_box(scene, {1.0, -0.3, 0.17}, {0.5, 0.6, 0.17});
+  test::Camera camera;
+  Frame frame = test::render_depth(scene, camera);
+  frame.gravity = Gravity{test::true_gravity(camera), GravitySource::imu, 1, ""};
+  planes::PipelineOptions options;
+  options.segment = planes::profile_options(profile);
+  const auto classifier = planes::make_pca_classifier();
+  return debug::make_run(
+      debug::make_subject(std::move(frame), std::nullopt, options, classifier.get()), options);
+}
+
+/// What was known after `step` events, and no more.
+debug::Run stopped_at(const debug::Run& run, std::int32_t step) {
+  debug::Run stopped = run;
+  planes::Trace& trace = stopped.trace;
+  trace.events.resize(static_cast<std::size_t>(step));
+  const auto later = [&](const auto& record) { return record.change.step > step; };
+  std::erase_if(trace.points, later);
+  std::erase_if(trace.planes, later);
+  for (auto* at : {&trace.queued_at, &trace.visited_at, &trace.decided_at})
+    std::erase_if(*at, [&](std::int32_t k) { return k > step; });
+  std::vector<planes::OctreeNode>& nodes = stopped.segmentation.octree.nodes;
+  nodes.resize(trace.queued_at.size());
+  for (std::size_t n = trace.decided_at.size(); n < nodes.size(); ++n) {
+    nodes[n].decided = planes::Case::none;
+    nodes[n].at_max_depth = nodes[n].impure_fit = false;
+    nodes[n].first_child = -1;
+    nodes[n].child_count = 0;
+  }
+  stopped.segmentation.plane_of.clear();
+  stopped.segmentation.planes.clear();
+  stopped.facts.clear();
+  stopped.timeline = debug::Timeline(stopped.trace, stopped.segmentation);
+  return stopped;
+}
+
+/// The first step whose event is of this type.
+std::int32_t first_step(const debug::Run& run, planes::EventType type) {
+  for (std::int32_t k = 1; k <= run.steps(); ++k)
+    if (run.event_at(k)->type == type) return k;
+  return -1;
+}
 
 StepLook look_at(std::int32_t step, ColorBy color_by = ColorBy::cases) {
   StepLook look;
@@ -28,11 +75,11 @@ const DrawLabel* label(const DrawList& list, const std::string& text) {
 
 TEST(StepScene, NothingOfTheFutureIsDrawn) {
   for (const planes::Profile profile : {planes::Profile::refined, planes::Profile::paper}) {
-    const auto run = test::stairs_run(profile);
+    const auto run = stairs_run(profile);
     for (int part = 0; part <= 12; ++part) {
       const std::int32_t step = run->steps() * part / 12;
       SCOPED_TRACE(step);
-      const auto stopped = test::stopped_at(*run, step);
+      const auto stopped = stopped_at(*run, step);
       for (const ColorBy by : {ColorBy::cases, ColorBy::planes}) {
         EXPECT_TRUE(scene_step(*run, look_at(step, by)) == scene_step(stopped, look_at(step, by)));
         EXPECT_EQ(image_step(*run, look_at(step, by), Backdrop::depth, 0.5).data,
@@ -43,7 +90,7 @@ TEST(StepScene, NothingOfTheFutureIsDrawn) {
 }
 
 TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRoot) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const DrawList list = scene_step(*run, look_at(0));
   const auto& colors = list.points[0].colors;
   EXPECT_TRUE(std::all_of(colors.begin(), colors.end(), [&](Rgba c) { return c == colors[0]; }));
@@ -53,7 +100,7 @@ TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRoot) {
 }
 
 TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const DrawList list = scene_step(*run, look_at(run->steps()));
   for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
     const std::int32_t node =
@@ -66,7 +113,7 @@ TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
 }
 
 TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const std::int32_t step = first_step(*run, planes::EventType::found);
   EXPECT_TRUE(scene_step(*run, look_at(step - 1)).polygons.empty());
   const DrawList list = scene_step(*run, look_at(step));
@@ -78,7 +125,7 @@ TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
 }
 
 TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   const DrawList plain = scene_step(*run, look);
   look.node = run->octree().nodes[0].first_child;
@@ -99,7 +146,7 @@ TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
 }
 
 TEST(StepScene, SelectedNodeThatIsNotThereYetIsNotDrawn) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   StepLook look = look_at(0);
   const DrawList plain = scene_step(*run, look);
   look.node = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
@@ -107,7 +154,7 @@ TEST(StepScene, SelectedNodeThatIsNotThereYetIsNotDrawn) {
 }
 
 TEST(StepScene, MarkedVoxelsStandOut) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const std::vector<std::uint32_t> marked = {3, 5};
   StepLook look = look_at(0);
   look.marked = marked;
@@ -117,7 +164,7 @@ TEST(StepScene, MarkedVoxelsStandOut) {
 }
 
 TEST(StepScene, CameraOnANodeHoldsItsBox) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const Camera home = frame_camera(run->subject->prepared, run->segmentation, 1.5);
   const auto last = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
   const Camera close = camera_on_node(*run, last, home);
@@ -135,7 +182,7 @@ bool differs(const Image8& a, const Image8& b, std::size_t pixel) {
 }
 
 TEST(StepImage, PaintsMeasuredPixelsOnly) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const Image8 before = image_backdrop(*run->subject, Backdrop::depth);
   const Image8 after =
       image_step(*run, look_at(run->steps(), ColorBy::planes), Backdrop::depth, 0.5);
@@ -151,7 +198,7 @@ TEST(StepImage, PaintsMeasuredPixelsOnly) {
 }
 
 TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   look.show_planes = false;
   look.node = run->octree().nodes[0].first_child;
@@ -173,7 +220,7 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
 struct StepPicking : GlTest {};
 
 TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   StepLook look = look_at(run->steps());
   const DrawList list = scene_step(*run, look);
   const Camera camera = frame_camera(run->subject->prepared, run->segmentation, 1.5);
@@ -192,7 +239,7 @@ TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
 }
 
 TEST_F(StepPicking, VoxelIsPickedThroughTheBoxAndThePlaneItIsIn) {
-  const auto run = test::stairs_run();
+  const auto run = stairs_run();
   const DrawList list = scene_step(*run, look_at(run->steps()));
   const Camera camera = frame_camera(run->subject->prepared, run->segmentation, 1.5);
   DrawList bare = list;

@@ -2,6 +2,7 @@
 
 #include "gl_fixture.hpp"
 #include "render/font.hpp"
+#include "render/paint.hpp"
 
 namespace planescope::render {
 namespace {
@@ -101,6 +102,11 @@ TEST_F(OverlayPicture, ManySizesOfTextOutgrowTheAtlasAndAreAllDrawn) {
   int red = 0;
   for (int x = 0; x < kWidth; ++x) red += pixel(first, x, kHeight / 2).g < 60;
   EXPECT_GT(red, 20);
+}
+
+TEST(FontFile, IsATrueTypeFile) {
+  ASSERT_GT(font_file().size(), 100'000u);
+  EXPECT_EQ(font_file().substr(0, 4), std::string_view("\0\1\0\0", 4));
 }
 
 }  // namespace

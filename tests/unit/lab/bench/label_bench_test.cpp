@@ -7,7 +7,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/lab/bench/chain_bench.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 
 namespace planescope::lab {

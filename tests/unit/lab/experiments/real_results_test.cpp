@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "core/lab/experiments/paper_plan.hpp"
-#include "core/lab/experiments/real_summary.hpp"
-#include "core/lab/experiments/real_tables.hpp"
 #include "support/refusal.hpp"
 
 namespace planescope::lab {

@@ -65,14 +65,6 @@ TEST(Sample, TheShippedSampleIsWhatTheDefaultsWrite) {
   }
 }
 
-TEST(Sample, TheShippedSampleIsSmall) {
-  const fs::path shipped = fs::path(PLANESCOPE_SOURCE_DIR) / "assets/sample";
-  std::uintmax_t bytes = 0;
-  for (const fs::path& dir : {shipped, labels::default_label_dir(shipped)})
-    for (const fs::path& file : files_under(dir)) bytes += fs::file_size(dir / file);
-  EXPECT_LT(bytes, 3'000'000u);
-}
-
 TEST(Sample, IsARecordingWhoseLabelsBelongToItsFrames) {
   const fs::path dir = fresh_dir("truth");
   write_sample(dir, small_sample());

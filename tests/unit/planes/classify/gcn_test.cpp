@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/lab/training/random_weights.hpp"
+#include "core/lab/training/train.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"

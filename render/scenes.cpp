@@ -1,0 +1,324 @@
+#include "render/scenes.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/palette.hpp"
+#include "render/scene_parts.hpp"
+
+namespace planescope::render {
+
+// ---- Points: by h / v, by margin, left over, by height ----
+
+namespace {
+
+constexpr float kUnsure = 0.5F;              // margins below this are told as unsure
+constexpr Rgba kLeftOver{213, 60, 20, 255};  // where left over is what the picture is about
+
+}  // namespace
+
+DrawList scene_labels(const planes::FrameResult& result) {
+  using Mark = LegendEntry::Mark;
+  DrawList list;
+  DrawPoints points = voxel_points(result.voxels);
+  std::size_t count[3] = {};
+  for (const Label label : result.classification.labels) {
+    points.colors.push_back(label_color(label));
+    ++count[static_cast<int>(label)];
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
+  add_gravity(result, list);
+  list.title = "Pointwise classification";
+  list.subtitle = std::to_string(n) + " voxels by the tilt of the surface around them";
+  const auto entry = [&](Label label, const std::string& name) {
+    const std::size_t k = count[static_cast<int>(label)];
+    list.legend.push_back({Mark::dot, label_color(label),
+                           name + "  " + std::to_string(k) + "  (" + percent(k, n) + ")"});
+  };
+  entry(Label::h, "h  level, up to 45\u00b0");
+  entry(Label::v, "v  upright");
+  if (count[0] > 0) entry(Label::unknown, "unknown");
+  return list;
+}
+
+DrawList scene_margins(const planes::FrameResult& result) {
+  using Mark = LegendEntry::Mark;
+  const planes::Classification& classified = result.classification;
+  DrawList list;
+  DrawPoints points = voxel_points(result.voxels);
+  std::size_t unsure = 0, unknown = 0;
+  for (std::size_t i = 0; i < points.positions.size(); ++i) {
+    points.colors.push_back(margin_color(classified.labels[i], classified.margins[i]));
+    if (classified.labels[i] == Label::unknown)
+      ++unknown;
+    else
+      unsure += classified.margins[i] < kUnsure;
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
+  add_gravity(result, list);
+  list.title = "Sureness of the classification";
+  list.subtitle = std::to_string(unsure) + " of " + std::to_string(n) +
+                  " voxels have a margin below 0.5 (" + percent(unsure, n) + ")";
+  const auto entry = [&](Label label, double margin, const std::string& text) {
+    list.legend.push_back({Mark::dot, margin_color(label, margin), text});
+  };
+  entry(Label::h, 1, "h  sure (margin 1)");
+  entry(Label::h, 0.5, "h  margin 0.5");
+  entry(Label::h, 0, "on the boundary (margin 0)");
+  entry(Label::v, 0.5, "v  margin 0.5");
+  entry(Label::v, 1, "v  sure (margin 1)");
+  if (unknown > 0) entry(Label::unknown, 0, "unknown  " + std::to_string(unknown));
+  return list;
+}
+
+DrawList scene_leftovers(const planes::FrameResult& result, std::span<const int> color_of_plane) {
+  using Mark = LegendEntry::Mark;
+  DrawList list;
+  DrawPoints points = voxel_points(result.voxels);
+  std::size_t left = 0;
+  for (const std::int32_t id : result.segmentation.plane_of) {
+    const Rgba faded = id > 0 ? mix(color_of(id, color_of_plane), kSceneFaded, 0.75) : kLeftOver;
+    points.colors.push_back(faded);
+    left += id <= 0;
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
+  add_gravity(result, list);
+  list.title = "Points left over";
+  list.subtitle = std::to_string(left) + " of " + std::to_string(n) + " voxels are in no plane (" +
+                  percent(left, n) + ")";
+  list.legend.push_back({Mark::dot, kLeftOver, "in no plane  " + std::to_string(left)});
+  list.legend.push_back({Mark::dot, kSceneFaded, "in a plane  " + std::to_string(n - left)});
+  return list;
+}
+
+DrawList scene_heights(const planes::FrameResult& result) {
+  using Mark = LegendEntry::Mark;
+  DrawList list;
+  const RobustBounds bounds = robust_bounds(result.voxels.points);
+  const double low = bounds.low.z(), high = std::max(bounds.high.z(), bounds.low.z() + 1e-3F);
+  const auto color_at = [&](double z) {
+    // The ramp keeps its own grey for 0, which means "not measured" there.
+    return depth_color(std::clamp((z - low) / (high - low), 0.001, 1.0), 1);
+  };
+  DrawPoints points;
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
+  for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
+    if (!result.cloud.kept[i]) continue;
+    points.positions.push_back(result.cloud.points[i]);
+    points.colors.push_back(color_at(result.cloud.points[i].z()));
+  }
+  list.title = "Measured points by height";
+  list.subtitle = std::to_string(points.positions.size()) + " points";
+  list.points.push_back(std::move(points));
+  for (int k = 4; k >= 0; --k) {
+    const double z = low + (high - low) * k / 4;
+    const double world = z + result.cloud.origin.z();
+    char text[32];
+    std::snprintf(text, sizeof text, "z = %.2f m", world);
+    list.legend.push_back({Mark::dot, color_at(z), text});
+  }
+  add_gravity(result, list);
+  return list;
+}
+
+// ---- Octree nodes by case: the panels a-d of the paper's figure, on real data ----
+
+namespace {
+
+DrawBox tile_of(const planes::FrameResult& result, const planes::OctreeNode& node) {
+  return points_box(result.segmentation.octree, node, result.voxels.size_m);
+}
+
+bool divided(const planes::OctreeNode& node) { return node.first_child >= 0; }
+
+/// Numerals on the largest settled nodes, so that cases need not be told by colour alone.
+void add_numerals(const planes::FrameResult& result, double least_edge_m, DrawList& list) {
+  const planes::Octree& octree = result.segmentation.octree;
+  std::vector<const planes::OctreeNode*> nodes;
+  for (const planes::OctreeNode& node : octree.nodes)
+    if (node.decided != planes::Case::none && !divided(node) &&
+        octree.node_edge_m(node) >= least_edge_m)
+      nodes.push_back(&node);
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const planes::OctreeNode* a, const planes::OctreeNode* b) {
+                     return a->depth != b->depth ? a->depth < b->depth : a->size() > b->size();
+                   });
+  if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
+  for (const planes::OctreeNode* node : nodes) {
+    const DrawBox box = tile_of(result, *node);
+    list.labels.push_back({(box.min + box.max) / 2, case_numeral(*node), kSceneText, 15, true});
+  }
+}
+
+}  // namespace
+
+DrawList scene_cases(const planes::FrameResult& result) {
+  using Mark = LegendEntry::Mark;
+  const planes::Octree& octree = result.segmentation.octree;
+  DrawList list;
+  std::size_t count[5] = {}, hatched = 0, label_fits = 0;
+  DrawPoints points = voxel_points(result.voxels);
+  points.colors.assign(points.positions.size(), case_color(planes::Case::none));
+  DrawPoints fitted;  // marks of nodes that R4 fitted label by label
+  fitted.size_m = 0;
+  fitted.min_px = 6;
+  const double numeral_edge_m = least_numeral_edge_m(result.voxels.points);
+  for (const planes::OctreeNode& node : octree.nodes) {
+    if (node.decided == planes::Case::none) continue;
+    ++count[static_cast<int>(node.decided)];
+    DrawBox box = divided(node) ? cell_box(octree, node) : tile_of(result, node);
+    box.color = case_color(node.decided);
+    if (divided(node)) {
+      box.color.a = 40;  // the finer nodes inside are what matters
+    } else {
+      for (std::uint32_t i = node.begin; i < node.end; ++i)
+        points.colors[octree.order[i]] = box.color;
+      if (node.at_max_depth) {
+        box.style = BoxStyle::hatched;
+        ++hatched;
+      }
+      if (node.impure_fit) {
+        ++label_fits;
+        if (octree.node_edge_m(node) < numeral_edge_m)  // larger ones get a numeral with a star
+          fitted.positions.push_back((box.min + box.max) / 2);
+      }
+    }
+    list.boxes.push_back(box);
+  }
+  list.points.push_back(std::move(points));
+  add_numerals(result, numeral_edge_m, list);
+
+  list.title = "Octree nodes by case";
+  list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +
+                  " nodes visited; voxels in the colour of the node that settled them";
+  add_case_legend(count, list);
+  if (hatched > 0)
+    list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
+                           "I or III at full depth: left over  " + std::to_string(hatched)});
+  if (label_fits > 0)
+    list.legend.push_back({Mark::dot, kSceneText,
+                           "or I*: fitted label by label (R4)  " + std::to_string(label_fits)});
+  fitted.colors.assign(fitted.positions.size(), kSceneText);
+  list.points.push_back(std::move(fitted));
+  add_gravity(result, list);
+  return list;
+}
+
+// ---- Planes: points, outlines, normals, ids ----
+
+namespace {
+
+/// Some files carry a colour field that was never filled: one value for all points.
+bool has_colors(std::span<const std::uint8_t> rgb) {
+  for (std::size_t i = 3; i < rgb.size(); ++i)
+    if (rgb[i] != rgb[i % 3]) return true;
+  return false;
+}
+
+/// Convex outline of the voxels of each plane, on the plane.
+std::vector<std::vector<Vec3f>> outlines(const planes::FrameResult& result) {
+  const auto& planes = result.segmentation.planes;
+  std::vector<std::vector<Vec3f>> members(planes.size());
+  for (std::size_t i = 0; i < result.voxels.points.size(); ++i) {
+    const std::int32_t id = result.segmentation.plane_of[i];
+    if (id > 0) members[static_cast<std::size_t>(id - 1)].push_back(result.voxels.points[i]);
+  }
+  std::vector<std::vector<Vec3f>> corners;
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    corners.push_back(outline_on_plane(planes[k].fit, members[k]));
+  return corners;
+}
+
+void add_plane_shapes(const planes::FrameResult& result,
+                      std::span<const int> color_of_plane,
+                      DrawList& list) {
+  const float arrow_m = normal_arrow_m(result.voxels.points);
+  const auto corners = outlines(result);
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (corners[k].size() < 3) continue;
+    const planes::PlaneRegion& plane = result.segmentation.planes[k];
+    const Rgba color = color_of(plane.id, color_of_plane);
+    const Rgba dark = mix(color, kSceneText, 0.45);
+    DrawPolygon polygon;
+    polygon.corners = corners[k];
+    polygon.fill = with_alpha(color, 50);
+    polygon.outline = with_alpha(dark, 230);
+    polygon.id = static_cast<std::uint32_t>(plane.id);
+    list.polygons.push_back(std::move(polygon));
+
+    if (!is_named(plane.points, result.voxels.points.size())) continue;
+    const Vec3f from = plane.fit.centroid.cast<float>();
+    const Vec3f normal = plane.fit.normal.cast<float>();
+    list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
+    list.labels.push_back(
+        {from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText, 19, true});
+  }
+}
+
+}  // namespace
+
+DrawList scene_planes(const planes::FrameResult& result, std::span<const int> color_of_plane) {
+  using Mark = LegendEntry::Mark;
+  DrawList list;
+  DrawPoints points = voxel_points(result.voxels);
+  std::size_t in_planes = 0;
+  for (const std::int32_t id : result.segmentation.plane_of) {
+    points.colors.push_back(id > 0 ? color_of(id, color_of_plane) : kSceneFaded);
+    points.ids.push_back(id > 0 ? static_cast<std::uint32_t>(id) : 0);
+    in_planes += id > 0;
+  }
+  const std::size_t n = points.positions.size();
+  list.points.push_back(std::move(points));
+  add_plane_shapes(result, color_of_plane, list);
+  add_plane_legend(result, color_of_plane, list);
+  if (in_planes < n)
+    list.legend.push_back(
+        {Mark::dot, kSceneFaded, "in no plane  " + std::to_string(n - in_planes)});
+  add_gravity(result, list);
+  const std::size_t planes = result.segmentation.planes.size();
+  list.title = "Final planes";
+  list.subtitle = std::to_string(planes) + (planes == 1 ? " plane holds " : " planes hold ") +
+                  percent(in_planes, n) + " of " + std::to_string(n) + " voxels";
+  return list;
+}
+
+DrawList scene_overlay(const Frame& frame,
+                       const planes::FrameResult& result,
+                       std::span<const int> color_of_plane) {
+  DrawList list;
+  DrawPoints points;
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
+  const bool colored = frame.cloud && has_colors(frame.cloud->rgb);
+  for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
+    if (!result.cloud.kept[i]) continue;
+    points.positions.push_back(result.cloud.points[i]);
+    Rgba base{160, 163, 168, 255};
+    if (colored) {
+      const std::uint8_t* rgb =
+          &frame.cloud->rgb[3 * static_cast<std::size_t>(result.cloud.source[i])];
+      base = {rgb[0], rgb[1], rgb[2], 255};
+    }
+    const std::int32_t id = result.plane_of[i];
+    points.colors.push_back(id > 0 ? mix(base, color_of(id, color_of_plane), 0.6) : base);
+  }
+  list.title = "Planes over the cloud";
+  list.subtitle = std::to_string(points.positions.size()) + " points";
+  list.points.push_back(std::move(points));
+  for (const planes::PlaneRegion& plane : result.segmentation.planes)
+    if (is_named(plane.points, result.voxels.points.size()))
+      list.labels.push_back(
+          {plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText, 19, true});
+  add_gravity(result, list);
+  add_plane_legend(result, color_of_plane, list);
+  return list;
+}
+
+}  // namespace planescope::render

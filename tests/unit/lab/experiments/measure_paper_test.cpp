@@ -1,0 +1,122 @@
+#include "core/lab/experiments/measure_paper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/lab/experiments/oracle.hpp"
+#include "core/lab/experiments/paper_plan.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+
+namespace planescope::lab {
+namespace {
+
+CellTools tools() {
+  CellTools tools;
+  planes::PipelineOptions options;
+  tools.gcn =
+      planes::make_classifier(options, PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors")
+          .classifier;
+  tools.pca = planes::make_pca_classifier();
+  return tools;
+}
+
+std::vector<CellKey> contestants(const CellKey& frames) {
+  return {with_ours(frames, "refined", "truth"), with_ours(frames, "refined", "gcn"),
+          with_ours(frames, "refined", "pca"), with_ours(frames, "refined", "none"),
+          with_rival(frames, "oracle")};
+}
+
+TEST(MeasureCells, GivesTheSameForAnyThreadCount) {
+  const std::vector<CellKey> keys = contestants(stairs_of(1001, 2048, 0.2));
+  CellTools one = tools(), many = tools();
+  many.threads = 3;
+  const std::vector<Cell> a = measure_cells(keys, 3, one), b = measure_cells(keys, 3, many);
+  for (std::size_t i = 0; i < keys.size(); ++i) EXPECT_EQ(cell_line(a[i]), cell_line(b[i]));
+}
+
+TEST(MeasureCells, TheOracleIsHardlyBeatenAndTrueLabelsAreNotWorse) {
+  for (const CellKey& frames :
+       {stairs_of(1001, 2048, 0.1), depth_of("depth_boxes", 1001, "d435")}) {
+    const std::vector<Cell> cells = measure_cells(contestants(frames), 2, tools());
+    const auto iou = [&](std::size_t i) { return cells[i].metrics.mean_iou; };
+    EXPECT_GT(iou(4), 80) << frames.set;
+    for (const std::size_t without_truth : {1u, 2u, 3u})
+      EXPECT_LE(iou(without_truth), iou(4) + 0.5) << contestant_name(cells[without_truth].key);
+    EXPECT_GE(iou(0), iou(1) - 1) << frames.set;
+  }
+}
+
+TEST(MeasureCells, TheOracleIsRightWhereNothingIsUncertain) {
+  const std::vector<Cell> cells =
+      measure_cells({{with_rival(stairs_of(1001, 2048, 0), "oracle")}}, 1, tools());
+  EXPECT_GT(cells[0].metrics.point_accuracy, 99);
+  EXPECT_EQ(cells[0].metrics.r_m, 0);
+  EXPECT_LT(cells[0].metrics.alpha_deg, 0.05);
+}
+
+TEST(PaperPlan, HasEveryCellOnceAndThoseOfAQuickRunAmongThem) {
+  const std::vector<CellKey> all = planned_cells({});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_EQ(std::ranges::find(all, all[i]) - all.begin(), static_cast<std::ptrdiff_t>(i));
+  PaperPlan quick;
+  quick.quick = true;
+  const std::vector<CellKey> fewer = planned_cells(quick);
+  EXPECT_LT(fewer.size(), all.size());
+  for (const CellKey& key : fewer) EXPECT_NE(std::ranges::find(all, key), all.end());
+}
+
+TEST(PaperPlan, TurnsOffOneRefinementAtATime) {
+  for (const std::string& refinement : refinements()) {
+    const planes::SegmentOptions o =
+        cell_options(with_ours(stairs_of(1, 8192, 0.3), "refined", "gcn", without(refinement)))
+            .segment;
+    const int on = o.noise.estimate_sigma + o.r1_merge_by_distance.on + o.r2_explain_away.on +
+                   o.r3_weak_candidates.on + o.r4_fit_impure_nodes.on +
+                   o.r5_reassign_shared_cells.on + o.r6_refit.on + o.r7_second_merge.on +
+                   o.r9_join_sheets.on + o.r10_minor.on + o.r11_pixel_borders.on +
+                   o.r12_part_corners.on + (o.split_disconnected.rule != planes::SplitRule::off);
+    EXPECT_EQ(on, 12) << refinement;
+  }
+}
+
+const TruePolygon kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1};
+
+TEST(Oracle, DistanceIsThatToThePlaneOverThePolygonAndElseToItsNearestEdgeOrCorner) {
+  EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.2, 0.2, 0.5}), 0.5);
+  EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.2, 0.2, -0.5}), 0.5);
+  EXPECT_DOUBLE_EQ(distance_m(kTriangle, {0.5, -0.3, 0.4}), 0.5);  // beside an edge
+  EXPECT_DOUBLE_EQ(distance_m(kTriangle, {1.3, 0, 0.4}), 0.5);     // beyond a corner
+  EXPECT_DOUBLE_EQ(distance_m(kTriangle, {1, 1, 0}), std::sqrt(0.5));
+}
+
+TEST(Oracle, WhichWayRoundThePolygonGoesDoesNotMatter) {
+  const TruePolygon reversed{{{0, 1, 0}, {1, 0, 0}, {0, 0, 0}}, 1};
+  for (const Vec3d& p : {Vec3d(0.2, 0.2, 0.5), Vec3d(1, 1, 0), Vec3d(-1, 2, 3)})
+    EXPECT_DOUBLE_EQ(distance_m(reversed, p), distance_m(kTriangle, p));
+}
+
+TEST(Oracle, PlanesEndWhereTheirPolygonsEnd) {
+  // Two tables of one height, and the floor between them.
+  const std::vector<TruePolygon> tables = {
+      {{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}, 1},
+      {{{2, 0, 1}, {3, 0, 1}, {3, 1, 1}, {2, 1, 1}}, 2},
+      {{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}, 3},
+  };
+  const std::vector<Vec3f> points = {
+      {0.5f, 0.5f, 0.9f}, {2.5f, 0.5f, 1.1f}, {1.4f, 0.5f, 1}, {1.6f, 0.5f, 1}, {1.5f, 0.5f, 0.2f}};
+  EXPECT_EQ(oracle_planes(points, tables), (std::vector<std::int32_t>{1, 2, 1, 2, 3}));
+}
+
+TEST(Oracle, TakesTheFirstOfEquallyNearPlanesAndNoneWhereACurvedPartIsNearest) {
+  std::vector<TruePolygon> polygons = {
+      kTriangle, kTriangle, {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}, 0}};
+  polygons[1].plane = 2;
+  const std::vector<Vec3f> points = {{0.2f, 0.2f, 0.1f}, {0.2f, 0.2f, 0.9f}};
+  EXPECT_EQ(oracle_planes(points, polygons), (std::vector<std::int32_t>{1, 0}));
+}
+
+}  // namespace
+
+}  // namespace planescope::lab

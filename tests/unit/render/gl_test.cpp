@@ -1,0 +1,126 @@
+#include "render/gl.hpp"
+
+#include <cstdlib>
+
+#include "gl_fixture.hpp"
+
+namespace planescope::render {
+namespace {
+
+// ---- Contexts ----
+
+struct Context : GlTest {};
+
+TEST_F(Context, DescriptionNamesTheDriverAndTheWayIn) {
+  EXPECT_NE(context().description().find("EGL"), std::string::npos) << context().description();
+}
+
+TEST_F(Context, TwoContextsLiveSideBySide) {
+  const auto camera = front_camera();
+  const Image8 before = render({}, camera);
+  {
+    const auto other = make_egl_context();  // current from here on
+    Renderer there;
+    EXPECT_EQ(there.render({}, camera, kWidth, kHeight, Theme::light).data, before.data);
+  }
+  context().make_current();
+  EXPECT_EQ(render({}, camera).data, before.data);
+}
+
+TEST(GlfwContext, DrawsTheSamePictureInAHiddenWindow) {
+  if (std::getenv("DISPLAY") == nullptr) GTEST_SKIP() << "no display";
+  std::unique_ptr<GlContext> window;
+  try {
+    window = make_glfw_context(64, 48, "planescope", false);
+  } catch (const Error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  ASSERT_NE(window->window(), nullptr);
+  Renderer renderer;
+  const Image8 image = renderer.render({}, front_camera(), 64, 48, Theme::dark);
+  EXPECT_LT(image.at(32, 24, 0), 60);
+}
+
+TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
+  if (std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr) {
+    GTEST_SKIP() << "there is a display";
+  }
+  try {
+    make_glfw_context(64, 48, "planescope", false);
+    FAIL() << "a window opened";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("window"), std::string::npos) << error.what();
+  }
+}
+
+// ---- Textures ----
+
+struct Texture : GlTest {
+  // RGBA as GL holds it, row 0 first.
+  static Image8 pixels_of(std::uint32_t texture, int width, int height) {
+    Image8 image(width, height, 4);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data.data());
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return image;
+  }
+};
+
+TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
+  DrawList list;
+  list.boxes = {
+      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  list.title = "Box";
+  const Image8 picture = render(list, front_camera(), Theme::dark);
+  const auto id = renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark);
+  const Image8 texture = pixels_of(id, kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(texture.at(x, kHeight - 1 - y, c), picture.at(x, y, c)) << x << " " << y;
+}
+
+TEST_F(Texture, OfADrawingFollowsItsSize) {
+  const auto camera = front_camera();
+  EXPECT_GT(pixels_of(renderer().draw({}, camera, 64, 48, Theme::light), 64, 48).at(32, 24), 220);
+  const Image8 small = renderer().render({}, camera, 64, 48, Theme::light);
+  renderer().draw({}, camera, kWidth, kHeight, Theme::light);
+  EXPECT_EQ(renderer().render({}, camera, 64, 48, Theme::light).data, small.data);
+}
+
+TEST_F(Texture, OfAQuickDrawingDiffersOnlyAtEdges) {
+  DrawList list = without_overlay();
+  list.boxes = {
+      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  const auto quick =
+      renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark, Effort::quick);
+  const Image8 texture = pixels_of(quick, kWidth, kHeight);
+  const Image8 picture = render(list, front_camera(), Theme::dark);
+  int differing = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      differing += std::abs(texture.at(x, kHeight - 1 - y) - picture.at(x, y)) > 8;
+  EXPECT_LT(differing, kWidth * kHeight / 50);
+}
+
+TEST_F(Texture, OfAnImageHoldsItsPixelsAndTakesOthers) {
+  Image8 image(3, 2, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint8_t>(i);
+  ImageTexture texture(image);
+  EXPECT_EQ(texture.width(), 3);
+  EXPECT_EQ(texture.height(), 2);
+  Image8 held = pixels_of(texture.id(), 3, 2);
+  EXPECT_EQ(held.at(2, 1, 1), image.at(2, 1, 1));
+  EXPECT_EQ(held.at(0, 0, 3), 255);
+
+  const std::uint32_t id = texture.id();
+  ImageTexture moved = std::move(texture);
+  moved.upload(Image8(5, 4, 4, 77));
+  EXPECT_EQ(moved.id(), id);
+  held = pixels_of(moved.id(), 5, 4);
+  EXPECT_EQ(held.at(4, 3, 3), 77);
+}
+
+}  // namespace
+
+}  // namespace planescope::render
