@@ -8,6 +8,7 @@
 
 #include "app/cli/cli.hpp"
 #include "app/cli/interrupt.hpp"
+#include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
 
 namespace {
@@ -24,6 +25,7 @@ int fail(std::string message, int code) {
 
 int main(int argc, char** argv) {
   try {
+    planescope::open3d::install();
     const planescope::app::Job job = planescope::app::parse_command_line(argc, argv);
     const planescope::app::Interrupt interrupt;
     const int code = job(interrupt.token());

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_layout.hpp"
 #include "core/io/folder/raw_files.hpp"
 #include "core/io/readers.hpp"
@@ -13,9 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExpected =
-    "expected a RealSense .bag, a folder with depth/ as 16-bit PNG, a RealSense Viewer .raw with "
-    "its _metadata.csv, or a .ply or .pcd cloud";
+std::string expected() {
+  std::string kinds = ".ply or .pcd";
+  for (const CloudFormat& format : added_cloud_formats()) kinds += " or " + format.extension;
+  return "expected a RealSense .bag, a folder with depth/ as 16-bit PNG, a RealSense Viewer .raw "
+         "with its _metadata.csv, or a " +
+         kinds + " cloud";
+}
 
 /// What lies in a folder, for people: "3 .txt, 1 .jpg".
 std::string describe_files(const std::vector<fs::path>& files) {
@@ -45,7 +50,7 @@ std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOpti
   }
   if (!cloud_files_under(path).empty()) return open_clouds(path, options);
   throw Error(path.string() + ": a folder with no recording in it (" + describe_files(files) +
-              "), " + kExpected);
+              "), " + expected());
 }
 
 std::string first_bytes(const fs::path& path) {
@@ -70,7 +75,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (is_cloud(path)) return open_clouds(path, options);
   if (kind == ".raw" || kind == ".csv") return open_viewer_raw(path, options);
   if (start.starts_with("\x89PNG") || kind == ".png") return open_image_folder(path, options);
-  throw Error(path.string() + ": not a recording that planescope reads, " + kExpected);
+  throw Error(path.string() + ": not a recording that planescope reads, " + expected());
 }
 
 }  // namespace planescope::io

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
@@ -10,6 +11,39 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMaxDepth = 4;  // folders below the one given; a whole disk is no recording
+
+std::vector<CloudFormat>& cloud_formats() {
+  static std::vector<CloudFormat> formats;
+  return formats;
+}
+
+bool is_of_added_format(const fs::path& path) {
+  return std::ranges::find(cloud_formats(), extension(path), &CloudFormat::extension) !=
+         cloud_formats().end();
+}
+
+/// Files of a kind in the folder, then those in the folders below it.
+std::vector<fs::path> files_under(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
+  std::vector<fs::path> wanted;
+  for (const fs::path& file : files_in(folder)) {
+    if (is_wanted(file)) wanted.push_back(file);
+  }
+  std::vector<fs::path> below;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
+    std::error_code ignored;
+    if (it.depth() > 0 && is_wanted(it->path()) && it->is_regular_file(ignored)) {
+      below.push_back(it->path());
+    }
+  }
+  std::sort(below.begin(), below.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.string(), b.string());
+  });
+  wanted.insert(wanted.end(), below.begin(), below.end());
+  return wanted;
+}
 
 }  // namespace
 
@@ -21,7 +55,13 @@ std::string extension(const fs::path& path) {
 }
 
 bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
-bool is_cloud(const fs::path& path) { return is_ply(path) || extension(path) == ".pcd"; }
+bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }
+bool is_cloud(const fs::path& path) {
+  return is_ply(path) || is_pcd(path) || is_of_added_format(path);
+}
+
+void add_cloud_format(const CloudFormat& format) { cloud_formats().push_back(format); }
+const std::vector<CloudFormat>& added_cloud_formats() { return cloud_formats(); }
 
 bool natural_less(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -62,25 +102,9 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 }
 
 std::vector<fs::path> cloud_files_under(const fs::path& folder) {
-  std::vector<fs::path> clouds;
-  for (const fs::path& file : files_in(folder)) {
-    if (is_cloud(file)) clouds.push_back(file);
-  }
-  std::vector<fs::path> below;
-  std::error_code error;
-  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
-  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
-    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
-    std::error_code ignored;
-    if (it.depth() > 0 && is_cloud(it->path()) && it->is_regular_file(ignored)) {
-      below.push_back(it->path());
-    }
-  }
-  std::sort(below.begin(), below.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.string(), b.string());
-  });
-  clouds.insert(clouds.end(), below.begin(), below.end());
-  return clouds;
+  const auto clouds =
+      files_under(folder, [](const fs::path& file) { return is_ply(file) || is_pcd(file); });
+  return clouds.empty() ? files_under(folder, is_of_added_format) : clouds;
 }
 
 }  // namespace planescope::io

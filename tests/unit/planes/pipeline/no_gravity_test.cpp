@@ -29,7 +29,7 @@ PipelineOptions without_gravity() {
 }
 
 TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
-  for (const char* method : {"ours", "ransac"}) {
+  for (const char* method : {"ours", "region-growing"}) {
     PipelineOptions options = without_gravity();
     set_option(options, "method", method);
     const FrameResult result = run_frame(rolled(), options, nullptr);  // needs no classifier

@@ -1,4 +1,4 @@
-// The peers of the Point Cloud Library.
+// The rivals of the Point Cloud Library.
 
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/features/normal_3d.h>
@@ -12,7 +12,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/planes/rivals/peers.hpp"
+#include "core/planes/rivals/pcl_cgal.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -69,6 +69,8 @@ std::vector<std::int32_t> groups_of(const std::vector<pcl::PointIndices>& region
 }
 
 }  // namespace
+
+bool has_pcl_and_cgal() { return true; }
 
 FoundPlanes pcl_multi_plane(const PixelPoints& input, const PclMultiPlaneOptions& options) {
   assert(input.points.size() == input.pixel.size() && input.points.size() == input.kept.size());

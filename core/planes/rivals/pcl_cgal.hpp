@@ -1,9 +1,9 @@
 #pragma once
 
-// Further peers, from libraries that Debian packages. Built with -DPLANESCOPE_PEERS=ON alone; in
+// The rivals of PCL and CGAL, as Debian packages them. Built with -DPLANESCOPE_RIVALS=ON alone; in
 // other builds every function here throws Error saying so.
 //
-// Options are tuned, by mean IoU and panoptic quality (docs/method.md, "Further peers"): defaults
+// Options are tuned, by mean IoU and panoptic quality (docs/method.md, "Further rivals"): defaults
 // on depth images and their 2 cm voxels, k...ByPoint on the paper's stairs of 8192 points.
 
 #include <span>
@@ -15,7 +15,7 @@
 namespace planescope::planes {
 
 /// Whether this build has them.
-bool has_peers();
+bool has_pcl_and_cgal();
 
 struct PclMultiPlaneOptions {
   int normal_px = 20;        // edge of the square that a pixel's normal is computed from

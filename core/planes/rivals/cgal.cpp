@@ -1,4 +1,4 @@
-// The peers of CGAL 5.5, whose shape detection and normal estimation are under the GPL.
+// The rivals of CGAL 5.5, whose shape detection and normal estimation are under the GPL.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Random.h>
@@ -8,7 +8,7 @@
 #include <CGAL/pca_estimate_normals.h>
 #include <CGAL/property_map.h>
 
-#include "core/planes/rivals/peers.hpp"
+#include "core/planes/rivals/pcl_cgal.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/planes/rivals/peers.hpp"
+#include "core/planes/rivals/pcl_cgal.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "core/model/error.hpp"
+#include "core/planes/rivals/ransac.hpp"
 #include "unit/planes/rivals/found_planes_support.hpp"
 
 namespace planescope::planes {
@@ -46,31 +47,32 @@ struct PixelScene {
   }
 };
 
-struct Peer {
+struct Rival {
   const char* name;
   std::function<FoundPlanes(std::span<const Vec3f>)> find;
 };
-const Peer kPeers[] = {
+const Rival kRivals[] = {
     {"pcl_region_growing",
      [](auto points) { return pcl_region_growing(points, kPclRegionGrowingByPoint); }},
     {"cgal_ransac", [](auto points) { return cgal_ransac(points, kCgalRansacByPoint); }},
     {"cgal_region_growing",
      [](auto points) { return cgal_region_growing(points, kCgalRegionGrowingByPoint); }}};
 
-class Peers : public testing::TestWithParam<Peer> {
+class FurtherRivals : public testing::TestWithParam<Rival> {
  protected:
   void SetUp() override {
-    if (!has_peers()) GTEST_SKIP() << "this build has no peers (-DPLANESCOPE_PEERS=ON)";
+    if (!has_pcl_and_cgal()) GTEST_SKIP() << "this build has none of them (-DPLANESCOPE_RIVALS=ON)";
   }
 };
 /// GoogleTest would print the bytes, with addresses that differ from run to run.
-void PrintTo(const Peer& peer, std::ostream* out) { *out << peer.name; }
+void PrintTo(const Rival& rival, std::ostream* out) { *out << rival.name; }
 
-INSTANTIATE_TEST_SUITE_P(OfUnorderedClouds, Peers, testing::ValuesIn(kPeers), [](const auto& test) {
-  return std::string(test.param.name);
-});
+INSTANTIATE_TEST_SUITE_P(OfUnorderedClouds,
+                         FurtherRivals,
+                         testing::ValuesIn(kRivals),
+                         [](const auto& test) { return std::string(test.param.name); });
 
-TEST_P(Peers, FindAFloorAndTheSmallerWallOnIt) {
+TEST_P(FurtherRivals, FindAFloorAndTheSmallerWallOnIt) {
   const std::vector<Vec3f> points = floor_and_wall(3000, 1500, 0.001);
   const FoundPlanes found = GetParam().find(points);
   ASSERT_EQ(found.planes.size(), 2u);
@@ -81,7 +83,7 @@ TEST_P(Peers, FindAFloorAndTheSmallerWallOnIt) {
   EXPECT_GT(std::count(found.plane_of.begin() + 3000, found.plane_of.end(), 2), 1300);
 }
 
-TEST_P(Peers, FindNothingInFewPoints) {
+TEST_P(FurtherRivals, FindNothingInFewPoints) {
   for (const int count : {0, 1, 2, 3, 10}) {
     const FoundPlanes found = GetParam().find(points_everywhere(count));
     EXPECT_TRUE(found.planes.empty());
@@ -89,7 +91,7 @@ TEST_P(Peers, FindNothingInFewPoints) {
   }
 }
 
-TEST_P(Peers, AnswerTheSameAgainAndInThreadsAtATime) {
+TEST_P(FurtherRivals, AnswerTheSameAgainAndInThreadsAtATime) {
   const std::vector<Vec3f> points = floor_and_wall(2000, 1000, 0.003);
   const FoundPlanes once = GetParam().find(points);
   EXPECT_TRUE(same(once, GetParam().find(points)));
@@ -103,7 +105,7 @@ TEST_P(Peers, AnswerTheSameAgainAndInThreadsAtATime) {
 }
 
 TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
-  if (!has_peers()) GTEST_SKIP() << "this build has no peers (-DPLANESCOPE_PEERS=ON)";
+  if (!has_pcl_and_cgal()) GTEST_SKIP() << "this build has none of them (-DPLANESCOPE_RIVALS=ON)";
   // Along the crease each row of pixels has normals of its own: a region, but for its size.
   const PclMultiPlaneOptions options{.min_points = 1000};
   PixelScene scene;
@@ -130,14 +132,19 @@ TEST(PclMultiPlane, FindsTheFloorAndTheWallInADepthImageFromWhereverItIsSeen) {
   EXPECT_LT(angle_deg(again.planes[0].normal, found.planes[0].normal), 0.05);
 }
 
-TEST(MissingPeers, AreRefusedByName) {
-  if (has_peers()) GTEST_SKIP() << "this build has them";
-  try {
-    cgal_ransac({}, {});
-    FAIL() << "nothing was refused";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("cgal-ransac"), std::string::npos);
-  }
+TEST(MissingRivals, AreRefusedByName) {
+  const auto refused = [](auto find, const std::string& name, const std::string& option) {
+    try {
+      find();
+      FAIL() << "nothing was refused";
+    } catch (const Error& error) {
+      EXPECT_EQ(
+          error.what(),
+          "method " + name + " is not part of this build, configure it with -D" + option + "=ON");
+    }
+  };
+  refused([] { find_planes_ransac({}, {}); }, "ransac", "PLANESCOPE_OPEN3D");
+  if (!has_pcl_and_cgal()) refused([] { cgal_ransac({}, {}); }, "cgal-ransac", "PLANESCOPE_RIVALS");
 }
 
 }  // namespace

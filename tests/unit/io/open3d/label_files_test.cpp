@@ -2,7 +2,7 @@
 
 #include <open3d/t/io/PointCloudIO.h>
 
-#include "exchange_fixture.hpp"
+#include "unit/labels/exchange_fixture.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -14,8 +14,9 @@ TEST_F(Exchange, Open3dReadsTheFieldsOfPlyAndPcd) {
   for (const LabelFormat format : {LabelFormat::ply, LabelFormat::pcd}) {
     SCOPED_TRACE(to_string(format));
     const auto path = write_labelled(dir_ / "frame", format, points).at(0);
-    open3d::t::geometry::PointCloud cloud;
-    ASSERT_TRUE(open3d::t::io::ReadPointCloud(path.string(), cloud, {"auto", false, false, false}));
+    ::open3d::t::geometry::PointCloud cloud;
+    ASSERT_TRUE(
+        ::open3d::t::io::ReadPointCloud(path.string(), cloud, {"auto", false, false, false}));
     ASSERT_EQ(cloud.GetPointPositions().GetLength(), static_cast<std::int64_t>(points.size()));
     for (const char* field : {"label", "instance", "u", "v"})
       ASSERT_TRUE(cloud.HasPointAttr(field)) << field;

@@ -1,19 +1,15 @@
-// The peers in builds without -DPLANESCOPE_PEERS=ON.
+// The rivals of PCL and CGAL in builds without -DPLANESCOPE_RIVALS=ON.
 
-#include "core/model/error.hpp"
-#include "core/planes/rivals/peers.hpp"
+#include "core/planes/rivals/pcl_cgal.hpp"
 
 namespace planescope::planes {
 namespace {
 
-[[noreturn]] void refuse(const char* name) {
-  throw Error(std::string("method ") + name +
-              " is not part of this build, configure it with -DPLANESCOPE_PEERS=ON");
-}
+[[noreturn]] void refuse(const char* name) { refuse_absent_rival(name, "PLANESCOPE_RIVALS"); }
 
 }  // namespace
 
-bool has_peers() { return false; }
+bool has_pcl_and_cgal() { return false; }
 
 FoundPlanes pcl_multi_plane(const PixelPoints&, const PclMultiPlaneOptions&) {
   refuse("pcl-multi-plane");
