@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -73,14 +72,6 @@ double load(Scalar type, const std::byte* bytes, bool big_endian) {
       return load_as<double>(bytes, big_endian);
   }
   return 0;
-}
-
-std::optional<double> parse_number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 CloudBuilder::CloudBuilder(const std::filesystem::path& path,

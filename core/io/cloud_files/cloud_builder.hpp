@@ -19,8 +19,6 @@ enum class Scalar : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f6
 std::size_t size_of(Scalar type);
 /// The value at `bytes`, which hold at least size_of(type).
 double load(Scalar type, const std::byte* bytes, bool big_endian = false);
-/// A number as text ("nan" and "inf" too); nullopt where it is none.
-std::optional<double> parse_number(std::string_view text);
 
 struct CloudField {
   std::string name;

@@ -10,6 +10,7 @@
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {

@@ -8,6 +8,7 @@
 #include "core/io/image/png.hpp"
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {

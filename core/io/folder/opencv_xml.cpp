@@ -1,29 +1,19 @@
 #include <algorithm>
 #include <map>
+#include <pugixml.hpp>
 
 #include "core/io/cloud_files/cloud_builder.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/folder/camera_files.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
-// The matrices that OpenCV's FileStorage writes as XML, read without an XML library: an element
-// <NAME type_id="opencv-matrix"> with <rows>, <cols> and <data>.
 namespace planescope::io {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxBytes = 1 << 20;
-
-/// The text between <tag> and </tag> in `text`, from `from` on.
-std::optional<std::string_view> content(std::string_view text, std::string_view tag) {
-  const std::string open = std::string("<").append(tag).append(">");
-  const std::size_t start = text.find(open);
-  if (start == std::string_view::npos) return std::nullopt;
-  const std::size_t end = text.find(std::string("</").append(tag).append(">"), start);
-  if (end == std::string_view::npos) return std::nullopt;
-  return text.substr(start + open.size(), end - start - open.size());
-}
+constexpr std::uintmax_t kMaxXmlBytes = 1 << 20;
 
 std::vector<double> numbers_in(std::string_view text) {
   std::vector<double> numbers;
@@ -41,19 +31,14 @@ std::vector<double> numbers_in(std::string_view text) {
   }
 }
 
-std::map<std::string, std::vector<double>> matrices_in(std::string_view xml) {
-  std::map<std::string, std::vector<double>> matrices;
-  constexpr std::string_view kMark = " type_id=\"opencv-matrix\"";
-  for (std::size_t at = xml.find(kMark); at != std::string_view::npos;
-       at = xml.find(kMark, at + 1)) {
-    const std::size_t open = xml.rfind('<', at);
-    if (open == std::string_view::npos) continue;
-    const std::string name(xml.substr(open + 1, at - open - 1));
-    const std::size_t end = xml.find(std::string("</").append(name).append(">"), at);
-    const auto data =
-        content(xml.substr(at, end == std::string_view::npos ? end : end - at), "data");
-    if (data) matrices.emplace(name, numbers_in(*data));
-  }
+using Matrices = std::map<std::string, std::vector<double>>;
+
+/// The matrices that OpenCV's FileStorage writes, by name: an element <NAME
+/// type_id="opencv-matrix"> with <rows>, <cols> and <data>. Of equal names the first.
+Matrices matrices_in(const pugi::xml_document& document) {
+  Matrices matrices;
+  for (const pugi::xpath_node& found : document.select_nodes("//*[@type_id='opencv-matrix'][data]"))
+    matrices.emplace(found.node().name(), numbers_in(found.node().child_value("data")));
   return matrices;
 }
 
@@ -62,7 +47,7 @@ bool is_camera_matrix(const std::vector<double>& m) {
          m[7] == 0 && m[8] == 1;
 }
 
-bool contains(const std::string& text, std::initializer_list<const char*> words) {
+bool has_word(const std::string& text, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(),
                      [&](const char* word) { return text.find(word) != std::string::npos; });
 }
@@ -72,16 +57,16 @@ constexpr std::initializer_list<const char*> kColorNames = {"RGB", "Color", "col
 
 /// Intrinsics under a name with one of the words (any name where there are none), with the
 /// distortion coefficients of the same words.
-std::optional<Intrinsics> intrinsics_of(const std::map<std::string, std::vector<double>>& matrices,
+std::optional<Intrinsics> intrinsics_of(const Matrices& matrices,
                                         std::initializer_list<const char*> words) {
   const auto wanted = [&](const std::string& name) {
-    return words.size() == 0 || contains(name, words);
+    return words.size() == 0 || has_word(name, words);
   };
   for (const auto& [name, m] : matrices) {
     if (!wanted(name) || !is_camera_matrix(m)) continue;
     Intrinsics k{0, 0, m[0], m[4], m[2], m[5], Distortion::none, {}};
     for (const auto& [other, coefficients] : matrices) {
-      if (wanted(other) && contains(other, {"istortion"}) && coefficients.size() >= 4) {
+      if (wanted(other) && has_word(other, {"istortion"}) && coefficients.size() >= 4) {
         set_distortion("brown_conrady", coefficients, k);
       }
     }
@@ -91,7 +76,7 @@ std::optional<Intrinsics> intrinsics_of(const std::map<std::string, std::vector<
 }
 
 /// Rotation and translation (millimetres, as OpenCV calibrations of depth cameras have them).
-std::optional<Pose> stereo_pose(const std::map<std::string, std::vector<double>>& matrices) {
+std::optional<Pose> stereo_pose(const Matrices& matrices) {
   const auto rotation = matrices.find("Rotation");
   const auto translation = matrices.find("Translation");
   if (rotation == matrices.end() || rotation->second.size() != 9 || translation == matrices.end() ||
@@ -111,9 +96,11 @@ std::optional<Pose> stereo_pose(const std::map<std::string, std::vector<double>>
 
 std::optional<CameraFiles> camera_from_opencv_xml(const fs::path& path) {
   std::error_code ignored;
-  if (fs::file_size(path, ignored) > kMaxBytes) return std::nullopt;
-  const auto bytes = read_file_bytes(path, kMaxBytes);
-  const auto matrices = matrices_in({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (fs::file_size(path, ignored) > kMaxXmlBytes) return std::nullopt;
+  const auto bytes = read_file_bytes(path, kMaxXmlBytes);
+  pugi::xml_document document;
+  if (!document.load_buffer(bytes.data(), bytes.size())) return std::nullopt;
+  const Matrices matrices = matrices_in(document);
   CameraFiles files;
   files.depth.intrinsics = intrinsics_of(matrices, kDepthNames);
   if (files.depth.intrinsics) {

@@ -8,6 +8,7 @@
 #include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 // Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what they
 // are in X_metadata.csv. The picture X.png beside them is coloured, no depth.

@@ -13,6 +13,7 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/cloud/cloud.hpp"
+#include "core/planes/cloud/key_numbers.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -76,53 +77,24 @@ struct Voxel {
   }
 };
 
-/// Voxels by key, in order of first appearance. The hash holds voxel numbers only: small enough to
-/// stay in the cache, and touching few new pages.
+/// Voxels by key, in order of first appearance.
 class VoxelTable {
  public:
-  VoxelTable() : slots_(std::size_t{1} << (64 - shift_), kNoVoxel) { reserve(); }
+  VoxelTable() { voxels_.reserve(kExpected); }
 
   std::uint32_t find_or_add(std::uint64_t key) {
-    std::size_t i = home(key);
-    for (; slots_[i] != kNoVoxel; i = (i + 1) & (slots_.size() - 1))
-      if (keys_[slots_[i]] == key) return slots_[i];
-    if (keys_.size() == keys_.capacity()) {
-      grow();
-      return find_or_add(key);
-    }
-    const auto number = static_cast<std::uint32_t>(keys_.size());
-    slots_[i] = number;
-    keys_.push_back(key);
-    voxels_.emplace_back();
+    const std::uint32_t number = numbers_.find_or_add(key);
+    if (number == voxels_.size()) voxels_.emplace_back();
     return number;
   }
-  void fetch(std::uint64_t key) const { __builtin_prefetch(&slots_[home(key)]); }
+  void fetch(std::uint64_t key) const { numbers_.fetch(key); }
   Voxel& operator[](std::uint32_t number) { return voxels_[number]; }
-  const std::vector<std::uint64_t>& keys() const { return keys_; }
+  const std::vector<std::uint64_t>& keys() const { return numbers_.keys(); }
   const std::vector<Voxel>& voxels() const { return voxels_; }
 
  private:
-  std::size_t home(std::uint64_t key) const {
-    return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> shift_);  // Fibonacci hashing
-  }
-  void reserve() {  // until half of the slots are taken
-    keys_.reserve(slots_.size() / 2);
-    voxels_.reserve(slots_.size() / 2);
-  }
-  void grow() {
-    --shift_;
-    slots_.assign(slots_.size() * 2, kNoVoxel);
-    for (std::uint32_t number = 0; number < keys_.size(); ++number) {
-      std::size_t i = home(keys_[number]);
-      while (slots_[i] != kNoVoxel) i = (i + 1) & (slots_.size() - 1);
-      slots_[i] = number;
-    }
-    reserve();
-  }
-
-  int shift_ = 64 - 16;
-  std::vector<std::uint32_t> slots_;
-  std::vector<std::uint64_t> keys_;
+  static constexpr std::size_t kExpected = (1 << 15) - 1;  // more than most frames have
+  KeyNumbers numbers_{kExpected};
   std::vector<Voxel> voxels_;
 };
 
