@@ -8,7 +8,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/predictions.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/score.hpp"
 
 namespace planescope::app {

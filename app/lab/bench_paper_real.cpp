@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/lab/bench/frame_bench.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::app {
 

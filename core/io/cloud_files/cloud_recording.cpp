@@ -6,7 +6,6 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 

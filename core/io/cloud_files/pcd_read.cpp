@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/model/error.hpp"

@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <map>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
-#include "core/io/folder/raw_files.hpp"
+#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"

@@ -15,7 +15,7 @@
 #include "core/io/open3d/convert.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/io/open3d/ransac.hpp"
-#include "core/io/sniff.hpp"
+#include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
 

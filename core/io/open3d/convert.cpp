@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
+#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::open3d {

@@ -1,7 +1,7 @@
 #include "core/lab/bench/chain_bench.hpp"
 
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/pipeline/score.hpp"
 
 namespace planescope::lab {

@@ -6,7 +6,7 @@
 #include "core/lab/synthetic/rotation.hpp"
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 
 namespace planescope::lab {

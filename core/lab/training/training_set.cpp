@@ -5,7 +5,7 @@
 #include "core/lab/synthetic/counter_random.hpp"
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/training/training_shapes.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::lab {
 namespace {

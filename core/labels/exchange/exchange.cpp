@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "core/io/sniff.hpp"
+#include "core/io/readers.hpp"
 #include "core/labels/exchange/exchange_files.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/planes/cloud/cloud.hpp"

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 

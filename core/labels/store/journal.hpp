@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/labels/store/background_sync.hpp"
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 

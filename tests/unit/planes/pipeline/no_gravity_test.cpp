@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/labelled_frame.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "core/report/data/plane_summary.hpp"
 #include "support/render_depth.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <ostream>
 
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {

@@ -1,14 +1,41 @@
-// Proenca & Gao 2018, Sec. III: seeds from a histogram of normals, growth and merging.
+// Proenca & Gao 2018, Sec. III: seeds from a histogram of normals, growth and merging, of cells
+// that are patches of a depth image or voxels.
 
-#include "core/planes/rivals/cell_regions.hpp"
+#include "core/planes/rivals/region_growing.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <vector>
+
+#include "core/model/plane.hpp"
+#include "core/planes/rivals/found_planes.hpp"
 
 namespace planescope::planes {
 namespace {
+
+constexpr std::uint32_t kNoCell = 0xffffffff;
+
+/// A part of the cloud.
+struct PlanarCell {
+  Moments moments;
+  PlaneFit fit;
+  double max_e_n_m2 = 0;  // smallest eigenvalue of the scatter up to which it counts as planar
+  bool planar = false;    // may be grown over
+};
+
+struct CellGraph {
+  std::vector<PlanarCell> cells;
+  std::vector<std::vector<std::uint32_t>> beside;  // of each cell those that it grows to
+  std::vector<std::vector<std::uint32_t>> around;  // those whose planes its points may belong to
+  std::vector<std::uint32_t> cell_of;              // per point: kNoCell takes no part
+};
 
 constexpr int kBins = 20;                                   // of the histogram, along either angle
 constexpr int kMinCells = 4;                                // of a region
@@ -159,13 +186,13 @@ std::vector<std::vector<std::int32_t>> choices_along_borders(const CellGraph& gr
   return choices;
 }
 
-}  // namespace
-
+/// max_e_n_m2 of `count` points.
 double max_e_n_m2(double count, const RegionGrowingOptions& options) {
   constexpr double kFullPatch = 20 * 20;  // points of the paper's patch
   return options.region_threshold_m2 * count / kFullPatch;
 }
 
+/// Region from 1 of each cell, 0 none: grown from seeds, neighbouring ones merged.
 std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
                                          const RegionGrowingOptions& options) {
   std::vector<std::int32_t> region = Growth(graph).grow();
@@ -173,6 +200,8 @@ std::vector<std::int32_t> grow_and_merge(const CellGraph& graph,
   return region;
 }
 
+/// The planes of the regions. Cells in the interior of a region give it all their points; points of
+/// other cells go, where `options` say so, to the nearest of the planes around them.
 FoundPlanes planes_of_regions(std::span<const Vec3f> points,
                               const CellGraph& graph,
                               std::span<const std::int32_t> region,
@@ -205,6 +234,155 @@ FoundPlanes planes_of_regions(std::span<const Vec3f> points,
     }
   }
   return found_planes(points, group, 3);
+}
+
+// Sun et al. 2023, Sec. V-C 2: "we use depth image patches of size 20 x 20 pixels".
+
+/// From one measurement to the next along the middle of a patch depth changes by less than this
+/// part of itself, or the patch shows an edge with something behind it.
+constexpr double kMaxStep = 0.04;
+
+/// The patches of an image, in raster order; those at its right and lower border may be smaller.
+struct Patches {
+  int edge_px, columns, rows;
+
+  explicit Patches(const PixelPoints& input, const RegionGrowingOptions& options)
+      : edge_px(options.patch_px),
+        columns((input.width + edge_px - 1) / edge_px),
+        rows((input.height + edge_px - 1) / edge_px) {}
+
+  std::uint32_t of(int u, int v) const { return index(u / edge_px, v / edge_px); }
+  std::uint32_t index(int column, int row) const {
+    return static_cast<std::uint32_t>(row) * columns + column;
+  }
+};
+
+/// Patches whose middle row or column steps from one surface to another.
+std::vector<bool> with_steps(const PixelPoints& input, const Patches& patches) {
+  struct Last {
+    double row_m = 0, column_m = 0;  // depth of the last measurement along either; 0: none
+  };
+  const int middle = patches.edge_px / 2;
+  std::vector<Last> last(static_cast<std::size_t>(patches.columns) * patches.rows);
+  std::vector<bool> stepped(last.size(), false);
+  for (std::size_t i = 0; i < input.points.size(); ++i) {
+    if (!input.kept[i]) continue;
+    const int u = input.pixel[i] % input.width, v = input.pixel[i] / input.width;
+    const std::uint32_t patch = patches.of(u, v);
+    const double depth = input.view.dot(input.points[i] - input.sensor);
+    const auto follow = [&](double& before) {
+      if (before > 0 && std::abs(depth - before) > kMaxStep * std::min(depth, before))
+        stepped[patch] = true;
+      before = depth;
+    };
+    if (v % patches.edge_px == middle) follow(last[patch].row_m);
+    if (u % patches.edge_px == middle) follow(last[patch].column_m);
+  }
+  return stepped;
+}
+
+CellGraph patches_of(const PixelPoints& input, const RegionGrowingOptions& options) {
+  const Patches patches(input, options);
+  CellGraph graph;
+  graph.cells.resize(static_cast<std::size_t>(patches.columns) * patches.rows);
+  graph.cell_of.assign(input.points.size(), kNoCell);
+  for (std::size_t i = 0; i < input.points.size(); ++i) {
+    if (!input.kept[i]) continue;
+    graph.cell_of[i] = patches.of(static_cast<int>(input.pixel[i] % input.width),
+                                  static_cast<int>(input.pixel[i] / input.width));
+    graph.cells[graph.cell_of[i]].moments.add(input.points[i].cast<double>());
+  }
+  const std::vector<bool> stepped = with_steps(input, patches);
+  const Vec3d sensor = input.sensor.cast<double>();
+  const double half_px = 0.5 * patches.edge_px * patches.edge_px;
+  graph.beside.resize(graph.cells.size());
+  graph.around.resize(graph.cells.size());
+  for (int row = 0; row < patches.rows; ++row) {
+    for (int column = 0; column < patches.columns; ++column) {
+      const std::uint32_t c = patches.index(column, row);
+      PlanarCell& cell = graph.cells[c];
+      cell.fit = fit_plane(cell.moments);
+      if (cell.fit.count > 0) {
+        // Proenca & Gao bound the mean square by the sensor's noise, which grows with depth^2.
+        const double depth = input.view.cast<double>().dot(cell.fit.centroid - sensor);
+        cell.max_e_n_m2 = max_e_n_m2(cell.fit.count, options) * std::max(1.0, std::pow(depth, 4));
+      }
+      cell.planar =
+          !stepped[c] && cell.fit.count >= half_px && cell.fit.eigenvalues[0] <= cell.max_e_n_m2;
+      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, patches.rows - 1); ++y) {
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, patches.columns - 1); ++x) {
+          if (x == column && y == row) continue;
+          graph.around[c].push_back(patches.index(x, y));
+          if (x == column || y == row) graph.beside[c].push_back(patches.index(x, y));
+        }
+      }
+    }
+  }
+  return graph;
+}
+
+}  // namespace
+
+FoundPlanes grow_regions(const PixelPoints& input, const RegionGrowingOptions& options) {
+  assert(input.points.size() == input.pixel.size() && input.points.size() == input.kept.size());
+  const CellGraph graph = patches_of(input, options);
+  return planes_of_regions(input.points, graph, grow_and_merge(graph, options), options);
+}
+
+// Sun et al. 2023, Sec. V-C 2: "we employed 3D region-growing with a voxel size of 0.05 m for
+// synthetic data consisting solely of point clouds".
+
+namespace {
+
+// A cell has a plane of its own if it holds this many points, spread (RMS) over this share of its
+// edge in both directions: a row of points along its border has none.
+constexpr int kLeastPoints = 3;
+constexpr double kLeastSpread = 0.1;
+
+using Voxel = std::array<std::int64_t, 3>;
+
+CellGraph voxels_of(std::span<const Vec3f> points, const RegionGrowingOptions& options) {
+  CellGraph graph;
+  std::map<Voxel, std::uint32_t> index;
+  std::vector<Voxel> voxels;
+  for (const Vec3f& p : points) {
+    const Vec3d scaled = p.cast<double>() / options.voxel_size_m;
+    const Voxel voxel = {std::llround(std::floor(scaled.x())), std::llround(std::floor(scaled.y())),
+                         std::llround(std::floor(scaled.z()))};
+    const auto [at, added] = index.try_emplace(voxel, static_cast<std::uint32_t>(voxels.size()));
+    if (added) {
+      voxels.push_back(voxel);
+      graph.cells.emplace_back();
+    }
+    graph.cells[at->second].moments.add(p.cast<double>());
+    graph.cell_of.push_back(at->second);
+  }
+  for (PlanarCell& cell : graph.cells) {
+    cell.fit = fit_plane(cell.moments);
+    const double n = cell.fit.count, spread_m = kLeastSpread * options.voxel_size_m;
+    cell.max_e_n_m2 = max_e_n_m2(n, options);
+    cell.planar = n >= kLeastPoints && cell.fit.eigenvalues[1] >= n * spread_m * spread_m &&
+                  cell.fit.eigenvalues[0] <= cell.max_e_n_m2;
+  }
+  graph.beside.resize(voxels.size());
+  for (std::size_t c = 0; c < voxels.size(); ++c) {
+    for (int dx = -1; dx <= 1; ++dx)
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dz = -1; dz <= 1; ++dz) {
+          if (dx == 0 && dy == 0 && dz == 0) continue;
+          const auto at = index.find({voxels[c][0] + dx, voxels[c][1] + dy, voxels[c][2] + dz});
+          if (at != index.end()) graph.beside[c].push_back(at->second);
+        }
+  }
+  graph.around = graph.beside;
+  return graph;
+}
+
+}  // namespace
+
+FoundPlanes grow_regions(std::span<const Vec3f> points, const RegionGrowingOptions& options) {
+  const CellGraph graph = voxels_of(points, options);
+  return planes_of_regions(points, graph, grow_and_merge(graph, options), options);
 }
 
 }  // namespace planescope::planes
