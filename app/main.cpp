@@ -2,8 +2,10 @@
 
 #include "app/cli/program.hpp"
 #include "app/commands/commands.hpp"
+#include "core/io/open3d/install.hpp"
 
 int main(int argc, char** argv) {
+  planescope::open3d::install();
   using namespace planescope::app;
   const Program program = {
       .name = "planescope",

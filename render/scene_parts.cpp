@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/model/hull.hpp"
+#include "core/model/plane.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 

@@ -8,7 +8,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/segment_files.hpp"
 

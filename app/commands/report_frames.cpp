@@ -12,10 +12,10 @@
 
 #include "app/cli/progress.hpp"
 #include "app/commands/report_pictures.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
-#include "core/model/work_list.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "render/context.hpp"

@@ -9,7 +9,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
-#include "core/planes/pipeline/labelled_frame.hpp"
+#include "core/planes/pipeline/truth.hpp"
 
 namespace planescope::app {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "app/lab/bench_paper.hpp"
 #include "core/lab/bench/frame_bench.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 
 namespace planescope::app {
 

@@ -8,6 +8,7 @@
 #include "app/cli/program.hpp"
 #include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"
+#include "core/io/open3d/install.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::app {
@@ -48,6 +49,7 @@ std::filesystem::path data_folder() {
 }  // namespace planescope::app
 
 int main(int argc, char** argv) {
+  planescope::open3d::install();
   using namespace planescope::app;
   const Program program = {
       .name = "planescope-lab",

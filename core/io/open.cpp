@@ -1,21 +1,125 @@
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_layout.hpp"
-#include "core/io/folder/raw_files.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
-namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExpected =
-    "expected a RealSense .bag, a folder with depth/ as 16-bit PNG, a RealSense Viewer .raw with "
-    "its _metadata.csv, or a .ply or .pcd cloud";
+namespace {
+
+constexpr int kMaxDepth = 4;  // folders below the one given; a whole disk is no recording
+
+std::vector<CloudFormat>& cloud_formats() {
+  static std::vector<CloudFormat> formats;
+  return formats;
+}
+
+bool is_of_added_format(const fs::path& path) {
+  return std::ranges::find(cloud_formats(), extension(path), &CloudFormat::extension) !=
+         cloud_formats().end();
+}
+
+/// Files of a kind in the folder, then those in the folders below it.
+std::vector<fs::path> files_under(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
+  std::vector<fs::path> wanted;
+  for (const fs::path& file : files_in(folder)) {
+    if (is_wanted(file)) wanted.push_back(file);
+  }
+  std::vector<fs::path> below;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (it.depth() >= kMaxDepth) it.disable_recursion_pending();
+    std::error_code ignored;
+    if (it.depth() > 0 && is_wanted(it->path()) && it->is_regular_file(ignored)) {
+      below.push_back(it->path());
+    }
+  }
+  std::sort(below.begin(), below.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.string(), b.string());
+  });
+  wanted.insert(wanted.end(), below.begin(), below.end());
+  return wanted;
+}
+
+}  // namespace
+
+std::string extension(const fs::path& path) {
+  std::string text = path.extension().string();
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
+bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }
+bool is_cloud(const fs::path& path) {
+  return is_ply(path) || is_pcd(path) || is_of_added_format(path);
+}
+
+void add_cloud_format(const CloudFormat& format) { cloud_formats().push_back(format); }
+const std::vector<CloudFormat>& added_cloud_formats() { return cloud_formats(); }
+
+bool natural_less(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!digit(a[i]) || !digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    while (i < a.size() && a[i] == '0') ++i;
+    while (j < b.size() && b[j] == '0') ++j;
+    const std::size_t i0 = i, j0 = j;
+    while (i < a.size() && digit(a[i])) ++i;
+    while (j < b.size() && digit(b[j])) ++j;
+    if (i - i0 != j - j0) return i - i0 < j - j0;
+    const int order = a.compare(i0, i - i0, b, j0, j - j0);
+    if (order != 0) return order < 0;
+  }
+  if (i < a.size() || j < b.size()) return j < b.size();
+  return a < b;  // such as 01 and 1: any order, but always the same
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored) && !entry.path().filename().string().starts_with('.')) {
+      files.push_back(entry.path());
+    }
+  }
+  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+std::vector<fs::path> cloud_files_under(const fs::path& folder) {
+  const auto clouds =
+      files_under(folder, [](const fs::path& file) { return is_ply(file) || is_pcd(file); });
+  return clouds.empty() ? files_under(folder, is_of_added_format) : clouds;
+}
+
+namespace {
+
+std::string expected() {
+  std::string kinds = ".ply or .pcd";
+  for (const CloudFormat& format : added_cloud_formats()) kinds += " or " + format.extension;
+  return "expected a RealSense .bag, a folder with depth/ as 16-bit PNG, a RealSense Viewer .raw "
+         "with its _metadata.csv, or a " +
+         kinds + " cloud";
+}
 
 /// What lies in a folder, for people: "3 .txt, 1 .jpg".
 std::string describe_files(const std::vector<fs::path>& files) {
@@ -45,7 +149,7 @@ std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOpti
   }
   if (!cloud_files_under(path).empty()) return open_clouds(path, options);
   throw Error(path.string() + ": a folder with no recording in it (" + describe_files(files) +
-              "), " + kExpected);
+              "), " + expected());
 }
 
 std::string first_bytes(const fs::path& path) {
@@ -70,7 +174,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (is_cloud(path)) return open_clouds(path, options);
   if (kind == ".raw" || kind == ".csv") return open_viewer_raw(path, options);
   if (start.starts_with("\x89PNG") || kind == ".png") return open_image_folder(path, options);
-  throw Error(path.string() + ": not a recording that planescope reads, " + kExpected);
+  throw Error(path.string() + ": not a recording that planescope reads, " + expected());
 }
 
 }  // namespace planescope::io

@@ -1,13 +1,14 @@
 #pragma once
 
+// What the readers of the single formats share. Internal to core/io.
+
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/io/recording.hpp"
-
-// What the readers of the single formats share. Internal to core/io.
 
 namespace planescope::io {
 
@@ -70,5 +71,33 @@ std::unique_ptr<Recording> open_viewer_raw(const std::filesystem::path& path,
                                            const RecordingOptions& options);
 std::unique_ptr<Recording> open_clouds(const std::filesystem::path& path,
                                        const RecordingOptions& options);
+
+/// A depth snapshot of the RealSense Viewer.
+struct RawFile {
+  std::filesystem::path raw;
+  std::filesystem::path csv;
+};
+
+/// At the .raw or .csv given, or all in the folder given.
+std::vector<RawFile> viewer_raw_files(const std::filesystem::path& path);
+
+// What kinds of files lie where.
+
+/// File extension in lower case, with its dot.
+std::string extension(const std::filesystem::path& path);
+// By extension: .ply, .pcd, and the cloud formats that were added.
+bool is_ply(const std::filesystem::path& path);
+bool is_pcd(const std::filesystem::path& path);
+bool is_cloud(const std::filesystem::path& path);
+
+/// Orders names as people do: 2 before 10.
+bool natural_less(const std::string& a, const std::string& b);
+
+/// Regular files in a folder, hidden ones left out, in natural order. Throws Error naming the
+/// folder when it cannot be listed.
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
+/// All .ply and .pcd files in a folder, then those in the folders below it. Where there is none,
+/// all files of the formats that were added, in the same order.
+std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);
 
 }  // namespace planescope::io

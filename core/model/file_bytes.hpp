@@ -5,7 +5,9 @@
 #include <functional>
 #include <iosfwd>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace planescope {
@@ -30,5 +32,45 @@ void write_file_text(const std::filesystem::path& path,
 /// For what is too large to be held; `write` may throw.
 void write_file_stream(const std::filesystem::path& path,
                        const std::function<void(std::ostream&)>& write);
+
+/// A POSIX file descriptor that is closed with its owner.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
+  FileDescriptor(FileDescriptor&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~FileDescriptor();
+
+  int get() const { return descriptor_; }
+  bool is_open() const { return descriptor_ >= 0; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// As open(2), never inherited by other programs; not open, errno set, where that fails.
+FileDescriptor open_file(const std::filesystem::path& path, int flags);
+
+/// All bytes from `offset` on, however many calls that takes. 0, or the errno of the call that
+/// failed.
+int write_fully(const FileDescriptor& file, std::span<const unsigned char> bytes, off_t offset);
+
+/// Up to all bytes from `offset` on: fewer where the file ends before, or where reading fails.
+std::size_t read_fully(const FileDescriptor& file, std::span<unsigned char> bytes, off_t offset);
+
+/// Makes names that were made, replaced or removed in the folder survive a loss of power. 0, or
+/// errno.
+int sync_folder(const std::filesystem::path& folder);
+
+/// The first of PREFIX1, PREFIX2, ... that does not exist.
+std::filesystem::path unused_path(const std::filesystem::path& prefix);
+
+/// What an errno says: "No space left on device".
+std::string error_text(int error);
 
 }  // namespace planescope

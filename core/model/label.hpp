@@ -17,9 +17,11 @@ inline const char* to_string(Label label, const char* unknown = "unknown") {
   return label == Label::h ? "h" : label == Label::v ? "v" : unknown;
 }
 
-/// Eq. (1), of a unit normal, world frame.
-inline Label label_of_normal(const Vec3d& normal) {
-  return std::abs(normal.z()) >= std::numbers::sqrt2 / 2 ? Label::h : Label::v;
+/// Eq. (1), of the cosine of the angle between a normal, on either side, and up.
+inline Label label_of_cosine(double cosine) {
+  return std::abs(cosine) >= std::numbers::sqrt2 / 2 ? Label::h : Label::v;
 }
+/// Of a unit normal, world frame.
+inline Label label_of_normal(const Vec3d& normal) { return label_of_cosine(normal.z()); }
 
 }  // namespace planescope

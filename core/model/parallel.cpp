@@ -1,7 +1,11 @@
 #include "core/model/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
+#include <latch>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -33,6 +37,68 @@ void parallel_for(std::size_t count,
     run(0);
   }
   for (const auto& error : errors)
+    if (error) std::rethrow_exception(error);
+}
+
+void work_through_with(int count,
+                       int threads,
+                       const std::function<std::function<void(int)>()>& make_body,
+                       const std::function<void(int, int)>& progress) {
+  std::atomic<int> next = 0, done = 0;
+  const auto work = [&](std::size_t first_worker, std::size_t) {
+    try {
+      const std::function<void(int)> body = make_body();
+      for (int i = next++; i < count; i = next++) {
+        body(i);
+        ++done;
+        if (progress && first_worker == 0) progress(done, count);
+      }
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  };
+  const auto workers = static_cast<std::size_t>(std::clamp(threads, 1, std::max(1, count)));
+  parallel_for(workers, static_cast<int>(workers), work, 1);
+}
+
+void work_through(int count,
+                  int threads,
+                  const std::function<void(int)>& body,
+                  const std::function<void(int, int)>& progress) {
+  work_through_with(
+      count, threads, [&body] { return body; }, progress);
+}
+
+void run_team(int threads, const std::function<void(TeamMember&)>& body) {
+  // Members wait until it is known how many there are: a system that has no more threads to give
+  // makes the team smaller.
+  std::latch complete(1);
+  std::optional<std::barrier<>> barrier;
+  std::vector<std::exception_ptr> errors(static_cast<std::size_t>(std::max(1, threads)));
+  int size = 1;
+  const auto run = [&](int rank) {
+    complete.wait();
+    TeamMember member(rank, size, *barrier);
+    try {
+      body(member);
+    } catch (...) {
+      errors[rank] = std::current_exception();
+      barrier->arrive_and_drop();  // the others go on without this one
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    others.reserve(errors.size() - 1);
+    try {
+      for (; size < threads; ++size) others.emplace_back(run, size);
+    } catch (const std::system_error&) {
+    }
+    barrier.emplace(size);
+    complete.count_down();
+    run(0);
+  }
+  for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
 }
 

@@ -29,7 +29,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 template <typename T>
-bool parse_whole(const std::string& text, T& value) {
+bool parse_whole(std::string_view text, T& value) {
   const char* begin = text.data();
   const char* end = begin + text.size();
   if (end - begin > 1 && begin[0] == '+' && begin[1] != '-') ++begin;
@@ -52,11 +52,16 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
   return best;
 }
 
-double parse_number(const std::string& text, const std::string& what) {
+std::optional<double> parse_number(std::string_view text) {
   double value = 0;
-  if (!parse_whole(text, value) || !std::isfinite(value))
-    throw Error(what + ": '" + text + "' is not a number");
+  if (!parse_whole(text, value)) return std::nullopt;
   return value;
+}
+
+double parse_number(const std::string& text, const std::string& what) {
+  const std::optional<double> value = parse_number(text);
+  if (!value || !std::isfinite(*value)) throw Error(what + ": '" + text + "' is not a number");
+  return *value;
 }
 
 int parse_integer(const std::string& text, const std::string& what) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,7 +12,10 @@ namespace planescope {
 /// Empty where none is near.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& candidates);
 
-/// The whole of `text` as a number, independent of the locale. Throws Error that names `what`.
+/// The whole of `text` as a number, independent of the locale, "nan" and "inf" among them; nullopt
+/// where it is none.
+std::optional<double> parse_number(std::string_view text);
+/// Likewise, and finite. Throws Error that names `what`.
 double parse_number(const std::string& text, const std::string& what);
 int parse_integer(const std::string& text, const std::string& what);
 

@@ -12,7 +12,7 @@
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/cloud/gravity_pick.hpp"
+#include "core/planes/cloud/gravity.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -26,7 +26,7 @@ Json options_json(const planes::PipelineOptions& options) {
   const planes::PipelineOptions defaults;
   for (const planes::OptionInfo& info : planes::option_table()) {
     const std::string value = info.get(options);
-    // Builds without a peer do not know its options: they are named only where they are changed.
+    // Builds without a rival do not know its options: they are named only where they are changed.
     if (info.section != "rivals" || value != info.get(defaults)) json[info.name] = value;
   }
   return json;

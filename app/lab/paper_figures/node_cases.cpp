@@ -6,7 +6,7 @@
 
 #include "app/lab/paper_figures/parts.hpp"
 #include "core/lab/synthetic/sample.hpp"
-#include "core/planes/segment/candidate.hpp"
+#include "core/planes/segment/criteria.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
 

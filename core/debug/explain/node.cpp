@@ -6,7 +6,7 @@
 
 #include "core/debug/explain/check.hpp"
 #include "core/debug/explain/explain.hpp"
-#include "core/planes/segment/candidate.hpp"
+#include "core/planes/segment/criteria.hpp"
 
 namespace planescope::debug {
 namespace {

@@ -1,6 +1,6 @@
 #include "core/debug/replay/facts.hpp"
 
-#include "core/planes/segment/candidate.hpp"
+#include "core/planes/segment/criteria.hpp"
 
 namespace planescope::debug {
 namespace {

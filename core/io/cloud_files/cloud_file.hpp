@@ -16,8 +16,19 @@ struct CloudExtras {
 };
 
 /// Reads a .ply or .pcd cloud with its colours and its `label` / `instance` fields (any integer
-/// type). The header is checked against the file's size before anything is allocated.
+/// type). The header is checked against the file's size before anything is allocated. Of formats
+/// that were added, `extras` has nothing.
 PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
+
+/// A cloud format that io itself does not read (core/io/open3d has some). `read` throws Error
+/// naming the file.
+struct CloudFormat {
+  std::string extension;  // lower case, with its dot
+  PointSet (*read)(const std::filesystem::path&);
+};
+void add_cloud_format(const CloudFormat& format);  // before any recording is opened
+/// Those that were added, in their order.
+const std::vector<CloudFormat>& added_cloud_formats();
 
 /// A field of type int beside those of PointSet, one value per point.
 struct IntField {

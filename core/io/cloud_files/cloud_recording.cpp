@@ -6,7 +6,6 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/sha256.hpp"
 
@@ -46,11 +45,8 @@ class CloudRecording : public Recording {
     files_ = folder ? cloud_files_under(path) : std::vector<fs::path>{path};
     info_.format = files_.size() == 1 ? "point cloud" : "folder of point clouds";
     for (const fs::path& file : files_) {
-      if (is_ply(file)) {
-        check_ply(file);
-      } else {
-        check_pcd(file);
-      }
+      if (is_ply(file)) check_ply(file);
+      if (is_pcd(file)) check_pcd(file);
       const fs::path name = folder ? file.lexically_relative(path) : file.filename();
       names_.push_back((name.parent_path() / name.stem()).string());
     }
@@ -99,6 +95,11 @@ class CloudRecording : public Recording {
 }  // namespace
 
 PointSet read_cloud_file(const fs::path& path, CloudExtras* extras) {
+  for (const CloudFormat& format : added_cloud_formats()) {
+    if (extension(path) != format.extension) continue;
+    if (extras) extras->values.assign(extras->names.size(), {});
+    return format.read(path);
+  }
   return is_ply(path) ? read_ply(path, extras) : read_pcd(path, extras);
 }
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 // https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 // Read by our own code: Open3D's reader trusts the header (a padding field of another size than

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 // http://paulbourke.net/dataformats/ply/
 namespace planescope::io {

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
+#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/image/png.hpp"
-#include "core/io/sniff.hpp"
+#include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {

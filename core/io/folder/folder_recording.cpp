@@ -6,7 +6,6 @@
 #include "core/io/image/jpeg.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <map>
 
-#include "core/io/cloud_files/cloud_builder.hpp"
-#include "core/io/folder/raw_files.hpp"
+#include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/io/readers.hpp"
-#include "core/io/sniff.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 // Snapshots of the RealSense Viewer: headerless 16-bit little-endian counts in X.raw, what they
 // are in X_metadata.csv. The picture X.png beside them is coloured, no depth.

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "core/lab/bench/measuring.hpp"
-#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
 namespace {

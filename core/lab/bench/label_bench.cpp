@@ -5,7 +5,7 @@
 #include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/pipeline/score.hpp"
 
 namespace planescope::lab {

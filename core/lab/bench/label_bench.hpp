@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/segment/options.hpp"

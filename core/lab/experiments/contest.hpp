@@ -11,7 +11,7 @@
 
 #include "core/lab/experiments/results.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
-#include "core/model/work_list.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/truth.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "core/lab/synthetic/scene.hpp"
 #include "core/model/frame.hpp"
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 
 namespace planescope::lab {
 

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
-#include "core/planes/classify/json_text.hpp"
 #include "core/planes/classify/safetensors.hpp"
 
 namespace planescope::lab {

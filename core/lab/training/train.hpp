@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/model/simd.hpp"
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/weights.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
 

@@ -9,8 +9,8 @@
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/lab/synthetic/surface_points.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/random.hpp"
-#include "core/model/work_list.hpp"
 
 namespace planescope::lab {
 

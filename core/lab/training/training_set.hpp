@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 
 namespace planescope::lab {
 

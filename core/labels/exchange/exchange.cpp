@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/io/sniff.hpp"
+#include "core/io/readers.hpp"
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

@@ -58,7 +58,7 @@ double tilt_of(const Vec3d& normal, const Gravity& gravity) {
 
 Label class_of_tilt(double tilt_deg) {
   if (std::isnan(tilt_deg)) return Label::unknown;
-  return tilt_deg <= 45 || tilt_deg >= 135 ? Label::h : Label::v;
+  return label_of_cosine(std::cos(tilt_deg * std::numbers::pi / 180));
 }
 
 void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const int> ids) {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "core/model/file_descriptor.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::labels {
 

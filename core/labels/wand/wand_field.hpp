@@ -11,7 +11,7 @@
 
 #include "core/labels/model/grid.hpp"
 #include "core/labels/wand/wand.hpp"
-#include "core/model/moments.hpp"
+#include "core/model/plane.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::labels {

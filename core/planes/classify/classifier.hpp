@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,5 +38,35 @@ struct PcaClassifierOptions {
   double max_angle_deg = 45;  // Eq. (1): h up to pi/4 from gravity
 };
 std::unique_ptr<Classifier> make_pca_classifier(const PcaClassifierOptions& options = {});
+
+/// What `classify(points)` says of the finite points, as if there were no others; these are
+/// `unknown`, with margin 0.
+template <typename Classify>
+Classification classify_finite(std::span<const Vec3f> points, const Classify& classify) {
+  const auto finite = [](const Vec3f& p) { return p.allFinite(); };
+  if (std::all_of(points.begin(), points.end(), finite)) return classify(points);
+  std::vector<Vec3f> kept;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(kept), finite);
+  const Classification of_kept = classify(std::span<const Vec3f>(kept));
+  Classification result;
+  result.labels.assign(points.size(), Label::unknown);
+  result.margins.assign(points.size(), 0.0f);
+  for (std::size_t i = 0, k = 0; i < points.size(); ++i) {
+    if (!finite(points[i])) continue;
+    result.labels[i] = of_kept.labels[k];
+    result.margins[i] = of_kept.margins[k++];
+  }
+  return result;
+}
+
+/// Points and their true labels: what a classifier learns from and is judged by.
+struct LabelledCloud {
+  std::string kind;           // where it came from: "stairs", "scan", ...
+  std::vector<Vec3f> points;  // z up, metres, about a local origin
+  std::vector<Label> labels;
+  std::vector<std::uint8_t> near_edge = {};  // 1: within 2 cm of the other label's surface, or a
+                                             // measured pixel of it;
+                                             // empty where the surfaces are not known
+};
 
 }  // namespace planescope::planes

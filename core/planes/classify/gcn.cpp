@@ -4,7 +4,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "core/planes/classify/finite.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/gcn_forward.hpp"
 
 namespace planescope::planes {

@@ -6,9 +6,20 @@
 
 #include <algorithm>
 
-#include "core/model/team.hpp"
+#include "core/model/parallel.hpp"
+#include "core/planes/classify/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {
+
+const Kernels& kernels(Simd simd) {
+#if defined(__x86_64__)
+  if (simd == Simd::avx512) return kKernelsAvx512;
+  if (simd == Simd::avx2) return kKernelsAvx2;
+#endif
+  (void)simd;
+  return kKernelsPlain;
+}
+
 namespace {
 
 constexpr std::size_t kTile = 64;  // points that go through two steps while they are in cache

@@ -1,10 +1,9 @@
-#include "core/planes/classify/gcn_graph.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/model/team.hpp"
+#include "core/model/parallel.hpp"
+#include "core/planes/classify/gcn_forward.hpp"
 #include "core/planes/classify/gcn_kernels.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
 

@@ -1,8 +1,7 @@
-#include "core/planes/classify/gcn_layers.hpp"
-
 #include <cassert>
 #include <cmath>
 
+#include "core/planes/classify/gcn_forward.hpp"
 #include "core/planes/classify/gcn_kernels.hpp"
 
 namespace planescope::planes::gcn {

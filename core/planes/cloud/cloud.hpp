@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
-#include "core/model/moments.hpp"
+#include "core/model/plane.hpp"
 
 namespace planescope::planes {
 

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <string>
 
-#include "core/model/hull.hpp"
 #include "core/model/plane.hpp"
 #include "core/planes/cloud/gravity.hpp"
 #include "core/planes/cloud/image_planes.hpp"

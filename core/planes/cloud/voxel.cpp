@@ -13,6 +13,7 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/cloud/cloud.hpp"
+#include "core/planes/cloud/key_numbers.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -76,53 +77,24 @@ struct Voxel {
   }
 };
 
-/// Voxels by key, in order of first appearance. The hash holds voxel numbers only: small enough to
-/// stay in the cache, and touching few new pages.
+/// Voxels by key, in order of first appearance.
 class VoxelTable {
  public:
-  VoxelTable() : slots_(std::size_t{1} << (64 - shift_), kNoVoxel) { reserve(); }
+  VoxelTable() { voxels_.reserve(kExpected); }
 
   std::uint32_t find_or_add(std::uint64_t key) {
-    std::size_t i = home(key);
-    for (; slots_[i] != kNoVoxel; i = (i + 1) & (slots_.size() - 1))
-      if (keys_[slots_[i]] == key) return slots_[i];
-    if (keys_.size() == keys_.capacity()) {
-      grow();
-      return find_or_add(key);
-    }
-    const auto number = static_cast<std::uint32_t>(keys_.size());
-    slots_[i] = number;
-    keys_.push_back(key);
-    voxels_.emplace_back();
+    const std::uint32_t number = numbers_.find_or_add(key);
+    if (number == voxels_.size()) voxels_.emplace_back();
     return number;
   }
-  void fetch(std::uint64_t key) const { __builtin_prefetch(&slots_[home(key)]); }
+  void fetch(std::uint64_t key) const { numbers_.fetch(key); }
   Voxel& operator[](std::uint32_t number) { return voxels_[number]; }
-  const std::vector<std::uint64_t>& keys() const { return keys_; }
+  const std::vector<std::uint64_t>& keys() const { return numbers_.keys(); }
   const std::vector<Voxel>& voxels() const { return voxels_; }
 
  private:
-  std::size_t home(std::uint64_t key) const {
-    return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> shift_);  // Fibonacci hashing
-  }
-  void reserve() {  // until half of the slots are taken
-    keys_.reserve(slots_.size() / 2);
-    voxels_.reserve(slots_.size() / 2);
-  }
-  void grow() {
-    --shift_;
-    slots_.assign(slots_.size() * 2, kNoVoxel);
-    for (std::uint32_t number = 0; number < keys_.size(); ++number) {
-      std::size_t i = home(keys_[number]);
-      while (slots_[i] != kNoVoxel) i = (i + 1) & (slots_.size() - 1);
-      slots_[i] = number;
-    }
-    reserve();
-  }
-
-  int shift_ = 64 - 16;
-  std::vector<std::uint32_t> slots_;
-  std::vector<std::uint64_t> keys_;
+  static constexpr std::size_t kExpected = (1 << 15) - 1;  // more than most frames have
+  KeyNumbers numbers_{kExpected};
   std::vector<Voxel> voxels_;
 };
 
@@ -283,6 +255,58 @@ std::vector<Spread> voxel_spreads(const Cloud& cloud, const VoxelCloud& voxels) 
     s.zz += share * d.z() * d.z();
   }
   return spreads;
+}
+
+// Which points a voxel holds, and what they say about it.
+
+VoxelMembers voxel_members(const VoxelCloud& voxels) {
+  VoxelMembers result;
+  result.first.assign(voxels.points.size() + 1, 0);
+  for (std::size_t v = 0; v < voxels.count.size(); ++v)
+    result.first[v + 1] = result.first[v] + voxels.count[v];
+  result.members.resize(result.first.back());
+  std::vector<std::uint32_t> next(result.first.begin(), result.first.end() - 1);
+  for (std::size_t i = 0; i < voxels.voxel_of.size(); ++i)
+    if (const std::uint32_t v = voxels.voxel_of[i]; v != kNoVoxel)
+      result.members[next[v]++] = static_cast<std::uint32_t>(i);
+  return result;
+}
+
+namespace {
+
+template <typename T>
+std::vector<T> majority(const VoxelCloud& voxels, std::span<const T> values) {
+  const VoxelMembers csr = voxel_members(voxels);
+  std::vector<T> result(voxels.points.size(), T{0});
+  std::vector<T> votes;
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    votes.clear();
+    for (std::uint32_t m = csr.first[v]; m < csr.first[v + 1]; ++m)
+      if (const T value = values[csr.members[m]]; value != 0) votes.push_back(value);
+    std::sort(votes.begin(), votes.end());
+    std::ptrdiff_t best = 0;
+    for (auto run = votes.begin(); run != votes.end();) {
+      const auto end = std::upper_bound(run, votes.end(), *run);
+      if (end - run > best) {  // ascending values: the first of equals is the smaller
+        best = end - run;
+        result[v] = *run;
+      }
+      run = end;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> vote_labels(const VoxelCloud& voxels,
+                                      std::span<const std::uint8_t> labels) {
+  return majority(voxels, labels);
+}
+
+std::vector<std::int32_t> vote_instances(const VoxelCloud& voxels,
+                                         std::span<const std::int32_t> ids) {
+  return majority(voxels, ids);
 }
 
 }  // namespace planescope::planes

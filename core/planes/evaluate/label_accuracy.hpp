@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/model/types.hpp"
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 
 namespace planescope::planes {
 

@@ -30,4 +30,9 @@ TruthOverlap count_truth_overlap(std::span<const std::int32_t> truth,
 /// One to one, with the greatest sum of IoU: by true id - 1 the found id, 0 where it has none.
 std::vector<int> found_of_truth(const TruthOverlap& overlap);
 
+/// Hungarian method (Kuhn-Munkres with potentials, O(n^3)): the assignment of rows to columns with
+/// the greatest total of `value` (row-major, rows x columns, values >= 0). Per row its column, -1
+/// where the row got none or a pair of value 0.
+std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns);
+
 }  // namespace planescope::planes

@@ -19,7 +19,13 @@ constexpr std::array kMethods = {NamedMethod{Method::ours, "ours"},
                                  NamedMethod{Method::cgal_ransac, "cgal-ransac"},
                                  NamedMethod{Method::cgal_region_growing, "cgal-region-growing"}};
 
-bool is_peer(Method method) { return method > Method::region_growing; }
+/// The CMake option without which this program was built, and so without the method; null where it
+/// has it.
+const char* missing_option(Method method) {
+  if (method == Method::ransac) return has_ransac() ? nullptr : "PLANESCOPE_OPEN3D";
+  if (method > Method::region_growing) return has_pcl_and_cgal() ? nullptr : "PLANESCOPE_RIVALS";
+  return nullptr;
+}
 
 }  // namespace
 
@@ -29,7 +35,7 @@ const std::vector<Method>& built_methods() {
   static const std::vector<Method> methods = [] {
     std::vector<Method> built;
     for (const NamedMethod& named : kMethods)
-      if (!is_peer(named.method) || has_peers()) built.push_back(named.method);
+      if (!missing_option(named.method)) built.push_back(named.method);
     return built;
   }();
   return methods;
@@ -38,12 +44,12 @@ const std::vector<Method>& built_methods() {
 Method parse_method(const std::string& text) {
   std::string known;
   for (const auto& [method, name] : kMethods) {
-    const bool built = !is_peer(method) || has_peers();
-    if (text == name && built) return method;
-    if (text == name)
-      throw Error("method '" + text +
-                  "' is in builds with -DPLANESCOPE_PEERS=ON alone, see docs/method.md");
-    if (built) known += (known.empty() ? "" : ", ") + std::string(name);
+    const char* missing = missing_option(method);
+    if (text == name && missing)
+      throw Error("method '" + text + "' is in builds with -D" + missing +
+                  "=ON alone, see docs/method.md");
+    if (text == name) return method;
+    if (!missing) known += (known.empty() ? "" : ", ") + std::string(name);
   }
   throw Error("method '" + text + "' does not exist, expected one of " + known);
 }

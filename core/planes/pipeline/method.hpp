@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/planes/rivals/peers.hpp"
+#include "core/planes/rivals/pcl_cgal.hpp"
 #include "core/planes/rivals/ransac.hpp"
 #include "core/planes/rivals/region_growing.hpp"
 
@@ -14,9 +14,9 @@ namespace planescope::planes {
 
 enum class Method : std::uint8_t {
   ours,
-  ransac,  // the paper's rivals
+  ransac,  // the paper's rivals; this one only in programs that have Open3D (has_ransac())
   region_growing,
-  pcl_multi_plane,  // further peers, only where they were built (has_peers())
+  pcl_multi_plane,  // further rivals, only where they were built (has_pcl_and_cgal())
   pcl_region_growing,
   cgal_ransac,
   cgal_region_growing,
@@ -24,7 +24,7 @@ enum class Method : std::uint8_t {
 /// As --method has it: "region-growing".
 const char* to_string(Method method);
 Method parse_method(const std::string& text);  // throws Error naming those that this build has
-const std::vector<Method>& built_methods();    // ours first
+const std::vector<Method>& built_methods();    // ours first; the same for the whole process
 
 /// Options of all methods but ours, which has SegmentOptions.
 struct RivalOptions {

@@ -155,9 +155,9 @@ void append_cgal(std::vector<OptionInfo>& table) {
 }  // namespace
 
 void append_rivals(std::vector<OptionInfo>& table) {
-  append_ransac(table);
+  if (has_ransac()) append_ransac(table);
   append_region_growing(table);
-  if (!has_peers()) return;
+  if (!has_pcl_and_cgal()) return;
   append_pcl(table);
   append_cgal(table);
 }

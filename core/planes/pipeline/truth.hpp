@@ -9,6 +9,7 @@
 
 #include "core/model/frame.hpp"
 #include "core/model/frame_labels.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::planes {
@@ -29,5 +30,11 @@ FrameTruth truth_on_points(const FrameTruth& truth, std::span<const std::uint32_
 
 /// The source elements that make_cloud() keeps as points of this frame, whatever the options.
 std::vector<std::uint32_t> measured_sources(const Frame& frame);
+
+/// What the classifier sees of a frame (its voxels) and what it should answer (`unknown` where
+/// there is no truth). Throws Error where gravity cannot be found.
+LabelledCloud labelled_frame(const Frame& frame,
+                             const PipelineOptions& options,
+                             const SourceTruth& truth);
 
 }  // namespace planescope::planes

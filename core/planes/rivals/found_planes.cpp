@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "core/model/error.hpp"
+
 namespace planescope::planes {
 
 FoundPlanes found_planes(std::span<const Vec3f> points,
@@ -30,6 +32,11 @@ FoundPlanes found_planes(std::span<const Vec3f> points,
   found.plane_of.reserve(points.size());
   for (const std::int32_t g : group) found.plane_of.push_back(g > 0 ? id[g] : 0);
   return found;
+}
+
+void refuse_absent_rival(const char* name, const char* option) {
+  throw Error(std::string("method ") + name + " is not part of this build, configure it with -D" +
+              option + "=ON");
 }
 
 }  // namespace planescope::planes

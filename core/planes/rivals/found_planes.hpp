@@ -20,4 +20,7 @@ FoundPlanes found_planes(std::span<const Vec3f> points,
                          std::span<const std::int32_t> group,
                          int min_points = 1);
 
+/// Throws the Error of a rival that this program was built without; `option` is CMake's.
+[[noreturn]] void refuse_absent_rival(const char* name, const char* option);
+
 }  // namespace planescope::planes

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/model/parallel.hpp"
-#include "core/planes/classify/finite.hpp"
+#include "core/planes/classify/classifier.hpp"
 
 namespace planescope::planes {
 namespace {

@@ -17,9 +17,12 @@ struct RansacOptions {
   int seed = 1;
 };
 
-/// Open3D's SegmentPlane, under one thread and the seed so that it repeats; calls wait for each
-/// other, since Open3D has one random sequence for the whole process. Ends with the first plane
-/// that has too few points.
+/// Ends with the first plane that has too few points. Open3D does it, and only programs that link
+/// core/io/open3d have that: its install() hands it over. Throws Error where nobody did.
 FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOptions& options);
+
+using RansacFunction = FoundPlanes(std::span<const Vec3f>, const RansacOptions&);
+void set_ransac(RansacFunction* function);  // before any method or option is asked for
+bool has_ransac();
 
 }  // namespace planescope::planes

@@ -1,44 +1,11 @@
 #include "core/planes/segment/cells.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "core/model/morton.hpp"
+#include "core/planes/cloud/key_numbers.hpp"
 
 namespace planescope::planes {
-namespace {
-
-/// Cell number by Morton code: open addressing, linear probing.
-class CellTable {
- public:
-  explicit CellTable(std::size_t cells)
-      : mask_(std::bit_ceil(std::max<std::size_t>(16, 2 * cells)) - 1),
-        codes_(mask_ + 1),
-        values_(mask_ + 1, -1) {}
-
-  void insert(std::uint64_t code, std::int32_t value) {
-    std::size_t i = slot(code);
-    while (values_[i] >= 0) i = (i + 1) & mask_;
-    codes_[i] = code;
-    values_[i] = value;
-  }
-  std::int32_t find(std::uint64_t code) const {
-    for (std::size_t i = slot(code); values_[i] >= 0; i = (i + 1) & mask_)
-      if (codes_[i] == code) return values_[i];
-    return -1;
-  }
-
- private:
-  std::size_t slot(std::uint64_t code) const {
-    return static_cast<std::size_t>((code * 0x9e3779b97f4a7c15ULL) >> 20) & mask_;
-  }
-  std::size_t mask_;
-  std::vector<std::uint64_t> codes_;
-  std::vector<std::int32_t> values_;
-};
-
-}  // namespace
-
 double cell_edge_m(const Octree& octree, int levels) {
   const int depth = octree.cube.max_depth - std::min(levels, octree.cube.max_depth);
   return octree.cube.edge_m / static_cast<double>(1u << depth);
@@ -61,9 +28,9 @@ CellGrid make_cell_grid(const Octree& octree, int levels) {
   CellGrid grid;
   grid.starts = cell_starts(octree, levels);
   grid.cell_of.resize(octree.keys.size());
-  CellTable table(grid.size());
+  KeyNumbers cells(grid.size());  // codes differ, so that each cell gets its own number
   for (std::uint32_t c = 0; c < grid.size(); ++c) {
-    table.insert(octree.keys[grid.starts[c]] >> shift, static_cast<std::int32_t>(c));
+    cells.find_or_add(octree.keys[grid.starts[c]] >> shift);
     std::fill(grid.cell_of.begin() + grid.starts[c], grid.cell_of.begin() + grid.starts[c + 1], c);
   }
   grid.neighbour_first.reserve(grid.size() + 1);
@@ -76,10 +43,10 @@ CellGrid make_cell_grid(const Octree& octree, int levels) {
         for (int dx = -1; dx <= 1; ++dx) {
           const std::int64_t x = cell[0] + dx, y = cell[1] + dy, z = cell[2] + dz;
           if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= cells_per_edge) continue;
-          const std::int32_t found =
-              table.find(morton_code(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+          const std::uint32_t found =
+              cells.find(morton_code(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                                      static_cast<std::uint32_t>(z)));
-          if (found >= 0) grid.neighbours.push_back(static_cast<std::uint32_t>(found));
+          if (found != KeyNumbers::kNone) grid.neighbours.push_back(found);
         }
     grid.neighbour_first.push_back(static_cast<std::uint32_t>(grid.neighbours.size()));
   }

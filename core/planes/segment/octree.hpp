@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/moments.hpp"
+#include "core/model/plane.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"

@@ -6,7 +6,6 @@
 #include <cassert>
 #include <chrono>
 
-#include "core/planes/segment/outward.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/planes/segment/candidate.hpp"
+#include "core/planes/segment/criteria.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::report {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_json.hpp"
 
 namespace planescope::report {

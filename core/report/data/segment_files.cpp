@@ -10,8 +10,8 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/frame_times.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/plane_summary.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/planes/cloud/gravity.hpp"
-#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/page/report_html_pieces.hpp"
 
 namespace planescope::report::html {

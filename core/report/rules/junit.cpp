@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/report_html_parts.hpp"

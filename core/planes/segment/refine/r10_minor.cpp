@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/model/hull.hpp"
 #include "core/model/inverse_plane.hpp"
+#include "core/model/plane.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes::r10_minor {

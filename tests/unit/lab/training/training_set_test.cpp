@@ -11,7 +11,6 @@
 #include "core/lab/synthetic/scan.hpp"
 #include "core/lab/synthetic/scenes.hpp"
 #include "core/lab/training/training_recipe.hpp"
-#include "core/model/moments.hpp"
 #include "core/model/plane.hpp"
 
 namespace planescope::lab {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/model/error.hpp"
-#include "core/planes/pipeline/labelled_frame.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/score.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "core/report/data/plane_summary.hpp"
 #include "support/render_depth.hpp"
 
@@ -29,7 +29,7 @@ PipelineOptions without_gravity() {
 }
 
 TEST(NoGravity, FindsEveryPlaneAndCallsNoneOfThemHOrV) {
-  for (const char* method : {"ours", "ransac"}) {
+  for (const char* method : {"ours", "region-growing"}) {
     PipelineOptions options = without_gravity();
     set_option(options, "method", method);
     const FrameResult result = run_frame(rolled(), options, nullptr);  // needs no classifier

@@ -1,0 +1,226 @@
+#include "core/io/readers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/io/json_file.hpp"
+#include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+
+namespace planescope::io {
+namespace {
+
+using nlohmann::json;
+
+struct Keys {
+  const std::filesystem::path& path;
+
+  [[noreturn]] void fail(const std::string& key, const std::string& expected) const {
+    throw Error(path.string() + ": \"" + key + "\" is not usable, expected " + expected);
+  }
+
+  double number(const json& object, const std::string& key) const {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_number()) fail(key, "a number");
+    return found->get<double>();
+  }
+
+  std::optional<Vec3d> direction(const json& object) const {
+    const auto found = object.find("gravity");
+    if (found == object.end() || found->is_null()) return std::nullopt;
+    Vec3d vector = Vec3d::Zero();
+    bool usable = found->is_array() && found->size() == 3;
+    for (std::size_t i = 0; usable && i < 3; ++i) {
+      usable = (*found)[i].is_number();
+      if (usable) vector[i] = (*found)[i].get<double>();
+    }
+    if (!usable || !vector.allFinite() || vector.norm() < 1e-9) {
+      fail("gravity", "three numbers [x, y, z] that are not all zero");
+    }
+    return vector.normalized();
+  }
+
+  Intrinsics intrinsics(const json& object) const {
+    if (!object.is_object()) fail("intrinsics", "an object with fx, fy, cx, cy");
+    Intrinsics result;
+    if (object.contains("width")) result.width = static_cast<int>(number(object, "width"));
+    if (object.contains("height")) result.height = static_cast<int>(number(object, "height"));
+    result.fx = number(object, "fx");
+    result.fy = number(object, "fy");
+    result.cx = number(object, "cx");
+    result.cy = number(object, "cy");
+    std::vector<double> coefficients;
+    for (const json& value : object.value("distortion", json::array())) {
+      if (!value.is_number()) fail("distortion", "numbers [k1, k2, p1, p2, k3]");
+      coefficients.push_back(value.get<double>());
+    }
+    set_distortion("brown_conrady", coefficients, result);
+    return result;
+  }
+};
+
+std::filesystem::path sidecar_path(const std::filesystem::path& recording) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::is_directory(recording, ignored)) {
+    const fs::path beside = recording.string() + ".planescope.json";
+    return fs::exists(beside, ignored) ? beside : fs::path{};
+  }
+  for (const char* name : {"planescope.json", "gravity.json"}) {
+    if (fs::exists(recording / name, ignored)) return recording / name;
+  }
+  return {};
+}
+
+}  // namespace
+
+Sidecar read_sidecar(const std::filesystem::path& recording) {
+  Sidecar sidecar;
+  sidecar.path = sidecar_path(recording);
+  if (sidecar.path.empty()) return sidecar;
+  const json document = read_json_file(sidecar.path);
+  const Keys keys{sidecar.path};
+  if (!document.is_object()) throw Error(sidecar.path.string() + ": expected a JSON object");
+  if (document.contains("schema") && document["schema"] != "planescope.recording/1") {
+    keys.fail("schema", "\"planescope.recording/1\"");
+  }
+  if (document.contains("intrinsics")) {
+    sidecar.intrinsics = keys.intrinsics(document["intrinsics"]);
+  }
+  if (document.contains("depth_unit_m")) {
+    sidecar.depth_unit_m = keys.number(document, "depth_unit_m");
+    if (!(*sidecar.depth_unit_m > 0)) keys.fail("depth_unit_m", "metres per count above 0");
+  }
+  sidecar.gravity = keys.direction(document);
+  if (document.contains("color_aligned")) {
+    if (!document["color_aligned"].is_boolean()) keys.fail("color_aligned", "true or false");
+    sidecar.color_aligned = document["color_aligned"].get<bool>();
+  }
+  if (!document.contains("frames")) return sidecar;
+  if (!document["frames"].is_array()) keys.fail("frames", "a list");
+  for (const json& entry : document["frames"]) {
+    if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string()) {
+      keys.fail("frames", "objects with a \"name\"");
+    }
+    Sidecar::FrameFacts frame;
+    frame.name = entry["name"].get<std::string>();
+    if (entry.contains("timestamp_s")) frame.timestamp_s = keys.number(entry, "timestamp_s");
+    frame.gravity = keys.direction(entry);
+    sidecar.frames.push_back(std::move(frame));
+  }
+  return sidecar;
+}
+
+void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
+  std::optional<Vec3d> direction = sidecar.gravity;
+  for (const Sidecar::FrameFacts& facts : sidecar.frames) {
+    if (facts.name != frame.name) continue;
+    if (facts.gravity) direction = facts.gravity;
+    if (facts.timestamp_s) frame.timestamp_s = *facts.timestamp_s;
+    break;
+  }
+  if (direction) {
+    frame.gravity =
+        Gravity{*direction, GravitySource::sidecar, 1, "from " + sidecar.path.filename().string()};
+  }
+}
+
+namespace {
+
+constexpr double kRealSenseUnit_m = 0.001;
+
+bool usable(const Intrinsics& k) {
+  return std::isfinite(k.fx) && std::isfinite(k.fy) && std::isfinite(k.cx) && std::isfinite(k.cy) &&
+         k.fx > 0 && k.fy > 0;
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+void settle_camera(const RecordingOptions& options,
+                   const Sidecar& sidecar,
+                   const CameraFacts& facts,
+                   RecordingInfo& info) {
+  if (options.intrinsics) {
+    const auto& [fx, fy, cx, cy] = *options.intrinsics;
+    info.intrinsics = {0, 0, fx, fy, cx, cy, Distortion::none, {}};
+    info.intrinsics_source = "option --intrinsics";
+  } else if (sidecar.intrinsics) {
+    info.intrinsics = *sidecar.intrinsics;
+    info.intrinsics_source = sidecar.path.filename().string();
+  } else if (facts.intrinsics) {
+    info.intrinsics = *facts.intrinsics;
+    info.intrinsics_source = facts.intrinsics_source;
+  } else {
+    throw Error(info.path.string() +
+                ": the recording does not say its camera intrinsics; give them with "
+                "--intrinsics FX,FY,CX,CY");
+  }
+  Intrinsics& k = info.intrinsics;
+  if (!usable(k)) {
+    throw Error(info.path.string() + ": intrinsics fx " + std::to_string(k.fx) + ", fy " +
+                std::to_string(k.fy) + " from " + info.intrinsics_source +
+                " are not usable, expected focal lengths above 0 in pixels");
+  }
+  if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height)) {
+    throw Error(info.path.string() + ": depth images are " + size_text(info.width, info.height) +
+                " but the intrinsics in " + info.intrinsics_source + " are for " +
+                size_text(k.width, k.height));
+  }
+  k.width = info.width;
+  k.height = info.height;
+
+  if (options.depth_unit_m) {
+    info.depth_unit_m = *options.depth_unit_m;
+    info.depth_unit_source = "option --depth-unit";
+  } else if (sidecar.depth_unit_m) {
+    info.depth_unit_m = *sidecar.depth_unit_m;
+    info.depth_unit_source = sidecar.path.filename().string();
+  } else if (facts.depth_unit_m) {
+    info.depth_unit_m = *facts.depth_unit_m;
+    info.depth_unit_source = facts.depth_unit_source;
+  } else {
+    info.depth_unit_m = kRealSenseUnit_m;
+    info.depth_unit_source = "assumed (RealSense default)";
+  }
+  if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m)) {
+    throw Error(info.path.string() + ": depth unit " + std::to_string(info.depth_unit_m) +
+                " m from " + info.depth_unit_source + ", expected metres per count above 0");
+  }
+}
+
+bool set_distortion(const std::string& model,
+                    const std::vector<double>& coefficients,
+                    Intrinsics& intrinsics) {
+  intrinsics.distortion = Distortion::none;
+  intrinsics.coefficients = {};
+  const bool all_zero =
+      std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
+  if (all_zero) return true;
+  std::string lower = model;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
+  const bool finite = std::all_of(coefficients.begin(), coefficients.end(),
+                                  [](double c) { return std::isfinite(c); });
+  // More than five coefficients are a rational model, which ours cannot express.
+  const bool five =
+      coefficients.size() <= 5 ||
+      std::all_of(coefficients.begin() + 5, coefficients.end(), [](double c) { return c == 0; });
+  if (!finite || !five || !(names("brown") || names("plumb"))) return false;
+  std::copy_n(coefficients.begin(), std::min<std::size_t>(5, coefficients.size()),
+              intrinsics.coefficients.begin());
+  intrinsics.distortion =
+      names("inverse") ? Distortion::inverse_brown_conrady : Distortion::brown_conrady;
+  return true;
+}
+
+std::string sha256_of_depth(const Image16& depth) {
+  return sha256_hex(std::as_bytes(std::span(depth.data)));
+}
+
+}  // namespace planescope::io

@@ -1,0 +1,320 @@
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+// jpeglib.h needs stdio's FILE and must come after it.
+#include <jpeglib.h>
+
+#include "core/io/image/apng.hpp"
+#include "core/io/image/jpeg.hpp"
+#include "core/io/image/png.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "support/temp_dir.hpp"
+
+namespace planescope::io {
+namespace {
+
+std::filesystem::path temp_file(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) / name;
+}
+
+template <typename T>
+Image<T> noise_image(int width, int height, int channels, unsigned seed) {
+  Image<T> image(width, height, channels);
+  std::mt19937 random(seed);
+  for (T& value : image.data) value = static_cast<T>(random());
+  return image;
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Rewrites the size in a PNG's header, checksum included.
+void forge_size(std::vector<unsigned char>& png, std::uint32_t width, std::uint32_t height) {
+  const auto put = [&](std::size_t at, std::uint32_t value) {
+    for (int i = 0; i < 4; ++i) png[at + i] = static_cast<unsigned char>(value >> (24 - 8 * i));
+  };
+  put(16, width);
+  put(20, height);
+  std::uint32_t crc = 0xffffffffu;
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= png[i];
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  put(29, ~crc);
+}
+
+TEST(Png, SixteenBitDepthComesBackAsWritten) {
+  const auto image = noise_image<std::uint16_t>(37, 23, 1, 1);
+  const auto path = temp_file("depth16.png");
+  write_png(path, image);
+  EXPECT_EQ(read_png_16(path).data, image.data);
+  const PngInfo info = png_info(path);
+  EXPECT_EQ(info.width, 37);
+  EXPECT_EQ(info.height, 23);
+  EXPECT_EQ(info.channels, 1);
+  EXPECT_EQ(info.bit_depth, 16);
+}
+
+TEST(Png, EightBitImagesComeBackAsWritten) {
+  const auto grey = noise_image<std::uint8_t>(19, 5, 1, 2);
+  const auto rgb = noise_image<std::uint8_t>(19, 5, 3, 3);
+  write_png(temp_file("grey.png"), grey);
+  write_png(temp_file("rgb.png"), rgb);
+  EXPECT_EQ(read_png_grey(temp_file("grey.png")).data, grey.data);
+  EXPECT_EQ(read_png_rgb(temp_file("rgb.png")).data, rgb.data);
+}
+
+TEST(Png, AnyKindOfColourBecomesRgb) {
+  const auto rgba = noise_image<std::uint8_t>(7, 4, 4, 4);
+  write_png(temp_file("rgba.png"), rgba);
+  const Image8 rgb = read_png_rgb(temp_file("rgba.png"));
+  ASSERT_EQ(rgb.channels, 3);
+  EXPECT_EQ(rgb.at(6, 3, 1), rgba.at(6, 3, 1));
+
+  const auto grey16 = noise_image<std::uint16_t>(7, 4, 1, 5);
+  write_png(temp_file("grey16.png"), grey16);
+  const Image8 from_grey = read_png_rgb(temp_file("grey16.png"));
+  EXPECT_NEAR(from_grey.at(2, 2, 2), grey16.at(2, 2) / 257.0, 0.51);
+}
+
+TEST(Png, TheSameImageGivesTheSameBytes) {
+  const auto image = noise_image<std::uint8_t>(64, 48, 3, 6);
+  EXPECT_EQ(encode_png(image), encode_png(image));
+}
+
+TEST(Png, WrongBitsOrChannelsAreNamed) {
+  const auto path = temp_file("eight.png");
+  write_png(path, noise_image<std::uint8_t>(4, 4, 1, 7));
+  const std::string eight = error_of([&] { read_png_16(path); });
+  EXPECT_NE(eight.find("eight.png"), std::string::npos) << eight;
+  EXPECT_NE(eight.find("8 bits"), std::string::npos) << eight;
+  write_png(path, noise_image<std::uint8_t>(4, 4, 3, 8));
+  const std::string three = error_of([&] { read_png_16(path); });
+  EXPECT_NE(three.find("3 channel(s)"), std::string::npos) << three;
+}
+
+TEST(Png, AFileCutAnywhereIsAnError) {
+  const auto bytes = encode_png(noise_image<std::uint16_t>(40, 30, 1, 9));
+  const auto path = temp_file("cut.png");
+  for (std::size_t cut = 0; cut < bytes.size(); cut += cut < 64 ? 1 : 37) {
+    std::filesystem::remove(path);
+    write_file_bytes(path, std::span(bytes).first(cut));
+    EXPECT_NE(error_of([&] { read_png_16(path); }), "") << "cut at byte " << cut;
+  }
+}
+
+TEST(Png, ATinyFileThatPromisesAHugeImageIsRefusedBeforeAllocation) {
+  auto bytes = encode_png(noise_image<std::uint16_t>(16, 12, 1, 12));
+  forge_size(bytes, 30000, 30000);
+  write_file_bytes(temp_file("huge.png"), bytes);
+  const std::string message = error_of([&] { read_png_16(temp_file("huge.png")); });
+  EXPECT_NE(message.find("30000x30000"), std::string::npos) << message;
+}
+
+TEST(Png, DamagedBytesNeverCrash) {
+  const auto good = encode_png(noise_image<std::uint16_t>(16, 12, 1, 10));
+  const auto path = temp_file("damaged.png");
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 500; ++trial) {
+    auto bytes = good;
+    for (int flips = 0; flips < 4; ++flips) {
+      bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
+    }
+    std::filesystem::remove(path);
+    write_file_bytes(path, bytes);
+    error_of([&] { read_png_16(path); });
+    error_of([&] { read_png_rgb(path); });
+  }
+}
+
+TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {
+  const std::string missing = error_of([&] { read_png_16(temp_file("not_there.png")); });
+  EXPECT_NE(missing.find("not_there.png"), std::string::npos);
+  const auto unwritable = temp_file("no_such_folder") / "x.png";
+  EXPECT_NE(error_of([&] { write_png(unwritable, Image16(2, 2)); }), "");
+}
+
+std::vector<unsigned char> encode_jpeg(int width, int height, bool color) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &buffer, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(width);
+  jpeg.image_height = static_cast<JDIMENSION>(height);
+  jpeg.input_components = color ? 3 : 1;
+  jpeg.in_color_space = color ? JCS_RGB : JCS_GRAYSCALE;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, 95, TRUE);
+  jpeg_start_compress(&jpeg, TRUE);
+  std::vector<unsigned char> row(static_cast<std::size_t>(width) * jpeg.input_components);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int c = 0; c < jpeg.input_components; ++c) {
+        row[x * jpeg.input_components + c] = c == 0 ? 200 : c == 1 ? 100 : 30;
+      }
+    }
+    JSAMPROW pointer = row.data();
+    jpeg_write_scanlines(&jpeg, &pointer, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  std::vector<unsigned char> out(buffer, buffer + size);
+  std::free(buffer);
+  return out;
+}
+
+const std::filesystem::path kPath = std::filesystem::path(testing::TempDir()) / "image.jpg";
+
+TEST(Jpeg, ColourIsReadAsRgb) {
+  write_file_bytes(kPath, encode_jpeg(50, 20, true));
+  const Image8 image = read_jpeg_rgb(kPath);
+  ASSERT_EQ(image.width, 50);
+  ASSERT_EQ(image.height, 20);
+  ASSERT_EQ(image.channels, 3);
+  EXPECT_NEAR(image.at(25, 10, 0), 200, 3);
+  EXPECT_NEAR(image.at(25, 10, 1), 100, 3);
+  EXPECT_NEAR(image.at(25, 10, 2), 30, 3);
+}
+
+TEST(Jpeg, GreyBecomesRgb) {
+  write_file_bytes(kPath, encode_jpeg(16, 16, false));
+  const Image8 image = read_jpeg_rgb(kPath);
+  ASSERT_EQ(image.channels, 3);
+  EXPECT_NEAR(image.at(8, 8, 2), 200, 3);
+}
+
+TEST(Jpeg, AFileCutShortIsAnError) {
+  const auto bytes = encode_jpeg(200, 200, true);
+  for (std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{30}, bytes.size() / 2}) {
+    std::filesystem::remove(kPath);
+    write_file_bytes(kPath, std::span(bytes).first(cut));
+    EXPECT_THROW(read_jpeg_rgb(kPath), Error) << "cut at byte " << cut;
+  }
+}
+
+TEST(Jpeg, DamagedBytesNeverCrash) {
+  const auto good = encode_jpeg(40, 30, true);
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    auto bytes = good;
+    bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
+    std::filesystem::remove(kPath);
+    write_file_bytes(kPath, bytes);
+    try {
+      read_jpeg_rgb(kPath);
+    } catch (const Error&) {
+      // Damage may well be noticed; it only must not crash.
+    }
+  }
+}
+
+struct Chunk {
+  std::string type, content;
+  bool is_whole = false;  // its CRC is right
+};
+
+std::uint32_t number_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+std::vector<Chunk> chunks_of(const std::string& file) {
+  std::vector<Chunk> chunks;
+  for (std::size_t at = 8; at + 12 <= file.size();) {
+    const std::uint32_t size = number_at(file, at);
+    Chunk chunk{file.substr(at + 4, 4), file.substr(at + 8, size)};
+    const std::string checked = chunk.type + chunk.content;
+    chunk.is_whole = crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size()) ==
+                     number_at(file, at + 8 + size);
+    chunks.push_back(std::move(chunk));
+    at += 12 + size;
+  }
+  return chunks;
+}
+
+Image8 picture(int shift) {
+  Image8 image(7, 5, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = static_cast<std::uint8_t>(31 * x + 57 * y * y + 90 * c + shift);
+  return image;
+}
+
+std::string animation(int frames) {
+  std::ostringstream out;
+  ApngWriter writer(out, 7, 5, frames, 5);
+  for (int i = 0; i < frames; ++i) writer.add(picture(i));
+  writer.finish();
+  return out.str();
+}
+
+/// The same pixels as a PNG of their own.
+Image8 decoded(const std::string& header, const std::string& pixels) {
+  std::string file = "\x89PNG\r\n\x1a\n";
+  const auto add = [&](const std::string& checked) {
+    const auto append = [&](std::uint32_t value) {
+      for (int shift = 24; shift >= 0; shift -= 8) file += static_cast<char>(value >> shift);
+    };
+    append(static_cast<std::uint32_t>(checked.size() - 4));
+    file += checked;
+    append(static_cast<std::uint32_t>(
+        crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size())));
+  };
+  add("IHDR" + header);
+  add("IDAT" + pixels);
+  add("IEND");
+  const auto path = temp_dir() / "one_frame.png";
+  write_file_text(path, file);
+  return read_png_rgb(path);
+}
+
+TEST(Apng, ShowsItsFirstFrameInEveryViewer) {
+  const auto path = temp_dir() / "animation.png";
+  write_file_text(path, animation(3));
+  EXPECT_EQ(read_png_rgb(path).data, picture(0).data);
+}
+
+TEST(Apng, HasItsChunksInOrderAndWhole) {
+  const std::vector<Chunk> chunks = chunks_of(animation(3));
+  std::string types;
+  for (const Chunk& chunk : chunks) {
+    EXPECT_TRUE(chunk.is_whole) << chunk.type;
+    types += chunk.type + " ";
+  }
+  EXPECT_EQ(types, "IHDR acTL fcTL IDAT fcTL fdAT fcTL fdAT IEND ");
+  EXPECT_EQ(number_at(chunks[1].content, 0), 3u);  // frames
+  std::uint32_t sequence = 0;
+  for (const Chunk& chunk : chunks) {
+    if (chunk.type == "fcTL" || chunk.type == "fdAT") {
+      EXPECT_EQ(number_at(chunk.content, 0), sequence++);
+    }
+  }
+}
+
+TEST(Apng, KeepsEveryFramesPixels) {
+  const std::vector<Chunk> chunks = chunks_of(animation(3));
+  EXPECT_EQ(decoded(chunks[0].content, chunks[5].content.substr(4)).data, picture(1).data);
+  EXPECT_EQ(decoded(chunks[0].content, chunks[7].content.substr(4)).data, picture(2).data);
+}
+
+}  // namespace
+}  // namespace planescope::io

@@ -1,0 +1,91 @@
+#include "core/model/file_bytes.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <ostream>
+
+#include "core/model/error.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path fresh_folder(const std::string& name) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("replace_file_" + name);
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+TEST(ReplaceFile, PutsTheNewBytesInPlaceAndLeavesNothingBeside) {
+  const fs::path folder = fresh_folder("new");
+  const std::vector<unsigned char> first = {1, 2, 3}, second = {4};
+  write_file_bytes(folder / "a", first);
+  EXPECT_EQ(read_file_bytes(folder / "a"), first);
+  write_file_bytes(folder / "a", second);
+  EXPECT_EQ(read_file_bytes(folder / "a"), second);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(ReplaceFile, KeepsWhatWasThereWhereItCannotReplaceIt) {
+  const fs::path folder = fresh_folder("blocked");
+  fs::create_directories(folder / "a" / "in the way");
+  try {
+    write_file_bytes(folder / "a", std::vector<unsigned char>{1});
+    FAIL() << "a folder was replaced by a file";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find((folder / "a").string()), std::string::npos);
+  }
+  EXPECT_TRUE(fs::exists(folder / "a" / "in the way"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(ReplaceFile, ThatFailsHalfwayLeavesTheOldOneWhole) {
+  const fs::path folder = fresh_folder("halfway");
+  write_file_text(folder / "a", "old");
+  EXPECT_THROW(write_file_stream(folder / "a",
+                                 [](std::ostream& out) {
+                                   out << "ne" << std::flush;
+                                   throw Error("no more");
+                                 }),
+               Error);
+  EXPECT_EQ(read_file_bytes(folder / "a").size(), 3u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST(ReplaceFile, FollowsALinkAndKeepsWhoMayRead) {
+  const fs::path folder = fresh_folder("link");
+  write_file_text(folder / "a", "old");
+  fs::permissions(folder / "a", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("a", folder / "b");
+  write_file_text(folder / "b", "newer");
+  EXPECT_TRUE(fs::is_symlink(folder / "b"));
+  EXPECT_EQ(fs::file_size(folder / "a"), 5u);
+  EXPECT_EQ(fs::status(folder / "a").permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(ReplaceFile, WritesToADeviceAsItIs) {
+  write_file_text("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  try {
+    write_file_text("/dev/full", "no room");
+    FAIL() << "a full device took it";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "/dev/full: cannot be written (No space left on device)");
+  }
+}
+
+TEST(FileDescriptors, AMissingFolderAndAFullDeviceAreToldByTheirErrno) {
+  EXPECT_EQ(sync_folder("/nonexistent/folder"), ENOENT);
+  const FileDescriptor full = open_file("/dev/full", O_WRONLY);
+  if (!full.is_open()) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_EQ(write_fully(full, std::vector<unsigned char>{1, 2}, 0), ENOSPC);
+  EXPECT_EQ(error_text(ENOSPC), "No space left on device");
+}
+
+}  // namespace
+}  // namespace planescope
