@@ -1,11 +1,64 @@
-#include "core/debug/filter/filter_fields.hpp"
+// The words of a filter: tokens, names, and what can stand at a place, judged by the words before
+// it.
 
+#include "core/debug/filter/filter_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
 #include <utility>
-
-#include "core/debug/replay/truth_check.hpp"
 
 namespace planescope::debug {
 namespace {
+
+/// Longer signs stand before those that they begin with.
+constexpr std::string_view kSigns[] = {"||", "&&", "==", "!=", "<=", ">=", "!", "<",
+                                       ">",  "+",  "-",  "*",  "/",  "(",  ")"};
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Letters, and what UTF-8 writes the paper's symbols with.
+bool starts_name(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+std::size_t name_length(std::string_view text) {
+  const auto continues_name = [](char c) { return starts_name(c) || is_digit(c) || c == '.'; };
+  return std::find_if_not(text.begin(), text.end(), continues_name) - text.begin();
+}
+
+/// The token that begins at `at`, which is not a space.
+FilterToken token_at(std::string_view text, std::size_t at) {
+  const std::string_view rest = text.substr(at);
+  const auto token = [&](FilterToken::Kind kind, std::size_t length, double value = 0) {
+    return FilterToken{{at, at + length}, kind, rest.substr(0, length), value};
+  };
+  const char c = rest[0];
+  if (starts_name(c)) return token(FilterToken::name, name_length(rest));
+
+  if (is_digit(c) || (c == '.' && rest.size() > 1 && is_digit(rest[1]))) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    const FilterToken number = token(FilterToken::number, end - rest.data(), value);
+    if (error == std::errc::result_out_of_range) fail_filter(number, "a number out of range");
+    const std::size_t unit = name_length(rest.substr(number.text.size()));
+    if (unit == 0) return number;
+    const FilterToken whole = token(FilterToken::number, number.text.size() + unit);
+    fail_filter(whole,
+                fmt::format("'{}' is no number: write it without a unit, in m or deg", whole.text));
+  }
+
+  for (const std::string_view sign : kSigns)
+    if (rest.starts_with(sign)) return token(FilterToken::sign, sign.size());
+  const FilterToken wrong = token(FilterToken::sign, 1);
+  if (c == '=' || c == '&' || c == '|')
+    fail_filter(wrong, fmt::format("did you mean '{0}{0}'?", c));
+  const bool printable = c > ' ' && c < 0x7f;
+  fail_filter(wrong,
+              printable ? fmt::format("'{}' has no meaning here", c) : "a control character");
+}
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
@@ -67,7 +120,7 @@ double coordinate(View e) {
   return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
 }
 
-/// Absent where nobody knows gravity: nothing is h or v, and nothing is not.
+/// Absent where gravity is not known: h and v then mean nothing.
 double value_of(Label label) {
   return label == Label::unknown ? kAbsent : static_cast<double>(label);
 }
@@ -218,7 +271,75 @@ constexpr std::pair<std::string_view, std::string_view> kAliases[] = {
     {"N_in", "n_in"},      {"N_out", "n_out"},     {"e_n", "mse"}, {"theta_e_n", "theta_mse"},
     {"θ_en", "theta_mse"}, {"θ_rms", "theta_rms"}, {"τ", "tau"}};
 
+using Tokens = std::vector<FilterToken>;
+using Choices = std::vector<FilterName>;
+
+/// The type of the field that the word names, if it does.
+std::optional<FilterType> field_type(const FilterToken& token) {
+  const FilterSymbol* symbol = find_filter_symbol(token.text);
+  return symbol && !symbol->value ? std::optional(symbol->type) : std::nullopt;
+}
+
+/// The type that the value behind these words should have, boolean where it starts a condition.
+FilterType wanted_type(const Tokens& before) {
+  if (before.empty()) return FilterType::boolean;
+  const std::string_view sign = before.back().text;
+  if (sign == "&&" || sign == "||" || sign == "!" || sign == "(") return FilterType::boolean;
+  if (before.size() < 2 || !is_comparison(sign)) return FilterType::number;
+  return field_type(before[before.size() - 2]).value_or(FilterType::number);
+}
+
+/// Fields where a condition starts or a number is wanted, values where another type is.
+Choices values_of(FilterType type) {
+  const bool of_fields = type == FilterType::boolean || type == FilterType::number;
+  Choices likely, others;
+  for (const FilterSymbol& symbol : filter_symbols()) {
+    if (symbol.value.has_value() == of_fields) continue;
+    if (symbol.type != type && type != FilterType::boolean) continue;
+    // A number is most likely compared with a threshold.
+    const bool is_likely =
+        type != FilterType::number || symbol.option || symbol.name.starts_with("theta");
+    (is_likely ? likely : others).push_back({symbol.name, symbol.meaning});
+  }
+  likely.insert(likely.end(), others.begin(), others.end());
+  return likely;
+}
+
+Choices signs_after(const Tokens& before) {
+  const bool compared = before.size() >= 2 && is_comparison(before[before.size() - 2].text);
+  const std::optional<FilterType> type = field_type(before.back());
+  if (compared || !type || type == FilterType::boolean) return {{"&&", "and"}, {"||", "or"}};
+  Choices signs = {{"==", "equal"}, {"!=", "different"}};
+  if (type == FilterType::number)
+    signs.insert(signs.begin(),
+                 {{">", "greater"}, {">=", "at least"}, {"<", "less"}, {"<=", "at most"}});
+  return signs;
+}
+
+/// Where the letters, of either case, begin in the name; its size where they do not stand there.
+std::size_t find_letters(std::string_view name, std::string_view letters) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  return std::ranges::search(name, letters, {}, lower, lower).begin() - name.begin();
+}
+
 }  // namespace
+
+std::vector<FilterToken> filter_tokens(std::string_view text,
+                                       std::optional<FilterProblem>& problem) {
+  const auto next_from = [&](std::size_t at) { return text.find_first_not_of(" \t\n\r", at); };
+  std::vector<FilterToken> tokens;
+  try {
+    for (std::size_t at = next_from(0); at < text.size(); at = next_from(tokens.back().end))
+      tokens.push_back(token_at(text, at));
+  } catch (FilterProblem& found) {
+    problem = std::move(found);
+  }
+  return tokens;
+}
+
+void fail_filter(const FilterPlace& place, std::string message) {
+  throw FilterProblem{place.begin, place.end, std::move(message)};
+}
 
 const std::vector<FilterSymbol>& filter_symbols() {
   static const std::vector<FilterSymbol> symbols = [] {
@@ -253,6 +374,33 @@ const char* to_string(FilterType type) {
                                     "a point",
                                     "a plane"};
   return kTexts[static_cast<std::size_t>(type)];
+}
+
+std::vector<Completion> complete_filter(const std::string& text, std::size_t cursor) {
+  const std::string_view whole = text;
+  const std::size_t at = std::min(cursor, text.size());
+  std::optional<FilterProblem> ignored;
+  Tokens before = filter_tokens(whole.substr(0, at), ignored);
+  FilterPlace word{at, at};  // that the cursor is in or behind
+  if (!before.empty() && before.back().kind == FilterToken::number && before.back().end == cursor)
+    return {};
+  if (!before.empty() && before.back().kind == FilterToken::name && before.back().end == at) {
+    word.begin = before.back().begin;
+    word.end = word.begin + filter_tokens(whole.substr(word.begin), ignored).front().end;
+    before.pop_back();
+  }
+  const std::string_view typed = whole.substr(word.begin, at - word.begin);
+  const bool wants_value =
+      before.empty() || (before.back().kind == FilterToken::sign && before.back().text != ")");
+  const Choices choices = wants_value ? values_of(wanted_type(before)) : signs_after(before);
+  std::vector<Completion> completions;
+  for (const bool at_start : {true, false})
+    for (const FilterName& choice : choices) {
+      const std::size_t found = find_letters(choice.name, typed);
+      if (found < choice.name.size() && (found == 0) == at_start)
+        completions.push_back({word.begin, word.end, choice.name, choice.meaning});
+    }
+  return completions;
 }
 
 }  // namespace planescope::debug

@@ -1,6 +1,7 @@
 #pragma once
 
-// The names of the filter language and what they mean for an event. Internal to core/debug/filter.
+// The words of the filter language: how a text falls apart into them, which names there are, and
+// what these mean for an event. Internal to core/debug/filter.
 
 #include <cstdint>
 #include <limits>
@@ -10,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
@@ -21,7 +23,7 @@ struct PointTrack {
   std::vector<std::int32_t> steps;  // that changed its plane, ascending
 };
 
-/// What there is to know of an event, and what the filter asks of the run, looked up once for all.
+/// An event, with what a filter needs to know of its run, looked up once per run.
 struct EventView {
   const Run& run;
   std::int32_t step;
@@ -70,5 +72,21 @@ const std::vector<FilterSymbol>& filter_symbols();
 /// Null: unknown. Two may share a name: then the one of the type that is wanted, or the field.
 const FilterSymbol* find_filter_symbol(std::string_view name,
                                        std::optional<FilterType> wanted = {});
+
+struct FilterPlace {
+  std::size_t begin = 0, end = 0;  // bytes of the text
+};
+/// Throws a FilterProblem.
+[[noreturn]] void fail_filter(const FilterPlace& place, std::string message);
+
+struct FilterToken : FilterPlace {
+  enum Kind { name, number, sign } kind = sign;
+  std::string_view text;  // of the text given
+  double value = 0;       // of a number
+};
+/// The tokens up to the first error, which `problem` then describes.
+std::vector<FilterToken> filter_tokens(std::string_view text,
+                                       std::optional<FilterProblem>& problem);
+bool is_comparison(std::string_view sign);
 
 }  // namespace planescope::debug
