@@ -6,8 +6,7 @@
 #include "app/commands/report.hpp"
 #include "app/commands/report_finish.hpp"
 #include "core/model/error.hpp"
-#include "core/report/data/report_files.hpp"
-#include "core/report/data/report_head.hpp"
+#include "core/report/data/report_json.hpp"
 
 namespace planescope::app {
 namespace {

@@ -1,5 +1,8 @@
 #pragma once
 
+// Charts of pages, as SVG elements. Colours and text follow the page: it defines
+// line_chart_style().
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,9 +27,19 @@ struct LineChart {
   double log_from = 0;  // above 0: a logarithmic y axis from there; smaller values stand there
 };
 
-/// The chart as an SVG element, its names beside the curves' colours. Colours and text follow the
-/// page: it defines line_chart_style().
+/// The chart as an SVG element, its names beside the curves' colours.
 std::string line_chart(const LineChart& chart);
+
+struct BarChart {
+  std::string title;                // read out where the chart is not seen
+  std::vector<std::string> groups;  // names below them; "\n" breaks the line
+  std::vector<Curve> bars;          // one value per group; NaN: no bar
+  double low = 0, high = 100;       // what the axis spans; lower values are cut off
+};
+
+/// The chart as an SVG element. Each bar says its value where a
+/// mouse rests on it.
+std::string bar_chart(const BarChart& chart);
 
 /// CSS for a page with charts, light and dark as the reader's system is.
 std::string line_chart_style();

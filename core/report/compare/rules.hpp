@@ -32,7 +32,7 @@ struct Rule {
   bool operator==(const Rule&) const = default;
 };
 
-/// What becomes of several frames' values.
+/// How the values of several frames become one.
 enum class RuleFold : std::uint8_t { mean, sum, largest };
 
 struct RuleMetric {
@@ -74,7 +74,7 @@ struct IdleRule {
   /// "planes of rec frame 7: this rule holds nothing, there is no such frame"
   std::string text() const;
 };
-/// Not those that are off: these are meant to hold nothing.
+/// Rules that are off are left out.
 std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison,
                                  bool has_baseline);

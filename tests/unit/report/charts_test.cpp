@@ -1,4 +1,4 @@
-#include "core/report/page/bar_chart.hpp"
+#include "core/report/page/charts.hpp"
 
 #include <gtest/gtest.h>
 

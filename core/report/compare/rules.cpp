@@ -1,4 +1,4 @@
-#include "core/report/rules/rules.hpp"
+#include "core/report/compare/rules.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,12 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
-#include <set>
 
-#include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 #include "core/report/data/json_place.hpp"
-#include "core/report/rules/rule_metrics.hpp"
 
 namespace planescope::report {
 namespace {
@@ -24,7 +20,152 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "planescope.rules/1";
 constexpr std::uintmax_t kMostBytes = 1 << 20;
 
-/// Of a frame, a recording, or all.
+using FrameValue = std::optional<double> (*)(const FrameComparison&);
+
+struct Metric {
+  RuleMetric metric;
+  FrameValue value;  // nullopt where the frame has none
+};
+
+template <PlaneFate kFate>
+std::optional<double> planes_with(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  return frame.count(kFate);
+}
+
+template <FrameFate kFate>
+std::optional<double> frames_with(const FrameComparison& frame) {
+  if (!frame.baseline) return std::nullopt;
+  return frame.fate == kFate ? 1 : 0;
+}
+
+/// The largest such value among planes that are in both runs.
+std::optional<double> farthest(const FrameComparison& frame, double PlaneComparison::*value) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  double most = 0;
+  for (const PlaneComparison& plane : frame.planes)
+    if (plane.fate <= PlaneFate::moved) most = std::max(most, plane.*value);
+  return most;
+}
+
+const ReportFrame* done(const ReportFrame* frame) {
+  return frame && frame->refused.empty() ? frame : nullptr;
+}
+
+template <double planes::Metrics::*kValue>
+std::optional<double> scored(const FrameComparison& frame) {
+  const ReportFrame* now = done(frame.now);
+  if (!now || !now->metrics) return std::nullopt;
+  return now->metrics.value().*kValue;
+}
+
+template <double planes::Metrics::*kValue>
+std::optional<double> score_change(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared || !frame.now->metrics || !frame.baseline->metrics)
+    return std::nullopt;
+  const double change = (*frame.now->metrics).*kValue - (*frame.baseline->metrics).*kValue;
+  if (std::isnan(change)) return std::nullopt;
+  return change;
+}
+
+std::optional<double> time_ratio(const ReportFrame* frame) {
+  if (!done(frame) || frame->time_ratio() <= 0) return std::nullopt;
+  return frame->time_ratio();
+}
+
+/// Labels that are gone: without them no metric that needs labels could fail.
+std::optional<double> labels_missing(const FrameComparison& frame) {
+  const ReportFrame *before = done(frame.baseline), *now = done(frame.now);
+  if (!before || !now) return std::nullopt;
+  return before->metrics && !now->metrics ? 1 : 0;
+}
+
+const std::vector<Metric>& metrics() {
+  using enum RuleFold;
+  static const std::vector<Metric> all = {
+      {{"planes_lost", "planes", "planes of the baseline that are gone", true, false, sum},
+       planes_with<PlaneFate::lost>},
+      {{"planes_gained", "planes", "planes that the baseline has not", true, false, sum},
+       planes_with<PlaneFate::gained>},
+      {{"planes_merged", "planes", "planes of the baseline that are one now", true, false, sum},
+       planes_with<PlaneFate::merged>},
+      {{"planes_split", "planes", "planes of the baseline that are several now", true, false, sum},
+       planes_with<PlaneFate::split>},
+      {{"planes_moved", "planes", "planes moved by 5 mm or turned by 1 degree", true, false, sum},
+       planes_with<PlaneFate::moved>},
+      {{"planes_resized", "planes", "planes with a quarter more area, or less", true, false, sum},
+       planes_with<PlaneFate::resized>},
+      {{"offset_mm", "mm", "the farthest that a plane moved", true, false, largest},
+       [](const FrameComparison& frame) {
+         std::optional<double> offset = farthest(frame, &PlaneComparison::offset_m);
+         if (offset) *offset *= 1000;
+         return offset;
+       }},
+      {{"angle_deg", "degrees", "the farthest that a plane turned", true, false, largest},
+       [](const FrameComparison& frame) { return farthest(frame, &PlaneComparison::angle_deg); }},
+      {{"frames_refused", "frames", "frames that the baseline processed and this does not", true,
+        false, sum},
+       frames_with<FrameFate::refused>},
+      {{"frames_missing", "frames", "frames that the baseline has alone", true, false, sum},
+       frames_with<FrameFate::missing>},
+      {{"inputs_changed", "frames", "frames whose pixels or points are not the baseline's", true,
+        false, sum},
+       frames_with<FrameFate::other_input>},
+      {{"labels_missing", "frames", "frames that the baseline has labels for and this has not",
+        true, false, sum},
+       labels_missing},
+      {{"planes", "planes", "planes found", false, false, sum},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const ReportFrame* now = done(frame.now))
+           return static_cast<double>(now->planes.size());
+         return std::nullopt;
+       }},
+      {{"on_planes_percent", "%", "points on planes", false, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const ReportFrame* now = done(frame.now)) return now->percent_on_planes();
+         return std::nullopt;
+       }},
+      {{"on_planes_change", "% points", "points on planes, now less the baseline", true, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (frame.fate != FrameFate::compared) return std::nullopt;
+         return frame.now->percent_on_planes() - frame.baseline->percent_on_planes();
+       }},
+      {{"mean_iou", "%", "mean IoU with the true planes", false, true},
+       scored<&planes::Metrics::mean_iou>},
+      {{"pq", "%", "panoptic quality", false, true}, scored<&planes::Metrics::pq>},
+      {{"alpha_deg", "degrees", "mean angle to the true normals", false, true},
+       scored<&planes::Metrics::alpha_deg>},
+      {{"r_p", "%", "planes found of true ones", false, true}, scored<&planes::Metrics::r_p>},
+      {{"r_m", "%", "points in no plane", false, true}, scored<&planes::Metrics::r_m>},
+      {{"point_accuracy", "%", "points on the right plane", false, true},
+       scored<&planes::Metrics::point_accuracy>},
+      {{"mean_iou_change", "% points", "mean IoU, now less the baseline", true, true},
+       score_change<&planes::Metrics::mean_iou>},
+      {{"pq_change", "% points", "panoptic quality, now less the baseline", true, true},
+       score_change<&planes::Metrics::pq>},
+      {{"alpha_change", "degrees", "alpha, now less the baseline", true, true},
+       score_change<&planes::Metrics::alpha_deg>},
+      {{"point_accuracy_change", "% points", "point accuracy, now less the baseline", true, true},
+       score_change<&planes::Metrics::point_accuracy>},
+      {{"time_ratio", "", "time from voxel grid to planes, of that of work timed beside it", false,
+        false, mean, true},
+       [](const FrameComparison& frame) { return time_ratio(frame.now); }},
+      {{"time_growth", "times", "time_ratio, now of the baseline's", true, false, mean, true},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         const auto now = time_ratio(frame.now), before = time_ratio(frame.baseline);
+         if (!now || !before) return std::nullopt;
+         return *now / *before;
+       }},
+  };
+  return all;
+}
+
+/// `name` must be one of them.
+const Metric& find_metric(std::string_view name) {
+  return *std::ranges::find(metrics(), name, [](const Metric& m) { return m.metric.name; });
+}
+
+/// The values that are held to one limit together: of a frame, of a recording, or of all.
 struct Group {
   std::string recording;
   int frame = -1;
@@ -68,17 +209,6 @@ void apply(const Rule& rule, const ReportComparison& comparison, std::vector<Bre
       breaches.push_back({rule, group.recording, group.frame, value});
 }
 
-template <typename Enum>
-Enum parsed(const JsonPlace& place, std::initializer_list<Enum> values) {
-  const std::string text = place.text();
-  std::string known;
-  for (const Enum value : values) {
-    if (text == to_string(value)) return value;
-    known += (known.empty() ? "" : ", ") + std::string(to_string(value));
-  }
-  place.fail_kind("one of " + known);
-}
-
 Rule rule_of(const JsonPlace& place) {
   place.has_only({"metric", "scope", "recording", "frame", "at_least", "at_most", "level"});
   Rule rule;
@@ -90,8 +220,8 @@ Rule rule_of(const JsonPlace& place) {
     place.at("metric").fail_kind(fmt::format("one of {}", fmt::join(names, ", ")));
   }
   if (place.has("scope"))
-    rule.scope =
-        parsed(place.at("scope"), {RuleScope::frame, RuleScope::recording, RuleScope::all});
+    rule.scope = place.at("scope").choice({RuleScope::frame, RuleScope::recording, RuleScope::all},
+                                          "one of frame, recording, all");
   if (place.has("recording")) rule.recording = place.at("recording").text();
   if (place.has("frame")) rule.frame = place.at("frame").whole(0);
   if (place.has("at_least")) rule.at_least = place.at("at_least").number();
@@ -102,7 +232,8 @@ Rule rule_of(const JsonPlace& place) {
     place.fail_kind(fmt::format("at_least {} not above at_most {}, which no value can be within",
                                 rule.at_least, rule.at_most));
   if (place.has("level"))
-    rule.level = parsed(place.at("level"), {RuleLevel::off, RuleLevel::warn, RuleLevel::error});
+    rule.level = place.at("level").choice({RuleLevel::off, RuleLevel::warn, RuleLevel::error},
+                                          "one of off, warn, error");
   else if (find_metric(rule.metric).metric.is_timing)
     rule.level = RuleLevel::warn;
   if (find_metric(rule.metric).metric.is_timing && rule.level == RuleLevel::error)
@@ -111,7 +242,7 @@ Rule rule_of(const JsonPlace& place) {
   return rule;
 }
 
-/// How far the value is past its limit, of the limit.
+/// How far the value is past its limit, as a share of the limit.
 double excess_of(const Breach& breach) {
   const bool low = breach.value < breach.rule.at_least;
   const double limit = low ? breach.rule.at_least : breach.rule.at_most;
@@ -149,6 +280,15 @@ const char* to_string(RuleScope scope) {
   return scope == RuleScope::frame ? "frame" : scope == RuleScope::recording ? "recording" : "all";
 }
 
+const std::vector<RuleMetric>& rule_metrics() {
+  static const std::vector<RuleMetric> all = [] {
+    std::vector<RuleMetric> result;
+    for (const Metric& metric : metrics()) result.push_back(metric.metric);
+    return result;
+  }();
+  return all;
+}
+
 std::vector<Rule> built_in_rules() {
   std::vector<Rule> rules;
   const auto at_most = [&rules](const char* metric, double limit, RuleLevel level) {
@@ -173,29 +313,13 @@ std::vector<Rule> built_in_rules() {
 }
 
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
-  const auto bytes = read_file_bytes(file, kMostBytes);
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-      twice = value.get<std::string>();
-    return true;
-  };
-  const Json json = Json::parse(bytes.begin(), bytes.end(), watch, false);
-  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
-  if (!twice.empty()) throw Error(file.string() + ": has \"" + twice + "\" twice in one object");
-  try {
-    const JsonPlace place(json);
+  return read_place(file, read_json(file, kMostBytes), [](const JsonPlace& place) {
     if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
     place.has_only({"schema", "rules"});
     std::vector<Rule> rules;
     place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
     return rules;
-  } catch (const Error& error) {
-    throw Error(file.string() + ": " + error.what());
-  }
+  });
 }
 
 std::string rules_json(const std::vector<Rule>& rules) {

@@ -1,16 +1,26 @@
 #pragma once
 
-// Which plane is where in an image, drawn from the samples that a report keeps: available even
-// where the pictures of an earlier run are gone.
+// Pictures for pages: smaller copies, as what a page embeds, and maps of where planes are.
 
 #include <string>
 #include <vector>
 
 #include "core/model/image.hpp"
-#include "core/report/compare/compare_planes.hpp"
-#include "core/report/data/region_sample.hpp"
+#include "core/report/compare/compare_reports.hpp"
 
 namespace planescope::report {
+
+/// The image shrunk to at most `max_width` pixels, each the mean of what it covers (never
+/// enlarged).
+Image8 shrink(const Image8& image, int max_width);
+
+/// Baseline JPEG of an RGB image, colour at full resolution: thin lines keep their hue.
+std::vector<unsigned char> encode_jpeg(const Image8& image, int quality);
+
+std::string base64(const std::vector<unsigned char>& bytes);
+
+// Which plane is where in an image, drawn from the samples that a report keeps: available even
+// where the pictures of an earlier run are gone.
 
 /// How a plane stands out.
 struct PlaneInk {
