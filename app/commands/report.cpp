@@ -149,7 +149,7 @@ report::Report start_report(const ReportArgs& args,
   report.command = args.command;
   if (args.shard.count > 1) report.shard = fmt::format("{}/{}", args.shard.index, args.shard.count);
   report.created_utc = now_utc();
-  report.method = args.input.pipeline.method;
+  report.method = planes::to_string(args.input.pipeline.method);
   if (labels_points(args.input.pipeline)) report.classifier = args.input.pipeline.classifier;
   report.weights = chosen.weights;
   report.options = report::make_report_options(args.input.pipeline);
@@ -172,8 +172,8 @@ report::Report start_report(const ReportArgs& args,
 
 /// All that a frame's results depend on but the frame.
 std::string build_key(const report::Report& report, int copies) {
-  std::string key = fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit,
-                                planes::to_string(report.method), copies);
+  std::string key =
+      fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit, report.method, copies);
   if (report.modified || report.commit == "unknown")
     key += sha256_hex_of_file("/proc/self/exe") + "\n";
   if (report.weights) key += report.weights->sha256 + "\n";

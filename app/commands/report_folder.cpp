@@ -4,6 +4,7 @@
 
 #include "app/cli/output.hpp"
 #include "core/model/error.hpp"
+#include "core/report/data/report_files.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "core/labels/store/label_lock.hpp"
-#include "core/report/data/frame_record.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
 

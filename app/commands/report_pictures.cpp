@@ -6,7 +6,7 @@
 #include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/page/pictures.hpp"
 #include "render/scenes.hpp"
 #include "render/truth_image.hpp"
 

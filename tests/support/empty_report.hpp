@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "core/report/data/report_data.hpp"
 
 namespace planescope {
@@ -14,6 +18,17 @@ inline report::Report empty_report() {
   report.classifier = "pca";
   report.options = report::make_report_options({});
   for (std::string& color : report.case_colors) color = "#e69f00";
+  return report;
+}
+
+/// One that has nothing but frames, by the names of their recordings.
+inline report::Report report_of_frames(
+    const std::vector<std::pair<std::string, std::vector<report::ReportFrame>>>& recordings) {
+  report::Report report;
+  for (const auto& [name, frames] : recordings) {
+    report.recordings.emplace_back().name = name;
+    report.recordings.back().frames = frames;
+  }
   return report;
 }
 

@@ -7,7 +7,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/page/pictures.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::desktop {

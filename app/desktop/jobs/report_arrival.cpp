@@ -27,7 +27,7 @@ Voxels voxels_about(const report::PlaneSummary& plane, const debug::Subject& sub
 
 /// Planes of a report, and where they are in run B.
 struct Region {
-  const report::RecordedFrame& frame;
+  const report::ReportFrame& frame;
   std::vector<int> planes;
   Voxels voxels = {};
 };
@@ -37,7 +37,7 @@ Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole
   const auto& [frame, planes, in_b] = region;
   const report::RegionSample& sample = frame.regions;
   if (sample.runs.empty())
-    return voxels_about(frame.planes[static_cast<std::size_t>(planes[0]) - 1], subject);
+    return voxels_about(frame.planes[static_cast<std::size_t>(planes[0]) - 1].summary, subject);
   const Image16& depth = subject.frame.depth;
   const int width = depth.empty() ? static_cast<int>(subject.point_of_source.size()) : depth.width;
   const int height = depth.empty() ? 1 : depth.height;

@@ -10,8 +10,8 @@
 
 #include "core/debug/replay/run.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
-#include "core/report/compare/compare_planes.hpp"
-#include "core/report/data/recorded_report.hpp"
+#include "core/report/compare/compare_reports.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::desktop {
 
@@ -20,9 +20,9 @@ struct ReportPlace {
   int frame = 0;
   int plane = 0;             // 0: the frame alone
   bool of_baseline = false;  // whose plane it is
-  report::RecordedFrame now;
-  std::optional<report::RecordedFrame> baseline;  // where it has the same input
-  std::optional<report::PlaneComparison> fate;    // of the plane since the baseline
+  report::ReportFrame now;
+  std::optional<report::ReportFrame> baseline;  // where it has the same input
+  std::optional<report::PlaneComparison> fate;  // of the plane since the baseline
   std::optional<planes::PipelineOptions> options_a;
   std::string note;  // what is not as it was, one line
 };

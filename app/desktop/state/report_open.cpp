@@ -18,8 +18,7 @@
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/compare/compare_reports.hpp"
-#include "core/report/data/recorded_options.hpp"
-#include "core/report/data/report_target.hpp"
+#include "core/report/data/report_json.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -44,8 +43,8 @@ std::vector<fs::path> places_of(const fs::path& typed, const fs::path& report) {
   return places;
 }
 
-const report::RecordedRecording& recording_of(const report::RecordedReport& report,
-                                              const report::ReportTarget& target) {
+const report::ReportRecording& recording_of(const report::Report& report,
+                                            const report::ReportTarget& target) {
   const auto count = report.recordings.size();
   if (static_cast<std::size_t>(target.recording) > count)
     throw Error(fmt::format("{}: r{} is not in it, it has {}", target.file.string(),
@@ -53,10 +52,10 @@ const report::RecordedRecording& recording_of(const report::RecordedReport& repo
   return report.recordings[static_cast<std::size_t>(target.recording) - 1];
 }
 
-const report::RecordedFrame& frame_of(const report::RecordedRecording& recording,
-                                      const report::ReportTarget& target) {
+const report::ReportFrame& frame_of(const report::ReportRecording& recording,
+                                    const report::ReportTarget& target) {
   std::vector<int> numbers;
-  for (const report::RecordedFrame& frame : recording.frames) {
+  for (const report::ReportFrame& frame : recording.frames) {
     if (target.frame < 0 || frame.index == target.frame) return frame;
     numbers.push_back(frame.index);
   }
@@ -69,7 +68,7 @@ const report::RecordedFrame& frame_of(const report::RecordedRecording& recording
 }
 
 /// `file`: whose frame it is.
-void expect_plane(const report::RecordedFrame& frame,
+void expect_plane(const report::ReportFrame& frame,
                   const report::ReportTarget& target,
                   const fs::path& file) {
   const char* letters = target.of_baseline ? "was" : "p";
@@ -88,7 +87,7 @@ void add_note(std::string& note, const std::string& more) {
 
 /// The options of the report's run. Throws Error where they can no longer be had; `note` says what
 /// may differ.
-planes::PipelineOptions options_from(const report::RecordedReport& report,
+planes::PipelineOptions options_from(const report::Report& report,
                                      const fs::path& file,
                                      std::string& note) {
   std::vector<std::string> unknown;
@@ -101,11 +100,11 @@ planes::PipelineOptions options_from(const report::RecordedReport& report,
   if (!unknown.empty())
     add_note(note, fmt::format("{} has options that are no more: {}", file.filename().string(),
                                fmt::join(unknown, ", ")));
-  if (report.weights_sha256.empty() || options.method != planes::Method::ours) return options;
+  if (report.weights_sha256().empty() || options.method != planes::Method::ours) return options;
   if (!planes::names_weights_file(options.classifier)) {
     const fs::path shipped =
         app::find_asset("classifier.safetensors", "the weights of classifier gcn are");
-    if (sha256_hex_of_file(shipped) != report.weights_sha256)
+    if (sha256_hex_of_file(shipped) != report.weights_sha256())
       add_note(note, fmt::format("the weights of {} are not those of {}", options.classifier,
                                  file.filename().string()));
     return options;
@@ -114,7 +113,7 @@ planes::PipelineOptions options_from(const report::RecordedReport& report,
   if (places.empty())
     throw Error(fmt::format("{}: its weights {} are neither there nor in or above its folder",
                             file.string(), options.classifier));
-  const auto same = std::ranges::find(places, report.weights_sha256, sha256_hex_of_file);
+  const auto same = std::ranges::find(places, report.weights_sha256(), sha256_hex_of_file);
   if (same == places.end())
     throw Error(fmt::format("{}: are other weights than those of {}, SHA-256 differs",
                             places[0].string(), file.string()));
@@ -124,7 +123,7 @@ planes::PipelineOptions options_from(const report::RecordedReport& report,
 
 /// Why it is not the report's recording; empty: it is.
 std::string why_other(const OpenRecording& open,
-                      const report::RecordedFrame& frame,
+                      const report::ReportFrame& frame,
                       const fs::path& report) {
   const std::string other =
       fmt::format("{}: is another recording than that of {}", open.path.string(), report.string());
@@ -146,7 +145,7 @@ struct Candidate {
 };
 
 std::vector<Candidate> candidates_of(const State& state,
-                                     const report::RecordedRecording& recorded,
+                                     const report::ReportRecording& recorded,
                                      const ReportLink& link,
                                      const fs::path& report) {
   std::vector<Candidate> candidates;
@@ -157,16 +156,16 @@ std::vector<Candidate> candidates_of(const State& state,
       candidates.push_back({open.path, state.document.recording_options, open.label_dir});
   }
   if (link.only_given) return candidates;
-  for (const fs::path& path : places_of(recorded.path, report))
-    candidates.push_back(
-        {path, recorded.options, link.label_dir.value_or(labels::default_label_dir(path))});
+  for (const fs::path& path : places_of(recorded.info.path, report))
+    candidates.push_back({path, report::options_of(recorded),
+                          link.label_dir.value_or(labels::default_label_dir(path))});
   return candidates;
 }
 
 /// The first that is the report's recording. Throws Error.
 OpenRecording open_recorded(const State& state,
-                            const report::RecordedRecording& recorded,
-                            const report::RecordedFrame& frame,
+                            const report::ReportRecording& recorded,
+                            const report::ReportFrame& frame,
                             const ReportLink& link,
                             const fs::path& report) {
   std::string refusal;
@@ -183,7 +182,7 @@ OpenRecording open_recorded(const State& state,
   throw Error(fmt::format(
       "{}: its recording {} is neither there nor in or above the report's folder; give it: "
       "planescope view RECORDING --open {}",
-      report.string(), recorded.path.string(), report.string()));
+      report.string(), recorded.info.path.string(), report.string()));
 }
 
 bool same_options(const planes::PipelineOptions& a, const planes::PipelineOptions& b) {
@@ -195,10 +194,10 @@ bool same_options(const planes::PipelineOptions& a, const planes::PipelineOption
 /// The baseline of a report, where there is one.
 struct Baseline {
   fs::path file;
-  report::RecordedReport report;
+  report::Report report;
 };
 
-std::optional<Baseline> baseline_of(const report::RecordedReport& report,
+std::optional<Baseline> baseline_of(const report::Report& report,
                                     const ReportLink& link,
                                     const report::ReportTarget& target,
                                     std::string& note) {
@@ -234,8 +233,8 @@ std::optional<Baseline> baseline_of(const report::RecordedReport& report,
 
 /// The frame as the baseline has it, and what became of the plane.
 void find_fate(const Baseline& baseline,
-               const report::RecordedReport& report,
-               const report::RecordedFrame& frame,
+               const report::Report& report,
+               const report::ReportFrame& frame,
                const report::ReportTarget& target,
                ReportPlace& place) {
   const report::ReportComparison comparison = report::compare_reports(baseline.report, report);
@@ -265,9 +264,9 @@ bool is_report(const std::string& where) {
 
 void open_report(State& state, const ReportLink& link) {
   const report::ReportTarget target = report::parse_report_target(link.target);
-  const report::RecordedReport report = report::read_report(target.file);
-  const report::RecordedRecording& recording = recording_of(report, target);
-  const report::RecordedFrame& frame = frame_of(recording, target);
+  const report::Report report = report::read_report(target.file);
+  const report::ReportRecording& recording = recording_of(report, target);
+  const report::ReportFrame& frame = frame_of(recording, target);
   if (target.plane > 0 && !target.of_baseline) expect_plane(frame, target, target.file);
 
   auto place = std::make_shared<ReportPlace>();
@@ -288,7 +287,7 @@ void open_report(State& state, const ReportLink& link) {
     }
   }
   if (place->options_a && same_options(*place->options_a, options) &&
-      baseline->report.weights_sha256 == report.weights_sha256)
+      baseline->report.weights_sha256() == report.weights_sha256())
     add_note(place->note, "A and B are the same: the baseline had these options");
   OpenRecording open = open_recorded(state, recording, frame, link, target.file);
 

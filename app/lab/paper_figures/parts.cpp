@@ -8,7 +8,7 @@
 
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/page/pictures.hpp"
 #include "render/palette.hpp"
 #include "render/scenes.hpp"
 

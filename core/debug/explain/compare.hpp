@@ -36,7 +36,7 @@ Comparison compare_runs(const Run& a, const Run& b);
 /// Against ground truth: planes only. `a` of the pairs is the truth plane.
 Comparison compare_with_truth(const Run& run);
 
-/// What of one run is what of another.
+/// Maps nodes, voxels and events of one run to those of another.
 class Correspondence {
  public:
   Correspondence(const Run& from, const Run& to);
@@ -46,7 +46,7 @@ class Correspondence {
   std::int32_t node(std::int32_t node) const;
   /// Of the voxel's first pixel; -1 where the other run cropped that.
   std::int32_t voxel(std::int32_t voxel) const { return same_voxels_ ? voxel : voxels_[voxel]; }
-  /// The same decision, whatever the planes' numbers and the measured values.
+  /// Whether both are the same decision, apart from planes' numbers and measured values.
   bool same_event(const planes::TraceEvent& from, const planes::TraceEvent& to) const;
 
  private:
@@ -59,7 +59,7 @@ class Correspondence {
 /// The node of `other` with the same cell, -1 where it has none.
 std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
 /// The last step of `other` at which its state answers to `step` of `run`: the event on the same
-/// node or point, the same share of the way otherwise.
+/// node or point; otherwise the same fraction of all steps.
 std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
 
 }  // namespace planescope::debug

@@ -19,7 +19,7 @@ struct OptionInfo;
 
 namespace planescope::debug {
 
-/// What is to come out: these voxels as one plane, IoU >= kDetectedIou.
+/// The wanted result: these voxels as one plane, IoU >= kDetectedIou.
 struct FixTarget {
   std::vector<std::uint32_t> voxels;
   std::string name;   // "truth plane 4", "marked region"

@@ -1,4 +1,5 @@
-// A point's life, station by station.
+// A point's life, station by station; why it is in no plane, or in the wrong one: the one decision
+// that made it so.
 
 #include "core/debug/explain/provenance.hpp"
 
@@ -6,8 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "core/debug/explain/check.hpp"
+#include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/score.hpp"
 
 namespace planescope::debug {
@@ -100,6 +102,166 @@ std::string describe_result(const Run& run, std::int32_t voxel) {
                          : std::string(", but it belongs to none"));
 }
 
+/// Why a point was left over, and what would have kept it.
+struct Cause {
+  std::string text;
+  Remedy remedy = {};
+  bool outlier = false;  // left over to be assigned later: that this failed is what lost it
+};
+
+/// Three digits, not below the value.
+std::string rounded_up(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return fmt::format("{:.6g}", std::ceil(value / unit) * unit);
+}
+
+Remedy switched_off(const char* option, const std::string& effect) {
+  return {fmt::format("{} = off would {}", option, effect), option, "off"};
+}
+
+Cause too_few(const Run& run, std::int32_t node) {
+  const std::uint32_t n_in = run.facts[node].purity.n_in;
+  Cause cause{fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
+                          run.segment_options.theta_n_in)};
+  if (n_in >= 3)  // what the option allows
+    cause.remedy = {fmt::format("theta_n_in <= {} would ask for a plane in node {}", n_in, node),
+                    "theta_n_in", std::to_string(n_in)};
+  return cause;
+}
+
+Cause at_greatest_depth(const Run& run, std::int32_t node) {
+  const NodeFacts& facts = run.facts[node];
+  if (run.octree().nodes[node].decided == planes::Case::I)
+    return {fmt::format("node {} is mixed ({} and {} points) at the greatest depth (case I)", node,
+                        facts.purity.n_in, facts.purity.n_out)};
+  constexpr const char* kText =
+      "node {} is not planar at the greatest depth (case III: {} {:.4g} {} > {:.4g})";
+  if (run.segment_options.noise.rms_criterion3)
+    return {fmt::format(kText, node, "RMS", facts.e_n, "m", facts.theta_e_n)};
+  return {fmt::format(kText, node, "e_n", facts.e_n, "m²", facts.theta_e_n),
+          {fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
+           "theta_e_n_m2", rounded_up(facts.e_n)}};
+}
+
+Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
+  const planes::Purity& purity = run.facts[node].purity;
+  const planes::Classification& labels = run.subject->prepared.classification;
+  return {fmt::format("labelled {} (margin {:.2f}) among {} points of {} in node {}",
+                      labels.labels[voxel] == Label::v ? "v" : "h", labels.margins[voxel],
+                      purity.n_in, purity.inlier == Label::v ? "v" : "h", node),
+          {},
+          true};
+}
+
+Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t voxel) {
+  if (event.type == planes::EventType::decide) {
+    const planes::OctreeNode& node = run.octree().nodes[event.node];
+    if (node.decided == planes::Case::II) return too_few(run, event.node);
+    if (node.at_max_depth) return at_greatest_depth(run, event.node);
+    return outlier(run, event.node, voxel);
+  }
+  if (event.type == planes::EventType::refine) {
+    const std::string why = planes::refinement_of(event.stage)->why_dropped;
+    return {fmt::format("{} was dropped ({}){}{}", plane_name(event.plane),
+                        planes::to_string(event.stage), why.empty() ? "" : ": ", why),
+            switched_off(planes::switch_of(event.stage), "keep it")};
+  }
+  if (event.node < 0)
+    return {plane_name(event.plane) + ", split off for not touching, has too few points",
+            switched_off(planes::switch_of(event.stage), "keep it")};
+  return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
+                      "known to {:.1f}° only",
+                      event.node, event.value * 180 / std::numbers::pi),
+          switched_off(planes::switch_of(event.stage),
+                       fmt::format("let node {} found a plane", event.node))};
+}
+
+WhyNot lost(const Run& run, std::int32_t voxel) {
+  if (!run.is_ours())
+    return {fmt::format("Lost: method {} has no plane for it, and leaves no trace of why",
+                        planes::to_string(run.options.method))};
+  const Loss loss = loss_of(run, voxel);
+  if (loss.left == 0) return {"Lost: its plane has no point left"};
+  const planes::TraceEvent& left = *run.event_at(loss.left);
+  const Cause cause = cause_of(run, left, voxel);
+  WhyNot why{fmt::format("Lost at step {}: {}", loss.left, cause.text), loss.left, left.node,
+             left.plane, cause.remedy};
+  if (loss.dropped == 0) return why;
+  const LeftoverReport leftover = explain_leftover(run, loss.dropped);
+  if (!cause.outlier) {
+    why.answer += fmt::format("; left over, it ended {} (step {})", leftover.outcome, loss.dropped);
+    return why;
+  }
+  why.step = loss.dropped;
+  why.answer = fmt::format("Lost at step {}: {}, {}", loss.dropped, cause.text, leftover.outcome);
+  if (leftover.planes.empty()) return why;
+  const LeftoverPlane& nearest = leftover.planes.front();
+  why.plane = nearest.plane;
+  if (run.segment_options.leftover_rule == planes::LeftoverRule::first)
+    why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
+                              nearest.distance_m, plane_name(nearest.plane)),
+                  "leftover_distance_m", rounded_up(nearest.distance_m)};
+  return why;
+}
+
+/// The merge from which on what became this plane of the result holds nodes of both true
+/// planes; 0 if there is none.
+std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, std::int32_t most) {
+  const auto ends_in = [&](std::int32_t plane) {
+    for (std::int32_t into = plane; into >= 0;
+         into = run.timeline.plane_at(plane, run.steps())->into)
+      plane = into;
+    return run.timeline.result_of_plane(plane);
+  };
+  bool has_own = false, has_most = false;
+  std::int32_t fused = 0;
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.type == planes::EventType::found && event.node < 0 && ends_in(event.other) == id)
+      has_own = has_most = false, fused = 0;  // parted since
+    const bool joins =
+        event.type == planes::EventType::found || event.type == planes::EventType::merge;
+    if (!joins || event.node < 0 || ends_in(event.plane) != id) continue;
+    const std::int32_t truth = run.facts[static_cast<std::size_t>(event.node)].truth_plane;
+    if (truth != own && truth != most) continue;
+    const bool had_both = has_own && has_most;
+    (truth == own ? has_own : has_most) = true;
+    if (has_own && has_most && !had_both && event.type == planes::EventType::merge) fused = step;
+  }
+  return fused;
+}
+
+WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
+  const std::int32_t id = run.segmentation.plane_of[voxel];
+  WhyNot why;
+  why.step = step_of_plane(run, voxel);
+  why.plane = run.segmentation.planes[id - 1].founded;
+  if (const planes::TraceEvent* event = run.event_at(why.step)) why.node = event->node;
+  why.answer = "It is in " + describe_plane(run, id);
+  if (run.is_ours()) why.answer += fmt::format(" since step {}", why.step);
+
+  const VoxelTruth& truth = run.subject->voxel_truth;
+  if (!truth.known() || truth.plane[voxel] < 0) return why;
+  const std::int32_t own = truth.plane[voxel], most = truth_of_plane(run, id);
+  if (own == most) {
+    why.answer += fmt::format(", as it should: that is true plane {}", own);
+    return why;
+  }
+  why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
+                        : std::string(", but it belongs to no plane");
+  why.answer += fmt::format(", and most of that plane to {}", most);
+  const std::int32_t merge = step_of_fusion(run, id, own, most);
+  if (merge == 0) return why;
+  why.step = merge;
+  why.node = run.event_at(merge)->node;
+  why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
+  if (!run.segment_options.r1_merge_by_distance.on)
+    why.remedy = {fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
+                              run.event_at(merge)->value, why.node),
+                  "merge_offset_m", fmt::format("{:.2g}", 0.95 * run.event_at(merge)->value)};
+  return why;
+}
+
 }  // namespace
 
 std::vector<LifeEvent> life_of(const Run& run, std::size_t source) {
@@ -190,6 +352,34 @@ Loss loss_of(const Run& run, std::int32_t voxel) {
     if (event.type == planes::EventType::drop && event.point == voxel) loss.dropped = step;
   }
   return loss;
+}
+
+std::optional<Absence> absence_of(const Run& run, std::size_t source) {
+  const Subject& subject = *run.subject;
+  if (source >= subject.point_of_source.size()) return Absence{"no such point"};
+  if (subject.point_of_source[source] == planes::kNoVoxel)
+    return Absence{"nothing was measured here"};
+  if (subject.voxel_of_source(source) != planes::kNoVoxel) return {};
+  const planes::CloudOptions& options = run.options.cloud;
+  const Frame& frame = subject.frame;
+  const double range = frame.is_cloud() ? frame.cloud->points[source].cast<double>().norm()
+                                        : frame.depth.data[source] * frame.depth_unit_m;
+  if (range > options.max_range_m && (!frame.is_cloud() || options.range_for_clouds))
+    return Absence{fmt::format("cropped: {} {:.3f} m > {:g} m (max_range_m)",
+                               frame.is_cloud() ? "range" : "depth", range, options.max_range_m),
+                   {fmt::format("max_range_m >= {:.3f} would keep it", range), "max_range_m",
+                    fmt::format("{:.2f}", std::ceil(range * 20) / 20)}};
+  const double edge_m = subject.prepared.cloud.cube.edge_m;
+  return Absence{fmt::format("cropped: outside the octree's cube of {:g} m", edge_m),
+                 {fmt::format("cube_edge_m > {:g} may hold it", options.cube_edge_m), "cube_edge_m",
+                  fmt::format("{:g}", 2 * edge_m)}};
+}
+
+WhyNot why_not(const Run& run, std::size_t source) {
+  if (const std::optional<Absence> absence = absence_of(run, source))
+    return {"It never came to the segmentation: " + absence->text, -1, -1, -1, absence->remedy};
+  const auto voxel = static_cast<std::int32_t>(run.subject->voxel_of_source(source));
+  return run.segmentation.plane_of[voxel] > 0 ? in_a_plane(run, voxel) : lost(run, voxel);
 }
 
 }  // namespace planescope::debug

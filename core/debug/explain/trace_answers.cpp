@@ -10,7 +10,7 @@
 #include "core/debug/explain/provenance.hpp"
 #include "core/debug/explain/region_decision.hpp"
 #include "core/debug/explain/score.hpp"
-#include "core/debug/explain/trace_lines.hpp"
+#include "core/debug/explain/trace_text.hpp"
 
 namespace planescope::debug {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/debug/explain/trace_lines.hpp"
 #include "core/debug/filter/filter.hpp"
 
 namespace planescope::debug {

@@ -1,11 +1,302 @@
+// Recursive descent, one function per line of the grammar in docs/filter.md. Each gives the type of
+// what it read, and the formula that computes it.
+
 #include "core/debug/filter/filter.hpp"
 
-#include <cmath>
+#include <fmt/format.h>
 
-#include "core/debug/filter/filter_parse.hpp"
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+
+#include "core/debug/filter/filter_words.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::debug {
+
+/// True is 1, false 0.
+using FilterFormula = std::function<double(const EventView&)>;
+
+struct ParsedFilter {
+  FilterFormula formula;
+  std::vector<const planes::OptionInfo*> options;  // EventView::options are their numbers
+  std::vector<double> points;                      // EventView::points are their tracks
+};
+
 namespace {
+
+/// Deeper than anyone writes, and not too deep for the stack.
+constexpr int kMaxNesting = 64;
+
+struct Operator {
+  std::string_view sign;
+  double (*apply)(double, double);
+  double settled = kAbsent;  // a left side that is the result, whatever stands on the right
+};
+using Operators = std::span<const Operator>;
+
+constexpr Operator kOr[] = {{"||", [](double, double b) { return b; }, 1}};
+constexpr Operator kAnd[] = {{"&&", [](double, double b) { return b; }, 0}};
+constexpr Operator kSums[] = {{"+", [](double a, double b) { return a + b; }},
+                              {"-", [](double a, double b) { return a - b; }}};
+constexpr Operator kProducts[] = {{"*", [](double a, double b) { return a * b; }},
+                                  {"/", [](double a, double b) { return a / b; }}};
+/// All are false for what the event does not have, != too.
+constexpr Operator kComparisons[] = {
+    {"==", [](double a, double b) -> double { return a == b; }},
+    {"!=", [](double a, double b) -> double { return a < b || a > b; }},
+    {"<", [](double a, double b) -> double { return a < b; }},
+    {"<=", [](double a, double b) -> double { return a <= b; }},
+    {">", [](double a, double b) -> double { return a > b; }},
+    {">=", [](double a, double b) -> double { return a >= b; }}};
+
+const Operator* find_operator(Operators operators, std::string_view sign) {
+  for (const Operator& op : operators)
+    if (op.sign == sign) return &op;
+  return nullptr;
+}
+
+/// What has been read.
+struct Term : FilterPlace {
+  FilterType type = FilterType::number;
+  FilterFormula formula;
+  std::optional<double> constant = {};  // a number or the name of a value, on its own
+};
+
+bool is_identity(const Term& term) {
+  return term.type == FilterType::plane || term.type == FilterType::point;
+}
+
+Term constant(const FilterToken& token, FilterType type, double value) {
+  return {token, type, [value](const EventView&) { return value; }, value};
+}
+
+std::optional<std::int32_t> number_of_plane_name(std::string_view name) {
+  if (name.size() < 2 || (name[0] != 'P' && name[0] != 'p')) return std::nullopt;
+  std::int32_t number = 0;
+  const char* end = name.data() + name.size();
+  const auto [stopped, error] = std::from_chars(name.data() + 1, end, number);
+  if (error != std::errc() || stopped != end || number < 1) return std::nullopt;
+  return number;
+}
+
+std::string meant_by(std::string_view name) {
+  if (name == "and") return "&&";
+  if (name == "or") return "||";
+  if (name == "not") return "!";
+  std::vector<std::string> names;
+  for (const FilterName& known : filter_names()) names.push_back(known.name);
+  for (const std::string& known : names)  // still being typed
+    if (name.size() > 1 && known.starts_with(name)) return known;
+  return nearest_name(name, names);
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, std::vector<FilterToken> tokens)
+      : text_(text), tokens_(std::move(tokens)) {}
+
+  ParsedFilter run() {
+    Term whole = any();
+    if (at_ < tokens_.size()) fail_behind(whole);
+    need(whole, FilterType::boolean);
+    filter_.formula = std::move(whole.formula);
+    return std::move(filter_);
+  }
+
+ private:
+  Term any() { return joined(kOr, FilterType::boolean, &Parser::all); }
+  Term all() { return joined(kAnd, FilterType::boolean, &Parser::negation); }
+  Term sum() { return joined(kSums, FilterType::number, &Parser::product); }
+  Term product() { return joined(kProducts, FilterType::number, &Parser::factor); }
+
+  /// Parts of the same type with operators between them, or one part of any type.
+  Term joined(Operators operators, FilterType type, Term (Parser::*part)()) {
+    Term first = (this->*part)();
+    std::size_t end = first.end;
+    std::vector<std::pair<const Operator*, FilterFormula>> rest;
+    while (const Operator* op = next_of(operators)) {
+      need(first, type);
+      ++at_;
+      Term right = (this->*part)();
+      need(right, type);
+      end = right.end;
+      rest.emplace_back(op, std::move(right.formula));
+    }
+    if (rest.empty()) return first;
+    return {{first.begin, end},
+            type,
+            [first = std::move(first.formula), rest = std::move(rest)](const EventView& e) {
+              double value = first(e);
+              for (const auto& [op, right] : rest)
+                if (value != op->settled) value = op->apply(value, right(e));
+              return value;
+            }};
+  }
+
+  /// The part, one level deeper.
+  Term deeper(Term (Parser::*part)()) {
+    if (++depth_ > kMaxNesting) fail_filter(tokens_[at_], "nested too deeply");
+    Term inner = (this->*part)();
+    --depth_;
+    return inner;
+  }
+
+  Term negation() { return next_is("!") ? deeper(&Parser::inverted) : comparison(); }
+  Term inverted() {
+    const std::size_t begin = tokens_[at_++].begin;
+    Term inner = negation();
+    need(inner, FilterType::boolean);
+    inner.begin = begin;
+    inner.formula = [of = std::move(inner.formula)](const EventView& e) -> double {
+      return !of(e);
+    };
+    return inner;
+  }
+
+  Term comparison() {
+    Term left = sum();
+    const Operator* op = next_of(kComparisons);
+    if (!op) return left;
+    const FilterToken sign = tokens_[at_++];
+    // `merge` is a stage beside `stage==`, and a kind of event elsewhere.
+    const bool is_stage = left.type == FilterType::stage && at_ < tokens_.size() &&
+                          tokens_[at_].kind == FilterToken::name;
+    Term right = is_stage ? named(tokens_[at_++], FilterType::stage) : sum();
+    FilterFormula formula = is_identity(left)    ? identified(left, sign, right)
+                            : is_identity(right) ? identified(right, sign, left)
+                                                 : compared(left, sign, *op, right);
+    if (next_of(kComparisons))
+      fail_filter(tokens_[at_], "comparisons do not chain: join two of them with '&&'");
+    return {{left.begin, right.end}, FilterType::boolean, std::move(formula)};
+  }
+
+  Term factor() {
+    if (at_ == tokens_.size())
+      fail_filter(tokens_.back(),
+                  fmt::format("a value is missing after '{}'", tokens_.back().text));
+    return deeper(&Parser::value);
+  }
+  Term value() {
+    const FilterToken token = tokens_[at_++];
+    if (token.kind == FilterToken::number) return constant(token, FilterType::number, token.value);
+    if (token.kind == FilterToken::name) return named(token);
+    if (token.text == "-") {
+      Term inner = factor();
+      need(inner, FilterType::number);
+      return {{token.begin, inner.end},
+              FilterType::number,
+              [of = std::move(inner.formula)](const EventView& e) { return -of(e); }};
+    }
+    if (token.text != "(")
+      fail_filter(token, fmt::format("a value is expected before '{}'", token.text));
+    Term inner = any();
+    if (at_ == tokens_.size()) fail_filter(token, "this '(' is never closed");
+    if (!next_is(")")) fail_behind(inner);
+    inner.begin = token.begin;
+    inner.end = tokens_[at_++].end;
+    return inner;
+  }
+
+  /// Of a value and a field with the same name the field, unless the value's type is wanted.
+  Term named(const FilterToken& token, std::optional<FilterType> wanted = {}) {
+    if (const FilterSymbol* symbol = find_filter_symbol(token.text, wanted)) {
+      if (symbol->value) return constant(token, symbol->type, *symbol->value);
+      if (symbol->field) return {token, symbol->type, symbol->field};
+      const std::size_t i = filter_.options.size();
+      filter_.options.push_back(symbol->option);
+      return {token, symbol->type, [i](const EventView& e) { return e.options[i]; }};
+    }
+    if (const auto plane = number_of_plane_name(token.text))
+      return constant(token, FilterType::plane_name, *plane);
+    const std::string near = meant_by(token.text);
+    fail_filter(token, near.empty()
+                           ? fmt::format("there is no '{}'", token.text)
+                           : fmt::format("there is no '{}', did you mean '{}'?", token.text, near));
+  }
+
+  FilterFormula compared(Term& left, const FilterToken& sign, const Operator& op, Term& right) {
+    if (left.type != right.type)
+      fail_filter(right, fmt::format("'{}' is {} and cannot be compared with {}", text_of(left),
+                                     to_string(left.type), to_string(right.type)));
+    if (left.type == FilterType::boolean)
+      fail_filter(sign, fmt::format("'{}' is true or false by itself: leave out '{}', or write '!' "
+                                    "before it",
+                                    text_of(left), sign.text));
+    if (left.type != FilterType::number) need_equality(left, sign);
+    return [apply = op.apply, left = std::move(left.formula), right = std::move(right.formula)](
+               const EventView& e) { return apply(left(e), right(e)); };
+  }
+
+  /// plane==7, point!=12: among all that the event concerns.
+  FilterFormula identified(Term& field, const FilterToken& sign, const Term& other) {
+    need_equality(field, sign);
+    const bool is_plane = field.type == FilterType::plane;
+    const bool fits =
+        other.type == FilterType::number || (is_plane && other.type == FilterType::plane_name);
+    if (!fits || !other.constant)
+      fail_filter(other, fmt::format("'{}' is compared with {}, nothing else", text_of(field),
+                                     is_plane ? "P7 or 7" : "a number"));
+    FilterFormula concerned = is_plane ? concerns_plane(*other.constant - 1)  // P1 is the first
+                                       : concerns_point(*other.constant);
+    if (sign.text == "==") return concerned;
+    return [any = std::move(field.formula), concerned = std::move(concerned)](
+               const EventView& e) -> double { return any(e) && !concerned(e); };
+  }
+
+  static FilterFormula concerns_plane(double plane) {
+    return [plane](const EventView& e) -> double {
+      return e.event.plane == plane || e.event.other == plane;
+    };
+  }
+
+  FilterFormula concerns_point(double point) {
+    filter_.points.push_back(point);
+    return [point, i = filter_.points.size() - 1](const EventView& e) -> double {
+      const auto& [nodes, steps] = e.points[i];
+      return e.event.point == point ||
+             std::binary_search(nodes.begin(), nodes.end(), e.event.node) ||
+             std::binary_search(steps.begin(), steps.end(), e.step);
+    };
+  }
+
+  void need(const Term& term, FilterType type) const {
+    if (term.type == type) return;
+    fail_filter(term, fmt::format("'{}' is {}{}", text_of(term), to_string(term.type),
+                                  type == FilterType::number ? ", a number is expected"
+                                                             : ": compare it with something"));
+  }
+  void need_equality(const Term& term, const FilterToken& sign) const {
+    if (sign.text != "==" && sign.text != "!=")
+      fail_filter(sign, fmt::format("'{}' is {}: compare it with '==' or '!='", text_of(term),
+                                    to_string(term.type)));
+  }
+
+  /// Something stands behind what is whole already.
+  [[noreturn]] void fail_behind(const Term& whole) const {
+    const FilterToken& token = tokens_[at_];
+    if (token.text == ")") fail_filter(token, "this ')' was never opened");
+    fail_filter(token,
+                fmt::format("'&&', '||' or a comparison is missing after '{}'", text_of(whole)));
+  }
+
+  std::string_view text_of(const FilterPlace& place) const {
+    return text_.substr(place.begin, place.end - place.begin);
+  }
+  bool next_is(std::string_view sign) const {
+    return at_ < tokens_.size() && tokens_[at_].text == sign;
+  }
+  const Operator* next_of(Operators operators) const {
+    return at_ < tokens_.size() ? find_operator(operators, tokens_[at_].text) : nullptr;
+  }
+
+  std::string_view text_;
+  std::vector<FilterToken> tokens_;
+  std::size_t at_ = 0;
+  int depth_ = 0;
+  ParsedFilter filter_;
+};
 
 /// Empty where the run has no such point.
 PointTrack track_of(double number, const Run& run) {
@@ -17,6 +308,15 @@ PointTrack track_of(double number, const Run& run) {
   for (const planes::PointChange& change : run.timeline.changes_of_point(point))
     track.steps.push_back(change.step);
   return track;
+}
+
+/// docs/filter.md has the grammar. Throws a FilterProblem.
+ParsedFilter parse_filter(std::string_view text) {
+  std::optional<FilterProblem> problem;
+  std::vector<FilterToken> tokens = filter_tokens(text, problem);
+  if (problem) throw *problem;
+  if (tokens.empty()) return {[](const EventView&) { return 1.0; }, {}, {}};
+  return Parser(text, std::move(tokens)).run();
 }
 
 std::vector<std::int32_t> matching_of(const ParsedFilter& filter,
@@ -36,6 +336,8 @@ std::vector<std::int32_t> matching_of(const ParsedFilter& filter,
 }
 
 }  // namespace
+
+bool is_comparison(std::string_view sign) { return find_operator(kComparisons, sign) != nullptr; }
 
 std::optional<Filter> Filter::parse(const std::string& text, FilterProblem& problem) {
   try {

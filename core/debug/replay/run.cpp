@@ -1,9 +1,213 @@
 #include "core/debug/replay/run.hpp"
 
-#include "core/debug/replay/facts.hpp"
-#include "core/debug/replay/truth_check.hpp"
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/planes/segment/candidate.hpp"
 
 namespace planescope::debug {
+namespace {
+
+constexpr double kMm = 1e3;
+constexpr double kDegrees = 57.29577951308232;  // per radian
+
+std::string decision(const Run& run, const planes::TraceEvent& event) {
+  const NodeFacts& facts = run.facts[event.node];
+  const planes::SegmentOptions& options = run.segment_options;
+  const planes::Purity& purity = facts.purity;
+  const auto decided = static_cast<planes::Case>(event.node_case);
+  switch (decided) {
+    case planes::Case::none:
+      break;
+    case planes::Case::I:
+      if (purity.n_out > static_cast<std::uint32_t>(options.theta_n_out))
+        return fmt::format("case I, N_out {} > {}", purity.n_out, options.theta_n_out);
+      return fmt::format("case I, r_out {:.3g} > {:.3g}", purity.r_out(), options.theta_r_out);
+    case planes::Case::II:
+      return fmt::format("case II, N_in {} < {}", purity.n_in, options.theta_n_in);
+    case planes::Case::III:
+    case planes::Case::IV: {
+      const char* op = decided == planes::Case::IV ? "≤" : ">";
+      if (options.noise.rms_criterion3)
+        return fmt::format("case {}, RMS {:.2f} {} {:.2f} mm", planes::to_string(decided),
+                           facts.e_n * kMm, op, facts.theta_e_n * kMm);
+      return fmt::format("case {}, e_n {:.3g} {} {:.3g} m²", planes::to_string(decided), facts.e_n,
+                         op, facts.theta_e_n);
+    }
+  }
+  return "not settled";
+}
+
+/// Who the event is about: "node 41 (h, 35 points)".
+std::string candidate(const Run& run, const planes::TraceEvent& event) {
+  const planes::OctreeNode& node = run.octree().nodes[event.node];
+  if (event.label == Label::unknown)  // gravity is not known: all of the node's points
+    return fmt::format("node {} ({} points)", event.node, node.size());
+  const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
+  return fmt::format("node {} ({}, {} points)", event.node, to_string(event.label, "?"),
+                     event.label == Label::h ? h : node.size() - h);
+}
+
+std::string refinement(const planes::TraceEvent& event) {
+  return fmt::format(
+      "{}: {}", planes::to_string(event.stage),
+      fmt::format(fmt::runtime(planes::refinement_of(event.stage)->says),
+                  fmt::arg("plane", plane_name(event.plane)),
+                  fmt::arg("other", plane_name(event.other)), fmt::arg("point", event.point),
+                  fmt::arg("mm", event.value * kMm)));
+}
+
+/// Counts the true planes of one node after the other.
+class TruthCounter {
+ public:
+  TruthCounter(const planes::Octree& octree, const VoxelTruth& truth)
+      : octree_(octree), truth_(truth), points_(truth.plane_count + 1, 0) {}
+
+  void count(const planes::OctreeNode& node, NodeFacts& facts) {
+    for (std::uint32_t i = node.begin; i < node.end; ++i) {
+      const std::int32_t plane = truth_.plane[octree_.order[i]];
+      if (plane <= 0) continue;
+      ++facts.truth_known;
+      if (++points_[plane] == 1) seen_.push_back(plane);
+    }
+    facts.truth_planes = static_cast<std::uint32_t>(seen_.size());
+    for (const std::int32_t plane : seen_) {
+      const bool more = points_[plane] > facts.truth_points;
+      if (more || (points_[plane] == facts.truth_points && plane < facts.truth_plane)) {
+        facts.truth_plane = plane;
+        facts.truth_points = points_[plane];
+      }
+    }
+    for (const std::int32_t plane : seen_) points_[plane] = 0;
+    seen_.clear();
+  }
+
+ private:
+  const planes::Octree& octree_;
+  const VoxelTruth& truth_;
+  std::vector<std::uint32_t> points_;  // per true plane, all 0 between two nodes
+  std::vector<std::int32_t> seen_;
+};
+
+std::size_t source_count(const Frame& frame) {
+  return frame.is_cloud() ? frame.cloud->points.size() : frame.depth.pixels();
+}
+
+VoxelTruth truth_by_voxel(const planes::PreparedFrame& prepared, const planes::SourceTruth& truth) {
+  const planes::FrameTruth on_points = planes::truth_on_points(truth.values, prepared.cloud.source);
+  VoxelTruth result;
+  result.label = planes::vote_labels(prepared.voxels, on_points.label);
+  result.plane = planes::vote_instances(prepared.voxels, on_points.instance);
+  for (const std::int32_t plane : result.plane)
+    result.plane_count = std::max(result.plane_count, plane);
+  return result;
+}
+
+/// Run::facts, where the segmentation is there.
+std::vector<NodeFacts> facts_of(const Run& run) {
+  const planes::Octree& octree = run.octree();
+  const planes::SegmentOptions& options = run.segment_options;
+  const planes::NoiseModel& noise = run.segmentation.noise;
+  const VoxelTruth& truth = run.subject->voxel_truth;
+  TruthCounter counter(octree, truth);
+  std::vector<NodeFacts> result;
+  result.reserve(octree.nodes.size());
+  for (const planes::OctreeNode& node : octree.nodes) {
+    NodeFacts facts;
+    facts.purity = planes::purity_of(node, options.use_labels, options.one_label);
+    facts.fit = planes::fit_label(octree, static_cast<std::int32_t>(result.size()),
+                                  facts.purity.inlier, options.use_labels)
+                    .fit;
+    const double range = (facts.fit.centroid - run.subject->prepared.sensor()).norm();
+    const planes::Planarity planar = planes::planarity(facts.fit, noise, range, options);
+    facts.e_n = planar.value;
+    facts.theta_e_n = planar.threshold;
+    facts.sigma_ang =
+        planes::normal_uncertainty(facts.fit, noise.sigma(range), options.noise.normal_sigma_share);
+    if (truth.known()) counter.count(node, facts);
+    result.push_back(facts);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string plane_name(std::int32_t plane) { return fmt::format("P{}", plane + 1); }
+
+std::string describe_event(const Run& run, std::int32_t step) {
+  const planes::TraceEvent* event = run.event_at(step);
+  if (!event && !run.is_ours())
+    return fmt::format("method {} leaves no trace of how it found its planes",
+                       planes::to_string(run.options.method));
+  if (!event) return "start: the root waits in the queue";
+  const std::string plane = plane_name(event->plane);
+  switch (event->type) {
+    case planes::EventType::visit: {
+      const planes::OctreeNode& node = run.octree().nodes[event->node];
+      return fmt::format("node {} (depth {}): dequeued, {} points", event->node, node.depth,
+                         node.size());
+    }
+    case planes::EventType::decide:
+      return fmt::format("node {} (depth {}): {}", event->node,
+                         run.octree().nodes[event->node].depth, decision(run, *event));
+    case planes::EventType::found:
+      if (event->node < 0)
+        return fmt::format("{}: {} parts from {}: {}", planes::to_string(event->stage), plane,
+                           plane_name(event->other),
+                           planes::refinement_of(event->stage)->why_parted);
+      return fmt::format("{} founds {}", candidate(run, *event), plane);
+    case planes::EventType::merge:
+      return fmt::format("{} joins {}, {:.1f} mm off it", candidate(run, *event), plane,
+                         event->value * kMm);
+    case planes::EventType::assign:
+      return fmt::format("point {} goes to {}, {:.1f} mm off it", event->point, plane,
+                         event->value * kMm);
+    case planes::EventType::drop:
+      if (event->value < 0)
+        return fmt::format("point {} stays without a plane: none is near", event->point);
+      return fmt::format("point {} stays without a plane: the nearest is {:.1f} mm off",
+                         event->point, event->value * kMm);
+    case planes::EventType::refine:
+      return refinement(*event);
+    case planes::EventType::wait:
+      return fmt::format("{} waits: its normal is known to {:.1f}° only", candidate(run, *event),
+                         event->value * kDegrees);
+    case planes::EventType::leave:
+      if (event->node < 0)
+        return fmt::format("{}: {} has too few points, they are left over",
+                           planes::to_string(event->stage), plane);
+      return fmt::format("{} is left over: its normal is known to {:.1f}° only",
+                         candidate(run, *event), event->value * kDegrees);
+  }
+  return {};
+}
+
+std::uint32_t Subject::voxel_of_source(std::size_t source) const {
+  if (source >= point_of_source.size()) return planes::kNoVoxel;
+  const std::uint32_t point = point_of_source[source];
+  return point == planes::kNoVoxel ? planes::kNoVoxel : prepared.voxels.voxel_of[point];
+}
+
+std::shared_ptr<const Subject> make_subject(Frame frame,
+                                            std::optional<planes::SourceTruth> truth,
+                                            const planes::PipelineOptions& options,
+                                            const planes::Classifier* classifier) {
+  auto subject = std::make_shared<Subject>();
+  std::optional<planes::FrameTruth> on_points;
+  if (truth) on_points = planes::truth_on_points(truth->values, planes::measured_sources(frame));
+  subject->prepared =
+      planes::prepare_frame(frame, options, classifier, on_points ? &*on_points : nullptr);
+
+  const std::vector<std::uint32_t>& source = subject->prepared.cloud.source;
+  subject->point_of_source.assign(source_count(frame), planes::kNoVoxel);
+  for (std::size_t i = 0; i < source.size(); ++i)
+    subject->point_of_source[source[i]] = static_cast<std::uint32_t>(i);
+  if (truth) subject->voxel_truth = truth_by_voxel(subject->prepared, *truth);
+  subject->frame = std::move(frame);
+  subject->truth = std::move(truth);
+  return subject;
+}
 
 double Run::theta_rms(const Vec3d& p) const {
   return segmentation.noise.theta_rms((p - subject->prepared.sensor()).norm());

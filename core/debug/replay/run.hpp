@@ -1,16 +1,48 @@
 #pragma once
 
-// One run of the segmentation on a subject, with all that stepping, searching and explaining it
-// needs. Immutable once made; shared by whoever shows it.
+// What is looked at, one frame made ready for segmentation once, however often it is then run; and
+// one run of the segmentation on it, with all that stepping, searching and explaining it needs.
+// Immutable once made; shared by whoever shows it.
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "core/debug/replay/subject.hpp"
 #include "core/debug/replay/timeline.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/truth.hpp"
 #include "core/planes/segment/criteria.hpp"
 
 namespace planescope::debug {
+
+/// Ground truth by voxel, by majority of its points. Empty vectors where the frame has none.
+struct VoxelTruth {
+  std::vector<std::uint8_t> label;  // 0 unknown, 1 h, 2 v
+  std::vector<std::int32_t> plane;  // truth plane id from 1, 0 none, -1 not scored
+  int plane_count = 0;              // greatest id
+
+  bool known() const { return !plane.empty(); }
+};
+
+struct Subject {
+  Frame frame;
+  planes::PreparedFrame prepared;
+  std::optional<planes::SourceTruth> truth;
+  VoxelTruth voxel_truth;
+  std::vector<std::uint32_t> point_of_source;  // pixel v * width + u, or index in the file -> cloud
+                                               // point; kNoVoxel where nothing was measured
+
+  std::size_t voxel_count() const { return prepared.voxels.points.size(); }
+  /// kNoVoxel where nothing was measured, or it was cropped.
+  std::uint32_t voxel_of_source(std::size_t source) const;
+};
+
+/// Throws as prepare_frame() does.
+std::shared_ptr<const Subject> make_subject(Frame frame,
+                                            std::optional<planes::SourceTruth> truth,
+                                            const planes::PipelineOptions& options,
+                                            const planes::Classifier* classifier);
 
 /// What the criteria saw of a node, recomputed by the functions that the traversal called. The fit
 /// is there for every node, also where the traversal never came to make it.
@@ -35,10 +67,10 @@ struct Run {
   planes::Trace trace;
   Timeline timeline;
   std::vector<NodeFacts> facts;     // per octree node
-  std::vector<std::uint8_t> wrong;  // per event: it disagrees with ground truth (truth_check.hpp)
+  std::vector<std::uint8_t> wrong;  // per event: it disagrees with ground truth (wrong_decisions())
 
-  /// Our own method alone has an octree and leaves a trace: of the others there are planes, from
-  /// step 0 on, and no node, no event, no label of a point.
+  /// Only our own method has an octree and leaves a trace. A run of a rival has its planes from
+  /// step 0 on, and no nodes, no events and no labels of points.
   bool is_ours() const { return options.method == planes::Method::ours; }
   const planes::Octree& octree() const { return segmentation.octree; }
   std::int32_t steps() const { return timeline.steps(); }
@@ -58,5 +90,21 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
 std::string plane_name(std::int32_t plane);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
 std::string describe_event(const Run& run, std::int32_t step);
+
+// Decisions against ground truth: the one rule that filters, histograms and colours share.
+
+/// Points of a second true plane, and more of them than Criterion 1 tolerates of a second label.
+bool is_mixed_in_truth(const NodeFacts& facts, const planes::SegmentOptions& options);
+
+/// One true plane's, up to what Criterion 1 tolerates of others', and enough for Criterion 2.
+bool is_pure_in_truth(const NodeFacts& facts, const planes::SegmentOptions& options);
+
+/// Per event, 1 where it is wrong:
+///  - a node of mixed truth is settled as case IV, one pure in truth as I or III;
+///  - a plane is founded for a true plane that another one stands for already;
+///  - a candidate, or a leftover point, joins a plane that stands for another true plane;
+///  - a point of a true plane is dropped.
+/// A plane stands for the true plane that most of its points belong to. Empty without truth.
+std::vector<std::uint8_t> wrong_decisions(const Run& run);
 
 }  // namespace planescope::debug

@@ -1,6 +1,6 @@
 #pragma once
 
-// The segmentation as it stood at a step, for whoever asks again what was chosen there.
+// The segmentation as it stood at a step, to repeat a choice that was made there.
 
 #include "core/debug/replay/run.hpp"
 #include "core/planes/segment/state.hpp"

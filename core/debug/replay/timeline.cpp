@@ -6,7 +6,7 @@
 namespace planescope::debug {
 namespace {
 
-/// The part of a CSR that belongs to `index`.
+/// Row `index` of a compressed sparse table (CSR).
 template <typename Change>
 std::span<const Change> row(const std::vector<Change>& changes,
                             const std::vector<std::uint32_t>& first,

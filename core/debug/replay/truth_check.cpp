@@ -1,7 +1,9 @@
-#include "core/debug/replay/truth_check.hpp"
+// Decisions against ground truth.
 
 #include <algorithm>
 #include <utility>
+
+#include "core/debug/replay/run.hpp"
 
 namespace planescope::debug {
 namespace {

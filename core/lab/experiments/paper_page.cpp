@@ -11,8 +11,8 @@
 #include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
 #include "core/model/error.hpp"
-#include "core/report/page/line_chart.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/page/charts.hpp"
+#include "core/report/page/pictures.hpp"
 
 extern "C" {
 extern const char planescope_asset_report_css[], planescope_asset_report_css_end[];

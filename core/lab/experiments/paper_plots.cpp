@@ -8,8 +8,7 @@
 #include "core/lab/experiments/paper_page.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/lab/experiments/printed.hpp"
-#include "core/report/page/bar_chart.hpp"
-#include "core/report/page/line_chart.hpp"
+#include "core/report/page/charts.hpp"
 
 namespace planescope::lab {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <kainjow/mustache.hpp>
 
-#include "core/report/page/line_chart.hpp"
+#include "core/report/page/charts.hpp"
 
 namespace planescope::lab {
 namespace {

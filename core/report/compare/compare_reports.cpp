@@ -3,11 +3,158 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
+#include <utility>
+
+#include "core/planes/evaluate/plane_match.hpp"
 
 namespace planescope::report {
 namespace {
+
+constexpr double kLeastIou = 0.3;      // of two planes that are one
+constexpr double kMostOfPart = 0.5;    // a part lies for the most part in the whole
+constexpr double kLeastOfWhole = 0.1;  // and is not a mere scrap of it
+constexpr double kSameCentroidM = 0.1, kSameAngleDeg = 20;  // without samples
+
+double angle_deg(const PlaneSummary& a, const PlaneSummary& b) {
+  return std::acos(std::min(1.0, std::abs(a.normal.dot(b.normal)))) * 180 / std::numbers::pi;
+}
+
+class PlaneComparer {
+ public:
+  PlaneComparer(const ReportFrame& baseline, const ReportFrame& now, const FateLimits& limits)
+      : baseline_(baseline.planes), now_(now.planes), limits_(limits) {
+    std::vector<int> before, after;
+    const RegionSample &b = baseline.regions, &n = now.regions;
+    if (b.step == n.step && b.columns == n.columns && b.rows == n.rows) {
+      before = b.plane_of();
+      after = n.plane_of();
+    }
+    overlap_ = planes::count_truth_overlap(before, after, planes_before(), planes_now());
+    taken_.assign(now_.size() + 1, 0);
+  }
+
+  std::vector<PlaneComparison> run() {
+    result_.resize(baseline_.size());
+    for (std::size_t k = 0; k < baseline_.size(); ++k) {
+      result_[k].fate = PlaneFate::lost;
+      result_[k].baseline = static_cast<int>(k) + 1;
+    }
+    find_splits();
+    find_merges();
+    match();
+    match_small();
+    for (int f = 1; f <= planes_now(); ++f)
+      if (!taken_[f]) {
+        result_.emplace_back();
+        result_.back().fate = PlaneFate::gained;
+        result_.back().now = f;
+      }
+    return std::move(result_);
+  }
+
+ private:
+  int planes_before() const { return static_cast<int>(baseline_.size()); }
+  int planes_now() const { return static_cast<int>(now_.size()); }
+  PlaneComparison& of(int baseline) { return result_[static_cast<std::size_t>(baseline) - 1]; }
+  bool is_open(int baseline) { return of(baseline).fate == PlaneFate::lost; }
+  double shared(int t, int f) const { return static_cast<double>(overlap_.at(t, f)); }
+
+  bool is_part(double common, std::uint64_t part, std::uint64_t whole) const {
+    return common > 0 && common >= kMostOfPart * static_cast<double>(part) &&
+           common >= kLeastOfWhole * static_cast<double>(whole);
+  }
+
+  void find_splits() {
+    for (int t = 1; t <= planes_before(); ++t) {
+      std::vector<int> parts;
+      for (int f = 1; f <= planes_now(); ++f)
+        if (is_part(shared(t, f), overlap_.found_size[f], overlap_.truth_size[t]))
+          parts.push_back(f);
+      if (parts.size() < 2) continue;
+      std::stable_sort(parts.begin(), parts.end(),
+                       [&](int a, int b) { return shared(t, a) > shared(t, b); });
+      pair(t, parts[0], PlaneFate::split);
+      of(t).others.assign(parts.begin() + 1, parts.end());
+      for (const int f : parts) taken_[f] = 1;
+    }
+  }
+
+  void find_merges() {
+    for (int f = 1; f <= planes_now(); ++f) {
+      std::vector<int> parts;
+      for (int t = 1; t <= planes_before(); ++t)
+        if (is_open(t) && is_part(shared(t, f), overlap_.truth_size[t], overlap_.found_size[f]))
+          parts.push_back(t);
+      if (taken_[f] || parts.size() < 2) continue;
+      for (const int t : parts) {
+        pair(t, f, PlaneFate::merged);
+        for (const int other : parts)
+          if (other != t) of(t).others.push_back(other);
+      }
+    }
+  }
+
+  void match() {
+    const std::vector<int> partner = planes::found_of_truth(overlap_);
+    for (int t = 1; t <= planes_before(); ++t) {
+      const int f = partner[static_cast<std::size_t>(t) - 1];
+      if (f > 0 && is_open(t) && !taken_[f] && overlap_.iou(t, f) >= kLeastIou) pair_judged(t, f);
+    }
+  }
+
+  void match_small() {
+    for (int t = 1; t <= planes_before(); ++t) {
+      if (!is_open(t) || overlap_.truth_size[t] > 0) continue;
+      const PlaneSummary& plane = baseline_[static_cast<std::size_t>(t) - 1].summary;
+      int nearest = 0;
+      double least = kSameCentroidM;
+      for (int f = 1; f <= planes_now(); ++f) {
+        const PlaneSummary& other = now_[static_cast<std::size_t>(f) - 1].summary;
+        const double distance = (other.centroid - plane.centroid).norm();
+        if (taken_[f] || other.label != plane.label || distance > least ||
+            angle_deg(plane, other) > kSameAngleDeg)
+          continue;
+        nearest = f;
+        least = distance;
+      }
+      if (nearest > 0) pair_judged(t, nearest);
+    }
+  }
+
+  void pair_judged(int t, int f) {
+    pair(t, f, PlaneFate::same);
+    PlaneComparison& pair = of(t);
+    if (pair.offset_m > limits_.offset_m || pair.angle_deg > limits_.angle_deg)
+      pair.fate = PlaneFate::moved;
+    else if (std::max(pair.area_ratio, 1 / pair.area_ratio) > limits_.area_ratio)
+      pair.fate = PlaneFate::resized;
+  }
+
+  void pair(int t, int f, PlaneFate fate) {
+    const PlaneSummary& before = baseline_[static_cast<std::size_t>(t) - 1].summary;
+    const PlaneSummary& after = now_[static_cast<std::size_t>(f) - 1].summary;
+    PlaneComparison& pair = of(t);
+    pair.fate = fate;
+    pair.now = f;
+    pair.iou = overlap_.iou(t, f);
+    pair.offset_m = std::max(std::abs(after.normal.dot(before.centroid) - after.offset_m),
+                             std::abs(before.normal.dot(after.centroid) - before.offset_m));
+    pair.angle_deg = angle_deg(before, after);
+    pair.area_ratio = before.area_m2 > 0 ? after.area_m2 / before.area_m2 : 1;
+    taken_[f] = 1;
+  }
+
+  const std::vector<ReportPlane>& baseline_;
+  const std::vector<ReportPlane>& now_;
+  const FateLimits& limits_;
+  planes::TruthOverlap overlap_;
+  std::vector<std::uint8_t> taken_;  // by id of now
+  std::vector<PlaneComparison> result_;
+};
 
 void add_difference(std::vector<std::string>& differences,
                     const std::string& what,
@@ -18,18 +165,20 @@ void add_difference(std::vector<std::string>& differences,
     differences.push_back(fmt::format("{}: {} -> {}", what, shown(before), shown(after)));
 }
 
-std::vector<std::string> differences_of(const RecordedReport& baseline, const RecordedReport& now) {
+std::vector<std::string> differences_of(const Report& baseline, const Report& now) {
   std::vector<std::string> differences;
   add_difference(differences, "version", baseline.version, now.version);
   add_difference(differences, "method", baseline.method, now.method);
   add_difference(differences, "classifier", baseline.classifier, now.classifier);
-  add_difference(differences, "weights", baseline.weights_sha256, now.weights_sha256);
-  const std::map<std::string, std::string> before(baseline.options.begin(), baseline.options.end());
+  add_difference(differences, "weights", baseline.weights_sha256(), now.weights_sha256());
+  std::map<std::string, std::string> before;
+  for (const ReportOption& option : baseline.options) before.emplace(option.name, option.value);
   std::map<std::string, std::string> left = before;
-  for (const auto& [name, value] : now.options) {
-    const auto was = before.find(name);
-    add_difference(differences, "option " + name, was == before.end() ? "" : was->second, value);
-    left.erase(name);
+  for (const ReportOption& option : now.options) {
+    const auto was = before.find(option.name);
+    add_difference(differences, "option " + option.name, was == before.end() ? "" : was->second,
+                   option.value);
+    left.erase(option.name);
   }
   for (const auto& [name, value] : left) add_difference(differences, "option " + name, value, "");
   // How many threads it ran on changes nothing.
@@ -38,7 +187,7 @@ std::vector<std::string> differences_of(const RecordedReport& baseline, const Re
   return differences;
 }
 
-FrameFate fate_of(const RecordedFrame* before, const RecordedFrame* after) {
+FrameFate fate_of(const ReportFrame* before, const ReportFrame* after) {
   if (!before) return FrameFate::added;
   if (!after) return FrameFate::missing;
   // A frame that cannot be read has no hash.
@@ -53,18 +202,44 @@ FrameFate fate_of(const RecordedFrame* before, const RecordedFrame* after) {
 /// A recording's name, which of those of this name it is, and a frame's number.
 using FrameKey = std::tuple<std::string, int, int>;
 
-std::vector<std::pair<FrameKey, const RecordedFrame*>> frames_of(const RecordedReport& report) {
-  std::vector<std::pair<FrameKey, const RecordedFrame*>> frames;
+std::vector<std::pair<FrameKey, const ReportFrame*>> frames_of(const Report& report) {
+  std::vector<std::pair<FrameKey, const ReportFrame*>> frames;
   std::map<std::string, int> of_name;
-  for (const RecordedRecording& recording : report.recordings) {
+  for (const ReportRecording& recording : report.recordings) {
     const int nth = of_name[recording.name]++;
-    for (const RecordedFrame& frame : recording.frames)
+    for (const ReportFrame& frame : recording.frames)
       frames.push_back({{recording.name, nth, frame.index}, &frame});
   }
   return frames;
 }
 
 }  // namespace
+
+const char* to_string(PlaneFate fate) {
+  switch (fate) {
+    case PlaneFate::same:
+      return "same";
+    case PlaneFate::resized:
+      return "resized";
+    case PlaneFate::moved:
+      return "moved";
+    case PlaneFate::lost:
+      return "lost";
+    case PlaneFate::merged:
+      return "merged";
+    case PlaneFate::split:
+      return "split";
+    case PlaneFate::gained:
+      return "gained";
+  }
+  return "?";
+}
+
+std::vector<PlaneComparison> compare_planes(const ReportFrame& baseline,
+                                            const ReportFrame& now,
+                                            const FateLimits& limits) {
+  return PlaneComparer(baseline, now, limits).run();
+}
 
 const char* to_string(FrameFate fate) {
   switch (fate) {
@@ -92,23 +267,21 @@ int FrameComparison::count(PlaneFate fate_of_plane) const {
                     [&](const PlaneComparison& plane) { return plane.fate == fate_of_plane; }));
 }
 
-ReportComparison compare_reports(const RecordedReport& baseline,
-                                 const RecordedReport& now,
+ReportComparison compare_reports(const Report& baseline,
+                                 const Report& now,
                                  const FateLimits& limits) {
   ReportComparison comparison;
   comparison.differences = differences_of(baseline, now);
   const auto before = frames_of(baseline), after = frames_of(now);
-  std::map<FrameKey, const RecordedFrame*> left(before.begin(), before.end());
-  const auto add = [&](const FrameKey& key, const RecordedFrame* old, const RecordedFrame* frame) {
+  std::map<FrameKey, const ReportFrame*> left(before.begin(), before.end());
+  const auto add = [&](const FrameKey& key, const ReportFrame* old, const ReportFrame* frame) {
     FrameComparison& added = comparison.frames.emplace_back();
     added.recording = std::get<0>(key);
     added.index = std::get<2>(key);
     added.baseline = old;
     added.now = frame;
     added.fate = fate_of(old, frame);
-    if (added.fate == FrameFate::compared)
-      added.planes =
-          compare_planes({old->planes, old->regions}, {frame->planes, frame->regions}, limits);
+    if (added.fate == FrameFate::compared) added.planes = compare_planes(*old, *frame, limits);
   };
   for (const auto& [key, frame] : after) {
     const auto old = left.find(key);

@@ -1,14 +1,43 @@
 #pragma once
 
-// What became of each frame since an earlier report.
+// What became of each frame, and of its planes, since an earlier report: the baseline.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "core/report/compare/compare_planes.hpp"
-#include "core/report/data/recorded_report.hpp"
+#include "core/report/data/report_data.hpp"
 
 namespace planescope::report {
+
+/// `same` to `split` describe a plane of the baseline, `gained` one that is new.
+enum class PlaneFate : std::uint8_t { same, resized, moved, lost, merged, split, gained };
+const char* to_string(PlaneFate fate);
+
+/// The least change by which a plane counts as moved or resized.
+struct FateLimits {
+  double offset_m = 0.005;
+  double angle_deg = 1;
+  double area_ratio = 1.25;  // of the larger area to the smaller
+};
+
+struct PlaneComparison {
+  PlaneFate fate = PlaneFate::same;
+  int baseline = 0, now = 0;  // plane ids, 0: none; of a split plane `now` is its largest part
+  std::vector<int> others;    // merged: baseline's planes that went into `now` as well; split: its
+                              // other parts
+  double iou = 0;             // of the samples on them
+  double offset_m = 0;        // from the one plane to the centroid of the other, the larger of two
+  double angle_deg = 0;
+  double area_ratio = 0;  // now / baseline
+};
+
+/// Of frames of the same input: baseline's planes by their ids, then those gained. Where the
+/// samples are not of the same pixels or points, as in reports that have none, and for planes
+/// without samples, centroids and normals decide.
+std::vector<PlaneComparison> compare_planes(const ReportFrame& baseline,
+                                            const ReportFrame& now,
+                                            const FateLimits& limits = {});
 
 enum class FrameFate : std::uint8_t {
   compared,
@@ -25,8 +54,8 @@ struct FrameComparison {
   FrameFate fate = FrameFate::compared;
   std::string recording;
   int index = 0;
-  const RecordedFrame* baseline = nullptr;  // of the reports that were compared; null: not there
-  const RecordedFrame* now = nullptr;
+  const ReportFrame* baseline = nullptr;  // of the reports that were compared; null: not there
+  const ReportFrame* now = nullptr;
   std::vector<PlaneComparison> planes;  // where it was compared
 
   int count(PlaneFate fate_of_plane) const;
@@ -35,13 +64,13 @@ struct FrameComparison {
 struct ReportComparison {
   /// Everything else that is not the same: "option voxel_size_m: 0.02 -> 0.04", "weights: ...".
   std::vector<std::string> differences;
-  std::vector<FrameComparison> frames;  // as they are now, then those that are missing
+  std::vector<FrameComparison> frames;  // in the new report's order, then those that it lacks
 };
 
 /// Recordings are matched by name (those of one name by order), frames by number. The result points
 /// into both reports.
-ReportComparison compare_reports(const RecordedReport& baseline,
-                                 const RecordedReport& now,
+ReportComparison compare_reports(const Report& baseline,
+                                 const Report& now,
                                  const FateLimits& limits = {});
 
 }  // namespace planescope::report

@@ -8,6 +8,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
+#include "core/report/data/report_json.hpp"
 
 namespace planescope::report {
 namespace {
@@ -120,11 +121,10 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
   const auto judgement = std::make_shared<Judgement>();
   judgement->baseline_file = baseline_file_.string();
   judgement->baseline = std::move(baseline_);
-  judgement->now = recorded(report);
   judgement->rules = rules_;
-  const RecordedReport none;
+  const Report none;
   judgement->comparison =
-      compare_reports(judgement->baseline ? *judgement->baseline : none, judgement->now);
+      compare_reports(judgement->baseline ? *judgement->baseline : none, report);
   judgement->breaches = broken_rules(rules_, judgement->comparison);
   const bool has_baseline = judgement->baseline.has_value();
   if (!is_first_) judgement->idle = idle_rules(rules_, judgement->comparison, has_baseline);

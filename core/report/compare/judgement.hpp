@@ -9,16 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "core/report/rules/rules.hpp"
+#include "core/report/compare/rules.hpp"
 
 namespace planescope::report {
 
 struct Judgement {
-  std::string baseline_file;  // as it was given; empty: none
-  std::optional<RecordedReport> baseline;
-  RecordedReport now;
+  std::string baseline_file;       // as it was given; empty: none
+  std::optional<Report> baseline;  // its frames as far as they are compared (read_report())
   std::vector<Rule> rules;
-  ReportComparison comparison;   // points into both
+  ReportComparison comparison;   // points into the baseline, and into the report that was judged
   std::vector<Breach> breaches;  // worst first
   std::vector<IdleRule> idle;
   std::vector<std::string> added;  // "rec: is not in the baseline", a line for each recording
@@ -28,7 +27,7 @@ struct Judgement {
   Judgement& operator=(const Judgement&) = delete;
 
   int errors() const;
-  /// What is broken, idle or added, but no error.
+  /// Broken rules of level warn, idle rules, and what was added.
   int warnings() const;
   /// Idle rules and what was added, a line each.
   std::vector<std::string> unguarded() const;
@@ -48,6 +47,8 @@ class ReportGuard {
               bool may_be_first = false);
   bool is_on() const { return baseline_ || !rules_.empty(); }
   /// Null where nothing was asked for. To be called once: the baseline moves into the judgement.
+  /// The judgement points to the frames of `report`, which must stay where they are while it is
+  /// used.
   std::shared_ptr<const Judgement> judge(const Report& report);
   /// The report takes the place of the baseline, whole or not at all.
   void approve(const std::filesystem::path& report_json) const;
@@ -55,7 +56,7 @@ class ReportGuard {
  private:
   std::filesystem::path baseline_file_;
   bool is_first_ = false;  // there is no baseline yet
-  std::optional<RecordedReport> baseline_;
+  std::optional<Report> baseline_;
   std::vector<Rule> rules_;
 };
 

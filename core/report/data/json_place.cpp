@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
+#include <vector>
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -99,8 +101,18 @@ void JsonPlace::fail(const std::string& what) const {
 
 Json read_json(const std::filesystem::path& file, std::uintmax_t max_bytes) {
   const auto bytes = read_file_bytes(file, max_bytes);
-  Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+      twice = value.get<std::string>();
+    return true;
+  };
+  Json json = Json::parse(bytes.begin(), bytes.end(), watch, false);
   if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
+  if (!twice.empty()) throw Error(file.string() + ": has \"" + twice + "\" twice in one object");
   return json;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
-// JSON that somebody else may have written. Internal to core/report.
+// JSON that somebody else may have written: what is missing, unknown, there twice or of another
+// kind than expected is answered here, for every file that core/report reads. Internal to
+// core/report.
 
 #include <cstdint>
 #include <filesystem>
@@ -34,6 +36,14 @@ class JsonPlace {
   int whole(int low, int high = std::numeric_limits<int>::max()) const;
   std::uint64_t count() const;
   Vec3d vector() const;
+  /// The value that to_string() writes as this text. `expected`: what to say where there is none.
+  template <typename Enum>
+  Enum choice(std::initializer_list<Enum> values, const std::string& expected) const {
+    const std::string found = text();
+    for (const Enum value : values)
+      if (found == to_string(value)) return value;
+    fail_kind(expected);
+  }
   const nlohmann::ordered_json& json() const { return *json_; }
 
   [[noreturn]] void fail_kind(const std::string& expected) const;
@@ -46,11 +56,11 @@ class JsonPlace {
   std::string where_;
 };
 
-/// Throws Error naming the file where it is no JSON.
+/// Throws Error naming the file where it is no JSON, or where an object has a key twice.
 nlohmann::ordered_json read_json(const std::filesystem::path& file,
                                  std::uintmax_t max_bytes = std::uintmax_t{1} << 26);
 
-/// What `read` makes of it; its Errors name the file.
+/// Calls `read` with the whole file's place; its Errors get the file's name in front.
 template <typename Read>
 auto read_place(const std::filesystem::path& file,
                 const nlohmann::ordered_json& json,

@@ -1,9 +1,15 @@
 #include "core/report/data/report_data.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
 
+#include "core/planes/pipeline/frame_times.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/report/data/frame_json.hpp"
+#include "core/planes/segment/criteria.hpp"
+#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
@@ -35,11 +41,57 @@ std::string in_report_folder(const ReportPicture& picture, const char* ending) {
   return (pictures.parent_path() / "report" / (picture.name + ending)).generic_string();
 }
 
+constexpr int kBins = 40;
+constexpr double kRoom = 4;  // bins end at this many thresholds: that is where decisions are near
+
+class HistogramCounter {
+ public:
+  HistogramCounter(std::string name, double high, double threshold) {
+    histogram_.name = std::move(name);
+    histogram_.high = high;
+    histogram_.threshold = threshold;
+    histogram_.counts.resize(kBins + 2);
+  }
+  void add(double value) {
+    const double bin = std::ceil(value * kBins / histogram_.high - 1e-9);
+    ++histogram_.counts[static_cast<std::size_t>(bin <= 0 ? 0 : bin <= kBins ? bin : kBins + 1)];
+  }
+  ValueHistogram histogram() && { return std::move(histogram_); }
+
+ private:
+  ValueHistogram histogram_;
+};
+
+ValueHistogram outliers(const planes::Octree& octree, const planes::SegmentOptions& options) {
+  // Bins as wide as whole numbers.
+  const double width = std::max(1.0, std::ceil(kRoom * options.theta_n_out / kBins));
+  HistogramCounter counter("n_out", kBins * width, options.theta_n_out);
+  for (const planes::OctreeNode& node : octree.nodes)
+    if (node.decided != planes::Case::none)
+      counter.add(planes::purity_of(node, options.use_labels).n_out);
+  return std::move(counter).histogram();
+}
+
+ValueHistogram over_limits(const char* name, std::span<const float> values) {
+  HistogramCounter counter(name, kRoom, 1);
+  for (const float value : values) counter.add(value);
+  return std::move(counter).histogram();
+}
+
 }  // namespace
 
 std::string copy_of(const ReportPicture& picture) { return in_report_folder(picture, ".jpg"); }
 std::string thumbnail_of(const ReportPicture& picture) {
   return in_report_folder(picture, ".small.jpg");
+}
+
+double ReportFrame::time_ratio() const {
+  return reference_ms > 0 ? planes::paper_ms(timings) / reference_ms : 0;
+}
+
+double ReportFrame::percent_on_planes() const {
+  const auto points = static_cast<double>(counts.kept);
+  return points > 0 ? 100 * static_cast<double>(points_on_planes) / points : 0;
 }
 
 ReportTotals totals_of(const Report& report) {
@@ -98,6 +150,66 @@ std::vector<ReportOption> make_report_options(const planes::PipelineOptions& opt
     result.push_back(std::move(option));
   }
   return result;
+}
+
+planes::PipelineOptions options_of(const Report& report, std::vector<std::string>& unknown) {
+  planes::PipelineOptions options;
+  // The profile sets what the others then change.
+  for (const ReportOption& option : report.options)
+    if (option.name == "profile") planes::set_option(options, option.name, option.value);
+  for (const ReportOption& option : report.options) {
+    if (option.name == "profile") continue;
+    const bool known = std::ranges::any_of(
+        planes::option_table(),
+        [&](const planes::OptionInfo& info) { return info.name == option.name; });
+    if (known)
+      planes::set_option(options, option.name, option.value);
+    else
+      unknown.push_back(option.name);
+  }
+  return options;
+}
+
+io::RecordingOptions options_of(const ReportRecording& recording) {
+  const auto was_typed = [](const std::string& source) { return source.starts_with("option --"); };
+  const io::RecordingInfo& info = recording.info;
+  const Intrinsics& k = info.intrinsics;
+  io::RecordingOptions options;
+  if (was_typed(info.intrinsics_source)) options.intrinsics = {k.fx, k.fy, k.cx, k.cy};
+  if (was_typed(info.depth_unit_source)) options.depth_unit_m = info.depth_unit_m;
+  return options;
+}
+
+double ValueHistogram::edge(std::size_t bin) const {
+  return high * static_cast<double>(bin) / static_cast<double>(counts.size() - 2);
+}
+
+std::uint64_t ValueHistogram::total() const {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
+                                                const planes::Strains& strains,
+                                                const planes::SegmentOptions& options) {
+  if (segmentation.octree.nodes.empty()) return {};
+  return {outliers(segmentation.octree, options), over_limits("planarity", strains.planarity),
+          over_limits("merge_angle", strains.angle),
+          over_limits("merge_distance", strains.distance)};
+}
+
+void add_to(ValueHistogram& sum, const ValueHistogram& part) {
+  if (sum.name != part.name || sum.high != part.high || sum.counts.size() != part.counts.size())
+    return;
+  for (std::size_t bin = 0; bin < part.counts.size(); ++bin) sum.counts[bin] += part.counts[bin];
+}
+
+std::string title_of(const ValueHistogram& histogram) {
+  if (histogram.name == "n_out") return "Outliers N_out of each node visited";
+  if (histogram.name == "planarity") return "Criterion 3: deviation from a plane, over its limit";
+  if (histogram.name == "merge_angle") return "Merging: angle to the nearest plane, over its limit";
+  if (histogram.name == "merge_distance")
+    return "Merging: distance of the nearest plane, over its limit";
+  return histogram.name;
 }
 
 }  // namespace planescope::report

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a report says, as plain data. The writers (report_files.hpp) turn it into report.json,
-// frames.csv and index.html.
+// What a report says, as plain data: of the run that is being made, and of an earlier one that is
+// read back. report_json.hpp writes and reads it, report_files.hpp makes the other files of it.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,9 +15,8 @@
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/segment/noise.hpp"
+#include "core/planes/segment/segment.hpp"
 #include "core/report/data/plane_summary.hpp"
-#include "core/report/data/region_sample.hpp"
-#include "core/report/page/value_histogram.hpp"
 
 namespace planescope::report {
 
@@ -50,6 +49,19 @@ struct ReportNoise {
   double sigma_m = 0, theta_rms_m = 0, tau_m = 0;
 };
 
+/// How near to their thresholds a frame's decisions fell: counts that add up over frames.
+struct ValueHistogram {
+  std::string name;  // "n_out", "planarity", "merge_angle", "merge_distance"
+  double high = 0;   // the bins' end; they begin at 0
+  double threshold = 0;
+  /// Values of 0, then of each of the bins up to and with its upper edge, at last those above.
+  std::vector<std::uint32_t> counts;
+
+  double edge(std::size_t bin) const;  // upper one of counts[bin]
+  std::uint64_t total() const;
+  bool operator==(const ValueHistogram&) const = default;
+};
+
 /// One frame: its results, or why there are none.
 struct ReportFrame {
   int index = 0;
@@ -73,6 +85,10 @@ struct ReportFrame {
   std::optional<planes::Metrics> metrics;  // where there is ground truth
   planes::FrameTimings timings;
   double reference_ms = 0;  // what reference_work() took just before; 0: not measured
+
+  /// From voxel grid to planes, as a multiple of the reference work; 0: not measured.
+  double time_ratio() const;
+  double percent_on_planes() const;  // of the points that were kept; of none 0
 };
 
 struct ReportRecording {
@@ -91,21 +107,25 @@ struct ReportOption {
 };
 
 struct Report {
-  std::string version, commit;                   // of planescope
-  bool modified = false;                         // built from a tree that differs from the commit
-  std::string command;                           // as it was typed, without what changes no frame
-  std::string shard;                             // "2/8": a part of the frames; empty: all
-  std::string created_utc;                       // ISO 8601
-  std::string renderer;                          // which GL drew; empty where none could
-  std::string renderer_error;                    // why none could
-  planes::Method method = planes::Method::ours;  // others have no octree, and label no points
-  std::string classifier;  // as --classifier named it; empty where there was none
+  std::string version, commit;  // of planescope
+  bool modified = false;        // built from a tree that differs from the commit
+  std::string command;          // as it was typed, without what changes no frame
+  std::string shard;            // "2/8": a part of the frames; empty: all
+  std::string created_utc;      // ISO 8601
+  std::string renderer;         // which GL drew; empty where none could
+  std::string renderer_error;   // why none could
+  std::string method = "ours";  // as --method has it; one that is read may be no more
+  std::string classifier;       // as --classifier named it; empty where there was none
   std::optional<planes::WeightsRecord> weights;  // where it is a network
   bool partial = false;                          // stopped before the end
   std::vector<ReportOption> options;
   std::string case_colors[5];  // "#rrggbb", by Case
   std::vector<ReportRecording> recordings;
   std::shared_ptr<const Judgement> judgement;  // null: held to nothing (judgement.hpp)
+  std::filesystem::path baseline;  // of one that is read: what it was held against, as typed
+
+  bool is_ours() const { return method == "ours"; }  // others have no octree, and label no points
+  std::string weights_sha256() const { return weights ? weights->sha256 : std::string(); }
 };
 
 /// Sums over all frames that were processed.
@@ -128,5 +148,25 @@ ReportFrame make_report_frame(const Frame& frame,
 /// Every option that the method takes, with its value, but for the number of threads, which changes
 /// nothing; changed: against the defaults of the same profile.
 std::vector<ReportOption> make_report_options(const planes::PipelineOptions& options);
+
+/// The options that make_report_options() wrote. Those of other methods, which it leaves out, are
+/// the defaults; so is what an earlier version did not have. `unknown`: takes the names that this
+/// version does not have. Throws Error naming the option whose value it cannot take.
+planes::PipelineOptions options_of(const Report& report, std::vector<std::string>& unknown);
+
+/// What the command line said of the camera when the report was made: --intrinsics, --depth-unit.
+io::RecordingOptions options_of(const ReportRecording& recording);
+
+/// N_out of the nodes visited, and values over their limits (Strains). Those of the same options
+/// have the same bins. None where there is no octree.
+std::vector<ValueHistogram> decision_histograms(const planes::Segmentation& segmentation,
+                                                const planes::Strains& strains,
+                                                const planes::SegmentOptions& options);
+
+/// Adds counts; of other bins nothing.
+void add_to(ValueHistogram& sum, const ValueHistogram& part);
+
+/// "Outliers per node N_out", for people.
+std::string title_of(const ValueHistogram& histogram);
 
 }  // namespace planescope::report

@@ -2,14 +2,25 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
 
-#include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/planes/pipeline/frame_times.hpp"
+#include "core/report/compare/judgement.hpp"
+#include "core/report/data/frame_json.hpp"
+#include "core/report/data/report_json.hpp"
+#include "core/report/page/page.hpp"
 
 namespace planescope::report {
 namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kRecordSchema = "planescope.report-frame/1";
+constexpr const char* kFrameFile = "frame.json";
+constexpr const char* kTimingsFile = "timings.json";
 
 // RFC 4180.
 std::string quoted(const std::string& text) {
@@ -26,7 +37,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   if (!frame.refused.empty()) return start + std::string(21, ',') + "\n";
   const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
-  // Nobody's direction, and planes of neither class: left empty.
+  // Without gravity there is no direction, and no plane is h or v: left empty.
   std::string gravity = ",,", classes = ",";
   if (frame.gravity.known()) {
     gravity = fmt::format("{:.6f},{:.6f},{:.6f}", g.x(), g.y(), g.z());
@@ -43,6 +54,104 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
                              classes, frame.points_on_planes, frame.segment.unassigned, metrics);
 }
 
+// junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
+
+/// XML 1.0 does not allow most control characters, not even escaped.
+std::string xml_text(const std::string& text) {
+  std::string lines;
+  for (const char c : text) lines += c == '\n' ? std::string(" | ") : std::string(1, c);
+  return html::escaped(html::valid_text(lines));
+}
+
+struct JunitSuite {
+  std::string name, cases;
+  int tests = 0, failures = 0, errors = 0;
+  double seconds = 0;
+
+  void add(const std::string& test, double time, const std::string& outcome) {
+    ++tests;
+    seconds += time;
+    cases += fmt::format("  <testcase name=\"{}\" classname=\"{}\" time=\"{:.6f}\"", xml_text(test),
+                         xml_text(name), time);
+    cases += outcome.empty() ? "/>\n" : ">\n" + outcome + "  </testcase>\n";
+  }
+  std::string xml(int id, const std::string& created_utc) const {
+    // ISO 8601 without a zone, as the schema has it. The report does not say which machine it ran
+    // on.
+    return fmt::format(
+        " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
+        "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.6f}\">\n"
+        "  <properties/>\n{}  <system-out/>\n  <system-err/>\n </testsuite>\n",
+        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases);
+  }
+};
+
+std::string failure(const std::vector<const Breach*>& breaches, const ReportFrame* frame) {
+  std::string text;
+  for (const Breach* breach : breaches) text += xml_text(breach->text()) + "\n";
+  if (frame)
+    for (const ReportPicture& picture : frame->pictures) text += xml_text(picture.file) + "\n";
+  text += "index.html\n";
+  return fmt::format("   <failure message=\"{}\" type=\"{}\">{}</failure>\n",
+                     xml_text(breaches[0]->text()), xml_text(breaches[0]->rule.metric), text);
+}
+
+/// Errors of one frame, or with frame -1 of the whole recording.
+using Broken = std::map<std::pair<std::string, int>, std::vector<const Breach*>>;
+
+Broken broken_by_frame(const Report& report) {
+  Broken broken;
+  if (report.judgement)
+    for (const Breach& breach : report.judgement->breaches)
+      if (breach.rule.level == RuleLevel::error)
+        broken[{breach.recording, breach.frame}].push_back(&breach);
+  return broken;
+}
+
+void add_frame(JunitSuite& suite, const ReportFrame& frame, Broken& broken) {
+  const auto found = broken.find({suite.name, frame.index});
+  std::string outcome;
+  if (!frame.refused.empty()) {
+    ++suite.errors;
+    outcome = fmt::format("   <error message=\"{}\" type=\"refused\"/>\n", xml_text(frame.refused));
+  } else if (found != broken.end()) {
+    ++suite.failures;
+    outcome = failure(found->second, &frame);
+  }
+  suite.add(fmt::format("frame {}", frame.index), planes::total_ms(frame.timings) / 1000, outcome);
+  if (found != broken.end()) broken.erase(found);
+}
+
+/// What belongs to no frame of this report: rules over many frames, frames that are missing.
+void add_rest(JunitSuite& suite, Broken& broken, bool of_any) {
+  for (auto at = broken.begin(); at != broken.end();) {
+    if (at->first.first != suite.name && !of_any) {
+      ++at;
+      continue;
+    }
+    ++suite.failures;
+    suite.add(at->first.second < 0 ? "all frames" : fmt::format("frame {}", at->first.second), 0,
+              failure(at->second, nullptr));
+    at = broken.erase(at);
+  }
+}
+
+ReportFrame read_record(const fs::path& dir, const Json& json) {
+  ReportFrame frame = read_place(dir / kFrameFile, json, [](const JsonPlace& place) {
+    return read_frame(place.at("frame"), Extent::whole);
+  });
+  read_place(dir / kFrameFile, json, [&](const JsonPlace& place) {
+    std::size_t k = 0;
+    place.at("color_ids").each([&](const JsonPlace& id) {
+      if (k < frame.planes.size()) frame.planes[k++].color_id = id.whole(0);
+    });
+  });
+  const Json timings = read_json(dir / kTimingsFile);
+  read_place(dir / kTimingsFile, timings,
+             [&](const JsonPlace& place) { read_timings(place, frame); });
+  return frame;
+}
+
 }  // namespace
 
 std::string frames_csv(const Report& report) {
@@ -54,6 +163,61 @@ std::string frames_csv(const Report& report) {
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
   return text;
+}
+
+std::string junit_xml(const Report& report) {
+  Broken broken = broken_by_frame(report);
+  std::string suites;
+  int id = 0;
+  const auto take = [&](const JunitSuite& suite) { suites += suite.xml(id++, report.created_utc); };
+  for (const ReportRecording& recording : report.recordings) {
+    JunitSuite suite;
+    suite.name = recording.name;
+    for (const ReportFrame& frame : recording.frames) add_frame(suite, frame, broken);
+    add_rest(suite, broken, false);
+    take(suite);
+  }
+  if (!broken.empty()) {
+    JunitSuite suite;
+    suite.name = "all recordings";
+    add_rest(suite, broken, true);
+    take(suite);
+  }
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n" + suites + "</testsuites>\n";
+}
+
+void write_frame_record(const fs::path& dir,
+                        const ReportFrame& frame,
+                        bool ours,
+                        const std::string& key) {
+  const auto text = [](const Json& json) {
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  };
+  write_file_text(dir / kTimingsFile, text(timings_json(frame)));
+  Json color_ids = Json::array();
+  for (const ReportPlane& plane : frame.planes) color_ids.push_back(plane.color_id);
+  write_file_text(dir / kFrameFile, text({{"schema", kRecordSchema},
+                                          {"key", key},
+                                          {"color_ids", color_ids},
+                                          {"frame", frame_json(frame, ours)}}));
+}
+
+std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::string& key) {
+  if (!fs::exists(dir / kFrameFile)) return std::nullopt;
+  const Json json = read_json(dir / kFrameFile);
+  const bool is_it = read_place(dir / kFrameFile, json, [&](const JsonPlace& place) {
+    return place.at("schema").text() == kRecordSchema && place.at("key").text() == key;
+  });
+  if (!is_it || key.empty()) return std::nullopt;
+  return read_record(dir, json);
+}
+
+ReportFrame read_frame_record(const fs::path& dir) {
+  const Json json = read_json(dir / kFrameFile);
+  read_place(dir / kFrameFile, json, [](const JsonPlace& place) {
+    if (place.at("schema").text() != kRecordSchema) place.at("schema").fail_kind(kRecordSchema);
+  });
+  return read_record(dir, json);
 }
 
 void write_report_files(const std::filesystem::path& dir, const Report& report) {

@@ -1,18 +1,15 @@
 #pragma once
 
+// The files of a report beside its report.json (report_json.hpp).
+
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
+#include <optional>
 #include <string>
 
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::report {
-
-/// schema "planescope.report/2" (docs/report.md, assets/schemas/report.schema.json). Of all it
-/// says, only `created_utc` and `timings` depend on time.
-void write_report_json(std::ostream& out, const Report& report);
-std::string report_json(const Report& report);
 
 /// One line per frame, with a header.
 std::string frames_csv(const Report& report);
@@ -27,7 +24,7 @@ std::string junit_xml(const Report& report);
 void write_report_page(std::ostream& out, const Report& report, const std::filesystem::path& dir);
 
 /// An animation of each recording of more than one frame, from its overlays: `overview.png` beside
-/// its frames' folder. Where a copy is damaged the frame before stays. Throws Error.
+/// its frames' folder. In place of a damaged copy the previous frame is shown again. Throws Error.
 void write_overviews(const std::filesystem::path& dir, const Report& report);
 /// Where it is, relative to the report; empty for recordings without overlays.
 std::string overview_of(const ReportRecording& recording);
@@ -36,5 +33,22 @@ std::string overview_of(const ReportRecording& recording);
 /// frames' folders lie; each appears only when it is complete. Throws Error naming the file that
 /// cannot be written.
 void write_report_files(const std::filesystem::path& dir, const Report& report);
+
+// A finished frame on disk. Reports are put together from these: at once, when a stopped one is
+// resumed, or when the shards of a large one are joined.
+
+/// Writes frame.json and timings.json into `dir`, frame.json last: where it exists, the whole frame
+/// does. `key` tells from what it was made: input, options, build. Throws Error.
+void write_frame_record(const std::filesystem::path& dir,
+                        const ReportFrame& frame,
+                        bool ours,
+                        const std::string& key);
+
+/// What lies in `dir`; nullopt where there is none, or of another key. Throws Error naming the file
+/// where it is damaged.
+std::optional<ReportFrame> find_frame_record(const std::filesystem::path& dir,
+                                             const std::string& key);
+/// Whatever its key. Throws Error where there is none.
+ReportFrame read_frame_record(const std::filesystem::path& dir);
 
 }  // namespace planescope::report

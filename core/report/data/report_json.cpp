@@ -1,80 +1,151 @@
-// report.json, schema "planescope.report/2": docs/report.md says what each field means.
+// docs/report.md says what each field means.
 
+#include "core/report/data/report_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <sstream>
 
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
-#include "core/report/data/report_files.hpp"
+#include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json depth_json(const io::RecordingInfo& info) {
-  if (info.width == 0) return {};
-  const Intrinsics& k = info.intrinsics;
-  return {{"width", info.width},
-          {"height", info.height},
-          {"unit_m", info.depth_unit_m},
-          {"unit_source", info.depth_unit_source},
-          {"intrinsics",
-           {{"fx", k.fx},
-            {"fy", k.fy},
-            {"cx", k.cx},
-            {"cy", k.cy},
-            {"distortion", to_string(k.distortion)},
-            {"coefficients", k.coefficients},
-            {"source", info.intrinsics_source}}}};
+constexpr std::pair<const char*, Distortion> kDistortions[] = {
+    {"none", Distortion::none},
+    {"brown_conrady", Distortion::brown_conrady},
+    {"inverse_brown_conrady", Distortion::inverse_brown_conrady}};
+
+template <typename Fields>
+void distortion_field(Fields& fields, auto& distortion) {
+  if constexpr (Fields::kReads) {
+    if (!fields.is_read("distortion", kPlain)) return;
+    const JsonPlace place = fields.place().at("distortion");
+    const std::string text = place.text();
+    const auto* known =
+        std::ranges::find(kDistortions, text, [](const auto& entry) { return entry.first; });
+    if (known == std::end(kDistortions))
+      place.fail_kind("none, brown_conrady or inverse_brown_conrady");
+    distortion = known->second;
+  } else {
+    fields.json()["distortion"] = to_string(distortion);
+  }
+}
+
+/// kCompared: what tells whether the command line said it, and what it said (options_of()).
+void depth_fields(auto& fields, auto& info) {
+  fields.whole("width", info.width, kPlain, 1);
+  fields.whole("height", info.height, kPlain, 1);
+  fields("unit_m", info.depth_unit_m, kCompared);
+  fields("unit_source", info.depth_unit_source, kCompared);
+  fields.object("intrinsics", kCompared, [&](auto& of) {
+    auto& k = info.intrinsics;
+    of("fx", k.fx, kCompared);
+    of("fy", k.fy, kCompared);
+    of("cx", k.cx, kCompared);
+    of("cy", k.cy, kCompared);
+    distortion_field(of, k.distortion);
+    of.numbers("coefficients", k.coefficients, k.coefficients.size(), "no more coefficients");
+    of("source", info.intrinsics_source, kCompared);
+  });
 }
 
 /// All but its frames.
-Json to_json(const ReportRecording& recording) {
-  Json json;
-  json["path"] = recording.info.path.string();
-  json["name"] = recording.name;
-  json["format"] = recording.info.format;
-  json["device"] = text_or_null(recording.info.device);
-  json["sha256"] = text_or_null(recording.sha256);
-  json["frame_count"] = recording.frame_count;
-  json["frames_asked"] = recording.frames_asked;
-  json["depth"] = depth_json(recording.info);
-  json["color"] = recording.info.has_color ? Json(recording.info.color_note) : Json();
-  json["warnings"] = recording.info.warnings;
-  return json;
+template <typename Fields>
+void recording_fields(Fields& fields, auto& recording) {
+  auto& info = recording.info;
+  std::string path = info.path.string();
+  fields("path", path, kCompared);
+  fields("name", recording.name, kCompared);
+  fields("format", info.format);
+  fields("device", info.device, kOrNull);
+  fields("sha256", recording.sha256, kOrNull);
+  fields("frame_count", recording.frame_count);
+  fields("frames_asked", recording.frames_asked);
+  fields.maybe_object("depth", info.width > 0, kCompared,
+                      [&](auto& depth) { depth_fields(depth, info); });
+  if constexpr (Fields::kReads) {
+    info.path = path;
+    info.has_color = fields.place().has("color");
+    fields("color", info.color_note, kOrNull);
+    info.intrinsics.width = info.width;
+    info.intrinsics.height = info.height;
+    if (fields.is_read("warnings", kPlain))
+      fields.place().at("warnings").each([&](const JsonPlace& warning) {
+        info.warnings.push_back(warning.text());
+      });
+  } else {
+    fields.json()["color"] = info.has_color ? Json(info.color_note) : Json();
+    fields.json()["warnings"] = info.warnings;
+  }
 }
 
-Json to_json(const planes::WeightsRecord& weights) {
-  return {{"file", weights.file},
-          {"sha256", weights.sha256},
-          {"network", weights.network},
-          {"training", Json::parse(weights.training)}};
+template <typename Fields>
+void weights_fields(Fields& fields, auto& weights) {
+  fields("file", weights.file);
+  fields("sha256", weights.sha256, kCompared);
+  fields("network", weights.network);
+  if constexpr (!Fields::kReads)
+    fields.json()["training"] = Json::parse(weights.training);
+  else if (fields.is_read("training", kPlain))
+    weights.training = fields.place().at("training").json().dump();
 }
 
-Json record_json(const Report& report) {
-  Json json;
-  json["version"] = report.version;
-  json["commit"] = report.commit;
-  json["modified"] = report.modified;
-  json["command"] = report.command;
-  json["method"] = planes::to_string(report.method);
-  json["classifier"] = text_or_null(report.classifier);
-  json["weights"] = report.weights ? to_json(*report.weights) : Json();
-  json["renderer"] = text_or_null(report.renderer);
-  json["renderer_error"] = text_or_null(report.renderer_error);
-  json["case_colors"] = Json::array();
-  for (int c = 1; c <= 4; ++c) json["case_colors"].push_back(report.case_colors[c]);
-  json["options"] = Json::array();
-  for (const ReportOption& option : report.options)
-    json["options"].push_back({{"name", option.name},
-                               {"value", option.value},
-                               {"unit", option.unit},
-                               {"section", option.section},
-                               {"meaning", option.meaning},
-                               {"changed", option.changed}});
-  return json;
+/// "#rrggbb" of the cases from I on.
+template <typename Fields>
+void case_colors_field(Fields& fields, auto& colors) {
+  if constexpr (!Fields::kReads) {
+    fields.json()["case_colors"] = Json(std::vector<std::string>(colors + 1, std::end(colors)));
+  } else if (fields.is_read("case_colors", kPlain)) {
+    std::size_t c = 1;
+    fields.place().at("case_colors").each([&](const JsonPlace& color) {
+      if (c < std::size(colors)) colors[c++] = color.text();
+    });
+  }
+}
+
+template <typename Fields>
+void record_fields(Fields& fields, auto& report) {
+  fields("version", report.version, kCompared);
+  fields("commit", report.commit, kCompared);
+  fields("modified", report.modified, kCompared);
+  fields("command", report.command, kCompared);
+  fields("method", report.method, kCompared | kLate);
+  fields("classifier", report.classifier, kCompared | kOrNull);
+  fields.maybe_object("weights", report.weights.has_value(), kCompared, [&](auto& of) {
+    if constexpr (Fields::kReads) report.weights.emplace();
+    weights_fields(of, *report.weights);
+  });
+  fields("renderer", report.renderer, kOrNull);
+  fields("renderer_error", report.renderer_error, kOrNull);
+  case_colors_field(fields, report.case_colors);
+  fields.list("options", report.options, kCompared, [](auto& of, auto& option) {
+    of("name", option.name, kCompared);
+    of("value", option.value, kCompared);
+    of("unit", option.unit);
+    of("section", option.section);
+    of("meaning", option.meaning);
+    of("changed", option.changed);
+  });
+}
+
+/// The report but for its recordings and what is counted from them.
+void head_fields(auto& fields, auto& report) {
+  fields("created_utc", report.created_utc, kCompared);
+  fields("partial", report.partial, kCompared);
+  fields("shard", report.shard, kOrNull);
+  fields.object("record", kCompared, [&](auto& of) { record_fields(of, report); });
 }
 
 Json totals_json(const Report& report) {
@@ -144,12 +215,14 @@ void write_recordings(std::ostream& out, const Report& report) {
   for (const ReportRecording& recording : report.recordings) {
     recordings.next();
     Stream members(out, 2, '{', '}');
-    const Json head = to_json(recording);
+    Json head;
+    FieldWriter fields(head);
+    recording_fields(fields, recording);
     for (const auto& [name, value] : head.items()) members.member(name, value);
     members.name_of("frames");
     Stream frames(out, 3, '[', ']');
     for (const ReportFrame& frame : recording.frames)
-      frames.item(frame_json(frame, report.method == planes::Method::ours));
+      frames.item(frame_json(frame, report.is_ours()));
   }
 }
 
@@ -164,21 +237,65 @@ void write_timings(std::ostream& out, const Report& report) {
     }
 }
 
+/// All that is left of the file once its frames are read; its recordings may be there already.
+void read_head(const JsonPlace& place, Extent extent, Report& report) {
+  FieldReader fields(place, extent);
+  head_fields(fields, report);
+  std::size_t r = 0;
+  place.at("recordings").each([&](const JsonPlace& one) {
+    if (r == report.recordings.size()) report.recordings.emplace_back();
+    FieldReader of(one, extent);
+    recording_fields(of, report.recordings[r++]);
+  });
+}
+
+void read_reference_time(const JsonPlace& place, Report& report) {
+  if (!place.has("reference_ms")) return;  // of schema 1
+  const int last = static_cast<int>(report.recordings.size()) - 1;
+  ReportFrame timed;
+  read_timings(place, timed);
+  auto& frames =
+      report.recordings[static_cast<std::size_t>(place.at("recording").whole(0, last))].frames;
+  const auto frame = std::ranges::find(frames, place.at("frame").whole(0), &ReportFrame::index);
+  if (frame == frames.end()) return;
+  frame->timings = timed.timings;
+  frame->reference_ms = timed.reference_ms;
+}
+
+/// The name becomes that of a folder.
+void expect_file_name(const JsonPlace& place) {
+  const std::string name = place.text();
+  if (name.empty() || name == "." || name == ".." ||
+      name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
+    place.fail_kind("a file's name");
+}
+
+/// The number after `letters`, where the part is nothing else.
+std::optional<int> numbered(const std::string& part, const std::string& letters) {
+  if (!part.starts_with(letters)) return {};
+  const char* begin = part.data() + letters.size();
+  const char* end = part.data() + part.size();
+  int number = 0;
+  if (begin == end || *begin == '-') return {};
+  const auto [stop, problem] = std::from_chars(begin, end, number);
+  if (problem != std::errc() || stop != end) return {};
+  return number;
+}
+
 }  // namespace
 
 void write_report_json(std::ostream& out, const Report& report) {
   {
-    Stream json(out, 0, '{', '}');
-    json.member("schema", "planescope.report/2");
-    json.member("created_utc", report.created_utc);
-    json.member("partial", report.partial);
-    json.member("shard", text_or_null(report.shard));
-    json.member("record", record_json(report));
-    json.member("totals", totals_json(report));
-    json.member("verdict", report.judgement ? judgement_json(*report.judgement) : Json());
-    json.name_of("recordings");
+    Json head = {{"schema", "planescope.report/2"}};
+    FieldWriter fields(head);
+    head_fields(fields, report);
+    head["totals"] = totals_json(report);
+    head["verdict"] = report.judgement ? judgement_json(*report.judgement) : Json();
+    Stream members(out, 0, '{', '}');
+    for (const auto& [name, value] : head.items()) members.member(name, value);
+    members.name_of("recordings");
     write_recordings(out, report);
-    json.name_of("timings");
+    members.name_of("timings");
     write_timings(out, report);
   }
   out << '\n';
@@ -188,6 +305,73 @@ std::string report_json(const Report& report) {
   std::ostringstream out;
   write_report_json(out, report);
   return out.str();
+}
+
+Report read_report(const std::filesystem::path& file) {
+  Report report;
+  const auto json = read_report_json(file, [&](std::size_t recording, const JsonPlace& frame) {
+    if (recording >= report.recordings.size()) report.recordings.resize(recording + 1);
+    report.recordings[recording].frames.push_back(read_frame(frame, Extent::compared));
+  });
+  read_place(file, json, [&](const JsonPlace& place) {
+    read_head(place, Extent::compared, report);
+    if (place.has("verdict") && place.at("verdict").has("baseline"))
+      report.baseline = place.at("verdict").at("baseline").text();
+    place.at("recordings").each([](const JsonPlace& recording) {
+      recording.at("frames").each([](const JsonPlace& frame) { frame.fail_kind("a frame"); });
+    });
+    place.at("timings").each([&](const JsonPlace& one) { read_reference_time(one, report); });
+  });
+  return report;
+}
+
+ReportHead read_report_head(const std::filesystem::path& file) {
+  ReportHead head;
+  const auto json = read_report_json(file, [&](std::size_t recording, const JsonPlace& frame) {
+    head.frames.emplace_back(recording, frame.at("index").whole(0));
+  });
+  read_place(file, json, [&](const JsonPlace& place) {
+    if (const JsonPlace schema = place.at("schema"); schema.text() != "planescope.report/2")
+      schema.fail_kind("planescope.report/2");
+    read_head(place, Extent::whole, head.report);
+    planes::parse_method(head.report.method);  // throws where this build has none such
+    place.at("recordings").each([](const JsonPlace& recording) {
+      expect_file_name(recording.at("name"));
+    });
+    for (const auto& [recording, index] : head.frames)
+      if (recording >= head.report.recordings.size()) place.at("recordings").fail_kind("objects");
+  });
+  return head;
+}
+
+ReportTarget parse_report_target(const std::string& text) {
+  const std::size_t at = text.rfind('#');
+  ReportTarget target;
+  target.file = text.substr(0, at);
+  if (at == std::string::npos) return target;
+  const std::string place = text.substr(at + 1);
+  const auto refuse = [&] {
+    throw Error(fmt::format(
+        "{}: '{}' is no place in a report, expected f<frame>, f<frame>/p<plane> or "
+        "f<frame>/was<plane of the baseline>, after r<n>/ where it has several recordings",
+        target.file.string(), place));
+  };
+  std::vector<std::string> parts = split(place, '/');
+  if (const auto recording = numbered(parts[0], "r")) {
+    target.recording = *recording;
+    parts.erase(parts.begin());
+  }
+  if (parts.empty() || parts.size() > 2 || target.recording < 1) refuse();
+  const auto frame = numbered(parts[0], "f");
+  if (!frame) refuse();
+  target.frame = *frame;
+  if (parts.size() == 1) return target;
+  const auto was = numbered(parts[1], "was");
+  const auto plane = was ? was : numbered(parts[1], "p");
+  if (!plane || *plane < 1) refuse();
+  target.plane = *plane;
+  target.of_baseline = was.has_value();
+  return target;
 }
 
 }  // namespace planescope::report

@@ -131,11 +131,7 @@ std::string planes_json(const Frame& frame,
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
-  const bool known = result.gravity.known();
-  json["gravity"] = {{"direction", known ? vector_json(result.gravity.direction) : Json()},
-                     {"source", to_string(result.gravity.source)},
-                     {"confidence", rounded(result.gravity.confidence)},
-                     {"note", result.gravity.note}};
+  json["gravity"] = gravity_json(result.gravity);
   json["options"] = options_json(options);
   const bool ours = options.method == planes::Method::ours;
   json["counts"] = counts_json(result, ours);

@@ -7,9 +7,9 @@
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/compare/judgement.hpp"
-#include "core/report/data/plane_map.hpp"
 #include "core/report/data/report_files.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/data/report_json.hpp"
+#include "core/report/page/pictures.hpp"
 #include "support/empty_report.hpp"
 #include "support/temp_dir.hpp"
 

@@ -11,10 +11,9 @@
 #include "core/model/file_bytes.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/build_info.hpp"
-#include "core/report/data/frame_record.hpp"
 #include "core/report/data/report_files.hpp"
-#include "core/report/data/report_head.hpp"
-#include "core/report/page/thumbnail.hpp"
+#include "core/report/data/report_json.hpp"
+#include "core/report/page/pictures.hpp"
 #include "support/empty_report.hpp"
 #include "support/json_schema.hpp"
 #include "support/temp_dir.hpp"
@@ -24,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-ReportFrame make_frame(int index) {
+ReportFrame numbered_frame(int index) {
   ReportFrame frame;
   frame.index = index;
   frame.name = "00000" + std::to_string(index);
@@ -77,7 +76,7 @@ Report make_report() {
   recording.sha256 = std::string(64, 'd');
   recording.frame_count = 3;
   recording.frames_asked = 2;
-  recording.frames.push_back(make_frame(0));
+  recording.frames.push_back(numbered_frame(0));
   ReportFrame refused;
   refused.index = 1;
   refused.sha256 = std::string(64, 'e');
@@ -232,7 +231,7 @@ TEST(ReportHtml, NamesTheNetworkAtItsTopAndHowItWasTrainedInTheRecord) {
 
 TEST(FramesCsv, EveryLineHasAsManyFieldsAsTheHeader) {
   Report report = make_report();
-  report.recordings[0].frames.push_back(make_frame(2));
+  report.recordings[0].frames.push_back(numbered_frame(2));
   report.recordings[0].frames[2].metrics = planes::Metrics{};
   report.recordings[0].frames[1].refused = "no gravity";
   std::istringstream csv(frames_csv(report));
@@ -296,7 +295,7 @@ TEST(FrameRecord, IsFoundByItsKeyAlone) {
   const auto dir = temp_dir() / "frame_record_key";
   std::filesystem::create_directories(dir);
   EXPECT_FALSE(find_frame_record(dir / "nowhere", "a"));
-  write_frame_record(dir, make_frame(3), true, "a");
+  write_frame_record(dir, numbered_frame(3), true, "a");
   EXPECT_FALSE(find_frame_record(dir, "b"));
   ASSERT_TRUE(find_frame_record(dir, "a"));
   EXPECT_EQ(find_frame_record(dir, "a")->index, 3);

@@ -1,10 +1,11 @@
-#include "core/report/rules/rules.hpp"
+#include "core/report/compare/rules.hpp"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "support/empty_report.hpp"
 #include "support/json_schema.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
@@ -14,10 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RecordedFrame frame_with(int index, std::vector<double> heights_m, double mean_iou = 90) {
-  RecordedFrame frame;
+ReportFrame frame_with(int index, std::vector<double> heights_m, double mean_iou = 90) {
+  ReportFrame frame;
   frame.index = index;
-  frame.points = 100;
+  frame.counts.kept = 100;
   frame.points_on_planes = 90;
   std::vector<int> plane_of(10);
   for (const double height : heights_m) {
@@ -26,7 +27,7 @@ RecordedFrame frame_with(int index, std::vector<double> heights_m, double mean_i
     plane.label = Label::h;
     plane.centroid.z() = plane.offset_m = height;
     plane.area_m2 = 1;
-    frame.planes.push_back(plane);
+    frame.planes.push_back({plane, ""});
     plane_of[frame.planes.size() - 1] = plane.id;
   }
   frame.regions = {1, 10, 1, runs_of(plane_of)};
@@ -35,20 +36,13 @@ RecordedFrame frame_with(int index, std::vector<double> heights_m, double mean_i
   return frame;
 }
 
-RecordedReport report_of(std::vector<RecordedRecording> recordings) {
-  RecordedReport report;
-  report.recordings = std::move(recordings);
-  return report;
-}
-
-const RecordedReport& baseline() {
-  static const RecordedReport report = report_of(
+const Report& baseline() {
+  static const Report report = report_of_frames(
       {{"a", {frame_with(0, {0, 0.2}), frame_with(1, {0, 0.2})}}, {"b", {frame_with(0, {0})}}});
   return report;
 }
 
-std::vector<Breach> broken(const RecordedReport& now,
-                           const std::vector<Rule>& rules = built_in_rules()) {
+std::vector<Breach> broken(const Report& now, const std::vector<Rule>& rules = built_in_rules()) {
   return broken_rules(rules, compare_reports(baseline(), now));
 }
 
@@ -64,7 +58,7 @@ Rule rule(const std::string& metric, double at_least, double at_most, RuleScope 
 TEST(Rules, TheSameReportBreaksNone) { EXPECT_TRUE(broken(baseline()).empty()); }
 
 TEST(Rules, AMoveOfSixMillimetresIsAnErrorOfItsFrame) {
-  RecordedReport now = baseline();
+  Report now = baseline();
   now.recordings[0].frames[1] = frame_with(1, {0, 0.206});
   const auto found = broken(now);
   ASSERT_EQ(found.size(), 1u);
@@ -75,8 +69,8 @@ TEST(Rules, AMoveOfSixMillimetresIsAnErrorOfItsFrame) {
 }
 
 TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
-  RecordedReport now = baseline();
-  now.recordings[0].frames[0].planes[0].area_m2 = 2;
+  Report now = baseline();
+  now.recordings[0].frames[0].planes[0].summary.area_m2 = 2;
   now.recordings[0].frames[1] = frame_with(1, {0, 0.206});
   now.recordings[1].frames[0] = frame_with(0, {0.1}, 80);
   const auto found = broken(now);
@@ -89,7 +83,7 @@ TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
 }
 
 TEST(Rules, OfFramesThatBreakAsManyTheOneThatBreaksThemMostComesFirst) {
-  RecordedReport now = baseline();
+  Report now = baseline();
   now.recordings[0].frames[0] = frame_with(0, {0, 0.206});
   now.recordings[0].frames[1] = frame_with(1, {0, 0.209});
   const auto found = broken(now);
@@ -99,7 +93,7 @@ TEST(Rules, OfFramesThatBreakAsManyTheOneThatBreaksThemMostComesFirst) {
 }
 
 TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
-  RecordedReport now = baseline();
+  Report now = baseline();
   now.recordings[0].frames[0].refused = "no gravity";
   now.recordings[1].frames.clear();
   const auto found = broken(now);
@@ -111,7 +105,7 @@ TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
 
 TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  RecordedReport now = baseline();
+  Report now = baseline();
   now.recordings[0].frames[0] = frame_with(0, {0, 0.2, 0.5}, 80);
   now.recordings[0].frames[1] = frame_with(1, {0, 0.2, 0.5}, 100);
   const auto value_of = [&](const std::string& metric, RuleScope scope) {
@@ -185,11 +179,13 @@ TEST(Rules, TimesOnlyEverWarn) {
               read_rules(written(R"(, "level": "error")"));
             }).find("rules[0].level is \"error\", expected warn or off"),
             std::string::npos);
-  RecordedReport now = baseline();
-  RecordedReport before = baseline();
-  for (RecordedReport* report : {&before, &now})
-    for (RecordedFrame& frame : report->recordings[0].frames)
-      frame.time_ratio = report == &now ? 9 : 3;
+  Report now = baseline();
+  Report before = baseline();
+  for (Report* report : {&before, &now})
+    for (ReportFrame& frame : report->recordings[0].frames) {
+      frame.timings.t_s_ms = report == &now ? 9 : 3;
+      frame.reference_ms = 1;
+    }
   const auto found = broken_rules(built_in_rules(), compare_reports(before, now));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].text(), "time_growth is 3, at most 2 times");
@@ -232,7 +228,7 @@ TEST(Rules, AMistakeInTheFileIsNamed) {
 }
 
 TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
-  RecordedReport now = baseline();
+  Report now = baseline();
   now.recordings[0].frames[1].metrics.reset();
   const auto found = broken(now);
   ASSERT_EQ(found.size(), 1u);
@@ -241,9 +237,9 @@ TEST(Rules, LabelsThatAreGoneAreAnErrorOfTheirFrame) {
 }
 
 TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
-  const auto idle = [](Rule one, const RecordedReport& now, bool has_baseline = true) {
-    const std::vector<IdleRule> found = idle_rules(
-        {one}, compare_reports(has_baseline ? baseline() : RecordedReport(), now), has_baseline);
+  const auto idle = [](Rule one, const Report& now, bool has_baseline = true) {
+    const std::vector<IdleRule> found =
+        idle_rules({one}, compare_reports(has_baseline ? baseline() : Report(), now), has_baseline);
     return found.empty() ? "" : found[0].text();
   };
   Rule one = rule("planes", 0, 9, RuleScope::frame);
@@ -260,13 +256,13 @@ TEST(Rules, ThatHoldNothingAreNamedWithWhy) {
   EXPECT_EQ(idle(one, baseline()), "");
   EXPECT_EQ(idle(rule("planes_lost", 0, 0, RuleScope::all), baseline(), false),
             "planes_lost: this rule holds nothing, it needs a baseline");
-  RecordedReport fewer = baseline();
+  Report fewer = baseline();
   fewer.recordings[0].frames.pop_back();
   one = rule("planes", 0, 9, RuleScope::frame);
   one.frame = 1;
   EXPECT_EQ(idle(one, fewer), "planes frame 1: this rule holds nothing, there is no such frame")
       << "only the baseline has it";
-  RecordedReport unlabelled = report_of({{"a", {frame_with(0, {0})}}});
+  Report unlabelled = report_of_frames({{"a", {frame_with(0, {0})}}});
   unlabelled.recordings[0].frames[0].metrics.reset();
   EXPECT_EQ(idle(rule("mean_iou", 80, 100, RuleScope::all), unlabelled),
             "mean_iou: this rule holds nothing, no such frame has labels");

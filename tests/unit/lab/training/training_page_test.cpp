@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/report/page/line_chart.hpp"
+#include "core/report/page/charts.hpp"
 
 using namespace planescope;
 

@@ -1,0 +1,243 @@
+// Why a node got its case: Sun et al. 2023, Sec. IV-B, recomputed.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/debug/explain/explain.hpp"
+#include "core/planes/segment/criteria.hpp"
+
+namespace planescope::debug {
+namespace {
+
+Check answered(Check check, double value, const char* op, double threshold, double spare) {
+  check.value = value;
+  check.op = op;
+  check.threshold = threshold;
+  check.verdict = spare >= 0 ? Verdict::pass : Verdict::fail;
+  check.margin = threshold != 0 ? spare / std::abs(threshold) : spare;
+  return check;
+}
+
+constexpr double kDeg = 180 / std::numbers::pi;
+
+Check enough_points(const std::string& criterion,
+                    const planes::Purity& purity,
+                    const planes::SegmentOptions& options) {
+  return at_least(
+      {criterion, "Eq. (3)", "N_in", "points of the majority label", "points", "theta_n_in"},
+      purity.n_in, options.theta_n_in);
+}
+
+/// Not a comparison: what the inliers' PCA gives to Criterion 3.
+Check pca(const PlaneFit& fit) {
+  Check check{"PCA", "Eq. (4)", "λ₀", "least eigenvalue of the inliers' scatter", "m²"};
+  check.value = fit.eigenvalues[0];
+  check.verdict = Verdict::pass;
+  return check;
+}
+
+/// Appends a criterion's checks; asking stops with the first criterion that fails.
+class Questions {
+ public:
+  explicit Questions(std::vector<Check>& into) : into_(into) {}
+  bool ask(const std::vector<Check>& criterion) {
+    for (const Check& check : criterion) into_.push_back(asking_ ? check : not_asked(check));
+    asking_ = asking_ && all_pass(criterion);
+    return asking_;
+  }
+
+ private:
+  std::vector<Check>& into_;
+  bool asking_ = true;
+};
+
+/// R4 asks Criteria 2 and 3 of an impure node again, of each label for itself.
+void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
+  const planes::SegmentOptions& options = run.segment_options;
+  const NodeFacts& facts = run.facts[node];
+  const planes::Purity& purity = facts.purity;
+  Questions questions(checks);
+  questions.ask({enough_points("R4", purity, options)});
+  questions.ask({planarity_check("R4", options, facts.e_n, facts.theta_e_n)});
+  if (!planes::has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
+  const Label other = purity.inlier == Label::h ? Label::v : Label::h;
+  const planes::Candidate outliers =
+      planes::fit_label(run.octree(), node, other, options.use_labels);
+  const double range = (outliers.fit.centroid - run.subject->prepared.sensor()).norm();
+  const planes::Planarity planar =
+      planes::planarity(outliers.fit, run.segmentation.noise, range, options);
+  Check check = planarity_check("R4", options, planar.value, planar.threshold);
+  check.quantity += " of the outliers";
+  questions.ask({check});
+}
+
+std::string stopped_at(const NodeReport& report) {
+  for (const Check& check : report.checks) {
+    if (check.verdict != Verdict::fail || check.criterion[0] != 'C') continue;
+    const std::string consequence =
+        check.criterion == "Criterion 3" ? "the inliers are not on one plane" : "no PCA was made";
+    return fmt::format("stopped at {}: {}", check.criterion, consequence);
+  }
+  return "all passed: a plane candidate";
+}
+
+/// "h founded P9", for each candidate of the node.
+std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
+  std::string text;
+  for (const std::int32_t step : steps) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (!text.empty()) text += ", ";
+    if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
+    if (event.type == planes::EventType::found) text += "founded " + plane_name(event.plane);
+    if (event.type == planes::EventType::merge) text += "merged into " + plane_name(event.plane);
+    if (event.type == planes::EventType::wait) text += "waits for the sure ones (R3)";
+    if (event.type == planes::EventType::leave) text += "left over (R3)";
+  }
+  return text;
+}
+
+std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std::int32_t>& steps) {
+  const planes::OctreeNode& node = run.octree().nodes[index];
+  const std::string name = fmt::format("case {}", planes::to_string(node.decided));
+  if (node.impure_fit) return name + ", fitted label by label (R4): " + fate(run, steps);
+  if (node.decided == planes::Case::IV) {
+    const std::uint32_t outliers = run.facts[index].purity.n_out;
+    return name + ": candidate " + fate(run, steps) +
+           (outliers > 0 ? fmt::format("; {} outliers left over", outliers) : "");
+  }
+  if (node.child_count > 0) return fmt::format("{}: divided into {}", name, node.child_count);
+  return fmt::format("{}{}: {} points left over", name,
+                     node.at_max_depth ? " at the greatest depth" : "", node.size());
+}
+
+}  // namespace
+
+Check at_most(Check check, double value, double threshold) {
+  return answered(std::move(check), value, "≤", threshold, threshold - value);
+}
+
+Check at_least(Check check, double value, double threshold) {
+  return answered(std::move(check), value, "≥", threshold, value - threshold);
+}
+
+Check not_asked(Check check) {
+  check.value = std::numeric_limits<double>::quiet_NaN();
+  check.verdict = Verdict::not_asked;
+  check.margin = 0;
+  return check;
+}
+
+bool all_pass(const std::vector<Check>& checks) {
+  return std::ranges::all_of(
+      checks, [](Verdict v) { return v == Verdict::pass; }, &Check::verdict);
+}
+
+double least_margin(const std::vector<Check>& checks) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Check& check : checks)
+    if (check.verdict != Verdict::not_asked) least = std::min(least, check.margin);
+  return least;
+}
+
+Check planarity_check(const std::string& criterion,
+                      const planes::SegmentOptions& options,
+                      double value,
+                      double threshold) {
+  if (options.noise.rms_criterion3)
+    return at_most(
+        {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
+         "m", options.noise.estimate_sigma ? "" : "fixed_rms_m"},
+        value, threshold);
+  const bool mean = options.mse_normalization == planes::MseNormalization::mean;
+  return at_most({criterion, "Eq. (5)", mean ? "e_n / N" : "e_n",
+                  mean ? "mean square error along the normal"
+                       : "square error along the normal, over all inliers",
+                  "m²", "theta_e_n_m2"},
+                 value, threshold);
+}
+
+std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
+                                      const planes::SegmentOptions& options) {
+  const std::string name = "Criterion 4", source = "Eq. (6)", option = "theta_coplane";
+  const double most = 1 - options.theta_coplane;
+  std::vector<Check> checks{
+      at_least({name, source, "|n₁·n₂|", "cosine between the normals", "", option}, terms.normals,
+               options.theta_coplane),
+      at_most({name, source, "|n₁·Δμ|/‖Δμ‖",
+               "sine of the direction between the centroids, out of the plane", "", option},
+              terms.n1_dmu, most)};
+  if (options.criterion4_n2)
+    checks.push_back(
+        at_most({name, source, "|n₂·Δμ|/‖Δμ‖", "the same out of the candidate", "", option},
+                terms.n2_dmu, most));
+  if (options.merge_offset_m > 0)
+    checks.push_back(
+        at_most({name, "paper-closest", "|n₁·Δμ|",
+                 "distance of the candidate's centroid from the plane", "m", "merge_offset_m"},
+                terms.offset_m, options.merge_offset_m));
+  return checks;
+}
+
+std::vector<Check> distance_checks(const planes::DistanceTerms& terms) {
+  std::vector<Check> checks;
+  const auto ask = [&](const char* quantity, const char* meaning, const char* unit, double value,
+                       double most) {
+    checks.push_back(at_most({"R1", "refined", quantity, meaning, unit}, value, most));
+  };
+  if (!terms.any_angle)
+    ask("angle", "between the normals; more where they are not sure", "deg", terms.angle_deg,
+        terms.max_angle_deg);
+  ask("gap", "between the regions' boxes; as far as the normals can be trusted", "m", terms.gap_m,
+      terms.max_gap_m);
+  // Both below are squares in the rule; their roots are what one can picture.
+  const double bound = std::sqrt(terms.bound2_m2);
+  ask("offset", "distance of the less sure one's centroid from the surer plane", "m",
+      std::sqrt(terms.offset2_m2), bound);
+  ask("spread", "RMS of the less sure one's points across the surer plane", "m",
+      std::sqrt(std::max(0.0, terms.spread2_m2)), bound);
+  return checks;
+}
+
+std::string distance_text(double metres) {
+  return metres < 0.01 ? fmt::format("{:.1f} mm", 1000 * metres)
+                       : fmt::format("{:.1f} cm", 100 * metres);
+}
+
+NodeReport explain_node(const Run& run, std::int32_t node) {
+  const planes::SegmentOptions& options = run.segment_options;
+  const NodeFacts& facts = run.facts[node];
+  NodeReport report;
+  report.node = node;
+  Questions questions(report.checks);
+  const bool pure =
+      questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
+                              "points", "theta_n_out"},
+                             facts.purity.n_out, options.theta_n_out),
+                     at_most({"Criterion 1", "Eq. (2)", "r_out", "their share of the node's points",
+                              "", "theta_r_out"},
+                             facts.purity.r_out(), options.theta_r_out)});
+  questions.ask({enough_points("Criterion 2", facts.purity, options)});
+  questions.ask({pca(facts.fit)});
+  questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
+  if (options.r3_weak_candidates.on)
+    questions.ask({at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits",
+                            "deg", "r3_sure_sigma_ang_deg"},
+                           kDeg * facts.sigma_ang, options.r3_weak_candidates.sure_sigma_ang_deg)});
+  report.stopped = stopped_at(report);
+  if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
+
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.node == node && event.type != planes::EventType::visit &&
+        event.type != planes::EventType::decide)
+      report.outcome_steps.push_back(step);
+  }
+  report.outcome = outcome_of(run, node, report.outcome_steps);
+  return report;
+}
+
+}  // namespace planescope::debug

@@ -1,0 +1,82 @@
+#pragma once
+
+// What a report must hold to, beside its baseline or on its own: planescope.rules.json.
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/report/compare/compare_reports.hpp"
+
+namespace planescope::report {
+
+enum class RuleLevel : std::uint8_t { off, warn, error };
+const char* to_string(RuleLevel level);
+
+/// Whose value is held against the limit: each frame's, or the sum or mean over a recording's
+/// frames, or over all.
+enum class RuleScope : std::uint8_t { frame, recording, all };
+const char* to_string(RuleScope scope);
+
+/// `recording` and `frame` narrow it to some frames: empty and -1 are any.
+struct Rule {
+  std::string metric;  // of rule_metrics()
+  RuleScope scope = RuleScope::frame;
+  std::string recording;
+  int frame = -1;
+  double at_least = -std::numeric_limits<double>::infinity();
+  double at_most = std::numeric_limits<double>::infinity();
+  RuleLevel level = RuleLevel::error;
+  bool operator==(const Rule&) const = default;
+};
+
+/// How the values of several frames become one.
+enum class RuleFold : std::uint8_t { mean, sum, largest };
+
+struct RuleMetric {
+  std::string_view name, unit, meaning;
+  bool needs_baseline = false, needs_truth = false;
+  RuleFold fold = RuleFold::mean;
+  bool is_timing = false;  // only ever warns
+};
+/// "planes_lost", "offset_mm", "mean_iou_change", ...
+const std::vector<RuleMetric>& rule_metrics();
+
+/// Planes lost, gained, merged, split, or moved by 5 mm or 1 degree; a fall in IoU; refused frames.
+std::vector<Rule> built_in_rules();
+
+/// Throws Error naming the file, the rule and what is wrong with it.
+std::vector<Rule> read_rules(const std::filesystem::path& file);
+/// The file that read_rules() reads, schema "planescope.rules/1".
+std::string rules_json(const std::vector<Rule>& rules);
+
+/// A value that is not within a rule's limits.
+struct Breach {
+  Rule rule;
+  std::string recording;  // empty: of all
+  int frame = -1;         // -1: of the whole recording, or of all
+  double value = 0;
+  /// "planes_lost is 2, at most 0"
+  std::string text() const;
+};
+
+/// Worst first: errors before warnings, then frames by how much they break. Frames that the reports
+/// do not both have are held to what needs no baseline.
+std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison);
+
+/// A rule that nothing can break: its recording, frame or labels are not there, or no baseline is.
+struct IdleRule {
+  Rule rule;
+  std::string why;
+  /// "planes of rec frame 7: this rule holds nothing, there is no such frame"
+  std::string text() const;
+};
+/// Rules that are off are left out.
+std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,
+                                 const ReportComparison& comparison,
+                                 bool has_baseline);
+
+}  // namespace planescope::report

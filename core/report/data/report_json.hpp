@@ -1,0 +1,46 @@
+#pragma once
+
+// report.json, schema "planescope.report/2" (docs/report.md, assets/schemas/report.schema.json):
+// written, read back, and pointed into.
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/report/data/report_data.hpp"
+
+namespace planescope::report {
+
+/// Of all it says, only `created_utc` and `timings` depend on time.
+void write_report_json(std::ostream& out, const Report& report);
+std::string report_json(const Report& report);
+
+/// What a later report is compared with: report.json of this or of an earlier version. Of each
+/// frame there is what comparisons ask: its planes without hulls and colours, regions (empty before
+/// schema 2), metrics (pq NaN before schema 2), timings; of the report's own record the same.
+/// Throws Error naming the file, the place in it, what was found and what was expected.
+Report read_report(const std::filesystem::path& file);
+
+/// A report.json of this version, but for its frames.
+struct ReportHead {
+  Report report;                                    // its recordings without frames
+  std::vector<std::pair<std::size_t, int>> frames;  // recording, and the frame's number there
+};
+/// Throws as read_report() does.
+ReportHead read_report_head(const std::filesystem::path& file);
+
+/// A place in a report, as people and links write it: FILE, FILE#f12, FILE#f12/p3,
+/// FILE#r2/f12/was3. FILE alone: its first frame.
+struct ReportTarget {
+  std::filesystem::path file;
+  int recording = 1;         // of the report, from 1
+  int frame = -1;            // its number in the recording; -1: the first that the report has
+  int plane = 0;             // 0: none
+  bool of_baseline = false;  // was: the plane is one of the baseline's
+};
+/// Throws Error that names the file, what was found after its name and what was expected.
+ReportTarget parse_report_target(const std::string& text);
+
+}  // namespace planescope::report

@@ -1,0 +1,256 @@
+#include "core/report/page/charts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <kainjow/mustache.hpp>
+#include <limits>
+#include <span>
+
+namespace planescope::report {
+namespace {
+
+using kainjow::mustache::html_escape;
+
+constexpr int kWidth = 760, kHeight = 320;
+constexpr int kLeft = 52, kRight = 176, kTop = 14, kBottom = 44;  // margins
+constexpr int kColors = 10;                                       // .curve0 ... of the style
+
+/// Linear or logarithmic.
+struct Axis {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+  std::vector<double> ticks;
+
+  double share(double value) const;  // 0 at low, 1 at high
+};
+
+double Axis::share(double value) const {
+  if (!logarithmic) return (value - low) / (high - low);
+  return std::log(std::max(value, low) / low) / std::log(high / low);
+}
+
+/// At most six round ticks: 1, 2 or 5 times a power of ten apart.
+Axis axis_over(double low, double high) {
+  const double span = std::max({high - low, 1e-6 * std::abs(high), 1e-9});
+  const double power = std::pow(10, std::floor(std::log10(span / 5)));
+  double step = power;
+  for (const double factor : {1, 2, 5, 10}) {
+    step = factor * power;
+    if (span <= 5 * step) break;
+  }
+  Axis axis;
+  axis.low = std::floor(low / step) * step;
+  axis.high = std::max(std::ceil(high / step) * step, axis.low + step);
+  const auto count = std::lround((axis.high - axis.low) / step) + 1;
+  for (long i = 0; i < count; ++i) axis.ticks.push_back(axis.low + static_cast<double>(i) * step);
+  return axis;
+}
+
+/// Ticks at powers of ten and, where there are few, at 2 and 5 times them. `low` from above 0;
+/// smaller values stand there.
+Axis log_axis_over(double low, double high) {
+  Axis axis;
+  axis.logarithmic = true;
+  axis.low = low;
+  axis.high = std::max(high, 1.5 * low);
+  const bool few = axis.high / axis.low < 100;
+  const int first = static_cast<int>(std::floor(std::log10(axis.low)));
+  const int last = static_cast<int>(std::floor(std::log10(axis.high)));
+  for (int power = first; power <= last; ++power)
+    for (const int factor : {1, 2, 5}) {
+      const double tick = factor * std::pow(10, power);
+      const bool inside = tick >= 0.999 * axis.low && tick <= 1.001 * axis.high;
+      if (inside && (few || factor == 1)) axis.ticks.push_back(tick);
+    }
+  return axis;
+}
+
+/// [px]
+double y_of(const Axis& axis, double value) {
+  return kHeight - kBottom - axis.share(value) * (kHeight - kTop - kBottom);
+}
+
+/// Lines across the plot at the ticks, and their values.
+std::string y_grid(const Axis& axis) {
+  std::string svg;
+  for (const double tick : axis.ticks)
+    svg += fmt::format(
+        "<path class=\"grid\" d=\"M{} {:.1f}H{}\"/>"
+        "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>\n",
+        kLeft, y_of(axis, tick), kWidth - kRight, kLeft - 8, y_of(axis, tick) + 4, tick);
+  return svg;
+}
+
+/// The SVG element up to what it holds; it ends with "</svg>\n".
+std::string begin_svg(const std::string& title) {
+  return fmt::format("<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
+                     kWidth, kHeight, html_escape(title));
+}
+
+/// The style's colour for the curve or bars at this place of the chart.
+int color_of(const Curve& curve, std::size_t place) {
+  return (curve.color >= 0 ? curve.color : static_cast<int>(place)) % kColors;
+}
+
+/// Lowest and highest of all values but NaN; 0 and 1 where there are none.
+struct Range {
+  double low = 0, high = 1;
+};
+Range range_of(std::span<const Curve> curves) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Range range{kNone, kNone};
+  for (const Curve& curve : curves)
+    for (const double value : curve.values) {
+      range.low = std::fmin(range.low, value);
+      range.high = std::fmax(range.high, value);
+    }
+  return std::isnan(range.low) ? Range{} : range;
+}
+
+constexpr std::size_t kMostDots = 60;  // with more points the line alone is clearer
+
+double x_of(const Axis& axis, double value) {
+  return kLeft + axis.share(value) * (kWidth - kLeft - kRight);
+}
+
+/// Where all x are whole numbers, there are no ticks between whole numbers.
+std::string x_ticks(const Axis& axis, const LineChart& chart) {
+  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
+  const bool counts = std::ranges::all_of(chart.x, is_whole);
+  std::string svg;
+  for (const double tick : axis.ticks) {
+    if (counts && !is_whole(tick)) continue;
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>\n",
+                       x_of(axis, tick), kHeight - kBottom + 18, tick);
+  }
+  return svg + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                           (kLeft + kWidth - kRight) / 2, kHeight - 6, html_escape(chart.x_name));
+}
+
+std::string mark(const LineChart& chart, const Axis& axis) {
+  if (!chart.x_mark || *chart.x_mark > axis.high) return "";
+  const double x = x_of(axis, *chart.x_mark);
+  return fmt::format(
+      "<path class=\"mark\" d=\"M{0:.1f} {1}V{2}\"/>"
+      "<text x=\"{3:.1f}\" y=\"{4}\">{5}</text>\n",
+      x, kTop, kHeight - kBottom, x + 6, kHeight - kBottom - 8, html_escape(chart.mark_name));
+}
+
+Axis y_axis(const LineChart& chart) {
+  const Range range = range_of(chart.curves);
+  if (chart.log_from > 0) return log_axis_over(chart.log_from, range.high);
+  return axis_over(chart.from_zero ? std::fmin(0, range.low) : range.low, range.high);
+}
+
+/// Path data through the values that are not NaN. The first point is there twice, so that a curve
+/// of one point shows as a dot.
+std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, const Axis& y) {
+  std::string path;
+  for (std::size_t i = 0; i < chart.x.size(); ++i) {
+    if (std::isnan(curve.values[i])) continue;
+    const std::string at =
+        fmt::format("{:.1f} {:.1f}", x_of(x, chart.x[i]), y_of(y, curve.values[i]));
+    if (path.empty()) path = "M" + at;
+    path += "L" + at;
+  }
+  return path;
+}
+
+constexpr double kGroupShare = 0.84;  // of a group's width that its bars take
+
+std::string group_name(const std::string& name, double middle) {
+  std::string svg;
+  int y = kHeight - kBottom + 18;
+  for (std::size_t begin = 0; begin <= name.size(); y += 16) {
+    const std::size_t end = std::min(name.find('\n', begin), name.size());
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", middle, y,
+                       html_escape(name.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string line_chart(const LineChart& chart) {
+  assert(!chart.x.empty() && !chart.curves.empty());
+  const Axis x = axis_over(chart.x_from, chart.x.back());
+  const Axis y = y_axis(chart);
+  std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart) + mark(chart, x);
+  for (std::size_t c = 0; c < chart.curves.size(); ++c) {
+    const Curve& curve = chart.curves[c];
+    assert(curve.values.size() == chart.x.size());
+    const int legend_x = kWidth - kRight + 16, legend_y = kTop + 8 + 20 * static_cast<int>(c);
+    for (std::size_t i = 0; i < chart.x.size() && chart.x.size() <= kMostDots; ++i)
+      if (!std::isnan(curve.values[i]))
+        svg += fmt::format("<circle class=\"bar{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\"/>\n",
+                           color_of(curve, c), x_of(x, chart.x[i]), y_of(y, curve.values[i]));
+    svg += fmt::format(
+        "<path class=\"curve{}\" d=\"{}M{} {}h16\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
+        color_of(curve, c), path_of(chart, curve, x, y), legend_x, legend_y, legend_x + 24,
+        legend_y + 4, html_escape(curve.name));
+  }
+  return svg + "</svg>\n";
+}
+
+std::string bar_chart(const BarChart& chart) {
+  assert(!chart.groups.empty() && !chart.bars.empty());
+  const Axis y = axis_over(chart.low, chart.high);
+  std::string svg = begin_svg(chart.title) + y_grid(y);
+  const double group_px =
+      static_cast<double>(kWidth - kLeft - kRight) / static_cast<double>(chart.groups.size());
+  const double bar_px = kGroupShare * group_px / static_cast<double>(chart.bars.size());
+  for (std::size_t b = 0; b < chart.bars.size(); ++b) {
+    const Curve& bar = chart.bars[b];
+    assert(bar.values.size() == chart.groups.size());
+    for (std::size_t g = 0; g < chart.groups.size(); ++g) {
+      if (std::isnan(bar.values[g])) continue;
+      const double left = kLeft + (static_cast<double>(g) + (1 - kGroupShare) / 2) * group_px +
+                          static_cast<double>(b) * bar_px;
+      const double top = y_of(y, std::clamp(bar.values[g], y.low, y.high));
+      std::string where = chart.groups[g];
+      std::replace(where.begin(), where.end(), '\n', ' ');
+      svg += fmt::format(
+          "<rect class=\"bar{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\">"
+          "<title>{}, {}: {:.2f}</title></rect>\n",
+          color_of(bar, b), left, top, std::max(bar_px - 1, 0.5), y_of(y, y.low) - top,
+          html_escape(bar.name), html_escape(where), bar.values[g]);
+    }
+    const int legend_x = kWidth - kRight + 16, legend_y = kTop + 20 * static_cast<int>(b);
+    svg += fmt::format(
+        "<rect class=\"bar{}\" x=\"{}\" y=\"{}\" width=\"12\" height=\"12\"/>"
+        "<text x=\"{}\" y=\"{}\">{}</text>\n",
+        color_of(bar, b), legend_x, legend_y, legend_x + 20, legend_y + 11, html_escape(bar.name));
+  }
+  for (std::size_t g = 0; g < chart.groups.size(); ++g)
+    svg += group_name(chart.groups[g], kLeft + (static_cast<double>(g) + 0.5) * group_px);
+  return svg + "</svg>\n";
+}
+
+std::string line_chart_style() {
+  // Colours that all kinds of colour vision tell apart (Okabe and Ito), lighter on dark pages. The
+  // last three are for charts with more than seven curves.
+  constexpr const char* kOnLight[kColors] = {"#0072b2", "#d55e00", "#009e73", "#b65c94", "#b98500",
+                                             "#3f9fd0", "#555555", "#7a3fb0", "#6b8e23", "#a3261b"};
+  constexpr const char* kOnDark[kColors] = {"#4ba3dd", "#f08a4b", "#2fc79a", "#e39cc4", "#e9b93d",
+                                            "#8fd0f5", "#b0b0b0", "#b78ae6", "#a9c95a", "#f0948a"};
+  std::string style =
+      ".chart{display:block;width:100%;height:auto}"
+      ".chart text{font-size:13px;fill:currentColor}"
+      ".chart path{fill:none;stroke-width:2;stroke-linecap:round;stroke-linejoin:round}"
+      ".chart .grid{stroke:currentColor;stroke-width:1;opacity:.18}"
+      ".chart .mark{stroke:currentColor;stroke-width:1.5;stroke-dasharray:5 4}\n";
+  const auto add_colors = [&](const char* const(&colors)[kColors]) {
+    for (int c = 0; c < kColors; ++c)
+      style += fmt::format(".curve{0}{{stroke:{1}}}.bar{0}{{fill:{1}}}", c, colors[c]);
+  };
+  add_colors(kOnLight);
+  style += "\n@media (prefers-color-scheme:dark){";
+  add_colors(kOnDark);
+  return style + "}\n";
+}
+
+}  // namespace planescope::report

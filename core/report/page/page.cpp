@@ -1,0 +1,380 @@
+// index.html, from the templates in assets/report, written piece by piece: a page of a thousand
+// frames is larger than what one wants to hold in memory. Its plan, and its text, numbers and
+// links.
+
+#include "core/report/page/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/sha256.hpp"
+#include "core/report/data/report_files.hpp"
+#include "core/report/page/charts.hpp"
+#include "core/report/page/pictures.hpp"
+
+extern "C" {
+extern const char planescope_asset_report_css[], planescope_asset_report_css_end[];
+extern const char planescope_asset_report_page_css[], planescope_asset_report_page_css_end[];
+extern const char planescope_asset_report_js[], planescope_asset_report_js_end[];
+extern const char planescope_asset_report_page_mustache[],
+    planescope_asset_report_page_mustache_end[];
+extern const char planescope_asset_report_row_mustache[],
+    planescope_asset_report_row_mustache_end[];
+extern const char planescope_asset_report_recording_mustache[],
+    planescope_asset_report_recording_mustache_end[];
+extern const char planescope_asset_report_frame_mustache[],
+    planescope_asset_report_frame_mustache_end[];
+extern const char planescope_asset_report_end_mustache[],
+    planescope_asset_report_end_mustache_end[];
+}
+
+namespace planescope::report::html {
+namespace {
+
+constexpr std::size_t kMostWorst = 10;
+constexpr std::size_t kEmbeddedFirst = 12, kEmbeddedWorst = 12;
+constexpr std::size_t kFramesAllOpen = 12;  // in longer reports only some are unfolded
+constexpr std::size_t kFramesOpen = 3;
+constexpr std::size_t kFewFrames = 3;  // without rules no list of the worst for so few
+
+Standing standing_of(const PageFrame& frame, bool is_judged) {
+  Standing standing = is_judged ? Standing::passed : Standing::none;
+  if (!frame.breaches.empty())
+    standing =
+        frame.breaches[0]->rule.level == RuleLevel::error ? Standing::failed : Standing::warned;
+  if (!frame.is_refused()) return standing;
+  return std::max(standing, frame.frame->unreadable ? Standing::failed : Standing::warned);
+}
+
+/// Orders frames that no rule tells apart: the smaller the share of labels, or of points, on the
+/// right planes, the worse.
+double doubt(const PageFrame& frame) {
+  if (!frame.frame || frame.is_refused()) return 2;
+  if (frame.frame->metrics) return 1 - frame.frame->metrics->mean_iou / 100;
+  const auto points = static_cast<double>(frame.frame->counts.kept);
+  return points > 0 ? 1 - static_cast<double>(frame.frame->points_on_planes) / points : 1;
+}
+
+void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::size_t>& order) {
+  std::map<std::pair<std::string, int>, std::vector<std::size_t>> by_name;
+  for (std::size_t k = 0; k < plan.frames.size(); ++k)
+    by_name[{plan.frames[k].comparison->recording, plan.frames[k].comparison->index}].push_back(k);
+  for (const Breach& breach : judgement.breaches) {
+    const auto found = by_name.find({breach.recording, breach.frame});
+    if (breach.frame < 0 || found == by_name.end()) {
+      plan.general.push_back(&breach);
+      continue;
+    }
+    for (const std::size_t k : found->second) {
+      if (plan.frames[k].breaches.empty()) order.push_back(k);
+      plan.frames[k].breaches.push_back(&breach);
+    }
+  }
+}
+
+void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged) {
+  for (std::size_t k = 0; k < plan.frames.size(); ++k)
+    if (plan.frames[k].breaches.empty()) order.push_back(k);
+  if (is_judged) {
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+      return plan.frames[a].standing > plan.frames[b].standing;
+    });
+  } else {
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+      return doubt(plan.frames[a]) > doubt(plan.frames[b]);
+    });
+  }
+  const bool few = plan.frames.size() <= kFewFrames;
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    PageFrame& frame = plan.frames[order[place]];
+    frame.rank = static_cast<int>(place) + 1;
+    frame.embedded |= place < kEmbeddedWorst;
+    const bool is_bad = frame.standing > Standing::passed;
+    if (plan.worst.size() < kMostWorst && (is_bad || (!is_judged && !few)))
+      plan.worst.push_back(&frame);
+  }
+  const std::size_t open = plan.frames.size() <= kFramesAllOpen ? plan.frames.size() : kFramesOpen;
+  const bool by_rank = !plan.worst.empty() && plan.worst[0]->standing > Standing::passed;
+  for (std::size_t k = 0; k < plan.frames.size(); ++k) {
+    plan.frames[k].embedded |= k < kEmbeddedFirst;
+    plan.frames[k].open = (by_rank ? static_cast<std::size_t>(plan.frames[k].rank) - 1 : k) < open;
+  }
+}
+
+constexpr const char* kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+
+/// Length of the UTF-8 character at the front; 0 where there is none.
+std::size_t character_at(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= 0x20 || first == '\n' || first == '\t' ? 1 : 0;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  // Overlong forms, surrogates, and what is beyond Unicode.
+  const unsigned second = byte(1);
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
+      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
+    return 0;
+  return length;
+}
+
+bool is_plain(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+         std::string_view("-._~/").find(c) != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string frame_anchor(std::size_t recordings, std::size_t recording, int index) {
+  if (recordings == 1) return fmt::format("f{:03}", index);
+  return fmt::format("r{}/f{:03}", recording + 1, index);
+}
+
+PagePlan plan_page(const Report& report) {
+  PagePlan plan;
+  const Judgement* judgement = report.judgement.get();
+  for (std::size_t r = 0; r < report.recordings.size(); ++r)
+    for (const ReportFrame& frame : report.recordings[r].frames) {
+      PageFrame& added = plan.frames.emplace_back();
+      added.recording = r;
+      added.frame = &frame;
+      added.anchor = frame_anchor(report.recordings.size(), r, frame.index);
+    }
+  std::vector<std::size_t> order;  // frames that break a rule, the worst first
+  if (judgement) {
+    const std::vector<FrameComparison>& compared = judgement->comparison.frames;
+    for (int missing = 1; plan.frames.size() < compared.size(); ++missing)
+      plan.frames.emplace_back().anchor = fmt::format("missing{}", missing);
+    for (std::size_t k = 0; k < plan.frames.size(); ++k) plan.frames[k].comparison = &compared[k];
+    add_breaches(*judgement, plan, order);
+  }
+  for (PageFrame& frame : plan.frames) {
+    frame.standing = standing_of(frame, judgement != nullptr);
+    plan.failed += frame.standing == Standing::failed;
+  }
+  rank_frames(plan, std::move(order), judgement != nullptr);
+  return plan;
+}
+
+std::string grouped(std::uint64_t value) {
+  std::string digits = std::to_string(value);
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), "\u202f");
+  return digits;
+}
+
+std::string share(std::uint64_t part, std::uint64_t whole) {
+  const double value =
+      whole == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+  return fmt::format("{:.1f} %", value);
+}
+
+std::string counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", grouped(count), noun, count == 1 ? "" : "s");
+}
+
+std::string decimal(double value, int digits) {
+  std::string text = fmt::format("{:.{}f}", std::abs(value), digits);
+  const bool zero = text.find_first_not_of("0.") == std::string::npos;
+  return value < 0 && !zero ? "\u2212" + text : text;
+}
+
+std::string change(double value, int digits) {
+  const std::string text = decimal(value, digits);
+  const bool zero = text.find_first_not_of("0.") == std::string::npos;
+  return value > 0 && !zero ? "+" + text : text;
+}
+
+std::string escaped(const std::string& text) { return kainjow::mustache::html_escape(text); }
+
+std::string href(const std::string& file) {
+  std::string result;
+  for (const char c : file.substr(std::min(file.find_first_not_of('/'), file.size())))
+    result += is_plain(c)
+                  ? std::string(1, c)
+                  : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::string valid_text(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = character_at(text);
+    if (length > 0)
+      result += text.substr(0, length);
+    else
+      result += kReplacement;
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return result;
+}
+
+std::string safe_color(const std::string& color) {
+  const bool is_color = color.size() == 7 && color[0] == '#' &&
+                        color.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+  return is_color ? color : "#888888";
+}
+
+std::string gravity_text(const Gravity& gravity) {
+  switch (gravity.source) {
+    case GravitySource::option:
+      return "given on the command line";
+    case GravitySource::sidecar:
+      return "from the recording\u2019s files";
+    case GravitySource::imu:
+      return "from the recording\u2019s IMU";
+    case GravitySource::picked:
+      return "picked in the window";
+    case GravitySource::estimate:
+      return fmt::format("<em>estimated</em> from the scene, confidence {:.2f}",
+                         gravity.confidence);
+    case GravitySource::assumed:
+      return "<em>assumed</em>";
+    case GravitySource::none:
+      break;
+  }
+  return "<em>not known</em>";
+}
+
+Data text_or_false(const std::string& text) { return text.empty() ? Data(false) : Data(text); }
+
+Data list_of(const char* name, const std::vector<std::string>& values) {
+  Data result{Data::type::list};
+  for (const std::string& value : values) result.push_back(Data(name, value));
+  return result;
+}
+
+const char* case_meaning(planes::Case c) {
+  switch (c) {
+    case planes::Case::I:
+      return "mixed labels (fails Criterion 1): divided";
+    case planes::Case::II:
+      return "too few points (fails Criterion 2): left over";
+    case planes::Case::III:
+      return "one label but not planar (fails Criterion 3): divided";
+    case planes::Case::IV:
+      return "planar: a candidate, its outliers left over";
+    case planes::Case::none:
+      break;
+  }
+  return "";
+}
+
+std::string text_of(const Breach& breach) {
+  const bool low = breach.value < breach.rule.at_least;
+  return fmt::format("{} is {:.4g}, at {} {:.4g}", breach.rule.metric, breach.value,
+                     low ? "least" : "most", low ? breach.rule.at_least : breach.rule.at_most);
+}
+
+std::string jpeg_source(const std::filesystem::path& file) {
+  try {
+    return "data:image/jpeg;base64," + base64(read_file_bytes(file));
+  } catch (const Error&) {
+    return "";  // the page links the picture instead
+  }
+}
+
+Template::Template(const char* begin, const char* end) : mustache_(std::string(begin, end)) {
+  if (!mustache_.is_valid()) throw Error("report template: " + mustache_.error_message());
+}
+
+void Template::write(std::ostream& out, const Data& data) {
+  out << valid_text(mustache_.render(data));
+}
+
+}  // namespace planescope::report::html
+
+namespace planescope::report {
+namespace {
+
+using namespace html;
+
+constexpr const char* kEndOfRows = "</tbody>\n</table>\n</div>\n</section>\n";
+
+std::string page_title(const Report& report) {
+  if (report.recordings.size() == 1) return report.recordings[0].name;
+  return fmt::format("{} recordings", report.recordings.size());
+}
+
+/// What the browser holds the script to: "sha256-...".
+std::string hash_source(const std::string& script) {
+  const std::string hex = sha256_hex(std::as_bytes(std::span(script)));
+  std::vector<unsigned char> digest;
+  for (std::size_t i = 0; i < hex.size(); i += 2)
+    digest.push_back(static_cast<unsigned char>(std::stoi(hex.substr(i, 2), nullptr, 16)));
+  return "sha256-" + base64(digest);
+}
+
+/// One entry per column after "Change": the figures of a frame.
+Data columns_of(const PageSource& page) {
+  std::vector<std::string> names = {"Planes", "On planes"};
+  if (page.has_metrics()) names.insert(names.end(), {"IoU", "PQ", "Right", "Angle"});
+  return list_of("name", names);
+}
+
+Data page_data(const PageSource& page) {
+  Data data;
+  const std::string script(planescope_asset_report_js, planescope_asset_report_js_end);
+  data.set("css",
+           std::string(planescope_asset_report_css, planescope_asset_report_css_end) +
+               std::string(planescope_asset_report_page_css, planescope_asset_report_page_css_end) +
+               line_chart_style());
+  data.set("script_hash", hash_source(script));
+  data.set("title", page_title(page.report));
+  data.set("version", page.report.version);
+  data.set("created", page.report.created_utc);
+  data.set("has_rows", page.plan.frames.size() > 1);
+  data.set("has_change", page.has_baseline());
+  data.set("columns", columns_of(page));
+  data.set("frames_text", counted(page.plan.frames.size(), "frame"));
+  set_verdict(page, data);
+  return data;
+}
+
+void write_frames(std::ostream& out, const PageSource& page) {
+  Template recording(planescope_asset_report_recording_mustache,
+                     planescope_asset_report_recording_mustache_end);
+  Template frame(planescope_asset_report_frame_mustache,
+                 planescope_asset_report_frame_mustache_end);
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < page.report.recordings.size(); ++r) {
+    recording.write(out, recording_data(page, r));
+    for (; next < page.plan.frames.size() && page.plan.frames[next].frame &&
+           page.plan.frames[next].recording == r;
+         ++next)
+      frame.write(out, frame_data(page, page.plan.frames[next]));
+  }
+}
+
+}  // namespace
+
+void write_report_page(std::ostream& out, const Report& report, const std::filesystem::path& dir) {
+  const PagePlan plan = plan_page(report);
+  const PageSource page{report, dir, plan};
+  Template(planescope_asset_report_page_mustache, planescope_asset_report_page_mustache_end)
+      .write(out, page_data(page));
+  if (plan.frames.size() > 1) {
+    Template row(planescope_asset_report_row_mustache, planescope_asset_report_row_mustache_end);
+    for (const PageFrame& frame : plan.frames) row.write(out, row_data(page, frame));
+    out << kEndOfRows;
+  }
+  write_frames(out, page);
+  Data end;
+  end.set("script", std::string(planescope_asset_report_js, planescope_asset_report_js_end));
+  set_histograms(page, end);
+  set_record(page, end);
+  Template(planescope_asset_report_end_mustache, planescope_asset_report_end_mustache_end)
+      .write(out, end);
+}
+
+}  // namespace planescope::report

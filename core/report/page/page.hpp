@@ -1,0 +1,146 @@
+#pragma once
+
+// Inside the page's writer: which frames it is about, the data of its templates, and the words that
+// its parts share. Included by page*.cpp, and by report_files.cpp for its escaping.
+
+#include <cstdint>
+#include <filesystem>
+#include <kainjow/mustache.hpp>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/report/compare/judgement.hpp"
+#include "core/report/data/report_data.hpp"
+
+namespace planescope::report::html {
+
+// Which frames the page is about, in which order it looks at them, and how much it shows of each.
+
+/// How a frame did against the rules, best first; none: there are no rules.
+enum class Standing : std::uint8_t { none, passed, warned, failed };
+
+struct PageFrame {
+  std::size_t recording = 0;
+  const ReportFrame* frame = nullptr;           // null: the baseline has it alone
+  const FrameComparison* comparison = nullptr;  // null: the report is held to nothing
+  std::string anchor;                           // "f012", of several recordings "r2/f012"
+  std::vector<const Breach*> breaches;          // worst first
+  Standing standing = Standing::none;
+  int rank = 0;           // 1: the worst
+  bool embedded = false;  // with its pictures; others only with thumbnails
+  bool open = false;      // unfolded at first
+
+  bool is_compared() const { return comparison && comparison->fate == FrameFate::compared; }
+  bool is_refused() const { return frame && !frame->refused.empty(); }
+};
+
+struct PagePlan {
+  std::vector<PageFrame> frames;        // as in the report, then those that are missing
+  std::vector<const PageFrame*> worst;  // to look at first, the worst first, at most ten
+  std::vector<const Breach*> general;   // of a whole recording, or of all
+  int failed = 0;                       // frames
+
+  PagePlan() = default;
+  PagePlan(PagePlan&&) = default;  // `worst` points into `frames`
+};
+PagePlan plan_page(const Report& report);
+
+std::string frame_anchor(std::size_t recordings, std::size_t recording, int index);
+
+// The page's pieces: data for its templates.
+
+using Data = kainjow::mustache::data;
+
+struct PageSource {
+  const Report& report;
+  const std::filesystem::path& dir;  // where the pictures' copies lie
+  const PagePlan& plan;
+
+  const ReportRecording& recording_of(const PageFrame& frame) const {
+    return report.recordings[frame.recording];
+  }
+  bool has_metrics() const;
+  bool has_baseline() const { return report.judgement && report.judgement->baseline; }
+};
+
+/// Of report_page.mustache: the verdict, what differs, the worst frames, the totals.
+void set_verdict(const PageSource& page, Data& data);
+
+/// Data of report_row.mustache.
+Data row_data(const PageSource& page, const PageFrame& frame);
+/// "failed", for people and for CSS.
+const char* name_of(Standing standing);
+/// "Frame 12", "Frame 12 of a.bag".
+std::string title_of(const PageSource& page, const PageFrame& frame);
+/// Entries `source`, `href`, `alt` of a frame's thumbnails; at most `most`.
+Data thumbnails(const PageSource& page, const PageFrame& frame, std::size_t most);
+
+/// Data of report_recording.mustache: facts, warnings, how its frames go.
+Data recording_data(const PageSource& page, std::size_t recording);
+/// All frames' sources of gravity, each once, as HTML.
+std::string gravity_summary(const std::vector<ReportRecording>& recordings);
+
+/// Data of report_frame.mustache.
+Data frame_data(const PageSource& page, const PageFrame& frame);
+/// The part of it that compares the frame with the baseline.
+void set_comparison(const PageSource& page, const PageFrame& frame, Data& data);
+
+/// Planes of a compared frame then and now, as sources of images; empty for clouds.
+struct PlaneMaps {
+  std::string baseline, now;
+  int width = 0, height = 0;
+};
+PlaneMaps plane_maps(const PageFrame& frame);
+/// "2 lost, 1 gained"; "none" where all planes are as they were.
+std::string changes_text(const PageFrame& frame);
+
+/// Of report_end.mustache: how near to their thresholds decisions fell.
+void set_histograms(const PageSource& page, Data& data);
+/// Of the same: what one needs to make the report again.
+void set_record(const PageSource& page, Data& data);
+
+// Text, numbers and links.
+
+/// 12 345, with narrow spaces that do not break.
+std::string grouped(std::uint64_t value);
+/// "12.3 %" of the whole.
+std::string share(std::uint64_t part, std::uint64_t whole);
+/// "2 frames", "1 frame".
+std::string counted(std::size_t count, std::string_view noun);
+/// A true minus sign, and none before zeros.
+std::string decimal(double value, int digits);
+/// decimal() with a plus sign where it grew.
+std::string change(double value, int digits);
+std::string escaped(const std::string& text);
+/// For a link to a file beside the page: never another scheme, host or place of this page.
+std::string href(const std::string& file);
+/// Bytes that are no UTF-8, and control characters, become U+FFFD.
+std::string valid_text(std::string_view text);
+/// "#rrggbb", or grey where it is none.
+std::string safe_color(const std::string& color);
+/// Where gravity comes from, as HTML; emphasised where it is a guess.
+std::string gravity_text(const Gravity& gravity);
+/// A section that is there only where `text` is not empty.
+Data text_or_false(const std::string& text);
+/// Data for a list whose entries have this one name.
+Data list_of(const char* name, const std::vector<std::string>& values);
+/// One phrase per case of the paper's figure.
+const char* case_meaning(planes::Case c);
+/// "planes_lost is 2, at most 0": as Breach::text() has it, in few digits.
+std::string text_of(const Breach& breach);
+/// "data:image/jpeg;base64,..." of a file; empty where it cannot be read.
+std::string jpeg_source(const std::filesystem::path& file);
+
+/// A template of assets/report, parsed once.
+class Template {
+ public:
+  Template(const char* begin, const char* end);
+  void write(std::ostream& out, const Data& data);
+
+ private:
+  kainjow::mustache::mustache mustache_;
+};
+
+}  // namespace planescope::report::html
