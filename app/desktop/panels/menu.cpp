@@ -2,6 +2,7 @@
 #include <map>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
 namespace {
