@@ -7,11 +7,9 @@
 
 #include "app/cli/assets.hpp"
 #include "app/commands/commands.hpp"
-#include "app/desktop/offscreen.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
-#include "app/desktop/state/settings.hpp"
-#include "app/desktop/state/state_facts.hpp"
+#include "app/desktop/state/state.hpp"
 #include "app/desktop/window.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"

@@ -5,7 +5,6 @@
 #include <array>
 #include <cctype>
 #include <set>
-#include <utility>
 
 namespace planescope::desktop {
 namespace {

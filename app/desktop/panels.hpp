@@ -1,14 +1,20 @@
 #pragma once
 
-// One file each in panels/. Each draws into the ImGui window (or tab) that is open, and fills it.
-
-#include "app/desktop/ui.hpp"
+// Every panel: one file each in panels/, debugger/panels/ or labeling/panels/. A panel draws into
+// the ImGui window or tab that is open, and fills it.
 
 namespace planescope::desktop {
 
-void draw_menu(const Ui& ui);       // the menu bar
-void draw_status(const Ui& ui);     // the status bar
-void draw_frames(const Ui& ui);     // recordings, frame strip
+struct Ui;
+
+// In every mode.
+void draw_menu(const Ui& ui);     // the menu bar
+void draw_status(const Ui& ui);   // the status bar
+void draw_frames(const Ui& ui);   // recordings, frame strip
+void draw_palette(const Ui& ui);  // find an action by name
+void draw_keys(const Ui& ui);     // the key sheet
+
+// In the debugger.
 void draw_view3d(const Ui& ui);     // the scene at the cursor
 void draw_image(const Ui& ui);      // colour or depth image at the cursor
 void draw_timeline(const Ui& ui);   // scrubber
@@ -22,12 +28,6 @@ void draw_histograms(const Ui& ui);
 void draw_compare(const Ui& ui);  // A/B
 void draw_fix(const Ui& ui);      // what would fix this?
 
-/// A line that says what to click where nobody knows gravity, or while a click is waited for;
-/// otherwise nothing.
-void draw_gravity_line(const Ui& ui);
-/// Where gravity is from, and what picks another one.
-void draw_gravity(const Ui& ui);
-
 // In the label mode.
 void draw_label_tools(const Ui& ui);       // the bar above both views
 void draw_label_space(const Ui& ui);       // the points, and tools in space
@@ -37,7 +37,33 @@ void draw_label_review(const Ui& ui);      // the queue of disagreements
 void draw_label_checks(const Ui& ui);      // what looks wrong
 void draw_label_statistics(const Ui& ui);  // area, planes, time, history
 
-void draw_palette(const Ui& ui);  // find an action by name
-void draw_keys(const Ui& ui);     // the key sheet
+// Parts of several panels (panels/gravity.cpp).
+
+/// A line that says what to click where nobody knows gravity, or while a click is waited for;
+/// otherwise nothing.
+void draw_gravity_line(const Ui& ui);
+/// Where gravity is from, and what picks another one.
+void draw_gravity(const Ui& ui);
+
+// Panels that share a place, as tabs: the window and the actions that choose one go by these
+// tables.
+
+struct Tab {
+  const char* name;  // in actions and of widgets
+  const char* title;
+  void (*draw)(const Ui& ui);
+};
+
+inline constexpr Tab kInspectorTabs[] = {{"inspector", "Inspector", draw_inspector},
+                                         {"point", "Point", draw_point},
+                                         {"bookmarks", "Bookmarks", draw_bookmarks}};
+inline constexpr Tab kToolTabs[] = {{"criteria", "Criteria", draw_criteria},
+                                    {"histograms", "Histograms", draw_histograms},
+                                    {"compare", "A/B", draw_compare},
+                                    {"fix", "Fix", draw_fix}};
+inline constexpr Tab kLabelTabs[] = {{"planes", "Planes", draw_label_planes},
+                                     {"review", "Review", draw_label_review},
+                                     {"checks", "Checks", draw_label_checks},
+                                     {"statistics", "Statistics", draw_label_statistics}};
 
 }  // namespace planescope::desktop

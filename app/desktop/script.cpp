@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/desktop/state/session_json.hpp"
-#include "app/desktop/state/state_facts.hpp"
+#include "app/desktop/state/session.hpp"
+#include "app/desktop/state/state.hpp"
 #include "core/debug/explain/trace_text.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -179,7 +179,7 @@ class Player {
     const bool beside = state.results.pinned && state.run() != state.results.pinned->run.get();
     return debug::trace_text(*state.run(), beside ? state.results.pinned->run.get() : nullptr);
   }
-  /// What is not so yet may be once the background has come to its end.
+  /// What does not hold yet may hold once the background work has ended.
   void expect(const Json& facts) const {
     try {
       compare(facts);

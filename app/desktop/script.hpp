@@ -42,7 +42,7 @@ class Script {
   /// Throws Error naming the file and the action that cannot be understood.
   static Script read(const std::filesystem::path& path);
   /// Throws as the actions do, Error naming the place in the script; ExpectationFailed. Only a
-  /// screenshot, a state and what is expected in vain wait for what goes on in the background.
+  /// screenshot, a state and an expectation that does not hold yet wait for background work.
   void play(Shell& shell, Stage& stage, std::stop_token stop) const;
 
  private:

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/style.hpp"
-#include "core/model/error.hpp"
+#include "app/desktop/ui.hpp"
 #include "render/font.hpp"
 
 namespace planescope::desktop {
@@ -39,18 +39,11 @@ void panel(const Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags fl
           ImVec2(rect.x + rect.w, rect.y + rect.h));
 }
 
-using DrawPanel = void (*)(const Ui&);
-struct Tab {
-  const char* name;
-  const char* title;
-  DrawPanel draw;
-};
-
 void tabs(const Ui& ui,
           const char* bar,
           const std::string& chosen,
           const std::string& action,
-          std::initializer_list<Tab> all) {
+          std::span<const Tab> all) {
   if (!ImGui::BeginTabBar(bar, ImGuiTabBarFlags_FittingPolicyScroll)) return;
   // The state says which tab is shown; ImGui keeps a choice of its own, which follows it.
   std::string& shown = ui.memory.texts[bar];
@@ -160,19 +153,10 @@ void draw_debugger(const Ui& ui, const Places& at) {
   panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
   panel(ui, "events", {x1 + octree + grip, y2, middle - octree - grip, bottom}, kStill,
         [&] { draw_events(ui); });
-  panel(ui, "inspector", {x3, at.top, at.right, at.body - tools - grip}, kStill, [&] {
-    tabs(ui, "##inspector_tabs", view.inspector_tab, "tab.inspector",
-         {{"inspector", "Inspector", draw_inspector},
-          {"point", "Point", draw_point},
-          {"bookmarks", "Bookmarks", draw_bookmarks}});
-  });
-  panel(ui, "tools", {x3, y3, at.right, tools}, kStill, [&] {
-    tabs(ui, "##tool_tabs", view.tool_tab, "tab.tool",
-         {{"criteria", "Criteria", draw_criteria},
-          {"histograms", "Histograms", draw_histograms},
-          {"compare", "A/B", draw_compare},
-          {"fix", "Fix", draw_fix}});
-  });
+  panel(ui, "inspector", {x3, at.top, at.right, at.body - tools - grip}, kStill,
+        [&] { tabs(ui, "##inspector_tabs", view.inspector_tab, "tab.inspector", kInspectorTabs); });
+  panel(ui, "tools", {x3, y3, at.right, tools}, kStill,
+        [&] { tabs(ui, "##tool_tabs", view.tool_tab, "tab.tool", kToolTabs); });
   splitter(ui, "image", {x1 + middle - image - grip, at.top, grip, top}, true, layout.image, middle,
            -1);
   splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, layout.bottom, at.body, -1);
@@ -198,13 +182,8 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   panel(ui, "label_tools", {at.x1, at.top, at.middle, bar}, kStill, [&] { draw_label_tools(ui); });
   panel(ui, "view3d", first, kStill, [&] { draw_label_space(ui); });
   panel(ui, "image", second, kStill, [&] { draw_label_image(ui); });
-  panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill, [&] {
-    tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label",
-         {{"planes", "Planes", draw_label_planes},
-          {"review", "Review", draw_label_review},
-          {"checks", "Checks", draw_label_checks},
-          {"statistics", "Statistics", draw_label_statistics}});
-  });
+  panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill,
+        [&] { tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label", kLabelTabs); });
   splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
@@ -227,7 +206,7 @@ Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> 
   io.LogFilename = nullptr;
   io.ConfigInputTextCursorBlink = false;  // a window that rests draws nothing
   io.ConfigWindowsMoveFromTitleBarOnly = true;
-  // A huge window has more than 65536 vertices; the one renderer that draws us can take them.
+  // A huge window has more than 65536 vertices; the OpenGL renderer takes them.
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   map_keys(io);
 }
@@ -304,8 +283,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (!action) return;
     // Where Tab is an action's, it does not type into the next slider as well.
     if (key.ends_with("Tab")) io.KeysDown[static_cast<int>(Key::tab)] = false;
-    if (!action->enabled || action->enabled(state_))
-      perform({action->name, action->key_is_argument ? key : ""});
+    if (action->can_run(state_)) perform({action->name, action->key_is_argument ? key : ""});
   });
 
   if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);

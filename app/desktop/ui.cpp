@@ -1,12 +1,23 @@
 #include "app/desktop/ui.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
-#include "render/palette.hpp"
-
 namespace planescope::desktop {
+namespace {
+
+ImVec4 rgb(int hex, float alpha = 1) {
+  return ImVec4(static_cast<float>(hex >> 16 & 255) / 255, static_cast<float>(hex >> 8 & 255) / 255,
+                static_cast<float>(hex & 255) / 255, alpha);
+}
+
+/// Every text contrasts with every ground that it may stand on by 4.5 : 1 (WCAG AA).
+struct Scheme {
+  int window, child, popup, frame, frame_hot, border, text, muted, accent, header;
+};
+constexpr Scheme kDark = {0x1b1e23, 0x16181c, 0x23272d, 0x2a2f37, 0x363c46,
+                          0x343a43, 0xe6e9ed, 0xa8b0bb, 0x5fb0ea, 0x24405a};
+constexpr Scheme kLight = {0xf6f7f9, 0xffffff, 0xffffff, 0xe6e9ee, 0xd6dbe3,
+                           0xcdd2da, 0x1c2026, 0x535a64, 0x0c5ca3, 0xcfe3f6};
+
+}  // namespace
 
 void Ui::name(const std::string& widget) const {
   name(widget, ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
@@ -16,34 +27,91 @@ void Ui::name(const std::string& widget, ImVec2 min, ImVec2 max) const {
   widgets[widget] = {min, max};
 }
 
-ImU32 to_imgui(render::Rgba color) { return IM_COL32(color.r, color.g, color.b, color.a); }
+void set_style(render::Theme theme, float scale) {
+  const Scheme& s = theme == render::Theme::dark ? kDark : kLight;
+  ImGuiStyle style;
+  style.WindowPadding = ImVec2(8, 6);
+  style.FramePadding = ImVec2(6, 3);
+  style.ItemSpacing = ImVec2(7, 4);
+  style.ItemInnerSpacing = ImVec2(5, 4);
+  style.CellPadding = ImVec2(5, 2);
+  style.ScrollbarSize = 11;
+  style.GrabMinSize = 12;  // the thumb of a long list can still be taken hold of
+  style.IndentSpacing = 16;
+  style.WindowRounding = 0;
+  style.ChildRounding = 0;
+  style.FrameRounding = 3;
+  style.GrabRounding = 3;
+  style.TabRounding = 3;
+  style.ScrollbarRounding = 6;
+  style.PopupRounding = 4;
+  style.WindowBorderSize = 1;
+  style.ChildBorderSize = 1;
+  style.PopupBorderSize = 1;
+  style.ScaleAllSizes(scale);
 
-void case_badge(const Ui& ui, planes::Case c) {
-  const float height = ImGui::GetTextLineHeight();
-  const ImVec2 size(height * 1.5f, height);
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  ImDrawList* draw = ImGui::GetWindowDrawList();
-  draw->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), to_imgui(render::case_color(c)),
-                      ui.px(3));
-  const char* text = planes::to_string(c);
-  const ImVec2 extent = ImGui::CalcTextSize(text);
-  const render::Rgba fill = render::case_color(c);
-  const bool light = 0.299 * fill.r + 0.587 * fill.g + 0.114 * fill.b > 140;
-  draw->AddText(ImVec2(at.x + (size.x - extent.x) / 2, at.y + (size.y - extent.y) / 2),
-                light ? IM_COL32(20, 22, 26, 255) : IM_COL32(255, 255, 255, 255), text);
-  ImGui::Dummy(size);
+  const ImVec4 accent = rgb(s.accent);
+  const auto faint = [&](float alpha) { return rgb(s.accent, alpha); };
+  ImVec4* c = style.Colors;
+  for (int i = 0; i < ImGuiCol_COUNT; ++i) c[i] = rgb(s.text);
+  c[ImGuiCol_TextDisabled] = rgb(s.muted);
+  c[ImGuiCol_WindowBg] = rgb(s.window);
+  c[ImGuiCol_ChildBg] = rgb(s.child);
+  c[ImGuiCol_PopupBg] = rgb(s.popup);
+  c[ImGuiCol_Border] = rgb(s.border);
+  c[ImGuiCol_BorderShadow] = ImVec4(0, 0, 0, 0);
+  c[ImGuiCol_FrameBg] = rgb(s.frame);
+  c[ImGuiCol_FrameBgHovered] = rgb(s.frame_hot);
+  c[ImGuiCol_FrameBgActive] = rgb(s.frame_hot);
+  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = c[ImGuiCol_TitleBgCollapsed] = rgb(s.window);
+  c[ImGuiCol_MenuBarBg] = rgb(s.window);
+  c[ImGuiCol_ScrollbarBg] = ImVec4(0, 0, 0, 0);
+  c[ImGuiCol_ScrollbarGrab] = rgb(s.frame_hot);
+  c[ImGuiCol_ScrollbarGrabHovered] = c[ImGuiCol_ScrollbarGrabActive] = rgb(s.muted);
+  c[ImGuiCol_CheckMark] = accent;
+  c[ImGuiCol_SliderGrab] = accent;
+  c[ImGuiCol_SliderGrabActive] = accent;
+  c[ImGuiCol_Button] = rgb(s.frame);
+  c[ImGuiCol_ButtonHovered] = rgb(s.frame_hot);
+  c[ImGuiCol_ButtonActive] = faint(0.5f);
+  c[ImGuiCol_Header] = rgb(s.header);
+  c[ImGuiCol_HeaderHovered] = faint(0.25f);
+  c[ImGuiCol_HeaderActive] = faint(0.4f);
+  c[ImGuiCol_Separator] = rgb(s.border);
+  c[ImGuiCol_SeparatorHovered] = c[ImGuiCol_SeparatorActive] = accent;
+  c[ImGuiCol_ResizeGrip] = c[ImGuiCol_ResizeGripHovered] = c[ImGuiCol_ResizeGripActive] =
+      ImVec4(0, 0, 0, 0);
+  c[ImGuiCol_Tab] = rgb(s.window);
+  c[ImGuiCol_TabHovered] = faint(0.35f);
+  c[ImGuiCol_TabActive] = c[ImGuiCol_TabUnfocusedActive] = rgb(s.header);
+  c[ImGuiCol_TabUnfocused] = rgb(s.window);
+  c[ImGuiCol_PlotLines] = c[ImGuiCol_PlotHistogram] = accent;
+  c[ImGuiCol_PlotLinesHovered] = c[ImGuiCol_PlotHistogramHovered] = accent;
+  c[ImGuiCol_TableHeaderBg] = rgb(s.window);
+  c[ImGuiCol_TableBorderStrong] = c[ImGuiCol_TableBorderLight] = rgb(s.border);
+  c[ImGuiCol_TableRowBg] = ImVec4(0, 0, 0, 0);
+  c[ImGuiCol_TableRowBgAlt] = rgb(s.text, 0.03f);
+  c[ImGuiCol_TextSelectedBg] = faint(0.35f);
+  c[ImGuiCol_DragDropTarget] = c[ImGuiCol_NavHighlight] = accent;
+  c[ImGuiCol_NavWindowingHighlight] = c[ImGuiCol_NavWindowingDimBg] = c[ImGuiCol_ModalWindowDimBg] =
+      ImVec4(0, 0, 0, 0.4f);
+  ImGui::GetStyle() = style;
 }
 
-std::string number_text(double value) {
-  if (!std::isfinite(value)) return std::isnan(value) ? "–" : value > 0 ? "∞" : "-∞";
-  if (value == std::floor(value) && std::abs(value) < 1e6) return fmt::format("{:.0f}", value);
-  return fmt::format("{:.4g}", value);
-}
-
-std::string length_text_cm(double metres) {
-  return std::abs(metres) < 0.01 ? fmt::format("{:.3g} mm", 1000 * metres)
-         : std::abs(metres) < 1  ? fmt::format("{:.3g} cm", 100 * metres)
-                                 : fmt::format("{:.3g} m", metres);
+UiColors ui_colors(render::Theme theme) {
+  const Scheme& s = theme == render::Theme::dark ? kDark : kLight;
+  const auto color = [](int hex, float alpha = 1) {
+    return ImGui::ColorConvertFloat4ToU32(rgb(hex, alpha));
+  };
+  const bool dark = theme == render::Theme::dark;
+  return {.text = color(s.text),
+          .muted = color(s.muted),
+          .accent = color(s.accent),
+          .good = color(dark ? 0x35c28b : 0x00704f),
+          .bad = color(dark ? 0xff9175 : 0xb03500),
+          .warning = color(dark ? 0xf0c04a : 0x875a00),
+          .grid = color(s.border),
+          .panel = color(s.child)};
 }
 
 }  // namespace planescope::desktop

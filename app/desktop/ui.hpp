@@ -1,7 +1,7 @@
 #pragma once
 
 // What a panel is given: the state to read, a place for the commands it makes, names for its
-// widgets. Panels are free functions; they draw into the ImGui window that is open.
+// widgets, colours. Panels are free functions; they draw into the ImGui window that is open.
 
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -13,8 +13,9 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/canvas.hpp"
-#include "app/desktop/labeling/label_facts.hpp"
+#include "app/desktop/debugger/filter_box.hpp"
 #include "core/debug/explain/provenance.hpp"
+#include "core/labels/review/audit.hpp"
 
 namespace planescope::desktop {
 
@@ -27,16 +28,6 @@ using Widgets = std::map<std::string, WidgetRect>;
 /// Colours beside ImGui's own style.
 struct UiColors {
   ImU32 text, muted, accent, good, bad, warning, grid, panel;
-};
-
-/// A filter being typed (filter_box.hpp).
-struct FilterBoxMemory {
-  std::string text;     // follows the state until it is edited
-  std::string applied;  // what of the state it follows
-  int cursor = 0;
-  int place_cursor = -1;  // where to put it once the box has the keyboard again
-  int chosen = 0;         // of the completions
-  bool take_keyboard = false, popup_hovered = false;
 };
 
 /// Where breakpoints stop, kept while neither they nor the run change.
@@ -61,7 +52,7 @@ struct LabelDrag {
   DrawnIn where = DrawnIn::image;
   labels::PaintMode mode = labels::PaintMode::over;
   std::vector<labels::Vec2f> path;
-  bool ignore_release = false;  // of a double click, whose first one did it all
+  bool ignore_release = false;  // of a double click: its first click did everything
 };
 
 /// Where the mouse is, or was last, in a view of labels.
@@ -77,13 +68,28 @@ struct LabelNames {
   std::vector<render::LabelPlace> places;
 };
 
+/// What panels tell of a frame's planes beyond what their list has.
+struct PlaneFacts {
+  std::size_t pixels = 0;
+  double area_m2 = 0;
+};
+struct LabelFacts {
+  labels::LabelStatistics statistics;
+  std::vector<PlaneFacts> planes;  // as FrameLabels::planes
+};
+
+/// Kept while the labels stay as they are.
+struct KeptLabelFacts {
+  std::weak_ptr<const FrameLabels> of;
+  LabelFacts facts;
+};
+
 /// Text being typed and such: what lives in panels only.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
   std::map<std::int32_t, bool> octree_open;             // nodes that the user opened or closed
   std::string palette_text;
   int palette_index = 0;
-  std::string note_text;
   std::map<std::string, std::string> texts;  // by widget
   std::map<std::string, double> numbers;     // by widget
   BreakpointStops breakpoint_stops;
@@ -123,11 +129,8 @@ struct Ui {
   float px(float at_scale_1) const { return at_scale_1 * scale; }
 };
 
-ImU32 to_imgui(render::Rgba color);
-/// A small filled square with the case's numeral in it, at the cursor; advances like text.
-void case_badge(const Ui& ui, planes::Case c);
-/// "0.0071", "1.2 cm", "12.3 %": numbers as every panel writes them.
-std::string number_text(double value);
-std::string length_text_cm(double metres);
+/// ImGui's style and colours for a theme, in one size of everything.
+void set_style(render::Theme theme, float scale);
+UiColors ui_colors(render::Theme theme);
 
 }  // namespace planescope::desktop

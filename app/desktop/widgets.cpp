@@ -1,16 +1,55 @@
 #include "app/desktop/widgets.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+#include <imgui_internal.h>
 
-#include "app/desktop/math_text.hpp"
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
-
-bool was_dragged() {
-  constexpr float kClickSlack_px = 4;
-  return ImGui::GetIO().MouseDragMaxDistanceSqr[0] > kClickSlack_px * kClickSlack_px;
-}
 namespace {
+
+constexpr float kSubscriptSize = 0.78f;  // of the text's
+constexpr float kSubscriptDrop = 0.34f;  // of the text's height
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+/// Does the underscore follow a symbol, one letter on its own? Not so in names of options.
+bool is_subscript(const std::string& text, std::size_t mark) {
+  if (mark == 0 || mark + 1 == text.size() || !is_word(text[mark + 1])) return false;
+  std::size_t letter = mark - 1;
+  while (letter > 0 && (text[letter] & 0xc0) == 0x80) --letter;  // the first byte of UTF-8
+  const bool is_letter = is_word(text[letter]) || (text[letter] & 0x80) != 0;
+  return is_letter && (letter == 0 || (!is_word(text[letter - 1]) && text[letter - 1] != '_'));
+}
+
+/// Calls `part(begin, end, is_subscript)` for the parts of the text, without the underscores.
+template <typename Part>
+void for_parts(const std::string& text, const Part& part) {
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    std::size_t mark = text.find('_', begin);
+    while (mark != std::string::npos && !is_subscript(text, mark)) mark = text.find('_', mark + 1);
+    if (mark == std::string::npos) return part(begin, text.size(), false);
+    part(begin, mark, false);
+    std::size_t end = mark + 1;
+    while (end < text.size() && is_word(text[end])) ++end;
+    part(mark + 1, end, true);
+    begin = end;
+  }
+}
+
+float width_of(
+    const Ui& ui, const std::string& text, std::size_t begin, std::size_t end, bool sub) {
+  // Not ImGui::CalcTextSize(), which rounds up: parts would stand apart.
+  const ImFont& font = sub ? *ui.small : *ImGui::GetFont();
+  const float size = ImGui::GetFontSize() * (sub ? kSubscriptSize : 1);
+  const char* data = text.data();
+  return font.CalcTextSizeA(size, 1e6f, 0, data + begin, data + end).x;
+}
 
 /// Lines broken at spaces only: ImGui would also part "9." from "15".
 std::string wrapped(const std::string& text, float width) {
@@ -34,17 +73,24 @@ std::string wrapped(const std::string& text, float width) {
 
 }  // namespace
 
-bool link(const Ui& ui, const std::string& text, const std::string& widget) {
-  paragraph(ui.colors.accent, text);
-  ui.name(widget);
-  if (ImGui::IsItemHovered()) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
-  return ImGui::IsItemClicked();
+// ---- Colours -----------------------------------------------------------------------------------
+
+ImU32 to_imgui(render::Rgba color) { return IM_COL32(color.r, color.g, color.b, color.a); }
+
+ImU32 with_alpha(ImU32 color, int alpha) {
+  return (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, alpha);
 }
 
-void heading(const Ui& ui, const std::string& text) {
-  ImGui::PushFont(ui.bold);
+ImU32 gain_color(const Ui& ui, int gain) {
+  return gain > 0 ? ui.colors.good : gain < 0 ? ui.colors.bad : ui.colors.text;
+}
+
+// ---- Text --------------------------------------------------------------------------------------
+
+void colored(ImU32 color, const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
   ImGui::TextUnformatted(text.c_str());
-  ImGui::PopFont();
+  ImGui::PopStyleColor();
 }
 
 void paragraph(ImU32 color, const std::string& text) {
@@ -54,6 +100,82 @@ void paragraph(ImU32 color, const std::string& text) {
   ImGui::TextUnformatted(wrapped(text, ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopTextWrapPos();
   ImGui::PopStyleColor();
+}
+
+void heading(const Ui& ui, const std::string& text) {
+  ImGui::PushFont(ui.bold);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopFont();
+}
+
+bool link(const Ui& ui, const std::string& text, const std::string& widget) {
+  paragraph(ui.colors.accent, text);
+  ui.name(widget);
+  if (ImGui::IsItemHovered()) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+  return ImGui::IsItemClicked();
+}
+
+void tooltip(const std::string& text) {
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
+}
+
+void draw_notice(const Ui& ui, const std::string& text, ImU32 color) {
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const float wrap = std::min(room.x, ui.px(420));
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, wrap);
+  const ImVec2 at = ImGui::GetCursorPos();
+  ImGui::SetCursorPos(
+      ImVec2(at.x + (room.x - size.x) / 2, at.y + std::max(0.0f, room.y - size.y) / 2));
+  ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
+  colored(color, text);
+  ImGui::PopTextWrapPos();
+}
+
+void case_badge(const Ui& ui, planes::Case c) {
+  const float height = ImGui::GetTextLineHeight();
+  const ImVec2 size(height * 1.5f, height);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), to_imgui(render::case_color(c)),
+                      ui.px(3));
+  const char* text = planes::to_string(c);
+  const ImVec2 extent = ImGui::CalcTextSize(text);
+  const render::Rgba fill = render::case_color(c);
+  const bool light = 0.299 * fill.r + 0.587 * fill.g + 0.114 * fill.b > 140;
+  draw->AddText(ImVec2(at.x + (size.x - extent.x) / 2, at.y + (size.y - extent.y) / 2),
+                light ? IM_COL32(20, 22, 26, 255) : IM_COL32(255, 255, 255, 255), text);
+  ImGui::Dummy(size);
+}
+
+float math_width(const Ui& ui, const std::string& text) {
+  float width = 0;
+  for_parts(text, [&](std::size_t begin, std::size_t end, bool sub) {
+    width += width_of(ui, text, begin, end, sub);
+  });
+  return width;
+}
+
+void draw_math(const Ui& ui, ImDrawList* draw, ImVec2 at, ImU32 color, const std::string& text) {
+  const float height = ImGui::GetFontSize();
+  for_parts(text, [&](std::size_t begin, std::size_t end, bool sub) {
+    const char* data = text.data();
+    if (sub)
+      draw->AddText(ui.small, height * kSubscriptSize,
+                    ImVec2(std::round(at.x), std::round(at.y + height * kSubscriptDrop)), color,
+                    data + begin, data + end);
+    else
+      draw->AddText(at, color, data + begin, data + end);
+    at.x += width_of(ui, text, begin, end, sub);
+  });
+}
+
+void math_text(const Ui& ui, ImU32 color, const std::string& text) {
+  ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size(std::ceil(math_width(ui, text)), ImGui::GetTextLineHeight());
+  // As text does, beside a button or a box.
+  at.y += ImGui::GetCurrentWindowRead()->DC.CurrLineTextBaseOffset;
+  ImGui::Dummy(size);
+  draw_math(ui, ImGui::GetWindowDrawList(), at, color, text);
 }
 
 void math_paragraph(const Ui& ui, ImU32 color, const std::string& text) {
@@ -69,6 +191,22 @@ void math_paragraph(const Ui& ui, ImU32 color, const std::string& text) {
   ImGui::PopStyleVar();
 }
 
+// ---- Numbers -----------------------------------------------------------------------------------
+
+std::string number_text(double value) {
+  if (!std::isfinite(value)) return std::isnan(value) ? "–" : value > 0 ? "∞" : "-∞";
+  if (value == std::floor(value) && std::abs(value) < 1e6) return fmt::format("{:.0f}", value);
+  return fmt::format("{:.4g}", value);
+}
+
+std::string length_text(double metres) {
+  return std::abs(metres) < 0.01 ? fmt::format("{:.3g} mm", 1000 * metres)
+         : std::abs(metres) < 1  ? fmt::format("{:.3g} cm", 100 * metres)
+                                 : fmt::format("{:.3g} m", metres);
+}
+
+// ---- Buttons -----------------------------------------------------------------------------------
+
 bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled) {
   ImGui::BeginDisabled(!enabled);
   const bool clicked = ImGui::Button((text + "###" + widget).c_str());
@@ -77,17 +215,59 @@ bool button(const Ui& ui, const std::string& text, const std::string& widget, bo
   return clicked;
 }
 
-void same_line_if_fits(const std::string& text) {
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float width = ImGui::CalcTextSize(text.c_str()).x + 2 * style.FramePadding.x;
-  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  if (ImGui::GetItemRectMax().x + style.ItemSpacing.x + width <= right) ImGui::SameLine();
+void action_button(const Ui& ui, const char* action, const char* label) {
+  const Action& what = find_action(action);
+  const bool enabled = what.can_run(ui.state), lit = what.is_on(ui.state);
+  if (lit) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_Header]);
+  ImGui::BeginDisabled(!enabled);
+  ImGui::PushID(action);
+  if (ImGui::Button(label)) ui.emit(action);
+  ImGui::PopID();
+  ImGui::EndDisabled();
+  if (lit) ImGui::PopStyleColor();
+  ui.name(std::string("button.") + action);
+  tooltip(what.keys.empty() ? what.title : what.title + "   " + what.keys);
 }
 
-std::string keys_text(const Action& action) {
-  std::string text;
-  for (const char c : action.keys) text += c == ' ' ? std::string(" / ") : std::string(1, c);
-  return text;
+float button_width(const std::string& text) {
+  return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+}
+
+bool same_line_if_room(float width, float gap) {
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  if (ImGui::GetItemRectMax().x + gap + width > right) return false;
+  ImGui::SameLine(0, gap);
+  return true;
+}
+
+void same_line_if_fits(const std::string& text) {
+  same_line_if_room(button_width(text), ImGui::GetStyle().ItemSpacing.x);
+}
+
+// ---- Tables and lists --------------------------------------------------------------------------
+
+void fixed_column(const char* title, const char* widest, float more_px) {
+  const float width = std::max(ImGui::CalcTextSize(title).x, ImGui::CalcTextSize(widest).x);
+  ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed, width + more_px);
+}
+
+void cell(const std::string& text) {
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(text.c_str());
+}
+
+void scroll_to_row(int row, float row_height) {
+  const float top = static_cast<float>(row) * row_height;
+  const float height = ImGui::GetWindowHeight();
+  if (top < ImGui::GetScrollY() || top + row_height > ImGui::GetScrollY() + height)
+    ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
+}
+
+// ---- The mouse ---------------------------------------------------------------------------------
+
+bool was_dragged() {
+  constexpr float kClickSlack_px = 4;
+  return ImGui::GetIO().MouseDragMaxDistanceSqr[0] > kClickSlack_px * kClickSlack_px;
 }
 
 }  // namespace planescope::desktop

@@ -1,31 +1,99 @@
 #pragma once
 
-// Small things that several panels are made of.
+// What panels are made of: text, numbers, buttons, tables and lists.
 
+#include <algorithm>
 #include <string>
 
 #include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
 
+// ---- Colours -----------------------------------------------------------------------------------
+
+ImU32 to_imgui(render::Rgba color);
+/// `alpha` from 0 to 255.
+ImU32 with_alpha(ImU32 color, int alpha);
+/// Of a number that has become better, worse, or is as it was.
+ImU32 gain_color(const Ui& ui, int gain);
+
+// ---- Text --------------------------------------------------------------------------------------
+
+/// One line in a colour.
+void colored(ImU32 color, const std::string& text);
+/// Text in a colour, wrapped between words.
+void paragraph(ImU32 color, const std::string& text);
+/// A title in the bold font.
+void heading(const Ui& ui, const std::string& text);
+/// Text in the accent colour that can be clicked; true where it was. Wraps.
+bool link(const Ui& ui, const std::string& text, const std::string& widget);
+/// Shows the text beside the mouse while it is over the item drawn last.
+void tooltip(const std::string& text);
+/// A few words in the middle of the room that is left.
+void draw_notice(const Ui& ui, const std::string& text, ImU32 color);
+/// A small filled square with the case's numeral in it, at the cursor; advances like text.
+void case_badge(const Ui& ui, planes::Case c);
+
+// The paper's symbols as it prints them: what follows an underscore stands lower and smaller,
+// "N_out = 12" and "θ_Nout".
+
+float math_width(const Ui& ui, const std::string& text);
+/// At a place of the window.
+void draw_math(const Ui& ui, ImDrawList* draw, ImVec2 at, ImU32 color, const std::string& text);
+/// At the cursor; advances like text.
+void math_text(const Ui& ui, ImU32 color, const std::string& text);
+/// Wrapped between words.
+void math_paragraph(const Ui& ui, ImU32 color, const std::string& text);
+
+// ---- Numbers -----------------------------------------------------------------------------------
+
+/// "12", "0.0071", "∞"; "–" where there is none.
+std::string number_text(double value);
+/// "7.1 mm", "1.2 cm", "3.4 m".
+std::string length_text(double metres);
+
+// ---- Buttons -----------------------------------------------------------------------------------
+
+/// A button that is greyed and does nothing where it cannot be used; true where it was clicked.
+bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled = true);
+/// A button that performs an action, lit while the action is switched on; its tooltip tells the
+/// action's title and key. Named "button.<action>".
+void action_button(const Ui& ui, const char* action, const char* label);
+/// Of a button with this text.
+float button_width(const std::string& text);
+/// Keeps the line where what comes next has room beside the last item; false where it has not.
+bool same_line_if_room(float width, float gap);
+/// Puts a button with this text beside the last item where that leaves room, below it otherwise.
+void same_line_if_fits(const std::string& text);
+
+// ---- Tables and lists --------------------------------------------------------------------------
+
 inline constexpr ImGuiTableFlags kTable =
     ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_PadOuterX;
 
+/// A column as wide as its title and `widest`. ImGui's own measurement of widths is right only a
+/// few frames late.
+void fixed_column(const char* title, const char* widest, float more_px = 0);
+/// The next cell of the row.
+void cell(const std::string& text);
+/// Scrolls to a row of a list of equal rows where it is out of sight.
+void scroll_to_row(int row, float row_height);
+
+/// Draws a list and what stands below it. The list gets the height that the latter leaves, as high
+/// as it was in the last frame. `key`: where that is remembered.
+template <typename List, typename Below>
+void list_above(const Ui& ui, const std::string& key, const List& list, const Below& below) {
+  double& height = ui.memory.numbers[key];
+  const float room = ImGui::GetContentRegionAvail().y - static_cast<float>(height);
+  list(std::max(room, ui.px(90)));
+  const float from = ImGui::GetCursorPosY();
+  below();
+  height = ImGui::GetCursorPosY() - from + ImGui::GetStyle().ItemSpacing.y;
+}
+
+// ---- The mouse ---------------------------------------------------------------------------------
+
 /// Since the left button went down the mouse has moved, by more than in a click.
 bool was_dragged();
-/// Text in the accent colour that can be clicked; true where it was. Wraps.
-bool link(const Ui& ui, const std::string& text, const std::string& widget);
-/// A title in the bold font.
-void heading(const Ui& ui, const std::string& text);
-/// Text in a colour, wrapped between words.
-void paragraph(ImU32 color, const std::string& text);
-/// The same with symbols set as in math_text.hpp.
-void math_paragraph(const Ui& ui, ImU32 color, const std::string& text);
-/// A button that is greyed and does nothing where it cannot be used; true where it was clicked.
-bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled = true);
-/// Puts a button with this text beside the last item where that leaves room, below it otherwise.
-void same_line_if_fits(const std::string& text);
-/// "Ctrl+Shift+Z / Ctrl+Y": all keys of an action.
-std::string keys_text(const Action& action);
 
 }  // namespace planescope::desktop

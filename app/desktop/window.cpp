@@ -8,8 +8,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "app/desktop/camera.hpp"
-#include "app/desktop/state/state_facts.hpp"
+#include "app/desktop/state/state.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
@@ -21,6 +20,40 @@ namespace planescope::desktop {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// ---- A shell in the current GL context ---------------------------------------------------------
+
+std::unique_ptr<Shell> open_shell(State state, std::function<void()> wake) {
+  auto shell = std::make_unique<Shell>(std::move(state), make_gl_canvas(), std::move(wake));
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  return shell;
+}
+
+/// Cancels what is under way.
+void close_shell(std::unique_ptr<Shell>& shell) {
+  ImGui::SetCurrentContext(shell->context());
+  ImGui_ImplOpenGL3_Shutdown();
+  shell.reset();
+}
+
+/// One frame into a framebuffer of that size; 0: the window's own.
+void draw_shell(
+    Shell& shell, GLuint framebuffer, int width, int height, float scale, double seconds) {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  shell.frame(width, height, scale, seconds);
+  if (shell.take_fonts_changed()) {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
+  ImGui_ImplOpenGL3_NewFrame();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);  // the views have drawn into others
+  glViewport(0, 0, width, height);
+  glClearColor(0, 0, 0, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+// ---- On a display ------------------------------------------------------------------------------
 
 Key key_of_glfw(int key) {
   if ((key >= GLFW_KEY_A && key <= GLFW_KEY_Z) || (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) ||
@@ -77,7 +110,7 @@ Key key_of_glfw(int key) {
   }
 }
 
-/// The frames' times of late, for the overlay.
+/// How long the latest frames took, for the overlay.
 class Stopwatch {
  public:
   void add(double ms, FrameTimes& times) {
@@ -131,9 +164,7 @@ Window::Window(State state, const WindowOptions& options) : options_(options) {
   window_ = context_->window();
   if (options.settings.maximized) glfwMaximizeWindow(window_);
   glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
-  shell_ =
-      std::make_unique<Shell>(std::move(state), make_gl_canvas(), [] { glfwPostEmptyEvent(); });
-  ImGui_ImplOpenGL3_Init("#version 330 core");
+  shell_ = open_shell(std::move(state), [] { glfwPostEmptyEvent(); });
   ImGuiIO& io = ImGui::GetIO();
   io.SetClipboardTextFn = [](void* window, const char* text) {
     glfwSetClipboardString(static_cast<GLFWwindow*>(window), text);
@@ -153,9 +184,7 @@ Window::Window(State state, const WindowOptions& options) : options_(options) {
 
 Window::~Window() {
   if (options_.keep_settings) keep_settings();
-  ImGui::SetCurrentContext(shell_->context());
-  ImGui_ImplOpenGL3_Shutdown();
-  shell_.reset();  // cancels what is under way
+  close_shell(shell_);
   for (GLFWcursor* cursor : cursors_)
     if (cursor) glfwDestroyCursor(cursor);
 }
@@ -206,18 +235,7 @@ void Window::draw_frame() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   if (width == 0 || height == 0) return;  // minimised
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  shell_->frame(width, height, scale(), std::min(seconds, 0.1));
-  if (shell_->take_fonts_changed()) {
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_CreateFontsTexture();
-  }
-  ImGui_ImplOpenGL3_NewFrame();
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glViewport(0, 0, width, height);
-  glClearColor(0, 0, 0, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  draw_shell(*shell_, 0, width, height, scale(), std::min(seconds, 0.1));
   stopwatch_.add(std::chrono::duration<double, std::milli>(Clock::now() - now).count(),
                  shell_->timing);
   glfwSwapBuffers(window_);
@@ -282,5 +300,49 @@ void run_window(State state, const WindowOptions& options, std::stop_token stop)
   Window window(std::move(state), options);
   window.run(stop);
 }
+
+// ---- Without a display -------------------------------------------------------------------------
+
+struct Offscreen::Target {
+  render::GlRenderbuffer color = render::make_renderbuffer();
+  render::GlFramebuffer framebuffer = render::make_framebuffer();
+};
+
+Offscreen::Offscreen(State state, int width, int height, float scale)
+    : width_(width), height_(height), scale_(scale), context_(render::make_egl_context()) {
+  target_ = std::make_unique<Target>();
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  glBindRenderbuffer(GL_RENDERBUFFER, target_->color);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_->color);
+  render::check_gl("making the off-screen window");
+  shell_ = open_shell(std::move(state), [] {});
+}
+
+Offscreen::~Offscreen() {
+  context_->make_current();
+  close_shell(shell_);
+  target_.reset();
+}
+
+void Offscreen::draw_frame() {
+  context_->make_current();
+  draw_shell(*shell_, target_->framebuffer, width_, height_, scale_, 1.0 / 60);
+}
+
+void Offscreen::finish() {
+  context_->make_current();
+  glFinish();
+}
+
+Image8 Offscreen::picture() {
+  context_->make_current();
+  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  Image8 image = render::read_picture(width_, height_);
+  render::check_gl("reading the off-screen window");
+  return image;
+}
+
+void Offscreen::screenshot(const std::filesystem::path& path) { io::write_png(path, picture()); }
 
 }  // namespace planescope::desktop

@@ -1,14 +1,16 @@
 #pragma once
 
-// The window on a display.
+// The window on a display, and the same shell drawn into an EGL framebuffer where there is none.
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <stop_token>
 
 #include "app/desktop/script.hpp"
-#include "app/desktop/state/settings.hpp"
+#include "app/desktop/state/session.hpp"
+#include "render/context.hpp"
 
 namespace planescope::desktop {
 
@@ -26,5 +28,29 @@ struct WindowOptions {
 
 /// Shows the window until it is closed. Throws NoDisplay.
 void run_window(State state, const WindowOptions& options, std::stop_token stop);
+
+/// The window without a display.
+class Offscreen : public Stage {
+ public:
+  /// Throws Error where there is no GL without a display either.
+  Offscreen(State state, int width, int height, float scale);
+  ~Offscreen() override;
+
+  Shell& shell() { return *shell_; }
+  void draw_frame() override;
+  void screenshot(const std::filesystem::path& path) override;
+  /// Waits until the last frame is drawn.
+  void finish();
+  /// What the last frame shows. RGB, row 0 at the top.
+  Image8 picture();
+
+ private:
+  struct Target;
+  int width_, height_;
+  float scale_;
+  std::unique_ptr<render::GlContext> context_;
+  std::unique_ptr<Target> target_;
+  std::unique_ptr<Shell> shell_;
+};
 
 }  // namespace planescope::desktop

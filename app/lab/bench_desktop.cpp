@@ -7,7 +7,7 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/view.hpp"
-#include "app/desktop/offscreen.hpp"
+#include "app/desktop/window.hpp"
 #include "app/lab/lab.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"

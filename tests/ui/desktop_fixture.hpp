@@ -1,6 +1,7 @@
 #pragma once
 
-// A desktop on the sample recording: its state alone, or the whole shell with no window.
+// A desktop on the sample recording: its state alone, or the whole shell with no window, in the
+// debugger or in the label mode with labels in a folder of the test's own.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/shell.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace planescope::desktop {
@@ -91,6 +93,16 @@ inline std::filesystem::path scratch_dir() {
   return dir;
 }
 
+/// `actions`: the elements of a script's list. `dir`: where the script is put.
+inline void play_actions(Shell& shell,
+                         Stage& stage,
+                         const std::filesystem::path& dir,
+                         const std::string& actions) {
+  const std::filesystem::path path = dir / "script.json";
+  std::ofstream(path) << R"({"actions": [)" << actions << "]}";
+  Script::read(path).play(shell, stage, {});
+}
+
 /// The sample has been opened and run; panels are drawn nowhere.
 struct OpenDesktop : testing::Test {
   Shell shell{open_state(), nullptr, [] {}};
@@ -98,12 +110,55 @@ struct OpenDesktop : testing::Test {
 
   void SetUp() override { settle(shell, stage, {}); }
   const State& state() const { return shell.state(); }
-  /// `actions`: the elements of a script's list.
-  void play(const std::string& actions) {
-    const std::filesystem::path path = scratch_dir() / "script.json";
-    std::ofstream(path) << R"({"actions": [)" << actions << "]}";
-    Script::read(path).play(shell, stage, {});
+  bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
+  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
+};
+
+inline State open_state_with_labels(const std::filesystem::path& label_dir,
+                                    const std::filesystem::path& recording = sample_path()) {
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings[0] = {recording, io::open_recording(recording, {}), label_dir};
+  return state;
+}
+
+/// A window that is labelling; drawn nowhere.
+struct LabelWindow {
+  Shell shell;
+  NoStage stage{shell};
+
+  explicit LabelWindow(const std::filesystem::path& label_dir,
+                       const std::filesystem::path& recording = sample_path())
+      : shell(open_state_with_labels(label_dir, recording), nullptr, [] {}) {
+    finish();
+    run("label.mode");
   }
+  const State& state() const { return shell.state(); }
+  const FrameLabels& labels() const { return *state().labels(); }
+  const labels::LabelStore& store() const { return *state().document.current()->labels; }
+  /// Throws as the action does.
+  void run(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument}, true);
+    finish();
+  }
+  std::string refusal(const std::string& action, const std::string& argument = {}) {
+    shell.perform({action, argument});
+    finish();
+    return state().view.message_is_error ? state().view.message : "";
+  }
+  /// What was begun, but for what goes on in the background: thumbnails, curves along sliders.
+  void finish() { settle(shell, stage, {}, /*background=*/false); }
+  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
+};
+
+struct LabelDesktop : testing::Test {
+  const std::filesystem::path dir = scratch_dir();
+  const std::filesystem::path label_dir = dir / "labels";
+  LabelWindow window{label_dir};
+
+  const State& state() const { return window.state(); }
+  const FrameLabels& labels() const { return window.labels(); }
+  void play(const std::string& actions) { play_actions(window.shell, window.stage, dir, actions); }
+  void choose(int plane) { window.run("label.plane", std::to_string(plane)); }
 };
 
 }  // namespace planescope::desktop

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/model/error.hpp"
-#include "label_desktop.hpp"
+#include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
 namespace {

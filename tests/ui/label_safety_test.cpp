@@ -1,9 +1,10 @@
 // What is labelled is written, or said not to be.
 
+#include <fstream>
+
 #include "app/desktop/state/session.hpp"
-#include "app/desktop/state/settings.hpp"
 #include "core/model/error.hpp"
-#include "label_desktop.hpp"
+#include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -1,7 +1,9 @@
 // The label mode's tools: gestures in both views, the wand, keys.
 
+#include <algorithm>
+
 #include "core/model/error.hpp"
-#include "label_desktop.hpp"
+#include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
 namespace {

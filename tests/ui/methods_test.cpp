@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/state/state_facts.hpp"
-#include "label_desktop.hpp"
+#include "app/desktop/state/state.hpp"
+#include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
 namespace {

@@ -1,15 +1,22 @@
-// Panels by scripted clicks, with no window and no GL.
+// Panels of the debugger by scripted clicks, with no window and no GL.
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/desktop/state/state_facts.hpp"
+#include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/state/state.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 struct Panels : OpenDesktop {
-  bool shown(const std::string& widget) const { return shell.widgets().count(widget) > 0; }
   ImVec2 middle(const std::string& widget) const {
     const WidgetRect& rect = shell.widgets().at(widget);
     return ImVec2((rect.min.x + rect.max.x) / 2, (rect.min.y + rect.max.y) / 2);
@@ -155,6 +162,196 @@ TEST_F(Panels, AtRestNothingIsDrawn) {
   EXPECT_FALSE(shell.idle());
   settle(shell, stage, {});
   EXPECT_TRUE(shell.idle());
+}
+
+struct SearchPanels : OpenDesktop {
+  const planescope::debug::Run& run() const { return *state().run(); }
+  std::vector<std::int32_t> numbers_of(const std::string& prefix) const {
+    std::vector<std::int32_t> numbers;
+    for (const auto& [widget, rect] : shell.widgets()) {
+      if (!widget.starts_with(prefix)) continue;
+      std::int32_t number = -1;
+      std::from_chars(widget.data() + prefix.size(), widget.data() + widget.size(), number);
+      numbers.push_back(number);
+    }
+    return numbers;
+  }
+};
+
+TEST_F(SearchPanels, AFilterIsTypedAndEnterGoesToItsNextMatch) {
+  play(R"("step.first", {"click": "events.filter"}, {"type": "case==IV"}, {"key": "Enter"})");
+  ASSERT_FALSE(state().view.search.matches.empty());
+  EXPECT_EQ(state().view.step, state().view.search.matches.front());
+  EXPECT_TRUE(shown("events.step." + std::to_string(state().view.step)));
+}
+
+TEST_F(SearchPanels, TabTakesTheCompletionThatIsChosen) {
+  play(R"({"click": "events.filter"}, {"type": "dep"}, {"key": "Tab"}, {"type": ">3"})");
+  EXPECT_EQ(state().view.search.text, "depth>3");
+  EXPECT_TRUE(state().view.search.filter.has_value());
+}
+
+TEST_F(SearchPanels, AClickedCompletionIsTakenAndTypingGoesOnBehindIt) {
+  play(R"({"click": "events.filter"}, {"type": "merge && off"},
+          {"click": "events.filter.completion.offset"}, {"type": ">0.01"})");
+  EXPECT_EQ(state().view.search.text, "merge && offset>0.01");
+}
+
+TEST_F(SearchPanels, AFilterThatIsSetElsewhereShowsInTheBoxBeingTypedIn) {
+  play(R"({"click": "events.filter"}, {"type": "dep"}, "filter.set merge", "filter.focus",
+          {"key": "End"}, {"type": "||found"})");
+  EXPECT_EQ(state().view.search.text, "merge||found");
+}
+
+TEST_F(SearchPanels, AWrongFilterFindsNothingAndTheListStaysWhole) {
+  play(R"("filter.only", {"click": "events.filter"}, {"type": "dpeth>3"})");
+  EXPECT_EQ(state().view.search.problem.begin, 0u);
+  EXPECT_EQ(state().view.search.problem.end, 5u);
+  EXPECT_FALSE(numbers_of("events.step.").empty());
+}
+
+TEST_F(SearchPanels, OnlyMatchesShowsNothingElse) {
+  play(R"("filter.set decide && case==IV", {"click": "events.only"})");
+  const auto& matches = state().view.search.matches;
+  const auto steps = numbers_of("events.step.");
+  EXPECT_GT(steps.size(), 3u);
+  for (const std::int32_t step : steps)
+    EXPECT_TRUE(std::binary_search(matches.begin(), matches.end(), step));
+}
+
+TEST_F(SearchPanels, OfThousandsOfEventsOnlyThoseInSightAreDrawn) {
+  ASSERT_GT(run().steps(), 3000);
+  EXPECT_LT(numbers_of("events.step.").size(), 60u);
+  EXPECT_LT(numbers_of("octree.node.").size(), 60u);
+}
+
+TEST_F(SearchPanels, ARowGoesToItsStepAndItsGutterSetsABreakpoint) {
+  play(R"({"do": "step.goto", "with": "20"}, {"click": "events.step.21"})");
+  EXPECT_EQ(state().view.step, 21);
+  play(R"({"click": "events.break.20"})");
+  ASSERT_EQ(state().document.breakpoints.size(), 1u);
+  EXPECT_EQ(state().document.breakpoints[0].index, run().event_at(20)->node);
+  play(R"("step.first", "run.forward")");
+  EXPECT_EQ(run().event_at(state().view.step)->node, run().event_at(20)->node);
+  play(R"({"click": "events.break.20"})");
+  EXPECT_TRUE(state().document.breakpoints.empty());
+}
+
+TEST_F(SearchPanels, BreakpointsAreSwitchedOffAndRemovedInTheirLine) {
+  play(R"("break.on merge", {"click": "events.breakpoint.0"})");
+  EXPECT_FALSE(state().document.breakpoints[0].enabled);
+  play(R"({"click": "events.breakpoint.0.remove"})");
+  EXPECT_TRUE(state().document.breakpoints.empty());
+}
+
+TEST_F(SearchPanels, ANodeIsSelectedByAClickAndSoughtOutByTwo) {
+  play(R"("step.first", "octree.search 0", {"click": "octree.node.0", "double": true})");
+  EXPECT_EQ(state().view.selected.node, 0);
+  EXPECT_EQ(state().view.step, run().timeline.decided_at()[0]);
+}
+
+TEST_F(SearchPanels, ANodeSelectedElsewhereComesIntoSight) {
+  play(R"("step.last", "select.node 300")");
+  EXPECT_TRUE(shown("octree.node.300"));
+  play(R"({"click": "octree.search"}, {"type": "7"})");
+  EXPECT_EQ(numbers_of("octree.node."), std::vector<std::int32_t>{7});
+}
+
+TEST_F(SearchPanels, ATriangleOpensAndClosesANodeUntilASelectionLeadsThroughIt) {
+  play(R"("step.last", "select.node 0", {"click": "octree.fold.0"})");
+  EXPECT_TRUE(shown("octree.node.1"));
+  play(R"({"click": "octree.fold.0"})");
+  EXPECT_FALSE(shown("octree.node.1"));
+  play(R"("select.node 900")");
+  EXPECT_TRUE(shown("octree.node.900"));
+}
+
+struct AnalysisPanels : OpenDesktop {
+  const debug::Histogram& histogram(const std::string& quantity) const {
+    for (const debug::Histogram& h : state().results.current->histograms)
+      if (h.quantity == quantity) return h;
+    throw std::runtime_error("no histogram of " + quantity);
+  }
+};
+
+TEST_F(AnalysisPanels, ALineOfALifeLeadsToItsStepAndTheLifeStays) {
+  play(R"({"do": "select.pixel", "with": "320,300"}, "point.life")");
+  const std::size_t source = 300 * 640 + 320;
+  const std::vector<debug::LifeEvent> life = debug::life_of(*state().run(), source);
+  ASSERT_EQ(life[3].stage, "node");
+  play(R"({"click": "point.life.3"})");
+  EXPECT_EQ(state().view.step, life[3].step);
+  play(R"({"click": "point.life.4"})");
+  EXPECT_EQ(state().view.step, life[4].step);
+}
+
+TEST_F(AnalysisPanels, TheRemedyOfALostPointIsSetWhereItStands) {
+  const planescope::debug::Run& run = *state().run();
+  for (std::uint32_t voxel = 0; voxel < run.subject->voxel_count(); ++voxel) {
+    if (run.segmentation.plane_of[voxel] > 0) continue;
+    const debug::Remedy remedy =
+        debug::why_not(run, debug::source_of_voxel(*run.subject, voxel)).remedy;
+    if (remedy.option.empty()) continue;
+    shell.perform({"select.voxel", std::to_string(voxel)});
+    play(R"("point.life", {"click": "point.remedy"})");
+    EXPECT_EQ(planes::find_option(remedy.option).get(state().document.options), remedy.value);
+    EXPECT_EQ(state().undo.size(), 1u);
+    return;
+  }
+  FAIL() << "no lost point with a remedy";
+}
+
+TEST_F(AnalysisPanels, ADragOverBarsMakesAFilter) {
+  play(R"({"do": "tab.tool", "with": "histograms"},
+          {"drag": "histograms.n_out", "from": [0.5, 0.5], "to": [0.9, 0.5]})");
+  EXPECT_EQ(state().view.search.text.rfind("n_out>=", 0), 0u) << state().view.search.text;
+  EXPECT_TRUE(state().view.search.filter);
+  EXPECT_FALSE(state().view.search.matches.empty());
+  EXPECT_TRUE(state().undo.empty());
+}
+
+TEST_F(AnalysisPanels, ADraggedThresholdStaysUnderTheMouse) {
+  const debug::Histogram before = histogram("n_in");
+  const HistogramAxis axis(before);
+  const double from = axis.share(before.threshold);
+  play(R"({"do": "tab.tool", "with": "histograms"})");
+  play(fmt::format(R"({{"drag": "histograms.n_in", "from": [{}, 0.5], "to": [0.5, 0.5]}})", from));
+  EXPECT_EQ(state().document.options.segment.theta_n_in, std::lround(axis.value(0.5)));
+  EXPECT_EQ(state().undo.size(), 1u) << "one gesture";
+}
+
+TEST_F(AnalysisPanels, APinnedRunIsComparedWithTheNext) {
+  play(R"({"do": "tab.tool", "with": "compare"}, {"click": "compare.pin"},
+          {"do": "option.set", "with": "theta_n_in=8"}, {"click": "compare.diverging"})");
+  ASSERT_TRUE(state().results.comparison);
+  const debug::Comparison& comparison = *state().results.comparison;
+  EXPECT_EQ(state().view.step, comparison.diverging_step_b);
+  play(R"({"click": "compare.flash"})");
+  EXPECT_TRUE(state().view.flash);
+  EXPECT_EQ(state().run(), state().results.pinned->run.get());
+  play(R"({"click": "compare.restore"})");
+  EXPECT_EQ(state().document.options.segment.theta_n_in, 5);
+}
+
+TEST_F(AnalysisPanels, AFixIsFoundAndApplied) {
+  shell.perform({"tab.tool", "fix"});
+  settle(shell, stage, {});
+  std::vector<debug::TruthMatch> matches = state().results.current->score->planes;
+  std::sort(matches.begin(), matches.end(),
+            [](const debug::TruthMatch& a, const debug::TruthMatch& b) { return a.iou < b.iou; });
+  for (const debug::TruthMatch& match : matches) {
+    ASSERT_LT(match.iou, 0.8) << "no lost plane that one change recovers";
+    play(fmt::format(R"({{"do": "fix.plane", "with": "{}"}})", match.truth));
+    ASSERT_TRUE(state().results.fix.finished);
+    if (state().results.fix.fixes.empty()) continue;
+    const debug::Fix fix = state().results.fix.fixes.front();
+    play(R"({"click": "fix.check.0"})");
+    EXPECT_EQ(state().results.fix.effects.size(), 3u) << "labelled frames of the sample";
+    play(R"({"click": "fix.apply.0"})");
+    EXPECT_EQ(planes::find_option(fix.option).get(state().document.options), fix.after);
+    EXPECT_EQ(state().results.current->score->detected, fix.score.detected);
+    return;
+  }
 }
 
 }  // namespace

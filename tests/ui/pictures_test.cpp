@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/view.hpp"
-#include "app/desktop/offscreen.hpp"
+#include "app/desktop/window.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"

@@ -2,7 +2,6 @@
 
 #include <fstream>
 
-#include "app/desktop/state/settings.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 

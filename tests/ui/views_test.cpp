@@ -1,9 +1,5 @@
 // The 3D view, the image, the timeline and the frame strip, by scripted input with no GL.
 
-#include <fstream>
-
-#include "app/desktop/camera.hpp"
-#include "app/desktop/debugger/timeline_columns.hpp"
 #include "app/desktop/look.hpp"
 #include "desktop_fixture.hpp"
 
@@ -81,24 +77,6 @@ TEST_F(Views, AFrameOfTheStripIsShown) {
   play(R"({"click": "frame.1"})");
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_EQ(state().run()->subject->frame.index, 1);
-}
-
-TEST(TimelineColumns, HoldEveryEventOnce) {
-  const State state = run_state();
-  const planescope::debug::Run& run = *state.run();
-  for (const int count : {1, 7, 500, 20'000}) {
-    const std::vector<TimelineColumn> columns = timeline_columns(run, count);
-    ASSERT_EQ(static_cast<int>(columns.size()), count);
-    std::size_t events = 0, decided = 0;
-    for (const TimelineColumn& column : columns) {
-      events += column.events;
-      decided += column.decided();
-    }
-    EXPECT_EQ(events, run.trace.events.size());
-    EXPECT_EQ(decided, run.octree().nodes.size());
-    EXPECT_EQ(column_of_step(0, run.steps(), count), 0);
-    EXPECT_EQ(column_of_step(run.steps(), run.steps(), count), count - 1);
-  }
 }
 
 TEST(Look, WhatTheCursorIsOnIsNoChoiceOfTheUsers) {

@@ -11,6 +11,12 @@
 #include "core/model/text.hpp"
 
 namespace planescope::desktop {
+namespace {
+
+/// The root; -1 where a frame without points has none.
+std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
+
+}  // namespace
 
 const std::vector<Action>& action_table() {
   static const std::vector<Action> table = [] {
@@ -26,8 +32,8 @@ const std::vector<Action>& action_table() {
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})
       add(part(), KeyMode::debugger);
-    for (auto part : {label_tool_actions, label_draw_actions, label_wand_actions,
-                      label_plane_actions, label_review_actions})
+    for (auto part :
+         {label_tool_actions, label_draw_actions, label_plane_actions, label_review_actions})
       add(part(), KeyMode::labels);
     add(gravity_actions(), KeyMode::anywhere);
     return all;
@@ -76,7 +82,7 @@ void apply(State& state, const Command& command) {
   if (action.takes.empty() && !command.argument.empty())
     throw Error(fmt::format("action {}: takes no argument, but '{}' was given", action.name,
                             command.argument));
-  if (action.enabled && !action.enabled(state))
+  if (!action.can_run(state))
     throw Error(fmt::format("action {}: there is nothing that it could act on now", action.name));
   action.run(state, command.argument);
 }
@@ -116,11 +122,6 @@ void say(State& state, std::string message, bool is_error) {
   state.view.message = std::move(message);
   state.view.message_is_error = is_error;
 }
-
-namespace {
-/// The root; -1 where a frame without points has none.
-std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
-}  // namespace
 
 void go_to_step(State& state, std::int32_t step) {
   const debug::Run* run = state.run();
@@ -175,6 +176,45 @@ void follow_run(State& state, const debug::Run& before) {
   if (const planes::TraceEvent* event = state.event(); event && event->node == selected.node)
     selected.plane = event->plane;
   refresh_matches(state);
+}
+
+int whole_argument(const std::string& action, const std::string& text, int low, int high) {
+  const int value = parse_integer(text, "action " + action);
+  if (value < low || value > high)
+    throw Error(high < low ? fmt::format("action {}: there is no {} to choose, none is there",
+                                         action, value)
+                           : fmt::format("action {}: {} is out of range, expected {} to {}", action,
+                                         value, low, high));
+  return value;
+}
+
+int plane_argument(const std::string& action, const std::string& text, int low, int high) {
+  return whole_argument(action, text.starts_with("P") ? text.substr(1) : text, low, high);
+}
+
+double number_argument(const std::string& action, const std::string& text) {
+  return parse_number(text, "action " + action);
+}
+
+std::vector<double> numbers_argument(const std::string& action,
+                                     const std::string& text,
+                                     std::size_t count) {
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ','))
+    numbers.push_back(parse_number(part, "action " + action));
+  if (numbers.size() != count)
+    throw Error(fmt::format("action {}: '{}' has {} numbers, expected {}", action, text,
+                            numbers.size(), count));
+  return numbers;
+}
+
+int choice_argument(const std::string& action,
+                    const std::string& text,
+                    const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == text) return static_cast<int>(i);
+  throw Error(fmt::format("action {}: '{}' is unknown, expected {}", action, text,
+                          fmt::join(names, " or ")));
 }
 
 }  // namespace planescope::desktop

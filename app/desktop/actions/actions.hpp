@@ -17,7 +17,7 @@ struct Command {
   std::string argument;
 };
 
-/// Where an action's key holds. A label key stands before one that holds anywhere.
+/// In which mode an action and its key work. A key of one mode goes before one that works anywhere.
 enum class KeyMode : std::uint8_t { anywhere, debugger, labels };
 
 struct Action {
@@ -31,6 +31,9 @@ struct Action {
   std::function<bool(const State&)> checked;  // empty: not a switch
   KeyMode mode = KeyMode::anywhere;
   bool key_is_argument = false;  // "3" runs it with "3"
+
+  bool can_run(const State& state) const { return !enabled || enabled(state); }
+  bool is_on(const State& state) const { return checked && checked(state); }
 };
 
 const std::vector<Action>& action_table();
@@ -42,7 +45,7 @@ const Action& find_action(const std::string& name);
 bool needs_argument(const Action& action);
 /// Null where no action has this key ("Ctrl+P") in that mode.
 const Action* action_of_key(const std::string& key, Mode mode);
-/// The action belongs to what the window is for in that mode.
+/// The action can be used in that mode.
 bool fits(const Action& action, Mode mode);
 
 /// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
@@ -64,10 +67,30 @@ std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
-std::vector<Action> label_draw_actions();    // strokes, areas, cuts
-std::vector<Action> label_wand_actions();    // the wand; accepting and leaving what is shown
+std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
 std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
 std::vector<Action> label_review_actions();  // queue, checks
+
+// Arguments from text. All throw Error naming the action and what was expected.
+
+int whole_argument(const std::string& action, const std::string& text, int low, int high);
+/// "3" or "P3".
+int plane_argument(const std::string& action, const std::string& text, int low, int high);
+/// The item of a list by its number, from 0.
+template <typename Items>
+auto& item_argument(const std::string& action, const std::string& text, Items& items) {
+  const int last = static_cast<int>(items.size()) - 1;
+  return items[static_cast<std::size_t>(whole_argument(action, text, 0, last))];
+}
+double number_argument(const std::string& action, const std::string& text);
+/// "12.5,3,7" as exactly `count` numbers.
+std::vector<double> numbers_argument(const std::string& action,
+                                     const std::string& text,
+                                     std::size_t count);
+/// The index of `text` among `names`.
+int choice_argument(const std::string& action,
+                    const std::string& text,
+                    const std::vector<std::string>& names);
 
 // What several of them share.
 
@@ -87,25 +110,27 @@ void unflash(State& state);
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
 void change_options(State& state, const planes::PipelineOptions& after);
-/// Reads what was picked for a recording that is being opened; a file that cannot be used is told
-/// of, and the recording opens without.
+/// Reads the gravity that was picked for a recording being opened. A file that cannot be used is
+/// reported, and the recording opens without it.
 void read_picked(State& state, OpenRecording& open);
-/// Puts down what is picked for a recording of the list, in its folder and in the document. Throws
+/// Keeps the gravity picked for an open recording, in its label folder and in the document. Throws
 /// Error, nothing changed, where it cannot be written.
 void keep_picked(State& state,
                  const std::filesystem::path& recording,
                  const io::PickedGravity& picked);
-/// What was drawn on the frame so far, but is no label yet.
+/// Drops what was drawn on the frame but is no label yet.
 void let_go(LabelView& view);
-/// Into the journal and onto the screen, or an Error.
+/// An undo step: into the journal and onto the screen. Throws Error where the frame is not ready or
+/// the folder is read-only.
 void commit_labels(State& state, const std::string& title, const FrameLabels& after);
-/// Of the recording looked at, for the label mode. Throws Error where its folder cannot be used.
+/// Opens the label folder of the recording looked at. Throws Error where it cannot be used.
 void open_labels(State& state);
 /// Writes the label files where something is not written yet. Throws Error where that fails.
 void save_labels(State& state);
 /// The same where leaving must not be blocked: a failure is reported, and the journal has
 /// everything.
 void save_labels_if_possible(State& state);
+/// In the status bar.
 void say(State& state, std::string message, bool is_error = false);
 
 }  // namespace planescope::desktop

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -42,12 +41,6 @@ void search_fix(State& state) {
   begun.running = true;
   fix = begun;
   state.view.tool_tab = "fix";
-}
-
-const debug::Fix& fix_at(const State& state, const char* action, const std::string& text) {
-  const auto& fixes = state.results.fix.fixes;
-  return fixes[static_cast<std::size_t>(
-      whole_argument(action, text, 0, static_cast<int>(fixes.size()) - 1))];
 }
 
 }  // namespace
@@ -160,7 +153,8 @@ std::vector<Action> compare_actions() {
        "NUMBER",
        [](State& s, const std::string& text) {
          FixSearch& fix = s.results.fix;
-         fix.checked = static_cast<int>(&fix_at(s, "fix.check", text) - fix.fixes.data());
+         fix.checked =
+             static_cast<int>(&item_argument("fix.check", text, fix.fixes) - fix.fixes.data());
          fix.check_begun = false;
          fix.effects.clear();
        },
@@ -172,7 +166,7 @@ std::vector<Action> compare_actions() {
        "",
        "NUMBER",
        [](State& s, const std::string& text) {
-         const debug::Fix fix = fix_at(s, "fix.apply", text);
+         const debug::Fix fix = item_argument("fix.apply", text, s.results.fix.fixes);
          planes::PipelineOptions after = s.document.options;
          planes::set_option(after, fix.option, fix.after);
          change_options(s, after);

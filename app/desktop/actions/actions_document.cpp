@@ -5,8 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
-#include "app/desktop/camera.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"
@@ -17,7 +16,7 @@ namespace {
 
 bool has_recording(const State& state) { return state.document.current() != nullptr; }
 
-/// What belonged to the frame before is let go of; the view stays.
+/// Drops what belonged to the frame before; the view stays.
 void leave_frame(State& state) {
   save_labels_if_possible(state);
   unflash(state);  // the selection is A's
@@ -100,8 +99,7 @@ Bookmark& bookmark_at(State& state, const char* action, const std::string& text)
   auto& all = state.document.bookmarks;
   for (Bookmark& bookmark : all)
     if (bookmark.name == text) return bookmark;
-  return all[static_cast<std::size_t>(
-      whole_argument(action, text, 0, static_cast<int>(all.size()) - 1))];
+  return item_argument(action, text, all);
 }
 
 }  // namespace

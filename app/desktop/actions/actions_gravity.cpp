@@ -1,4 +1,4 @@
-// Floors and walls that are clicked, and so where things fall.
+// Gravity from floors and walls that are clicked.
 
 #include <fmt/format.h>
 
@@ -7,9 +7,7 @@
 #include <numbers>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
 #include "core/debug/explain/provenance.hpp"
-#include "core/labels/edit/operations.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/cloud/gravity.hpp"
@@ -32,10 +30,6 @@ struct ClickedSurface {
 
 const debug::Subject& subject_of(const State& state) {
   return *state.results.current->run->subject;
-}
-
-OpenRecording& current(State& state) {
-  return state.document.recordings[static_cast<std::size_t>(state.document.recording)];
 }
 
 /// The surface around a pixel as the plane wand finds it: robustly, at any distance.
@@ -104,8 +98,8 @@ std::string surface_text(const ClickedSurface& surface) {
   return fmt::format("{:.2f} m2, RMS {:.1f} mm", surface.area_m2, 1000 * surface.rms_m);
 }
 
-/// A file that could not be read is not replaced, and what goes before a pick would hide it: that
-/// is said instead.
+/// Throws Error where a click would have no effect: a file that could not be read is not replaced,
+/// and gravity that the recording itself tells goes before a pick.
 void expect_effect(const State& state) {
   if (const std::string& why = state.document.current()->picked_refused; !why.empty())
     throw Error(why + "; move the file away first");
@@ -118,7 +112,7 @@ void expect_effect(const State& state) {
                   who));
 }
 
-/// What was picked before, where the next click is to hold.
+/// What was picked so far for this frame, or for the recording where clicks are about all of it.
 const io::PickedDirection* picked_before(const State& state) {
   const io::PickedGravity& picked = state.document.current()->picked;
   if (state.view.gravity_of_recording) return picked.recording ? &*picked.recording : nullptr;
@@ -130,7 +124,7 @@ const io::PickedDirection* picked_before(const State& state) {
 void change_picked(State& state,
                    const io::PickedGravity& after,
                    const planes::PipelineOptions& options) {
-  const OpenRecording& open = current(state);
+  const OpenRecording& open = *state.document.current();
   OptionChange change{state.document.options, options, "", {}};
   change.gravity = GravityChange{open.path, open.picked, after};
   keep_picked(state, open.path, after);
@@ -139,9 +133,10 @@ void change_picked(State& state,
   state.document.options = options;
 }
 
-/// Labels that were drawn while nobody knew gravity get their classes, as one step of their own.
+/// Labels that were drawn while nobody knew gravity get their classes, as an undo step of their
+/// own.
 void tell_labels(State& state, const Gravity& gravity) {
-  const labels::LabelStore* store = current(state).labels.get();
+  const labels::LabelStore* store = state.document.current()->labels.get();
   const std::shared_ptr<const FrameLabels> labels = state.labels();
   if (state.view.mode != Mode::labels || !labels || !store->read_only().empty()) return;
   if (!labels->planes.empty())
@@ -149,7 +144,7 @@ void tell_labels(State& state, const Gravity& gravity) {
 }
 
 void keep_direction(State& state, io::PickedDirection picked, const std::string& said) {
-  const OpenRecording& open = current(state);
+  const OpenRecording& open = *state.document.current();
   const int frame = state.document.frame;
   picked.frame = frame;
   picked.frame_sha256 = open.recording->frame_hash(frame);
@@ -211,7 +206,7 @@ void pick_wall(State& state, const std::string& text) {
   keep_direction(state, picked, "from " + what + (walls == 1 ? open_angle : ""));
 }
 
-/// A click on nothing changes nothing and says so; the next one may be better.
+/// A click that hits no surface changes nothing and says so.
 template <void (*pick)(State&, const std::string&)>
 void try_pick(State& state, const std::string& text) {
   try {
@@ -222,7 +217,7 @@ void try_pick(State& state, const std::string& text) {
 }
 
 void forget(State& state) {
-  const OpenRecording& open = current(state);
+  const OpenRecording& open = *state.document.current();
   io::PickedGravity after = open.picked;
   const bool own = after.frames.erase(state.document.frame) > 0;
   if (!own) after.recording.reset();

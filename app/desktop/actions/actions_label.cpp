@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/label_gesture.hpp"
+#include "app/desktop/labeling/gesture.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::desktop {
@@ -64,8 +64,7 @@ void commit_labels(State& state, const std::string& title, const FrameLabels& af
 }
 
 void open_labels(State& state) {
-  OpenRecording& open =
-      state.document.recordings[static_cast<std::size_t>(state.document.recording)];
+  OpenRecording& open = *state.document.current();
   if (!open.labels) open.labels = std::make_shared<labels::LabelStore>(open.label_dir);
   const labels::LabelStore& store = *open.labels;
   state.results.label.save_problem.clear();  // was another recording's

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/label_work.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"
 
@@ -145,7 +145,7 @@ void carry(State& state) {
   state.results.label.carry = std::move(job);
 }
 
-/// On the active plane, unless it is told which.
+/// Of the active plane, or of the one that the argument names.
 Action on_plane(const std::string& name,
                 const std::string& title,
                 const std::string& key,

@@ -5,9 +5,8 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
-#include "app/desktop/labeling/label_review.hpp"
-#include "app/desktop/labeling/label_work.hpp"
+#include "app/desktop/labeling/review.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 

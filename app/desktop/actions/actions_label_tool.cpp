@@ -6,9 +6,7 @@
 #include <array>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
-#include "app/desktop/labeling/label_gesture.hpp"
-#include "core/model/error.hpp"
+#include "app/desktop/labeling/gesture.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -50,7 +48,7 @@ void choose_plane(State& state, int plane) {
   state.view.label.paints = Paints::plane;
 }
 
-/// Planes in order of id, round and round.
+/// In the order of ids, from the last one on to the first.
 void step_plane(State& state, int by) {
   const std::vector<LabelPlane>& planes = state.labels()->planes;
   if (planes.empty()) return say(state, "there is no plane yet");
@@ -65,7 +63,7 @@ void step_plane(State& state, int by) {
   choose_plane(state, planes[static_cast<std::size_t>((index + count) % count)].id);
 }
 
-/// Asked for twice, it paints planes again.
+/// Asked for a second time, strokes paint planes again.
 void paint(State& state, Paints what) {
   LabelView& view = state.view.label;
   view.paints = view.paints == what ? Paints::plane : what;
@@ -187,8 +185,7 @@ std::vector<Action> label_tool_actions() {
        "1 2 3 4 5 6 7 8 9",
        "PLANE",
        [](State& s, const std::string& text) {
-         const std::string digits = text.starts_with("P") ? text.substr(1) : text;
-         choose_plane(s, whole_argument("label.plane", digits, 0, kPlaneIgnore - 1));
+         choose_plane(s, plane_argument("label.plane", text, 0, kPlaneIgnore - 1));
        },
        {},
        {}},

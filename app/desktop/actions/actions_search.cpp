@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::desktop {
@@ -65,12 +64,6 @@ void toggle_breakpoint(State& state, const Breakpoint& breakpoint) {
     all.push_back(breakpoint);
   else
     all.erase(at);
-}
-
-Breakpoint& breakpoint_at(State& state, const char* action, const std::string& text) {
-  auto& all = state.document.breakpoints;
-  const int i = whole_argument(action, text, 0, static_cast<int>(all.size()) - 1);
-  return all[static_cast<std::size_t>(i)];
 }
 
 }  // namespace
@@ -191,7 +184,7 @@ std::vector<Action> search_actions() {
        "",
        "NUMBER",
        [](State& s, const std::string& text) {
-         Breakpoint& breakpoint = breakpoint_at(s, "break.enable", text);
+         Breakpoint& breakpoint = item_argument("break.enable", text, s.document.breakpoints);
          breakpoint.enabled = !breakpoint.enabled;
        },
        {},
@@ -202,7 +195,8 @@ std::vector<Action> search_actions() {
        "",
        "NUMBER",
        [](State& s, const std::string& text) {
-         toggle_breakpoint(s, Breakpoint(breakpoint_at(s, "break.remove", text)));
+         toggle_breakpoint(s,
+                           Breakpoint(item_argument("break.remove", text, s.document.breakpoints)));
        },
        {},
        {}},

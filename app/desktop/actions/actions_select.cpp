@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::desktop {
@@ -90,10 +91,9 @@ std::vector<Action> selection_actions() {
        "Ctrl+Shift+P",
        "PLANE",
        [](State& s, const std::string& text) {
-         const std::string digits = text.starts_with("P") ? text.substr(1) : text;
          s.view.selected = {};
          s.view.selected.plane =
-             whole_argument("select.plane", digits, 1, s.run()->timeline.plane_count()) - 1;
+             plane_argument("select.plane", text, 1, s.run()->timeline.plane_count()) - 1;
        },
        has_run,
        {}},

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -13,7 +12,7 @@ void step_by(State& state, int by) {
   go_to_step(state, state.view.step + by);
 }
 
-/// The case of the node that the cursor is on, or the next it comes to looking backwards.
+/// The case of the node that was decided at the step, or else last before it.
 planes::Case case_at(const debug::Run& run, std::int32_t step) {
   for (; step > 0; --step)
     if (const planes::TraceEvent* event = run.event_at(step);

@@ -1,12 +1,14 @@
 // What is shown, and how.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <span>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/actions/arguments.hpp"
-#include "app/desktop/camera.hpp"
+#include "app/desktop/look.hpp"
+#include "app/desktop/panels.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::desktop {
@@ -52,6 +54,25 @@ Action preset(const std::string& name,
             s.view.camera = preset_camera(s.run_view()->home, which);
           },
           has_run,
+          {}};
+}
+
+Action tab_action(const std::string& name,
+                  const std::string& title,
+                  std::span<const Tab> tabs,
+                  std::string& (*shown)(ViewState&)) {
+  std::vector<std::string> names;
+  for (const Tab& tab : tabs) names.push_back(tab.name);
+  return {name,
+          title,
+          "",
+          "",
+          fmt::format("{}", fmt::join(names, "|")),
+          [name, names, shown](State& s, const std::string& text) {
+            choice_argument(name, text, names);
+            shown(s.view) = text;
+          },
+          {},
           {}};
 }
 
@@ -237,39 +258,12 @@ std::vector<Action> view_actions() {
        [](State& s, const std::string& text) { set_zoom(s, number_argument("zoom.set", text)); },
        {},
        {}},
-      {"tab.inspector",
-       "Upper right tab",
-       "",
-       "",
-       "inspector|point|bookmarks",
-       [](State& s, const std::string& text) {
-         choice_argument("tab.inspector", text, {"inspector", "point", "bookmarks"});
-         s.view.inspector_tab = text;
-       },
-       {},
-       {}},
-      {"tab.tool",
-       "Lower right tab",
-       "",
-       "",
-       "criteria|histograms|compare|fix",
-       [](State& s, const std::string& text) {
-         choice_argument("tab.tool", text, {"criteria", "histograms", "compare", "fix"});
-         s.view.tool_tab = text;
-       },
-       {},
-       {}},
-      {"tab.label",
-       "Tab of the label mode",
-       "",
-       "",
-       "planes|review|checks|statistics",
-       [](State& s, const std::string& text) {
-         choice_argument("tab.label", text, {"planes", "review", "checks", "statistics"});
-         s.view.label.tab = text;
-       },
-       {},
-       {}},
+      tab_action("tab.inspector", "Upper right tab", kInspectorTabs,
+                 [](ViewState& view) -> std::string& { return view.inspector_tab; }),
+      tab_action("tab.tool", "Lower right tab", kToolTabs,
+                 [](ViewState& view) -> std::string& { return view.tool_tab; }),
+      tab_action("tab.label", "Tab of the label mode", kLabelTabs,
+                 [](ViewState& view) -> std::string& { return view.label.tab; }),
       {"octree.search",
        "Search the octree view",
        "",

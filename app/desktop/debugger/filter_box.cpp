@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "app/desktop/ui.hpp"
+
 namespace planescope::desktop {
 namespace {
 

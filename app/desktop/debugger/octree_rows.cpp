@@ -6,7 +6,7 @@
 namespace planescope::desktop {
 namespace {
 
-/// Per node the step from which on it and all below it are settled.
+/// Per node, the step from which on it and everything below it are settled.
 std::vector<std::int32_t> settled_below(const debug::Run& run) {
   const auto decided = run.timeline.decided_at();
   std::vector<std::int32_t> settled(decided.begin(), decided.end());

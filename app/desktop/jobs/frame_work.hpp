@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/desktop/state/state.hpp"
+#include "core/debug/replay/run.hpp"
 
 namespace planescope::desktop {
 

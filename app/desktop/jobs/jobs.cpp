@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/debugger/slider_scale.hpp"
+#include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
@@ -22,10 +22,10 @@ namespace {
 // compete with a slider being dragged.
 constexpr std::chrono::milliseconds kStripDelay{300};
 
-/// What the analysis worker does: one of these at a time, the later in place of the earlier.
+/// What the analysis worker does: one of these at a time, a later one replaces an earlier one.
 enum class Analysis : std::uint8_t { none, search, check, sensitivity };
 
-/// Nodes and voxels are other ones in a world that was turned: none of them can be found again.
+/// In a world that was turned, nodes and voxels differ: none of them can be found again.
 bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }
@@ -71,7 +71,7 @@ struct Jobs::Impl {
   std::shared_ptr<const debug::Subject> subject;
   render::Camera home;
 
-  // Last: their threads use the above. One that comes to rest may be what another waits for.
+  // Last: their threads use the above. What one finishes may be what another waits for.
   Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
       analysis{[this] { wake(); }};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
@@ -112,7 +112,8 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   return view_run(std::move(run), home);
 }
 
-/// Null where these options refuse the frame, which `problems` tells: B is there all the same.
+/// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
+/// the same.
 std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
   try {
     const auto view = view_of(wanted, problems);

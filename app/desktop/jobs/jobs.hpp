@@ -26,8 +26,8 @@ class Jobs {
   void pursue(State& state);
   /// True where the state has changed.
   bool collect(State& state);
-  /// Something is under way whose result is not handed over yet; without `background`, something
-  /// else than what only fills the frame strip and sweeps the sliders.
+  /// Something is under way whose result is not handed over yet. `background`: also what only fills
+  /// the frame strip and sweeps the sliders.
   bool busy(bool background = true) const;
 
  private:

@@ -1,13 +1,43 @@
 #include "app/desktop/jobs/label_jobs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/labeling/label_marks.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::desktop {
 namespace {
+
+constexpr std::size_t kMaxBytes = 64 << 20;
+
+/// What cannot be read is refused when the frame is opened; here it is a frame with labels.
+FrameMark mark_of(const std::filesystem::path& path) {
+  FrameMark mark;
+  std::error_code gone;
+  mark.labelled = std::filesystem::exists(path, gone);
+  if (!mark.labelled) return mark;
+  try {
+    const auto bytes = read_file_bytes(path, kMaxBytes);
+    mark.reviewed = nlohmann::json::parse(bytes).value("review_state", "") == "reviewed";
+  } catch (const std::exception&) {
+  }
+  return mark;
+}
+
+/// Which frames of a recording have labels, from the label files. Long recordings have many: where
+/// it was stopped, there are fewer marks than frames.
+std::vector<FrameMark> marks_in(const std::filesystem::path& dir,
+                                int frames,
+                                const std::stop_token& stop) {
+  std::vector<FrameMark> marks;
+  for (int i = 0; i < frames && !stop.stop_requested(); ++i)
+    marks.push_back(mark_of(dir / fmt::format("{:06}.json", i)));
+  return marks;
+}
 
 std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const io::Recording> recording,
                                                    const debug::Subject& subject) {
@@ -42,7 +72,7 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
   }
 }
 
-/// A finding that is still there stays chosen; once it is mended, the next one is.
+/// A finding that is still there stays chosen; once it is mended, the next one is chosen.
 void take_audit(State& state,
                 std::shared_ptr<const Audit> audit,
                 std::vector<labels::WorkTime> work) {
@@ -125,7 +155,6 @@ void LabelJobs::pursue_review(State& state) {
   ReviewSides wanted;
   wanted.frame = label.frame;
   wanted.labels = state.labels();
-  wanted.labels_version = state.document.current()->labels->version(state.document.frame);
   wanted.folder = state.view.label.compare_with;
   if (wanted.folder.empty()) {
     if (!state.results.current) return;
@@ -163,18 +192,15 @@ void LabelJobs::pursue_audit(State& state) {
   if (labels == audited_ && (auditing_ || state.results.label.audit)) return;
   audited_ = labels;
   auditing_ = true;
-  const labels::LabelStore& store = *state.document.current()->labels;
-  audits_.replace([this, labels, frame = state.results.label.frame, dir = store.dir(),
-                   version = store.version(state.document.frame)](std::stop_token) {
+  audits_.replace([this, labels, frame = state.results.label.frame,
+                   dir = state.document.current()->labels->dir()](std::stop_token) {
     auto audit = std::make_shared<Audit>();
-    audit->labels_version = version;
     audit->findings = labels::audit_labels(*labels, frame->grid);
-    audit->statistics = labels::statistics_of(*labels, frame->grid);
     std::vector<labels::WorkTime> work;
     try {
       work = labels::work_times(dir);
     } catch (const Error&) {
-      // A journal that cannot be read is told of where the store is opened.
+      // A journal that cannot be read is reported where the store is opened.
     }
     deliver_([this, labels, audit, work = std::move(work)](State& s) {
       if (labels != audited_) return;
@@ -196,6 +222,85 @@ void LabelJobs::pursue(State& state) {
 
 bool LabelJobs::busy() const {
   return frames_.busy() || marks_.busy() || reviews_.busy() || audits_.busy() || carries_.busy();
+}
+
+// ---- Labels on their way to the next frame -----------------------------------------------------
+
+void LabelJobs::stop_unwanted_carry(const State& state) {
+  const CarryJob& carry = state.results.label.carry;
+  if (!carrying_ || (carry.running && carry.begun && state.view.mode == Mode::labels)) return;
+  carries_.cancel();
+  carrying_ = false;
+  ++carry_number_;
+}
+
+void LabelJobs::pursue_carry(State& state) {
+  CarryJob& carry = state.results.label.carry;
+  if (!carry.running || carry.begun) return;
+  const std::string& refusal =
+      state.results.refusal.empty() ? state.results.label.refusal : state.results.refusal;
+  if (!state.results.loading && !frames_.busy() && !refusal.empty()) {
+    carry = {};
+    return say(state, refusal, true);
+  }
+  if (!state.labels()) return;  // being made
+  carry.begun = carrying_ = true;
+  const int number = ++carry_number_;
+  carries_.replace([this, number, from = carry.from_frame, labels = carry.from_labels,
+                    to = state.results.label.frame,
+                    existing = state.labels()](std::stop_token stop) {
+    int percent = 0;
+    const auto tell = [&](double share) {
+      if (static_cast<int>(100 * share) <= percent) return;
+      percent = static_cast<int>(100 * share);
+      deliver_([this, number, share](State& s) {
+        if (number == carry_number_) s.results.label.carry.progress = share;
+      });
+    };
+    try {
+      const auto carried = std::make_shared<const labels::CarriedLabels>(labels::carry_labels(
+          from->recording->frame(from->frame), from->grid, *labels, to->recording->frame(to->frame),
+          to->grid, *existing, {}, stop, tell));
+      deliver_([this, number, existing, carried](State& s) {
+        deliver_carried(s, number, existing, carried);
+      });
+    } catch (const Cancelled&) {
+      // Whoever cancelled it has said so.
+    } catch (const std::exception& error) {
+      deliver_([this, number, message = std::string(error.what())](State& s) {
+        if (number != carry_number_) return;
+        carrying_ = false;
+        s.results.label.carry = {};
+        say(s, message, true);
+      });
+    }
+  });
+}
+
+void LabelJobs::deliver_carried(State& state,
+                                int number,
+                                const std::shared_ptr<const FrameLabels>& existing,
+                                const std::shared_ptr<const labels::CarriedLabels>& carried) {
+  CarryJob& carry = state.results.label.carry;
+  if (number != carry_number_ || !carry.running) return;
+  carrying_ = false;
+  if (state.labels() != existing) {  // labelled meanwhile: once more, around that
+    carry.begun = false;
+    return;
+  }
+  const int from = carry.from;
+  carry = {};
+  try {
+    commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
+  } catch (const std::exception& error) {
+    return say(state, error.what(), true);
+  }
+  carry.from = from;
+  carry.done = carried;
+  const auto doubtful = std::ranges::count(carried->doubt, std::uint8_t{1});
+  say(state,
+      fmt::format("{} planes carried from frame {} by {}, {} pixels in doubt are left to you",
+                  carried->planes.size(), from, carried->method, doubtful));
 }
 
 }  // namespace planescope::desktop

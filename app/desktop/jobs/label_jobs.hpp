@@ -8,7 +8,7 @@
 #include <string>
 
 #include "app/desktop/jobs/worker.hpp"
-#include "app/desktop/labeling/label_review.hpp"
+#include "app/desktop/labeling/review.hpp"
 #include "app/desktop/state/state.hpp"
 
 namespace planescope::desktop {

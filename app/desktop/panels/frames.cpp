@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/toolbar.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -22,9 +23,8 @@ void draw_recordings(const Ui& ui) {
       ui.emit("recording.show", std::to_string(i));
     ImGui::PopID();
     ui.name(fmt::format("recording.{}", i));
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s\n%s, %d frames", open.path.string().c_str(),
-                        open.recording->info().format.c_str(), open.recording->frame_count());
+    tooltip(fmt::format("{}\n{}, {} frames", open.path.string(), open.recording->info().format,
+                        open.recording->frame_count()));
   }
   action_button(ui, "recording.open", "open …");
 }
@@ -52,8 +52,23 @@ std::uint64_t version_of(const Image8& image) {
   return hash;
 }
 
+constexpr ImU32 kFlagGround = IM_COL32(16, 18, 22, 215);
+
+/// A few words on a thumbnail with a coloured edge on the left; `corner` is the upper right one.
+WidgetRect draw_flag(
+    const Ui& ui, ImVec2 corner, const std::string& text, ImU32 edge, float indent) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 from(corner.x - size.x - ui.px(3) - indent, corner.y);
+  const ImVec2 to(corner.x, from.y + size.y + ui.px(4));
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(from, to, kFlagGround, ui.px(3));
+  draw->AddRectFilled(from, ImVec2(from.x + ui.px(3), to.y), edge, ui.px(3));
+  draw->AddText(ImVec2(from.x + indent, from.y + ui.px(2)), IM_COL32_WHITE, text.c_str());
+  return {from, to};
+}
+
 /// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
-void draw_badge(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
+void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
   std::string text = fmt::format("{} planes", thumbnail.planes);
   ImU32 color = ui.colors.muted;
   if (!thumbnail.refusal.empty()) {
@@ -67,13 +82,7 @@ void draw_badge(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
             : 2 * found >= total ? ui.colors.warning
                                  : ui.colors.bad;
   }
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  const ImVec2 from(corner.x - size.x - ui.px(12), corner.y + ui.px(4));
-  const ImVec2 to(corner.x - ui.px(4), from.y + size.y + ui.px(4));
-  ImDrawList* draw = ImGui::GetWindowDrawList();
-  draw->AddRectFilled(from, to, IM_COL32(16, 18, 22, 215), ui.px(3));
-  draw->AddRectFilled(from, ImVec2(from.x + ui.px(3), to.y), color, ui.px(3));
-  draw->AddText(ImVec2(from.x + ui.px(5), from.y + ui.px(2)), IM_COL32_WHITE, text.c_str());
+  draw_flag(ui, ImVec2(corner.x - ui.px(4), corner.y + ui.px(4)), text, color, ui.px(5));
 }
 
 void tell(const Thumbnail& thumbnail, int frame) {
@@ -124,14 +133,10 @@ void draw_label_mark(const Ui& ui, int frame, ImVec2 corner) {
   if (!mark.labelled && !mark.unsaved) return;
   const std::string text =
       std::string(mark.reviewed ? "reviewed" : "labels") + (mark.unsaved ? " *" : "");
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  const ImVec2 from(corner.x - size.x - ui.px(13), corner.y - size.y - ui.px(8));
-  const ImVec2 to(corner.x - ui.px(4), corner.y - ui.px(4));
-  ImDrawList* draw = ImGui::GetWindowDrawList();
-  draw->AddRectFilled(from, to, IM_COL32(16, 18, 22, 215), ui.px(3));
-  draw->AddRectFilled(from, ImVec2(from.x + ui.px(3), to.y),
-                      mark.reviewed ? ui.colors.good : ui.colors.accent, ui.px(3));
-  draw->AddText(ImVec2(from.x + ui.px(6), from.y + ui.px(2)), IM_COL32_WHITE, text.c_str());
+  const float height = ImGui::GetTextLineHeight() + ui.px(4);
+  const auto [from, to] =
+      draw_flag(ui, ImVec2(corner.x - ui.px(4), corner.y - ui.px(4) - height), text,
+                mark.reviewed ? ui.colors.good : ui.colors.accent, ui.px(6));
   ui.name(fmt::format("frame.{}.labels", frame), from, to);
 }
 
@@ -159,14 +164,14 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
     const ImVec2 from(at.x + (size.x - w) / 2, at.y + (size.y - h) / 2);
     draw->AddImage(reinterpret_cast<ImTextureID>(texture), from, ImVec2(from.x + w, from.y + h));
   }
-  if (thumbnail.ready) draw_badge(ui, thumbnail, ImVec2(end.x, at.y));
+  if (thumbnail.ready) draw_outcome(ui, thumbnail, ImVec2(end.x, at.y));
   draw_label_mark(ui, frame, end);
   const std::string number = std::to_string(frame);
   const ImVec2 extent = ImGui::CalcTextSize(number.c_str());
   const ImVec2 foot(at.x + ui.px(4), end.y - extent.y - ui.px(5));
   draw->AddRectFilled(ImVec2(foot.x - ui.px(1), foot.y - ui.px(1)),
-                      ImVec2(foot.x + extent.x + ui.px(5), end.y - ui.px(3)),
-                      IM_COL32(16, 18, 22, 215), ui.px(3));
+                      ImVec2(foot.x + extent.x + ui.px(5), end.y - ui.px(3)), kFlagGround,
+                      ui.px(3));
   draw->AddText(ImVec2(foot.x + ui.px(2), foot.y), IM_COL32_WHITE, number.c_str());
   if (frame == ui.state.document.frame)
     draw->AddRect(at, end, ui.colors.accent, ui.px(3), 0, ui.px(2.5f));

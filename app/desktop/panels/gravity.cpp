@@ -1,9 +1,8 @@
-// Where gravity is from, and clicks that say where things fall.
+// Where gravity is from, and the clicks that pick it.
 
 #include <fmt/format.h>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/toolbar.hpp"
 #include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {

@@ -60,7 +60,7 @@ std::vector<Column> columns(Mode mode) {
   return columns;
 }
 
-/// Of the widest text among those of a column's actions.
+/// The width of the widest text of a column's actions.
 template <typename TextOf>
 float widest(const Column& column, const TextOf& text_of) {
   float width = 0;
@@ -72,8 +72,7 @@ float widest(const Column& column, const TextOf& text_of) {
 
 void draw_column(const Ui& ui, const Column& column, float title_at) {
   for (const Section& section : column) {
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.accent), "%s",
-                       section.menu.c_str());
+    colored(ui.colors.accent, section.menu);
     for (const Action* action : section.actions) {
       ImGui::TextUnformatted(key_here(*action, ui.state.view.mode).c_str());
       ImGui::SameLine(title_at);  // from the group's left

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <map>
 
 #include "app/desktop/panels.hpp"
+#include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -33,10 +35,9 @@ void draw_menu(const Ui& ui) {
       if (action.menu != menu || !fits(action, ui.state.view.mode)) continue;
       if (!group.empty() && group != group_of(action)) ImGui::Separator();
       group = group_of(action);
-      const bool enabled = !action.enabled || action.enabled(ui.state);
-      const bool checked = action.checked && action.checked(ui.state);
       std::string key = action.keys.substr(0, action.keys.find(' '));
-      if (ImGui::MenuItem(action.title.c_str(), key.c_str(), checked, enabled))
+      if (ImGui::MenuItem(action.title.c_str(), key.c_str(), action.is_on(ui.state),
+                          action.can_run(ui.state)))
         ui.emit(action.name);
       ui.name("menu." + action.name);
     }

@@ -3,12 +3,19 @@
 #include <algorithm>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/widgets.hpp"
+#include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 constexpr int kMostShown = 14;
+
+/// "Ctrl+Shift+Z / Ctrl+Y": all keys of an action.
+std::string keys_text(const Action& action) {
+  std::string text;
+  for (const char c : action.keys) text += c == ' ' ? std::string(" / ") : std::string(1, c);
+  return text;
+}
 
 void close(const Ui& ui) {
   ui.memory.palette_text.clear();
@@ -69,8 +76,8 @@ void draw_palette(const Ui& ui) {
   const Action* chosen = nullptr;
   for (int i = 0; i < shown; ++i) {
     const Action& action = *found[static_cast<std::size_t>(i)];
-    const bool enabled = !action.enabled || action.enabled(ui.state);
-    ImGui::PushStyleColor(ImGuiCol_Text, enabled ? ui.colors.text : ui.colors.muted);
+    const ImU32 color = action.can_run(ui.state) ? ui.colors.text : ui.colors.muted;
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
     if (ImGui::Selectable((action.title + "##" + action.name).c_str(), i == memory.palette_index))
       chosen = &action;
     ui.name("palette." + action.name);

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -87,16 +90,14 @@ void draw_status(const Ui& ui) {
     ImGui::PushStyleColor(ImGuiCol_Text,
                           state.view.message_is_error ? ui.colors.bad : ui.colors.accent);
     ImGui::TextUnformatted(message.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", message.c_str());
+    tooltip(message);
     ui.name("status.message");
     ImGui::PopStyleColor();
     ImGui::PopClipRect();
   }
   ImGui::SameLine(std::max(at, ui.px(8)));
   const bool barred = state.view.mode == Mode::labels && labels_are_barred(state);
-  ImGui::PushStyleColor(ImGuiCol_Text, barred ? ui.colors.bad : ui.colors.text);
-  ImGui::TextUnformatted(right.c_str());
-  ImGui::PopStyleColor();
+  colored(barred ? ui.colors.bad : ui.colors.text, right);
   ui.name("status.right");
 }
 

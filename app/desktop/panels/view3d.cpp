@@ -2,12 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
-#include "app/desktop/camera.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
-#include "app/desktop/toolbar.hpp"
+#include "app/desktop/views.hpp"
 #include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
@@ -28,8 +25,7 @@ void draw_tools(const Ui& ui) {
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open && ImGui::IsItemHovered())
-    ImGui::SetTooltip("what colours tell apart   1 to 6\nh, v: horizontal, vertical");
+  if (!open) tooltip("what colours tell apart   1 to 6\nh, v: horizontal, vertical");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -41,28 +37,22 @@ void draw_tools(const Ui& ui) {
       {"show.queue", "queue"}, {"show.settled", "boxes"}, {"show.planes", "planes"},
       {"camera.home", "home"}, {"camera.node", "node"},   {"camera.top", "top"},
       {"camera.side", "side"}, {"camera.front", "front"}};
-  const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   for (const auto& [action, label] : kButtons) {
-    const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
-    if (ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + width > end) break;
-    ImGui::SameLine();
+    if (!same_line_if_room(button_width(label), ImGui::GetStyle().ItemSpacing.x)) break;
     action_button(ui, action, label);
   }
 }
 
-void move_camera(const Ui& ui, float height) {
+void move_camera(const Ui& ui, int height) {
   const ImGuiIO& io = ImGui::GetIO();
   const bool pan = ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2) || io.KeyShift;
-  const ImVec2 moved = io.MouseDelta;
-  if (ImGui::IsItemActive() && (moved.x != 0 || moved.y != 0)) {
+  if (ImGui::IsItemActive() && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
     if (pan)
-      ui.emit("camera.pan", fmt::format("{:.6g},{:.6g}", -moved.x / height, moved.y / height));
+      pan_scene(ui, height);
     else if (was_dragged())
-      ui.emit("camera.orbit",
-              fmt::format("{:.6g},{:.6g}", 250 * moved.x / height, 250 * moved.y / height));
+      orbit_scene(ui, height);
   }
-  if (ImGui::IsItemHovered() && io.MouseWheel != 0)
-    ui.emit("camera.zoom", fmt::format("{:.6g}", std::pow(1.15, io.MouseWheel)));
+  zoom_scene(ui);
 }
 
 void select(const Ui& ui, const render::Picked& what) {
@@ -102,31 +92,20 @@ void draw_view3d(const Ui& ui) {
   draw_tools(ui);
   if (!ui.state.run()) return draw_absence(ui);
   if (ui.state.run()->subject->frame.is_cloud()) draw_gravity_line(ui);
-  const ImVec2 room = ImGui::GetContentRegionAvail();
-  const int width = static_cast<int>(room.x), height = static_cast<int>(room.y);
-  if (width < 16 || height < 16) return;
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const auto w = static_cast<float>(width), h = static_cast<float>(height);
-  if (ui.canvas) {
-    const TextureId texture = ui.canvas->scene(ui.state.run_view()->run, look_of(ui.state),
-                                               fitted(camera_of(ui.state), w / h), width, height);
-    // Row 0 of the texture is at the bottom.
-    ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), at,
-                                         ImVec2(at.x + w, at.y + h), ImVec2(0, 1), ImVec2(1, 0));
-  }
-  ImGui::InvisibleButton("scene", ImVec2(w, h),
-                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
-                             ImGuiButtonFlags_MouseButtonMiddle);
-  ui.name("view3d");
-  move_camera(ui, h);
+  const auto placed =
+      draw_scene_room(ui, [&](Canvas& canvas, const render::Camera& camera, int width, int height) {
+        return canvas.scene(ui.state.run_view()->run, look_of(ui.state), camera, width, height);
+      });
+  if (!placed) return;
+  move_camera(ui, placed->height);
   if (ui.canvas && ImGui::IsItemHovered()) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
     const bool clicked = ImGui::IsMouseReleased(0) && !was_dragged();
     const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
     if (!pressed && (clicked || !playing)) {
-      const render::Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - at.x),
-                                                  static_cast<int>(io.MousePos.y - at.y));
+      const render::Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - placed->min.x),
+                                                  static_cast<int>(io.MousePos.y - placed->min.y));
       if (clicked)
         select(ui, what);
       else
@@ -136,7 +115,7 @@ void draw_view3d(const Ui& ui) {
   }
   if (ui.state.view.flash) {
     ImDrawList* draw = ImGui::GetWindowDrawList();
-    const ImVec2 corner(at.x + w - ui.px(34), at.y + ui.px(8));
+    const ImVec2 corner(placed->max.x - ui.px(34), placed->min.y + ui.px(8));
     draw->AddRectFilled(corner, ImVec2(corner.x + ui.px(26), corner.y + ui.px(24)),
                         ui.colors.accent, ui.px(4));
     draw->AddText(ui.bold, ui.px(18), ImVec2(corner.x + ui.px(7), corner.y + ui.px(2)),

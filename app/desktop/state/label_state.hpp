@@ -37,10 +37,9 @@ struct LabelFrame {
 
 /// Labels and algorithm side by side, of one version of both.
 struct ReviewQueue {
-  std::uint64_t labels_version = 0;
-  std::shared_ptr<const FrameLabels> labels;  // the version's own
-  std::shared_ptr<const debug::Run> run;      // null: with another annotator
-  std::string other;                          // "refined", or the folder of another annotator
+  std::shared_ptr<const FrameLabels> labels;
+  std::shared_ptr<const debug::Run> run;  // null: with another annotator
+  std::string other;                      // "refined", or the folder of another annotator
   std::shared_ptr<const labels::OtherLabels> other_labels;
   std::vector<labels::Disagreement> items;     // undecided first, then by area
   std::optional<labels::Agreement> agreement;  // with another annotator
@@ -52,10 +51,9 @@ struct ReviewQueue {
   }
 };
 
+/// What looks wrong in the labels of a frame.
 struct Audit {
-  std::uint64_t labels_version = 0;
   std::vector<labels::Finding> findings;
-  labels::LabelStatistics statistics;
 };
 
 /// Labels being carried to the frame looked at.

@@ -22,9 +22,9 @@ struct ReportLink {
 
 /// Options of the report become those of run B, of its baseline those of run A. The recording is
 /// looked for among those open, as it was typed, beside the report, and from its folder and those
-/// above on: the first whose frame has the same SHA-256. A damaged frame of it stops nobody from
-/// seeing the others. Throws Error that names the file and what is wrong, the state unchanged: a
-/// place that the report does not have, a recording or weights that are others.
+/// above on: the first whose frame has the same SHA-256. A damaged frame does not keep the
+/// others from being shown. Throws Error that names the file and what is wrong, the state
+/// unchanged: a place that the report does not have, a recording or weights that are others.
 void open_report(State& state, const ReportLink& link);
 
 }  // namespace planescope::desktop

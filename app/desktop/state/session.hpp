@@ -1,14 +1,20 @@
 #pragma once
 
-// Session files: JSON that brings the view back on another machine. Recording by path and hash,
-// options, cursor, camera, filter, breakpoints, bookmarks. Schema planescope.session/1.
+// What of the state is kept in files, as JSON: sessions, and what the window remembers.
 
+#include <exception>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "app/desktop/state/state.hpp"
 
 namespace planescope::desktop {
+
+// ---- Sessions ----------------------------------------------------------------------------------
+
+// A session brings the view back on another machine. Recording by path and hash, options, cursor,
+// camera, filter, breakpoints, bookmarks. Schema planescope.session/1.
 
 /// Throws Error where the file cannot be written; a file that was there stays as it was then.
 void save_session(const State& state, const std::filesystem::path& path);
@@ -21,5 +27,29 @@ void open_session(State& state, const std::string& where);
 /// Shows the frame of a recording that was reopened, in place of what was open of it. Earlier
 /// results are dropped.
 void take_recording(State& state, OpenRecording taken, int frame);
+
+/// What one of nlohmann's exceptions says, without the library's name and number for it.
+std::string json_problem(const std::exception& problem);
+
+// ---- Settings ----------------------------------------------------------------------------------
+
+/// What the window remembers from one time to the next.
+struct Settings {
+  int width = 1440, height = 900;  // of the window [px]
+  bool maximized = false;
+  std::filesystem::path last_recording;  // empty: none yet
+  int last_frame = 0;
+  std::optional<render::Camera> camera;  // on that recording
+  ViewState view;                        // panels, colours, theme, layout
+};
+
+/// $XDG_STATE_HOME/planescope/desktop.json; ~/.local/state where that is not set.
+std::filesystem::path settings_path();
+
+/// Settings that are missing, damaged or of another version are ignored: a window opens in any
+/// case.
+Settings load_settings();
+/// Does nothing where the folder cannot be written to.
+void save_settings(const Settings& settings);
 
 }  // namespace planescope::desktop

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -72,9 +73,8 @@ struct Document {
   int labels_version = 0;             // ... and as the debugger's ground truth was read
   std::filesystem::path session;      // the file that it was read from or written to last
 
-  const OpenRecording* current() const {
-    return recording >= 0 ? &recordings[static_cast<std::size_t>(recording)] : nullptr;
-  }
+  const OpenRecording* current() const;
+  OpenRecording* current();
 };
 
 // ---- Results -----------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ struct Search {
   std::vector<std::int32_t> matches;    // steps of the run shown
 };
 
-/// What a histogram or a slider is being dragged to, and such: lives for a gesture.
+/// Going through the trace by itself.
 struct Playing {
   int direction = 0;  // 0: stands still
   double steps_per_s = 60;
@@ -224,28 +224,23 @@ struct State {
   std::vector<OptionChange> undo, redo;
 
   /// The run that is looked at: B, or A while it is flashed. Null before the first.
-  const debug::Run* run() const {
-    const RunView* shown = run_view();
-    return shown ? shown->run.get() : nullptr;
-  }
-  const RunView* run_view() const {
-    return view.flash && results.pinned ? results.pinned.get() : results.current.get();
-  }
+  const debug::Run* run() const;
+  const RunView* run_view() const;
   /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
-  const LabelFrame* label_frame() const {
-    const LabelFrame* made = results.label.frame.get();
-    const OpenRecording* open = document.current();
-    return made && open && made->recording == open->recording && made->frame == document.frame
-               ? made
-               : nullptr;
-  }
+  const LabelFrame* label_frame() const;
   /// Its labels; null where label_frame() is.
-  std::shared_ptr<const FrameLabels> labels() const {
-    const OpenRecording* open = document.current();
-    return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
-  }
+  std::shared_ptr<const FrameLabels> labels() const;
   /// The event that led to the cursor; null at step 0.
-  const planes::TraceEvent* event() const { return run() ? run()->event_at(view.step) : nullptr; }
+  const planes::TraceEvent* event() const;
 };
+
+// ---- In plain facts, for scripts that expect something and for whoever waits for the window
+// ------
+
+/// {"recording", "frame", "step", "steps", "event", "node", "case", "planes", "matches", ...}; what
+/// docs/desktop.md lists.
+nlohmann::ordered_json state_facts(const State& state, bool idle);
+/// The same as text for a file. Bytes that are no UTF-8, of a path for instance, are replaced.
+std::string state_text(const State& state, bool idle);
 
 }  // namespace planescope::desktop

@@ -1,13 +1,14 @@
-// A/B: where two runs part, and what comes of it.
+// A/B: where two runs diverge, and what comes of it.
 
 #include "core/debug/explain/compare.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -23,7 +24,7 @@ void draw_controls(const Ui& ui) {
   same_line_if_fits("Showing A");
   if (button(ui, state.view.flash ? "Showing A" : "Showing B", "compare.flash", pinned))
     ui.emit("run.flash");
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shows the other run in all views   Space");
+  tooltip("Shows the other run in all views   Space");
   same_line_if_fits("Back to A's options");
   if (button(ui, "Back to A's options", "compare.restore", pinned)) ui.emit("run.restore");
 
@@ -51,7 +52,7 @@ void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
     if (before == after) continue;
     any = true;
     ImGui::TextUnformatted(info.name.c_str());
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", info.meaning.c_str());
+    tooltip(info.meaning);
     ImGui::SameLine(ui.px(180));
     ImGui::TextDisabled("%s", before.c_str());
     ImGui::SameLine();
@@ -62,17 +63,14 @@ void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
 
 void score_row(const Ui& ui, const char* name, const RunView& view, const RunView* before) {
   ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::TextUnformatted(name);
+  cell(name);
   ImGui::TableNextColumn();
   ImGui::Text("%zu", view.run->segmentation.planes.size());
   if (!view.score) return;  // no ground truth, no more columns
   const debug::QuickScore& score = *view.score;
   const int gain = before && before->score ? score.detected - before->score->detected : 0;
-  const ImU32 color = gain > 0 ? ui.colors.good : gain < 0 ? ui.colors.bad : ui.colors.text;
   ImGui::TableNextColumn();
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color), "%d of %zu", score.detected,
-                     score.planes.size());
+  colored(gain_color(ui, gain), fmt::format("{} of {}", score.detected, score.planes.size()));
   ImGui::TableNextColumn();
   ImGui::Text("%.3f", score.mean_iou);
   ImGui::TableNextColumn();
@@ -136,8 +134,7 @@ void draw_planes(const Ui& ui,
     if (a) {
       plane_cell(ui, *a, pair.a, flash, fmt::format("compare.plane.{}.a", i));
     } else {
-      ImGui::TableNextColumn();
-      ImGui::TextUnformatted(pair.a > 0 ? std::to_string(pair.a).c_str() : "–");
+      cell(pair.a > 0 ? std::to_string(pair.a) : "–");
     }
     plane_cell(ui, b, pair.b, !flash, fmt::format("compare.plane.{}.b", i));
     ImGui::TableNextColumn();

@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "app/desktop/debugger/slider_scale.hpp"
-#include "app/desktop/math_text.hpp"
+#include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -20,7 +19,7 @@ struct Row {
   std::string widget;
 };
 
-/// As an engineer writes it; shares and cosines have none.
+/// The unit as an engineer writes it; shares and cosines have none.
 std::string unit_text(const std::string& unit) {
   if (unit == "m2") return "m²";
   if (unit == "deg") return "°";
@@ -160,7 +159,7 @@ void draw_other(const Ui& ui, const Row& row) {
       }
     }
   }
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", info.meaning.c_str());
+  tooltip(info.meaning);
   draw_reset(ui, row);
 }
 

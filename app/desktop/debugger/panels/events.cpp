@@ -5,13 +5,198 @@
 #include <algorithm>
 
 #include "app/desktop/debugger/filter_box.hpp"
-#include "app/desktop/debugger/panels/breakpoints.hpp"
-#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
+
+// ---- Breakpoints -------------------------------------------------------------------------------
+
+/// Where running stops, for rows of events: filters made once per frame.
+class BreakpointMarks {
+ public:
+  explicit BreakpointMarks(const Document& document) {
+    debug::FilterProblem problem;
+    for (const Breakpoint& breakpoint : document.breakpoints)
+      if (auto filter = debug::Filter::parse(filter_of(breakpoint), problem))
+        stops_.push_back({std::move(*filter), breakpoint.enabled});
+  }
+  enum class Mark { none, off, on };
+  Mark of(const debug::Run& run, std::int32_t step) const {
+    Mark mark = Mark::none;
+    for (const Stop& stop : stops_) {
+      if (mark == Mark::on || (mark == Mark::off && !stop.enabled)) continue;
+      if (stop.filter.matches(run, step)) mark = stop.enabled ? Mark::on : Mark::off;
+    }
+    return mark;
+  }
+
+ private:
+  struct Stop {
+    debug::Filter filter;
+    bool enabled;
+  };
+  std::vector<Stop> stops_;
+};
+
+std::string title_of(const Breakpoint& breakpoint) {
+  switch (breakpoint.kind) {
+    case Breakpoint::Kind::filter:
+      return breakpoint.filter;
+    case Breakpoint::Kind::node:
+      return fmt::format("node {}", breakpoint.index);
+    case Breakpoint::Kind::point:
+      return fmt::format("point {}", breakpoint.index);
+  }
+  return {};
+}
+
+/// A breakpoint's dot about a point of the window.
+void draw_breakpoint_dot(const Ui& ui, ImVec2 centre, BreakpointMarks::Mark mark) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float radius = ui.px(4.5f);
+  if (mark == BreakpointMarks::Mark::on) draw->AddCircleFilled(centre, radius, ui.colors.bad, 16);
+  if (mark == BreakpointMarks::Mark::off)
+    draw->AddCircle(centre, radius, ui.colors.muted, 16, ui.px(1.2f));
+}
+
+/// Each breakpoint with a switch and a cross, in one line.
+void draw_breakpoints(const Ui& ui) {
+  const auto& all = ui.state.document.breakpoints;
+  const float line = ImGui::GetTextLineHeight();
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string title = title_of(all[i]);
+    const std::string widget = fmt::format("events.breakpoint.{}", i);
+    const float width = ImGui::CalcTextSize(title.c_str()).x + 2.4f * line;
+    if (i > 0) {
+      ImGui::SameLine(0, ui.px(10));
+      if (ImGui::GetCursorScreenPos().x + width > right) ImGui::NewLine();
+    }
+    ImGui::PushID(static_cast<int>(i));
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    if (ImGui::InvisibleButton("##switch", ImVec2(line, line)))
+      ui.emit("break.enable", std::to_string(i));
+    ui.name(widget);
+    tooltip(all[i].enabled ? "Switch this breakpoint off" : "Switch it on");
+    draw_breakpoint_dot(ui, ImVec2(at.x + line / 2, at.y + line / 2),
+                        all[i].enabled ? BreakpointMarks::Mark::on : BreakpointMarks::Mark::off);
+    ImGui::SameLine(0, ui.px(2));
+    if (all[i].enabled)
+      ImGui::TextUnformatted(title.c_str());
+    else
+      ImGui::TextDisabled("%s", title.c_str());
+    ImGui::SameLine(0, ui.px(2));
+    const ImVec2 cross = ImGui::GetCursorScreenPos();
+    if (ImGui::InvisibleButton("##remove", ImVec2(line, line)))
+      ui.emit("break.remove", std::to_string(i));
+    ui.name(widget + ".remove");
+    ImGui::GetWindowDrawList()->AddText(ImVec2(cross.x + ui.px(2), cross.y),
+                                        ImGui::IsItemHovered() ? ui.colors.bad : ui.colors.muted,
+                                        "✗");
+    tooltip("Remove this breakpoint");
+    ImGui::PopID();
+  }
+}
+
+/// Sets or removes a breakpoint on what the event is about.
+void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
+  if (event.node >= 0) {
+    ui.emit("select.node", std::to_string(event.node));
+    ui.emit("break.node");
+  } else if (event.point >= 0) {
+    ui.emit("select.voxel", std::to_string(event.point));
+    ui.emit("break.point");
+  } else {
+    ui.emit("break.on", "plane==" + debug::plane_name(event.plane));
+  }
+}
+
+// ---- The filter --------------------------------------------------------------------------------
+
+bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
+
+/// 12 345
+std::string thousands(std::size_t number) {
+  if (number < 1000) return std::to_string(number);
+  return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
+}
+
+/// One line: what is wrong with the filter, or how much it finds.
+void draw_findings(const Ui& ui, const debug::Run& run) {
+  const Search& search = ui.state.view.search;
+  if (!search.problem.message.empty()) {
+    colored(ui.colors.bad, search.problem.message);
+  } else if (!search.filter) {
+    ImGui::TextDisabled("%s events", thousands(run.trace.events.size()).c_str());
+  } else {
+    const auto& matches = search.matches;
+    const auto at = std::lower_bound(matches.begin(), matches.end(), ui.state.view.step);
+    const bool on_one = at != matches.end() && *at == ui.state.view.step;
+    const auto number = static_cast<std::size_t>(at - matches.begin()) + 1;
+    const std::string place = on_one ? fmt::format("{} of ", thousands(number)) : std::string();
+    ImGui::TextDisabled("%s%s matches among %s events", place.c_str(),
+                        thousands(matches.size()).c_str(),
+                        thousands(run.trace.events.size()).c_str());
+  }
+  ui.name("events.findings");
+}
+
+bool tool(const Ui& ui, const char* label, const char* widget, const char* help, bool pressed) {
+  if (pressed)
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  const bool clicked = ImGui::Button(label);
+  if (pressed) ImGui::PopStyleColor();
+  ui.name(widget);
+  tooltip(help);
+  return clicked;
+}
+
+void draw_search(const Ui& ui) {
+  const ViewState& view = ui.state.view;
+  const float gap = ui.px(3);
+  float tools = gap;
+  for (const char* label : {"◀", "▶", "only", "●"}) tools += button_width(label) + gap;
+  draw_filter_box(ui,
+                  {.widget = "events.filter",
+                   .hint = "filter: case==III && depth>=5",
+                   .text = view.search.text,
+                   .problem = &view.search.problem,
+                   .action = "filter.set",
+                   .on_enter = "filter.next"},
+                  std::max(ui.px(80), ImGui::GetContentRegionAvail().x - tools));
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "◀", "events.previous", "Previous match (Shift+N)", false))
+    ui.emit("filter.previous");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.emit("filter.next");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "only", "events.only", "Show matching events only (Ctrl+Shift+F)",
+           view.only_matches))
+    ui.emit("filter.only");
+  ImGui::SameLine(0, gap);
+  if (tool(ui, "●", "events.break", "Breakpoint on this filter (Shift+F9)", false))
+    ui.emit("break.filter");
+}
+
+// ---- The list ----------------------------------------------------------------------------------
+
+/// Places of a row's parts, from its left.
+struct Columns {
+  float dot, step_right, sign, text;
+};
+
+Columns columns_of(const Ui& ui, const debug::Run& run) {
+  const float line = ImGui::GetTextLineHeight();
+  const float step = ImGui::CalcTextSize(std::to_string(run.steps()).c_str()).x;
+  Columns columns{};
+  columns.dot = line * 0.6f;
+  columns.step_right = line * 1.2f + std::max(step, 2 * line);
+  columns.sign = columns.step_right + ui.px(8);
+  columns.text = columns.sign + line * 1.5f + ui.px(8);
+  return columns;
+}
 
 /// A sign for a kind of event; decisions have their case's badge instead.
 std::string sign_of(const planes::TraceEvent& event) {
@@ -37,91 +222,6 @@ std::string sign_of(const planes::TraceEvent& event) {
       return "↩";
   }
   return {};
-}
-
-bool shows_matches_only(const ViewState& view) { return view.only_matches && view.search.filter; }
-
-/// 12 345
-std::string thousands(std::size_t number) {
-  if (number < 1000) return std::to_string(number);
-  return fmt::format("{} {:03}", thousands(number / 1000), number % 1000);
-}
-
-/// One line: what is wrong with the filter, or how much it finds.
-void draw_findings(const Ui& ui, const debug::Run& run) {
-  const Search& search = ui.state.view.search;
-  if (!search.problem.message.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
-    ImGui::TextUnformatted(search.problem.message.c_str());
-    ImGui::PopStyleColor();
-  } else if (!search.filter) {
-    ImGui::TextDisabled("%s events", thousands(run.trace.events.size()).c_str());
-  } else {
-    const auto& matches = search.matches;
-    const auto at = std::lower_bound(matches.begin(), matches.end(), ui.state.view.step);
-    const bool on_one = at != matches.end() && *at == ui.state.view.step;
-    const auto number = static_cast<std::size_t>(at - matches.begin()) + 1;
-    const std::string place = on_one ? fmt::format("{} of ", thousands(number)) : std::string();
-    ImGui::TextDisabled("%s%s matches among %s events", place.c_str(),
-                        thousands(matches.size()).c_str(),
-                        thousands(run.trace.events.size()).c_str());
-  }
-  ui.name("events.findings");
-}
-
-bool tool(const Ui& ui, const char* label, const char* widget, const char* help, bool pressed) {
-  if (pressed)
-    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-  const bool clicked = ImGui::Button(label);
-  if (pressed) ImGui::PopStyleColor();
-  ui.name(widget);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", help);
-  return clicked;
-}
-
-void draw_search(const Ui& ui) {
-  const ViewState& view = ui.state.view;
-  const float gap = ui.px(3);
-  const auto width_of = [&](const char* label) {
-    return ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x + gap;
-  };
-  const float tools = width_of("◀") + width_of("▶") + width_of("only") + width_of("●") + gap;
-  draw_filter_box(ui,
-                  {.widget = "events.filter",
-                   .hint = "filter: case==III && depth>=5",
-                   .text = view.search.text,
-                   .problem = &view.search.problem,
-                   .action = "filter.set",
-                   .on_enter = "filter.next"},
-                  std::max(ui.px(80), ImGui::GetContentRegionAvail().x - tools));
-  ImGui::SameLine(0, gap);
-  if (tool(ui, "◀", "events.previous", "Previous match (Shift+N)", false))
-    ui.emit("filter.previous");
-  ImGui::SameLine(0, gap);
-  if (tool(ui, "▶", "events.next", "Next match (N)", false)) ui.emit("filter.next");
-  ImGui::SameLine(0, gap);
-  if (tool(ui, "only", "events.only", "Show matching events only (Ctrl+Shift+F)",
-           view.only_matches))
-    ui.emit("filter.only");
-  ImGui::SameLine(0, gap);
-  if (tool(ui, "●", "events.break", "Breakpoint on this filter (Shift+F9)", false))
-    ui.emit("break.filter");
-}
-
-/// Places of a row's parts, from its left.
-struct Columns {
-  float dot, step_right, sign, text;
-};
-
-Columns columns_of(const Ui& ui, const debug::Run& run) {
-  const float line = ImGui::GetTextLineHeight();
-  const float step = ImGui::CalcTextSize(std::to_string(run.steps()).c_str()).x;
-  Columns columns{};
-  columns.dot = line * 0.6f;
-  columns.step_right = line * 1.2f + std::max(step, 2 * line);
-  columns.sign = columns.step_right + ui.px(8);
-  columns.text = columns.sign + line * 1.5f + ui.px(8);
-  return columns;
 }
 
 void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 color) {
@@ -161,9 +261,8 @@ void draw_row(const Ui& ui,
 
   const std::string text = debug::describe_event(run, step);
   const bool wrong = !run.wrong.empty() && run.wrong[static_cast<std::size_t>(step - 1)] != 0;
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("%s%s", in_gutter ? "Breakpoint on what this event is about" : text.c_str(),
-                      wrong && !in_gutter ? "\ndisagrees with ground truth" : "");
+  tooltip(in_gutter ? "Breakpoint on what this event is about"
+                    : text + (wrong ? "\ndisagrees with ground truth" : ""));
 
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const auto& matches = view.search.matches;
@@ -176,7 +275,7 @@ void draw_row(const Ui& ui,
     draw_breakpoint_dot(ui, ImVec2(at.x + columns.dot, at.y + line / 2),
                         BreakpointMarks::Mark::off);
 
-  // What is still to come stands back.
+  // What is still to come is muted.
   const ImU32 color = step <= view.step ? ui.colors.text : ui.colors.muted;
   const std::string number = std::to_string(step);
   draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
@@ -194,10 +293,7 @@ void draw_row(const Ui& ui,
 void keep_in_sight(const Ui& ui, int row, float row_height) {
   if (ui.memory.events_scrolled_to == ui.state.view.step) return;
   ui.memory.events_scrolled_to = ui.state.view.step;
-  const float top = static_cast<float>(row) * row_height;
-  const float height = ImGui::GetWindowHeight();
-  if (top < ImGui::GetScrollY() || top + row_height > ImGui::GetScrollY() + height)
-    ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
+  scroll_to_row(row, row_height);
 }
 
 void draw_list(const Ui& ui, const debug::Run& run) {

@@ -15,19 +15,11 @@
 namespace planescope::desktop {
 namespace {
 
-/// A column as wide as `text` at least. Widths that ImGui would measure are right a few frames
-/// late.
-void fixed_column(const char* title, const char* text) {
-  const float width = std::max(ImGui::CalcTextSize(title).x, ImGui::CalcTextSize(text).x);
-  ImGui::TableSetupColumn(title, ImGuiTableColumnFlags_WidthFixed, width);
-}
-
 /// A column as wide as buttons with these texts.
 void button_column(const Ui& ui, std::initializer_list<const char*> texts) {
-  float width = -ImGui::GetStyle().ItemSpacing.x;
-  for (const char* text : texts)
-    width += ImGui::CalcTextSize(text).x + 2 * ImGui::GetStyle().FramePadding.x +
-             ImGui::GetStyle().ItemSpacing.x;
+  const float spacing = ImGui::GetStyle().ItemSpacing.x;
+  float width = -spacing;
+  for (const char* text : texts) width += button_width(text) + spacing;
   ImGui::TableSetupColumn(" ", ImGuiTableColumnFlags_WidthFixed, width + ui.px(1));
 }
 
@@ -61,8 +53,7 @@ void draw_truth_planes(const Ui& ui, const RunView& view) {
     ImGui::SameLine();
     ImGui::TextDisabled("%u voxels", match.points);
     ImGui::TableNextColumn();
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(color_of(ui, verdict)), "%s",
-                       debug::to_string(verdict));
+    colored(color_of(ui, verdict), debug::to_string(verdict));
     ImGui::TableNextColumn();
     ImGui::Text("%.2f", match.iou);
     ImGui::TableNextColumn();
@@ -81,7 +72,7 @@ void draw_marked(const Ui& ui) {
   if (button(ui, "Find a fix for it", "fix.marked", marked > 0)) ui.emit("fix.marked");
   ImGui::SameLine();
   ImGui::TextDisabled("%zu marked", marked);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%zu voxels are marked", marked);
+  tooltip(fmt::format("{} voxels are marked", marked));
 }
 
 void draw_progress(const Ui& ui, const FixSearch& fix) {
@@ -98,8 +89,7 @@ void draw_choices(const Ui& ui, std::size_t i) {
   if (button(ui, "Apply", fmt::format("fix.apply.{}", i))) ui.emit("fix.apply", std::to_string(i));
   ImGui::SameLine();
   if (button(ui, "Check", fmt::format("fix.check.{}", i))) ui.emit("fix.check", std::to_string(i));
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("what it does to every labelled frame of the recording");
+  tooltip("what it does to every labelled frame of the recording");
 }
 
 void draw_fixes(const Ui& ui, const FixSearch& fix) {
@@ -129,8 +119,7 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
       ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, ImGui::GetColorU32(ImGuiCol_Header));
     ImGui::TableNextColumn();
     paragraph(ui.colors.text, one.option);
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s", planes::find_option(one.option).meaning.c_str());
+    tooltip(planes::find_option(one.option).meaning);
     ImGui::TextDisabled("%s", one.before.c_str());
     ImGui::SameLine();
     ImGui::TextUnformatted(("→ " + one.after).c_str());
@@ -140,10 +129,7 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
     ImGui::TableNextColumn();
     const int gain = one.score.detected - now;
     if (!one.score.planes.empty())
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(gain > 0   ? ui.colors.good
-                                                        : gain < 0 ? ui.colors.bad
-                                                                   : ui.colors.text),
-                         "%d (%+d)", one.score.detected, gain);
+      colored(gain_color(ui, gain), fmt::format("{} ({:+d})", one.score.detected, gain));
     if (wide) {
       ImGui::TableNextColumn();
       draw_choices(ui, i);

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "app/desktop/debugger/histogram_axis.hpp"
-#include "app/desktop/math_text.hpp"
+#include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -36,8 +35,8 @@ void draw_bars(const Ui& ui, const Plot& plot) {
            (plot.max.y - plot.min.y - ui.px(3));
   };
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const ImU32 neutral = (ui.colors.accent & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 150);
-  const ImU32 right = (ui.colors.good & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 150);
+  const ImU32 neutral = with_alpha(ui.colors.accent, 150);
+  const ImU32 right = with_alpha(ui.colors.good, 150);
   for (std::size_t i = 0; i < bins.size(); ++i) {
     const float left = plot.x(static_cast<double>(i) / static_cast<double>(bins.size())) + 1;
     const float end = plot.x(static_cast<double>(i + 1) / static_cast<double>(bins.size()));
@@ -127,10 +126,9 @@ void handle_mouse(const Ui& ui, const Plot& plot, const std::string& widget) {
     if (text != info.get(ui.state.document.options))
       ui.emit("option.drag", histogram.option + "=" + text);
   } else if (ImGui::IsItemActive()) {
-    ImGui::GetWindowDrawList()->AddRectFilled(
-        ImVec2(plot.x(std::min(from, share)), plot.min.y),
-        ImVec2(plot.x(std::max(from, share)), plot.max.y),
-        (ui.colors.accent & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 60));
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(plot.x(std::min(from, share)), plot.min.y),
+                                              ImVec2(plot.x(std::max(from, share)), plot.max.y),
+                                              with_alpha(ui.colors.accent, 60));
   }
   if (ImGui::IsItemDeactivated()) {
     if (dragging == "line") ui.emit("option.drop");
@@ -193,14 +191,14 @@ void draw_histogram(const Ui& ui, const debug::Histogram& now, std::size_t index
 void draw_legend(const Ui& ui, bool truth) {
   ImGui::PushFont(ui.small);
   if (truth) {
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.good), "right");
+    colored(ui.colors.good, "right");
     ImGui::SameLine();
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.bad), "wrong");
+    colored(ui.colors.bad, "wrong");
     ImGui::SameLine();
     ImGui::TextDisabled("by ground truth");
     same_line_if_fits("▲ this node");
   }
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "▲");
+  colored(ui.colors.warning, "▲");
   ImGui::SameLine(0, ui.px(3));
   ImGui::TextDisabled("this node");
   paragraph(ui.colors.muted, "Drag a line to change its threshold, or over bars to filter events.");

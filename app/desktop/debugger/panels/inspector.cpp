@@ -6,14 +6,160 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/check_table.hpp"
-#include "app/desktop/debugger/panels/leftover.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/explain.hpp"
 
 namespace planescope::desktop {
 namespace {
+
+// ---- Criteria ----------------------------------------------------------------------------------
+
+/// A bar from the middle, to the right where the check passes; as long as the margin, at most as
+/// the whole threshold.
+void draw_margin(const Ui& ui, const debug::Check& check) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = std::max(ui.px(24), ImGui::GetContentRegionAvail().x);
+  const float height = ImGui::GetTextLineHeight();
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float middle = at.x + width / 2;
+  draw->AddLine(ImVec2(middle, at.y), ImVec2(middle, at.y + height), ui.colors.grid);
+  if (check.verdict != debug::Verdict::not_asked && std::isfinite(check.margin)) {
+    const float reach = static_cast<float>(std::clamp(check.margin, -1.0, 1.0)) * width / 2;
+    const float x0 = std::min(middle, middle + reach), x1 = std::max(middle, middle + reach);
+    draw->AddRectFilled(ImVec2(x0, at.y + height * 0.25f),
+                        ImVec2(std::max(x1, x0 + ui.px(2)), at.y + height * 0.8f),
+                        check.verdict == debug::Verdict::pass ? ui.colors.good : ui.colors.bad);
+  }
+  ImGui::Dummy(ImVec2(width, height));
+}
+
+/// "e_n" and "0.00712 ≤ 0.005 m²": three digits, the unit once. What was never computed
+/// stands without a value.
+struct Comparison {
+  std::string quantity, rest;
+};
+
+Comparison comparison_of(const debug::Check& check) {
+  const bool millimetres = check.unit == "m" && check.threshold < 1;
+  const auto text = [&](double value) {
+    if (!std::isfinite(value) || value == std::floor(value)) return number_text(value);
+    return fmt::format("{:.3g}", millimetres ? 1000 * value : value);
+  };
+  std::string unit = check.unit == "points" || check.unit.empty() ? "" : " " + check.unit;
+  if (millimetres) unit = " mm";
+  if (check.unit == "deg") unit = "°";
+  const bool valued = check.verdict != debug::Verdict::not_asked || std::isfinite(check.value);
+  const std::string value = valued ? "= " + text(check.value) : "";
+  if (check.op.empty()) return {check.quantity, valued ? value + unit : ""};
+  return {check.quantity, fmt::format("{}{}{} {}{}", value, valued ? " " : "", check.op,
+                                      text(check.threshold), unit)};
+}
+
+/// In one line where there is room, otherwise the numbers stand below.
+void draw_comparison(const Ui& ui, const debug::Check& check, ImU32 color) {
+  const Comparison comparison = comparison_of(check);
+  const std::string line = comparison.quantity + " " + comparison.rest;
+  if (math_width(ui, line) <= ImGui::GetContentRegionAvail().x) return math_text(ui, color, line);
+  math_text(ui, color, comparison.quantity);
+  math_text(ui, color, comparison.rest);
+}
+
+const char* word_of(debug::Verdict verdict) {
+  return verdict == debug::Verdict::pass ? "pass" : verdict == debug::Verdict::fail ? "fail" : "–";
+}
+
+void draw_tooltip(const debug::Check& check) {
+  std::string text =
+      fmt::format("{}, {}\n{}: {}", check.criterion, check.equation, check.quantity, check.meaning);
+  if (check.verdict == debug::Verdict::not_asked && !check.op.empty())
+    text += "\nnot asked: an earlier criterion had decided";
+  if (!check.option.empty())
+    text += "\nthreshold: option " + check.option + ", click for its slider";
+  ImGui::SetTooltip("%s", text.c_str());
+}
+
+/// What a row says of its criterion and equation.
+struct Name {
+  std::string criterion, equation;
+  bool beside = false;  // the equation stands beside the criterion, not in its place
+};
+
+/// A criterion of several rows has its equation in the second one; one of a single row beside its
+/// name, where the panel is wide enough for that.
+std::vector<Name> names_of(const std::vector<debug::Check>& checks, bool wide) {
+  std::vector<Name> names(checks.size());
+  for (std::size_t begin = 0, end = 0; begin < checks.size(); begin = end) {
+    while (end < checks.size() && checks[end].criterion == checks[begin].criterion) ++end;
+    names[begin].criterion = checks[begin].criterion;
+    names[begin].beside = wide && end == begin + 1;
+    if (names[begin].beside) names[begin].equation = checks[begin].equation;
+    if (end > begin + 1) names[begin + 1].equation = checks[begin + 1].equation;
+  }
+  return names;
+}
+
+float width_of(const Ui& ui, const Name& name) {
+  const float criterion = ImGui::CalcTextSize(name.criterion.c_str()).x;
+  ImGui::PushFont(ui.small);
+  const float equation = ImGui::CalcTextSize(name.equation.c_str()).x;
+  ImGui::PopFont();
+  return name.beside ? criterion + ui.px(6) + equation : std::max(criterion, equation);
+}
+
+/// The whole row takes the click.
+void draw_name(const Ui& ui, const debug::Check& check, const Name& name, const std::string& id) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  if (ImGui::Selectable((name.criterion + "##" + id).c_str(), false,
+                        ImGuiSelectableFlags_SpanAllColumns) &&
+      !check.option.empty())
+    ui.emit("option.show", check.option);
+  ui.name(id);
+  if (ImGui::IsItemHovered()) draw_tooltip(check);
+  const float beside = name.beside ? ImGui::CalcTextSize(name.criterion.c_str()).x + ui.px(6) : 0;
+  const float drop = ImGui::GetTextLineHeight() - ui.small->FontSize;  // to the same foot
+  ImGui::GetWindowDrawList()->AddText(ui.small, ui.small->FontSize,
+                                      ImVec2(at.x + beside, at.y + drop), ui.colors.muted,
+                                      name.equation.c_str());
+}
+
+/// Criteria as `value  op  threshold  -> pass / fail  margin`, in the order asked. A click on a row
+/// whose threshold is an option leads to its slider.
+void draw_checks(const Ui& ui, const std::string& name, const std::vector<debug::Check>& checks) {
+  const bool wide = ImGui::GetContentRegionAvail().x > ui.px(330);  // for equations and margins
+  const std::vector<Name> names = names_of(checks, wide);
+  float widest = 0;
+  for (const Name& one : names) widest = std::max(widest, width_of(ui, one));
+  if (!ImGui::BeginTable(("##checks." + name).c_str(), wide ? 4 : 3,
+                         ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerH))
+    return;
+  ImGui::TableSetupColumn("criterion", ImGuiTableColumnFlags_WidthFixed, widest);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
+  ImGui::TableSetupColumn("verdict", ImGuiTableColumnFlags_WidthFixed, ui.px(32));
+  if (wide) ImGui::TableSetupColumn("margin", ImGuiTableColumnFlags_WidthFixed, ui.px(40));
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    const debug::Check& check = checks[i];
+    const bool asked = check.verdict != debug::Verdict::not_asked;
+    const ImU32 color = asked ? ui.colors.text : ui.colors.muted;
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    draw_name(ui, check, names[i], fmt::format("check.{}.{}", name, i));
+    ImGui::TableNextColumn();
+    draw_comparison(ui, check, color);
+    ImGui::TableNextColumn();
+    const ImU32 verdict = !asked                                  ? ui.colors.muted
+                          : check.verdict == debug::Verdict::pass ? ui.colors.good
+                                                                  : ui.colors.bad;
+    if (!check.op.empty()) colored(verdict, word_of(check.verdict));
+    if (wide) ImGui::TableNextColumn();
+    if (wide && !check.op.empty()) draw_margin(ui, check);
+    ImGui::PopStyleColor();
+  }
+  ImGui::EndTable();
+}
+
+// ---- Nodes, merges, planes ---------------------------------------------------------------------
 
 constexpr std::size_t kMostPartners = 5;
 
@@ -42,7 +188,7 @@ void draw_fit(const Ui& ui, const PlaneFit& fit) {
   fact(ui, "eigenvalues",
        fmt::format("{:.3g}  {:.3g}  {:.3g} m²", fit.eigenvalues[0], fit.eigenvalues[1],
                    fit.eigenvalues[2]));
-  fact(ui, "RMS", length_text_cm(fit.rms_m()));
+  fact(ui, "RMS", length_text(fit.rms_m()));
 }
 
 void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
@@ -60,7 +206,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   heading(ui, fmt::format("Node {}", index));
   ImGui::SameLine();
   ImGui::TextDisabled("depth %d, cell %s", node.depth,
-                      length_text_cm(octree.node_edge_m(node)).c_str());
+                      length_text(octree.node_edge_m(node)).c_str());
   if (node.parent >= 0) {
     same_line_if_fits("parent");
     if (ImGui::SmallButton("parent")) ui.emit("select.parent");
@@ -82,10 +228,9 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
                          ? fmt::format(", the others on {} more", facts.truth_planes - 1)
                          : ""));
   if (now != debug::NodeState::settled) {
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui.colors.warning), "%s",
-                       now == debug::NodeState::unborn   ? "not there yet at this step"
-                       : now == debug::NodeState::queued ? "waits in the queue"
-                                                         : "dequeued, not decided yet");
+    colored(ui.colors.warning, now == debug::NodeState::unborn   ? "not there yet at this step"
+                               : now == debug::NodeState::queued ? "waits in the queue"
+                                                                 : "dequeued, not decided yet");
     if (decided != planes::kNever) {
       link_to_step(ui, fmt::format("to its decision, step {}", decided), decided);
       ui.name("inspector.decision");
@@ -158,7 +303,7 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   }
   fact(ui, "fitted to", fmt::format("{:.0f} points", now->fit.count));
   draw_fit(ui, now->fit);
-  fact(ui, "offset", length_text_cm(now->fit.offset_m()));
+  fact(ui, "offset", length_text(now->fit.offset_m()));
   if (!now->alive)
     fact(ui, "state", now->into >= 0 ? "merged into " + debug::plane_name(now->into) : "dropped");
   std::size_t past = 0;
@@ -172,7 +317,75 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   }
 }
 
-/// While there is no run: its refusal is told where the scene would be.
+// ---- Leftover points ---------------------------------------------------------------------------
+
+constexpr std::size_t kMostRows = 5;   // one for each of the nearest planes
+constexpr std::size_t kMostNames = 6;  // of the planes that have none
+
+/// Planes that were measured and refused for the same reason, in one line: there may be a hundred.
+void draw_refused(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes, std::size_t from) {
+  std::vector<std::string> reasons;
+  for (std::size_t i = from; i < planes.size(); ++i)
+    if (!planes[i].chosen &&
+        std::find(reasons.begin(), reasons.end(), planes[i].why_not) == reasons.end())
+      reasons.push_back(planes[i].why_not);
+  for (const std::string& reason : reasons) {
+    std::vector<std::string> names;
+    for (std::size_t i = from; i < planes.size(); ++i)
+      if (!planes[i].chosen && planes[i].why_not == reason)
+        names.push_back(debug::plane_name(planes[i].plane));
+    const std::size_t shown = std::min<std::size_t>(names.size(), kMostNames);
+    paragraph(
+        ui.colors.muted,
+        fmt::format("{}: {}{}", reason,
+                    fmt::join(names.begin(), names.begin() + static_cast<long>(shown), ", "),
+                    names.size() > shown ? fmt::format(" and {} more", names.size() - shown) : ""));
+  }
+}
+
+void draw_distances(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes) {
+  if (planes.empty()) return;
+  std::size_t shown = std::min(kMostRows, planes.size());
+  for (std::size_t i = shown; i < planes.size(); ++i)
+    if (planes[i].chosen) shown = i + 1;
+  if (ImGui::BeginTable("##leftover", 4, ImGuiTableFlags_RowBg)) {
+    ImGui::TableSetupColumn("plane", ImGuiTableColumnFlags_WidthFixed, ui.px(40));
+    ImGui::TableSetupColumn("distance", ImGuiTableColumnFlags_WidthFixed, ui.px(70));
+    ImGui::TableSetupColumn("limit", ImGuiTableColumnFlags_WidthFixed, ui.px(60));
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableHeadersRow();
+    for (std::size_t i = 0; i < shown; ++i) {
+      const debug::LeftoverPlane& plane = planes[i];
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      if (ImGui::Selectable(debug::plane_name(plane.plane).c_str(), false,
+                            ImGuiSelectableFlags_SpanAllColumns))
+        ui.emit("select.plane", debug::plane_name(plane.plane));
+      cell(length_text(plane.distance_m));
+      cell(length_text(plane.limit_m));
+      ImGui::TableNextColumn();
+      paragraph(plane.chosen ? ui.colors.good : ui.colors.muted,
+                plane.chosen ? "joined" : plane.why_not);
+    }
+    ImGui::EndTable();
+  }
+  draw_refused(ui, planes, shown);
+}
+
+/// A leftover point's distance to the planes that were considered at the step, and why it joined
+/// one or none. Draws nothing where the step is no such event.
+void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
+  const debug::LeftoverReport report = debug::explain_leftover(run, step);
+  if (report.point < 0) return;
+  heading(ui, fmt::format("Leftover point {}", report.point));
+  paragraph(ui.colors.text, report.outcome);
+  draw_distances(ui, report.planes);
+  if (ImGui::SmallButton("its whole life")) ui.emit("point.life");
+  ui.name("inspector.life");
+  ImGui::Separator();
+}
+
+/// While there is no run. Why the frame was refused stands where the scene would be.
 void draw_why_empty(const Ui& ui) {
   paragraph(ui.colors.muted, ui.state.results.loading ? "Reading the frame …"
                              : ui.state.document.current()

@@ -3,17 +3,123 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 
 #include "app/desktop/debugger/filter_box.hpp"
 #include "app/desktop/debugger/octree_rows.hpp"
-#include "app/desktop/debugger/panels/node_shapes.hpp"
-#include "app/desktop/math_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
+
+// ---- What a node looks like --------------------------------------------------------------------
+
+// As in Gist's search trees, shape and colour both tell what became of it: round ones were divided,
+// a square is a dead end, a diamond is a find.
+
+struct NodeShape {
+  debug::NodeState state = debug::NodeState::queued;
+  planes::Case decided = planes::Case::none;  // where settled
+  bool at_max_depth = false;                  // hatched: its points went to the leftovers
+  bool impure_fit = false;                    // R4: a dot, conquered label by label
+};
+
+/// Corners of a regular polygon, the first at `turn` of a full turn from the right.
+void polygon(ImDrawList* draw, ImVec2 centre, float radius, int corners, float turn, ImU32 color) {
+  for (int i = 0; i < corners; ++i) {
+    const float angle = 2 * std::numbers::pi_v<float> *
+                        (turn + static_cast<float>(i) / static_cast<float>(corners));
+    draw->PathLineTo(
+        ImVec2(centre.x + radius * std::cos(angle), centre.y + radius * std::sin(angle)));
+  }
+  draw->PathFillConvex(color);
+}
+
+void fill_case(ImDrawList* draw, ImVec2 centre, float radius, planes::Case decided, ImU32 color) {
+  switch (decided) {
+    case planes::Case::none:
+      break;
+    case planes::Case::I:
+      draw->AddCircleFilled(centre, radius, color, 20);
+      break;
+    case planes::Case::II:
+      polygon(draw, centre, radius * 1.15f, 4, 0.125f, color);
+      break;
+    case planes::Case::III:
+      polygon(draw, centre, radius * 1.1f, 6, 0, color);
+      break;
+    case planes::Case::IV:
+      polygon(draw, centre, radius * 1.2f, 4, 0, color);
+      break;
+  }
+}
+
+void hatch(const Ui& ui, ImDrawList* draw, ImVec2 c, float r) {
+  for (const float shift : {-0.55f, 0.0f, 0.55f})
+    draw->AddLine(ImVec2(c.x + (shift - 0.6f) * r, c.y + (shift + 0.6f) * r),
+                  ImVec2(c.x + (shift + 0.6f) * r, c.y + (shift - 0.6f) * r), ui.colors.panel,
+                  ui.px(1.4f));
+}
+
+void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape& shape) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  if (shape.state == debug::NodeState::queued) {
+    draw->AddCircle(centre, radius * 0.85f, ui.colors.muted, 20, ui.px(1.3f));
+  } else if (shape.state == debug::NodeState::visited) {
+    draw->AddCircle(centre, radius * 0.85f, ui.colors.accent, 20, ui.px(2));
+    draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.accent, 12);
+  } else if (shape.state == debug::NodeState::settled) {
+    fill_case(draw, centre, radius, shape.decided, to_imgui(render::case_color(shape.decided)));
+    if (shape.at_max_depth) hatch(ui, draw, centre, radius);
+    if (shape.impure_fit) draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.panel, 10);
+  }
+}
+
+/// What the shapes mean, in one line.
+void draw_shape_key(const Ui& ui) {
+  struct Entry {
+    NodeShape shape;
+    const char* name;
+    const char* meaning;
+  };
+  const debug::NodeState settled = debug::NodeState::settled;
+  const std::array<Entry, 7> entries = {{
+      {{debug::NodeState::queued}, "queued", "waits in the queue Q_N"},
+      {{settled, planes::Case::I}, "I", "case I, impure: divided"},
+      {{settled, planes::Case::II},
+       "II",
+       "case II, too few inliers: a dead end, its points are left over"},
+      {{settled, planes::Case::III}, "III", "case III, not planar: divided"},
+      {{settled, planes::Case::IV}, "IV", "case IV: a plane candidate"},
+      {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: left over"},
+      {{settled, planes::Case::I, false, true},
+       "R4",
+       "R4 fitted each label's points instead of dividing"},
+  }};
+  const float line = ImGui::GetTextLineHeight();
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  bool first = true;
+  for (const Entry& entry : entries) {
+    const float width = line + ImGui::CalcTextSize(entry.name).x + ui.px(2);
+    if (!first) ImGui::SameLine(0, ui.px(9));
+    first = false;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    if (at.x + width > right) {  // a narrow panel shows the first ones
+      ImGui::NewLine();
+      return;
+    }
+    ImGui::Dummy(ImVec2(width, line));
+    tooltip(entry.meaning);
+    draw_node_shape(ui, ImVec2(at.x + line * 0.4f, at.y + line * 0.5f), line * 0.34f, entry.shape);
+    ImGui::GetWindowDrawList()->AddText(ImVec2(at.x + line, at.y), ui.colors.muted, entry.name);
+  }
+}
+
+// ---- The rows ----------------------------------------------------------------------------------
 
 const planes::OctreeNode& node_of(const debug::Run& run, std::int32_t node) {
   return run.octree().nodes[static_cast<std::size_t>(node)];
@@ -31,7 +137,7 @@ std::string reason_of(const debug::Run& run, std::int32_t node) {
       return fmt::format("N_in {}", facts.purity.n_in);
     case planes::Case::III:
     case planes::Case::IV:
-      return run.segment_options.noise.rms_criterion3 ? "RMS " + length_text_cm(facts.e_n)
+      return run.segment_options.noise.rms_criterion3 ? "RMS " + length_text(facts.e_n)
                                                       : fmt::format("e_n {:.2g}", facts.e_n);
   }
   return {};
@@ -67,7 +173,7 @@ void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
   std::string below;
   if (n.first_child >= 0) below = "\nbar: how the nodes below it were settled, + how many";
   ImGui::SetTooltip("%s\ncell of %s; double click: to its decision%s", text.c_str(),
-                    length_text_cm(run.octree().node_edge_m(n)).c_str(), below.c_str());
+                    length_text(run.octree().node_edge_m(n)).c_str(), below.c_str());
 }
 
 /// The triangle that opens and closes a node; takes the clicks on it.
@@ -143,13 +249,6 @@ bool follow_selection(const Ui& ui, const debug::Run& run) {
   return true;
 }
 
-void scroll_to(int row, float row_height) {
-  const float top = static_cast<float>(row) * row_height;
-  const float height = ImGui::GetWindowHeight();
-  if (top < ImGui::GetScrollY() || top + row_height > ImGui::GetScrollY() + height)
-    ImGui::SetScrollY(std::max(0.0f, top - height * 0.4f));
-}
-
 void draw_rows(const Ui& ui,
                const debug::Run& run,
                const std::vector<OctreeRow>& rows,
@@ -160,7 +259,7 @@ void draw_rows(const Ui& ui,
     const auto at = std::find_if(rows.begin(), rows.end(), [&](const OctreeRow& row) {
       return row.node == ui.state.view.selected.node;
     });
-    if (at != rows.end()) scroll_to(static_cast<int>(at - rows.begin()), row_height);
+    if (at != rows.end()) scroll_to_row(static_cast<int>(at - rows.begin()), row_height);
   }
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(rows.size()), row_height);
@@ -195,9 +294,7 @@ void draw_octree(const Ui& ui) {
                   ImGui::GetContentRegionAvail().x);
   if (!run) return paragraph(ui.colors.muted, "The nodes of a frame's octree come here.");
   if (!problem.message.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.bad);
-    ImGui::TextUnformatted(problem.message.c_str());
-    ImGui::PopStyleColor();
+    colored(ui.colors.bad, problem.message);
   } else {
     draw_shape_key(ui);
   }

@@ -6,7 +6,6 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
-#include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -23,7 +22,7 @@ std::int64_t source_to_tell(const Ui& ui, const debug::Run& run) {
   return ui.memory.point.source;
 }
 
-/// Told anew where point or run changed; null where there is nothing to tell of.
+/// Made again where point or run changed; null where there is nothing to tell.
 const PointStory* story(const Ui& ui) {
   const bool flashed = ui.state.view.flash && ui.state.results.pinned;
   const std::shared_ptr<const RunView>& view =
@@ -81,19 +80,15 @@ void draw_station(const Ui& ui, const debug::LifeEvent& event, std::size_t index
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::PushFont(ui.small);
-  const ImU32 muted = event.decisive ? ui.colors.warning : ui.colors.muted;
-  ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(muted), "%s", event.stage.c_str());
+  colored(event.decisive ? ui.colors.warning : ui.colors.muted, event.stage);
   if (event.step > 0) {
     if (steps_beside(ui)) ImGui::SameLine(0, ui.px(7));
-    ImGui::TextColored(
-        ImGui::ColorConvertU32ToFloat4(event.step == now ? ui.colors.accent : ui.colors.muted),
-        "%d", event.step);
+    colored(event.step == now ? ui.colors.accent : ui.colors.muted, std::to_string(event.step));
   }
   ImGui::PopFont();
   ImGui::TableNextColumn();
   if (event.decisive)
-    ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0,
-                           (ui.colors.warning & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 28));
+    ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg0, with_alpha(ui.colors.warning, 28));
   const std::string widget = fmt::format("point.life.{}", index);
   const bool later = event.step > now;
   if (event.step < 0) {

@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/desktop/debugger/timeline_columns.hpp"
-#include "app/desktop/math_text.hpp"
+#include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/panels.hpp"
-#include "app/desktop/toolbar.hpp"
+#include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -74,7 +73,7 @@ void draw_controls(const Ui& ui) {
                                : "before the first event: all points wait in the root";
   const bool cut = math_width(ui, text) > ImGui::GetContentRegionAvail().x;
   math_text(ui, ui.colors.text, text);
-  if (cut && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
+  if (cut) tooltip(text);
 }
 
 void draw_cases(const Ui& ui,

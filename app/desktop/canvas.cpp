@@ -1,0 +1,205 @@
+#include "app/desktop/canvas.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "app/desktop/look.hpp"
+#include "app/desktop/state/label_state.hpp"
+#include "core/labels/edit/selection.hpp"
+#include "render/gl.hpp"
+#include "render/renderer.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// What a look depends on, to compare with the next.
+struct LookKey {
+  std::weak_ptr<const debug::Run> run;  // an address alone may be another run's by now
+  render::StepLook look;
+  std::vector<std::uint32_t> marked;
+
+  bool same(const std::shared_ptr<const debug::Run>& other_run,
+            const render::StepLook& other) const {
+    return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
+           look.show_queue == other.show_queue && look.show_settled == other.show_settled &&
+           look.show_planes == other.show_planes && look.node == other.node &&
+           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
+           std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
+  }
+  void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {
+    run = new_run;
+    look = new_look;
+    marked.assign(new_look.marked.begin(), new_look.marked.end());
+    look.marked = {};
+  }
+};
+
+/// The same for labels. Labels never change in place: different ones have another address.
+struct LabelLookKey {
+  std::weak_ptr<const LabelFrame> frame;
+  render::LabelLook look;
+  std::vector<std::uint32_t> preview, marked;
+  std::vector<std::uint8_t> doubt;
+
+  bool same(const std::shared_ptr<const LabelFrame>& other_frame,
+            const render::LabelLook& other) const {
+    return frame.lock() == other_frame && look.labels == other.labels &&
+           look.plane == other.plane && look.show_class == other.show_class &&
+           look.preview_takes == other.preview_takes && look.theme == other.theme &&
+           std::ranges::equal(preview, other.preview) && std::ranges::equal(marked, other.marked) &&
+           std::ranges::equal(doubt, other.doubt);
+  }
+  void set(const std::shared_ptr<const LabelFrame>& new_frame, const render::LabelLook& new_look) {
+    frame = new_frame;
+    look = new_look;
+    preview.assign(new_look.preview.begin(), new_look.preview.end());
+    marked.assign(new_look.marked.begin(), new_look.marked.end());
+    doubt.assign(new_look.doubt.begin(), new_look.doubt.end());
+    look.preview = look.marked = {};
+    look.doubt = {};
+  }
+};
+
+class GlCanvas : public Canvas {
+ public:
+  TextureId scene(const std::shared_ptr<const debug::Run>& run,
+                  const render::StepLook& look,
+                  const render::Camera& camera,
+                  int width,
+                  int height) override {
+    const bool same_list = shows_ == Shows::step && scene_key_.same(run, look);
+    if (!same_list) {
+      list_ = render::scene_step(*run, look);
+      scene_key_.set(run, look);
+      shows_ = Shows::step;
+    }
+    return draw(same_list, camera, width, height, look.theme);
+  }
+
+  TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
+                        const render::LabelLook& look,
+                        const render::Camera& camera,
+                        int width,
+                        int height) override {
+    const bool same_list = shows_ == Shows::labels && label_key_.same(frame, look);
+    if (!same_list) {
+      // Points stay where they are while only colours change.
+      std::vector<std::uint8_t> shown;
+      if (look.labels) shown = labels::shown_pixels(*look.labels);
+      if (shows_ != Shows::labels || label_key_.frame.lock() != frame || shown != shown_) {
+        list_ = {};
+        list_.points.push_back(render::label_points(frame->grid, frame->world, shown));
+        point_ground_ = render::label_ground(frame->grid, render::Backdrop::color);
+        shown_ = std::move(shown);
+      }
+      render::color_label_points(list_.points.back(), point_ground_, frame->grid, look);
+      label_key_.set(frame, look);
+      shows_ = Shows::labels;
+    }
+    return draw(same_list, camera, width, height, look.theme);
+  }
+
+  render::Picked pick(int x, int y) override {
+    if (scene_texture_ == 0 || x < 0 || y < 0 || x >= width_ || y >= height_) return {};
+    if (ids_.empty()) ids_ = renderer_.render_ids(list_, camera_, width_, height_);
+    return render::picked(ids_.at(x, y));
+  }
+
+  TextureId image(const std::shared_ptr<const debug::Run>& run,
+                  const render::StepLook& look,
+                  render::Backdrop backdrop,
+                  double opacity) override {
+    const bool same = image_.id() != 0 && image_key_.same(run, look) && backdrop == backdrop_ &&
+                      opacity == opacity_;
+    if (same) return image_.id();
+    if (backdrop_subject_.lock() != run->subject || backdrop != backdrop_) {
+      backdrop_image_ = render::image_backdrop(*run->subject, backdrop);
+      backdrop_subject_ = run->subject;
+    }
+    Image8 picture = backdrop_image_;
+    if (picture.empty()) return 0;
+    render::paint_step(picture, *run, look, opacity);
+    image_.upload(picture);
+    image_key_.set(run, look);
+    backdrop_ = backdrop;
+    opacity_ = opacity;
+    return image_.id();
+  }
+
+  TextureId label_image(const std::shared_ptr<const LabelFrame>& frame,
+                        const render::LabelLook& look,
+                        render::Backdrop backdrop,
+                        double opacity) override {
+    const bool same_ground = label_image_.id() != 0 && label_image_key_.frame.lock() == frame &&
+                             backdrop == label_backdrop_;
+    if (same_ground && label_image_key_.same(frame, look) && opacity == label_opacity_)
+      return label_image_.id();
+    if (!same_ground) image_ground_ = render::label_ground(frame->grid, backdrop);
+    Image8 picture = image_ground_;
+    render::paint_labels(picture, frame->grid, look, opacity);
+    label_image_.upload(picture);
+    label_image_key_.set(frame, look);
+    label_backdrop_ = backdrop;
+    label_opacity_ = opacity;
+    return label_image_.id();
+  }
+
+  TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) override {
+    if (image.empty()) return 0;
+    Picture& picture = pictures_[key];
+    if (picture.texture.id() == 0 || picture.version != version) picture.texture.upload(image);
+    picture.version = version;
+    return picture.texture.id();
+  }
+
+ private:
+  enum class Shows : std::uint8_t { nothing, step, labels };
+
+  /// The scene as a texture, drawn again where the list, the camera or the size has changed.
+  TextureId draw(
+      bool same_list, const render::Camera& camera, int width, int height, render::Theme theme) {
+    const bool same =
+        same_list && same_camera(camera, camera_) && width == width_ && height == height_;
+    if (same && fine_) return scene_texture_;
+    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
+    fine_ = same;
+    if (!same) ids_ = {};
+    camera_ = camera;
+    width_ = width;
+    height_ = height;
+    scene_texture_ = renderer_.draw(list_, camera, width, height, theme,
+                                    fine_ ? render::Effort::fine : render::Effort::quick);
+    return scene_texture_;
+  }
+
+  struct Picture {
+    render::ImageTexture texture;
+    std::uint64_t version = 0;
+  };
+  render::Renderer renderer_;
+  render::DrawList list_;
+  Shows shows_ = Shows::nothing;  // in list_
+  LookKey scene_key_, image_key_;
+  LabelLookKey label_key_, label_image_key_;
+  std::vector<std::uint8_t> shown_;  // of the labels in list_
+  Image8 point_ground_, image_ground_;
+  render::Camera camera_;
+  int width_ = 0, height_ = 0;
+  TextureId scene_texture_ = 0;
+  bool fine_ = false;
+  Image<std::uint32_t> ids_;  // of the scene drawn last; empty until someone asks
+  render::ImageTexture image_, label_image_;
+  render::Backdrop backdrop_ = render::Backdrop::color;
+  std::weak_ptr<const debug::Subject> backdrop_subject_;
+  Image8 backdrop_image_;
+  double opacity_ = 0;
+  render::Backdrop label_backdrop_ = render::Backdrop::color;
+  double label_opacity_ = 0;
+  std::map<std::string, Picture> pictures_;
+};
+
+}  // namespace
+
+std::unique_ptr<Canvas> make_gl_canvas() { return std::make_unique<GlCanvas>(); }
+
+}  // namespace planescope::desktop

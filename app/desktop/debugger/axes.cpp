@@ -1,0 +1,140 @@
+#include "app/desktop/debugger/axes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// Bins grow by ratio on a logarithmic axis, but for the part of the first one below its edge.
+bool by_ratio(const debug::Histogram& histogram, const debug::HistogramBin& bin) {
+  return histogram.logarithmic && bin.low > 0;
+}
+
+}  // namespace
+
+double SliderScale::share(double value) const {
+  const double share = logarithmic ? std::log(std::max(value, low) / low) / std::log(high / low)
+                                   : (value - low) / (high - low);
+  return std::clamp(share, 0.0, 1.0);
+}
+
+double SliderScale::value(double share) const {
+  const double value = logarithmic ? low * std::pow(high / low, share) : low + share * (high - low);
+  // Three digits: what a hand can mean.
+  if (value == 0) return 0;
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+  return std::round(value / unit) * unit;
+}
+
+SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile) {
+  SliderScale scale;
+  scale.standard = parse_number(planes::default_value(info, profile), "option " + info.name);
+  const double base = scale.standard > 0                       ? scale.standard
+                      : info.kind == planes::OptionKind::whole ? 10
+                                                               : 0.02;
+  if (info.range.max <= 90) {  // shares, angles, levels: all of it
+    scale.low = info.range.min;
+    scale.high = info.range.max;
+  } else if (info.kind == planes::OptionKind::whole) {
+    scale.low = info.range.min;
+    scale.high = 6 * base;
+  } else if (scale.standard > 0) {
+    scale.logarithmic = true;
+    scale.low = std::max(info.range.min, base / 20);
+    scale.high = std::min(info.range.max, base * 20);
+  } else {  // 0 says "off": a linear scale can reach it
+    scale.high = std::min(info.range.max, 5 * base);
+  }
+  return scale;
+}
+
+bool is_folded(const State& state, const planes::OptionInfo& info) {
+  if (info.group.empty() || !info.is_number() || state.view.unfolded.contains(info.group))
+    return false;
+  const planes::PipelineOptions& options = state.document.options;
+  return info.get(options) == planes::default_value(info, options.segment.profile);
+}
+
+double HistogramAxis::share(double value) const {
+  const auto& bins = histogram_.bins;
+  const auto at = std::find_if(bins.begin(), bins.end(),
+                               [&](const debug::HistogramBin& bin) { return value < bin.high; });
+  if (at == bins.end()) return 1;
+  if (value <= at->low)
+    return at == bins.begin()
+               ? 0
+               : static_cast<double>(at - bins.begin()) / static_cast<double>(bins.size());
+  const double inside = by_ratio(histogram_, *at)
+                            ? std::log(value / at->low) / std::log(at->high / at->low)
+                            : (value - at->low) / (at->high - at->low);
+  return (static_cast<double>(at - bins.begin()) + inside) / static_cast<double>(bins.size());
+}
+
+double HistogramAxis::value(double share) const {
+  const auto& bins = histogram_.bins;
+  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(bins.size());
+  const std::size_t i = std::min(bins.size() - 1, static_cast<std::size_t>(position));
+  const double inside = position - static_cast<double>(i);
+  const debug::HistogramBin& bin = bins[i];
+  return by_ratio(histogram_, bin) ? bin.low * std::pow(bin.high / bin.low, inside)
+                                   : bin.low + inside * (bin.high - bin.low);
+}
+
+std::string filter_between(const debug::Histogram& histogram, double from, double to) {
+  if (histogram.quantity.empty()) return {};
+  const HistogramAxis axis(histogram);
+  const double low = axis.value(std::min(from, to)), high = axis.value(std::max(from, to));
+  if (histogram.unit == "points")  // whole numbers
+    return fmt::format("{0}>={1:.0f} && {0}<{2:.0f}", histogram.quantity, std::floor(low),
+                       std::ceil(high));
+  return fmt::format("{0}>={1:.3g} && {0}<{2:.3g}", histogram.quantity, low, high);
+}
+
+int column_of_step(std::int32_t step, std::int32_t steps, int count) {
+  if (steps <= 0) return 0;
+  return static_cast<int>(static_cast<std::int64_t>(step) * (count - 1) / steps);
+}
+
+std::vector<TimelineColumn> timeline_columns(const debug::Run& run, int count) {
+  std::vector<TimelineColumn> columns(static_cast<std::size_t>(std::max(count, 0)));
+  if (columns.empty()) return columns;
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    TimelineColumn& column =
+        columns[static_cast<std::size_t>(column_of_step(step, run.steps(), count))];
+    ++column.events;
+    if (event.plane >= 0) column.plane = event.plane;
+    switch (event.type) {
+      case planes::EventType::decide:
+        ++column.cases[event.node_case];
+        break;
+      case planes::EventType::found:
+        ++column.found;
+        break;
+      case planes::EventType::merge:
+        ++column.merged;
+        break;
+      case planes::EventType::assign:
+        ++column.assigned;
+        break;
+      case planes::EventType::drop:
+      case planes::EventType::leave:
+        ++column.dropped;
+        break;
+      case planes::EventType::refine:
+        ++column.refined;
+        break;
+      case planes::EventType::visit:
+      case planes::EventType::wait:
+        break;
+    }
+  }
+  return columns;
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,68 @@
+#pragma once
+
+// Where values stand on the axes of panels: sliders, histograms, the timeline. Pure functions.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/desktop/state/state.hpp"
+#include "core/debug/explain/histogram.hpp"
+#include "core/debug/replay/run.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+
+// ---- Sliders -----------------------------------------------------------------------------------
+
+/// From `low` to `high`, by ratio where logarithmic. What an option may take beyond is typed.
+struct SliderScale {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+  double standard = 0;  // the profile's default
+
+  double share(double value) const;  // 0..1
+  double value(double share) const;
+};
+/// Wide enough to hold the default a few times over, inside what the option may take.
+SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile);
+
+/// The numbers of a group of options are folded away, but for those that are not their default.
+bool is_folded(const State& state, const planes::OptionInfo& info);
+
+// ---- Histograms --------------------------------------------------------------------------------
+
+/// Where values stand across a histogram that gives every bin the same width: the last bin takes
+/// what lies far out, logarithmic bins take the decades.
+class HistogramAxis {
+ public:
+  explicit HistogramAxis(const debug::Histogram& histogram) : histogram_(histogram) {}
+  double share(double value) const;  // 0..1
+  double value(double share) const;
+
+ private:
+  const debug::Histogram& histogram_;
+};
+
+/// The filter for the values from one share to another; empty where the quantity is not in the
+/// language.
+std::string filter_between(const debug::Histogram& histogram, double from, double to);
+
+// ---- The timeline ------------------------------------------------------------------------------
+
+/// What the events under one column of the scrubber were.
+struct TimelineColumn {
+  std::array<std::uint32_t, 5> cases{};  // nodes settled, by Case
+  std::uint32_t events = 0;
+  std::uint32_t found = 0, merged = 0, assigned = 0, dropped = 0, refined = 0;
+  std::int32_t plane = -1;  // that the last of them concerned
+
+  std::uint32_t decided() const { return cases[1] + cases[2] + cases[3] + cases[4]; }
+};
+
+/// The events of a run spread over `count` columns. Step k stands at column_of_step(k).
+std::vector<TimelineColumn> timeline_columns(const debug::Run& run, int count);
+int column_of_step(std::int32_t step, std::int32_t steps, int count);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,182 @@
+#include "app/desktop/labeling/gesture.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/look.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+#include "render/view.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr int kLargestView_px = 8192;
+constexpr double kFarthest_px = 1e5;
+
+const std::vector<std::string> kModes = {"over", "add", "subtract"};
+
+bool is_place(const std::string& part) { return part.find(',') != std::string::npos; }
+
+labels::Vec2f place_argument(const std::string& action, const std::string& text) {
+  const std::vector<double> xy = numbers_argument(action, text, 2);
+  for (const double value : xy)
+    if (!(std::abs(value) <= kFarthest_px))
+      throw Error(fmt::format("action {}: {} is no place in a picture", action, text));
+  return {static_cast<float>(xy[0]), static_cast<float>(xy[1])};
+}
+
+void read_view(const std::string& action, const std::string& text, LabelGesture& gesture) {
+  if (text == "image") return;
+  const std::vector<std::string> size =
+      text.starts_with("space:") ? split(text.substr(6), 'x') : std::vector<std::string>{};
+  if (size.size() != 2)
+    throw Error(
+        fmt::format("action {}: '{}' is no view, expected image or space:WxH", action, text));
+  gesture.where = DrawnIn::space;
+  gesture.width = whole_argument(action, size[0], 1, kLargestView_px);
+  gesture.height = whole_argument(action, size[1], 1, kLargestView_px);
+}
+
+constexpr float kReach_px = 4;  // of a click
+
+render::Camera camera_in_force(const State& state, int width, int height) {
+  return fitted(camera_of(state), static_cast<double>(width) / height);
+}
+
+labels::SpaceView space_view(const LabelFrame& frame,
+                             const render::Camera& camera,
+                             int width,
+                             int height) {
+  const render::View view = render::make_view(camera, width, height);
+  labels::SpaceView space;
+  space.clip_from_sensor = view.proj * view.view * frame.T_world_sensor.cast<float>().matrix();
+  space.width = width;
+  space.height = height;
+  space.px_per_m = view.px_per_m;
+  space.orthographic = view.orthographic;
+  return space;
+}
+
+/// The frame's points in a view of that size, through the camera in force. Kept in the state until
+/// the camera, the size, the frame or what is hidden changes. The frame and its labels are there.
+const labels::SeenPoints& sight(State& state, int width, int height) {
+  const std::shared_ptr<const LabelFrame>& frame = state.results.label.frame;
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  const render::Camera camera = camera_in_force(state, width, height);
+  const SpaceSight* now = state.view.label.sight.get();
+  const bool same_view = now && now->frame == frame && now->points.width == width &&
+                         now->points.height == height && same_camera(now->camera, camera);
+  if (same_view && now->labels == labels) return now->points;
+  auto made = std::make_shared<SpaceSight>();
+  made->frame = frame;
+  made->labels = labels;
+  made->shown = labels::shown_pixels(*labels);
+  made->camera = camera;
+  if (same_view && made->shown == now->shown)
+    made->points = now->points;
+  else
+    made->points = labels::see(frame->grid, space_view(*frame, camera, width, height), made->shown);
+  state.view.label.sight = std::move(made);
+  return state.view.label.sight->points;
+}
+
+/// The point that is seen at a place, as its pixel; -1 where there is none nearby.
+std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
+  std::int64_t best = -1;
+  float least = kReach_px * kReach_px;
+  for (std::size_t i = 0; i < seen.place.size(); ++i) {
+    if (!seen.visible[i]) continue;
+    const float distance = (seen.place[i] - place).squaredNorm();
+    if (!(distance < least)) continue;
+    least = distance;
+    best = static_cast<std::int64_t>(i);
+  }
+  return best;
+}
+
+}  // namespace
+
+bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
+
+LabelGesture gesture_argument(const std::string& action,
+                              const std::string& text,
+                              std::size_t least_places) {
+  std::vector<std::string> parts = split(text, ' ');
+  std::erase(parts, "");
+  if (parts.empty()) throw Error(fmt::format("action {}: a view is missing", action));
+  LabelGesture gesture;
+  read_view(action, parts[0], gesture);
+  std::size_t next = 1;
+  if (next < parts.size() && std::isalpha(static_cast<unsigned char>(parts[next][0])))
+    gesture.mode = static_cast<labels::PaintMode>(choice_argument(action, parts[next++], kModes));
+  if (next < parts.size() && !is_place(parts[next])) {
+    const double radius = number_argument(action, parts[next++]);
+    if (!(radius > 0 && radius <= kLargestView_px))
+      throw Error(fmt::format("action {}: a radius of {} px is none of a brush", action, radius));
+    gesture.radius_px = static_cast<float>(radius);
+  }
+  for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
+  if (gesture.path.size() < least_places)
+    throw Error(fmt::format("action {}: '{}' has {} places, expected {} or more", action, text,
+                            gesture.path.size(), least_places));
+  return gesture;
+}
+
+std::string gesture_text(const LabelGesture& gesture) {
+  std::string text = gesture.where == DrawnIn::image
+                         ? "image"
+                         : fmt::format("space:{}x{}", gesture.width, gesture.height);
+  text += ' ' + kModes[static_cast<std::size_t>(gesture.mode)];
+  if (gesture.radius_px) text += fmt::format(" {:.4g}", *gesture.radius_px);
+  for (const labels::Vec2f& place : gesture.path)
+    text += fmt::format(" {:.2f},{:.2f}", place.x(), place.y());
+  return text;
+}
+
+std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text) {
+  const LabelGesture where =
+      gesture_argument(action, text.find(' ') == std::string::npos ? "image " + text : text, 1);
+  const labels::Vec2f& at = where.path.front();
+  if (where.where == DrawnIn::space)
+    return pixel_seen_at(sight(state, where.width, where.height), at);
+  const labels::LabelGrid& grid = state.label_frame()->grid;
+  const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
+  if (u < 0 || v < 0 || u >= grid.width || v >= grid.height)
+    throw Error(fmt::format("action {}: {},{} is outside the {} x {} image", action, u, v,
+                            grid.width, grid.height));
+  return static_cast<std::int64_t>(v) * grid.width + u;
+}
+
+labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
+  labels::DrawnShape shape;
+  shape.kind =
+      gesture.radius_px ? labels::DrawnShape::Kind::stroke : labels::DrawnShape::Kind::area;
+  shape.path = gesture.path;
+  if (gesture.radius_px) shape.radius_px = *gesture.radius_px;
+  if (gesture.where == DrawnIn::space)
+    return labels::points_in_space(sight(state, gesture.width, gesture.height), shape,
+                                   state.view.label.through);
+  const std::vector<std::uint8_t> shown = labels::shown_pixels(*state.labels());
+  return {labels::pixels_on_image(state.label_frame()->grid, shape, shown), 0};
+}
+
+std::vector<float> sides_in_space(
+    const State& state, int width, int height, const labels::Vec2f& from, const labels::Vec2f& to) {
+  const LabelFrame& frame = *state.label_frame();
+  const render::View view = render::make_view(camera_in_force(state, width, height), width, height);
+  const Vec2d begin = from.cast<double>(), along = (to - from).cast<double>();
+  std::vector<float> sides(frame.world.size(), 0);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (!frame.grid.measured[i]) continue;
+    const std::optional<render::ScreenPoint> point = render::project(view, frame.world[i]);
+    if (!point) continue;
+    const Vec2d there = point->px - begin;
+    sides[i] = static_cast<float>(along.x() * there.y() - along.y() * there.x());
+  }
+  return sides;
+}
+
+}  // namespace planescope::desktop

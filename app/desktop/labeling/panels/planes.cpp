@@ -1,0 +1,195 @@
+// The planes of the frame, the active one, and the wand's preview.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+const char* name_of(LabelOrigin origin) {
+  constexpr const char* kNames[] = {"by hand", "by the wand", "from the algorithm", "carried",
+                                    "imported"};
+  return kNames[static_cast<std::size_t>(origin)];
+}
+
+void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts) {
+  const labels::LabelStatistics& s = facts.statistics;
+  const double share =
+      s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
+  share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
+  ui.name("planes.labelled");
+  tooltip(fmt::format("{} of {} measured pixels, {} ignored", s.labelled, s.measured, s.ignored));
+  if (labels.planes.empty()) return;
+  std::string text =
+      fmt::format("{}: {} h, {} v", counted(labels.planes.size(), "plane"), s.h, s.v);
+  const auto hidden = std::ranges::count_if(labels.planes, &LabelPlane::hidden);
+  if (hidden > 0) text += fmt::format("  ·  {} hidden with {} pixels", hidden, s.hidden);
+  if (hidden > 0) ImGui::AlignTextToFramePadding();
+  paragraph(hidden > 0 ? ui.colors.warning : ui.colors.muted, text);
+  if (hidden > 0) {
+    ui.name("planes.hidden");
+    same_line_if_fits("show all");
+    action_button(ui, "label.show_all", "show all");
+  }
+}
+
+void draw_beginnings(const Ui& ui) {
+  action_button(ui, "label.take", "From the algorithm");
+  const CarryJob& carry = ui.state.results.label.carry;
+  if (carry.running) {
+    ImGui::ProgressBar(static_cast<float>(carry.progress), ImVec2(-ui.px(60), 0), "carrying …");
+    ui.name("planes.carrying");
+    ImGui::SameLine();
+    if (button(ui, "Stop", "planes.stop_carrying")) ui.emit("label.cancel");
+    return;
+  }
+  same_line_if_fits("To the next frame");
+  action_button(ui, "label.carry", "To the next frame");
+  if (!carry.done) return;
+  const auto doubtful = std::ranges::count(carry.done->doubt, std::uint8_t{1});
+  paragraph(ui.colors.warning,
+            fmt::format("From frame {} by {}: {} pixels in doubt (Esc hides them)", carry.from,
+                        carry.done->method, doubtful));
+  ui.name("planes.doubt");
+}
+
+void tell(const LabelPlane& plane, const PlaneFacts& facts) {
+  std::string text =
+      fmt::format("P{}, {}, {} pixels", plane.id, name_of(plane.origin), facts.pixels);
+  if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
+  ImGui::SetTooltip("%s\nclick: active   double click: look at it", text.c_str());
+}
+
+void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, bool confidences) {
+  const std::string id = std::to_string(plane.id), widget = "planes." + id;
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  const bool active = ui.state.view.label.plane == plane.id;
+  const ImVec2 at = ImGui::GetCursorPos();
+  if (ImGui::Selectable(("##" + widget).c_str(), active,
+                        ImGuiSelectableFlags_SpanAllColumns |
+                            ImGuiSelectableFlags_AllowItemOverlap |
+                            ImGuiSelectableFlags_AllowDoubleClick))
+    ui.emit(ImGui::IsMouseDoubleClicked(0) ? "label.look" : "label.plane", id);
+  ui.name(widget);
+  if (ImGui::IsItemHovered()) tell(plane, facts);
+  ImGui::SetCursorPos(at);
+  plane_swatch(ui, plane.id, plane.hidden);
+  cell(to_string(plane.label, "?"));
+  cell(area_text(facts.area_m2));
+  cell(fmt::format("{:.1f}", 1000 * plane.rms_m));
+  cell(std::to_string(plane.fragments));
+  if (confidences)
+    cell(plane.confidence < 1 ? fmt::format("{:.0f} %", 100 * plane.confidence) : "");
+  ImGui::TableNextColumn();
+  if (icon_button(ui, PlaneIcon::lock, plane.locked, widget + ".lock")) ui.emit("label.lock", id);
+  tooltip(plane.locked ? "unlock" : "lock: no tool changes it");
+  ImGui::SameLine(0, ui.px(2));
+  if (icon_button(ui, PlaneIcon::eye, plane.hidden, widget + ".hide")) ui.emit("label.hide", id);
+  tooltip(plane.hidden ? "show" : "hide: kept, but not drawn");
+}
+
+void draw_list(const Ui& ui, const FrameLabels& labels, const LabelFacts& facts, float height) {
+  if (labels.planes.empty())
+    return paragraph(ui.colors.muted,
+                     "No plane is labelled yet. Click one with the wand (W) and accept it with "
+                     "Enter, or start from the algorithm (T).");
+  const bool confidences = std::ranges::any_of(
+      labels.planes, [](const LabelPlane& plane) { return plane.confidence < 1; });
+  if (!ImGui::BeginTable("planes", confidences ? 7 : 6, kTable | ImGuiTableFlags_ScrollY,
+                         ImVec2(0, height)))
+    return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableSetupColumn("plane", ImGuiTableColumnFlags_WidthStretch);
+  fixed_column(" ", "h");
+  fixed_column("area", "00.00 m²");
+  fixed_column("mm", "00.0");
+  fixed_column("parts", "0");
+  if (confidences) fixed_column("sure", "100 %");
+  fixed_column("  ", "", ui.px(38));
+  ImGui::TableHeadersRow();
+  for (std::size_t i = 0; i < labels.planes.size(); ++i)
+    draw_plane(ui, labels.planes[i], facts.planes[i], confidences);
+  ImGui::EndTable();
+}
+
+void draw_active(const Ui& ui, const FrameLabels& labels) {
+  const int id = ui.state.view.label.plane;
+  const LabelPlane* plane = labels::find_plane(labels, id);
+  if (!plane)
+    return paragraph(ui.colors.muted, id > 0 ? fmt::format("The next gesture makes P{}.", id)
+                                             : "The next gesture makes a new plane.");
+  plane_swatch(ui, id, plane->hidden);
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s%s", name_of(plane->origin), plane->locked ? ", locked" : "");
+  ui.name("planes.active");
+  paragraph(ui.colors.text,
+            fmt::format("normal {:.3f}, {:.3f}, {:.3f}  ·  tilt {}", plane->normal.x(),
+                        plane->normal.y(), plane->normal.z(), tilt_text(*plane, labels)));
+  paragraph(ui.colors.text,
+            fmt::format("offset {:.3f} m  ·  RMS {:.1f} mm", plane->offset_m, 1000 * plane->rms_m));
+  constexpr const char* kButtons[][2] = {{"label.class.h", "h"},   {"label.class.v", "v"},
+                                         {"label.split", "split"}, {"label.lock", "lock"},
+                                         {"label.hide", "hide"},   {"label.remove", "remove"},
+                                         {"label.look", "look"}};
+  bool first = true;
+  for (const auto& [action, label] : kButtons) {
+    if (!first) same_line_if_fits(label);
+    first = false;
+    action_button(ui, action, label);
+  }
+}
+
+void draw_wand(const Ui& ui) {
+  const LabelView& view = ui.state.view.label;
+  if (view.tool != LabelTool::wand) return;
+  ImGui::Separator();
+  auto millimetres = static_cast<float>(1000 * view.wand_options.tolerance_m);
+  // The number stands beside the slider: on it, the grab would hide it.
+  const std::string number = fmt::format("within {:.1f} mm", millimetres);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextDisabled("wand");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-ImGui::CalcTextSize("within 00.0 mm").x - ui.px(8));
+  if (ImGui::SliderFloat("##tolerance", &millimetres, 1, 40, "", ImGuiSliderFlags_Logarithmic))
+    ui.emit("label.wand.tolerance", fmt::format("{:.5f}", millimetres / 1000));
+  ui.name("planes.tolerance");
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", number.c_str());
+  if (view.wand.found) {
+    const labels::FittedPlane& plane = view.wand.found->plane;
+    paragraph(
+        ui.colors.accent,
+        fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {} pixels",
+                    to_string(view.wand.found->label, "?"), area_text(plane.area_m2),
+                    1000 * plane.rms_m, tilt_text(plane.tilt_deg), view.wand.found->pixels.size()));
+    ui.name("planes.wand");
+  } else if (!view.wand.why_not.empty()) {
+    paragraph(ui.colors.warning, view.wand.why_not);
+  }
+}
+
+}  // namespace
+
+void draw_label_planes(const Ui& ui) {
+  const std::shared_ptr<const FrameLabels> labels = labels_to_show(ui);
+  if (!labels) return;
+  const LabelFacts& facts = facts_of(ui, labels);
+  draw_totals(ui, *labels, facts);
+  draw_beginnings(ui);
+  list_above(
+      ui, "planes.below", [&](float height) { draw_list(ui, *labels, facts, height); },
+      [&] {
+        draw_active(ui, *labels);
+        draw_wand(ui);
+      });
+}
+
+}  // namespace planescope::desktop

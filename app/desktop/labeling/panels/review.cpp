@@ -1,0 +1,172 @@
+// Where labels and the algorithm, or another annotator, disagree: one region after the other.
+
+#include "app/desktop/labeling/review.hpp"
+
+#include <fmt/format.h>
+
+#include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/panels.hpp"
+#include "app/desktop/widgets.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+const char* meaning_of(DisagreementKind kind) {
+  switch (kind) {
+    case DisagreementKind::missed:
+      return "labelled as a plane; the other side has none there";
+    case DisagreementKind::invented:
+      return "the other side has a plane here; the labels have none";
+    case DisagreementKind::split:
+      return "the other side cuts this piece off a labelled plane";
+    case DisagreementKind::merged:
+      return "the other side's plane runs on over another labelled plane";
+    case DisagreementKind::class_flip:
+      return "the same plane, h on one side and v on the other";
+    default:
+      return "a thin strip along an edge";
+  }
+}
+
+void draw_sides(const Ui& ui) {
+  const std::string& folder = ui.state.view.label.compare_with;
+  paragraph(ui.colors.muted, folder.empty() ? "Labels against the algorithm's result"
+                                            : "Labels against those in " + folder);
+  std::string& text = ui.memory.texts["review.folder"];
+  ImGui::SetNextItemWidth(folder.empty() ? -1 : -ui.px(84));
+  if (ImGui::InputTextWithHint("##folder", "another annotator's label folder", &text,
+                               ImGuiInputTextFlags_EnterReturnsTrue))
+    ui.emit("review.against", text);
+  ui.name("review.folder");
+  if (folder.empty()) return;
+  ImGui::SameLine();
+  if (button(ui, "algorithm", "review.algorithm")) {
+    text.clear();
+    ui.emit("review.against");
+  }
+}
+
+void draw_agreement(const Ui& ui, const labels::Agreement& agreement) {
+  paragraph(ui.colors.text, fmt::format("mean IoU {:.3f}  ·  adjusted Rand index {:.3f}",
+                                        agreement.mean_iou, agreement.adjusted_rand));
+  ui.name("review.agreement");
+  paragraph(ui.colors.muted,
+            fmt::format("{} of {} and {} planes match  ·  same plane on {:.1f} % of the pixels, "
+                        "same class on {:.1f} %",
+                        agreement.matched, agreement.planes_a, agreement.planes_b,
+                        100 * agreement.pixel_agreement, 100 * agreement.label_accuracy));
+}
+
+std::string planes_text(int ours, int theirs) {
+  const std::string a = ours > 0 ? fmt::format("P{}", ours) : "–";
+  return theirs > 0 ? fmt::format("{} / {}", a, theirs) : fmt::format("{} / –", a);
+}
+
+/// The first cell of a row that is chosen as a whole.
+bool row(const Ui& ui, const std::string& widget, const std::string& text, bool chosen) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  const bool clicked = ImGui::Selectable((text + "##" + widget).c_str(), chosen,
+                                         ImGuiSelectableFlags_SpanAllColumns);
+  ui.name(widget);
+  return clicked;
+}
+
+void draw_open_items(const Ui& ui, const ReviewQueue& queue) {
+  const int chosen = ui.state.view.label.review_item;
+  double& scrolled_to = ui.memory.numbers["review.scrolled_to"];
+  for (std::size_t i = 0; i < queue.items.size(); ++i) {
+    const labels::Disagreement& item = queue.items[i];
+    if (item.note) continue;
+    const int index = static_cast<int>(i);
+    if (row(ui, fmt::format("review.{}", i), to_string(item.kind), index == chosen))
+      ui.emit("review.item", std::to_string(i));
+    tooltip(meaning_of(item.kind));
+    if (index == chosen && scrolled_to != index) {
+      ImGui::SetScrollHereY();
+      scrolled_to = index;
+    }
+    cell(planes_text(item.label_plane, item.other_plane));
+    cell(area_text(item.area_m2));
+    cell("");
+  }
+}
+
+void draw_decided_items(const Ui& ui, const std::vector<Decided>& all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const ReviewNote& note = all[i].note;
+    const bool chosen = all[i].item >= 0 && all[i].item == ui.state.view.label.review_item;
+    ImGui::PushStyleColor(ImGuiCol_Text, ui.colors.muted);
+    if (row(ui, fmt::format("review.decided.{}", i), to_string(note.kind), chosen) &&
+        all[i].item >= 0)
+      ui.emit("review.item", std::to_string(all[i].item));
+    tooltip(fmt::format("{} by {}{}", past_tense(note.decision), note.reviewer,
+                        all[i].item < 0 ? "; nothing differs there any more" : ""));
+    cell(planes_text(note.label_plane, note.other_plane));
+    cell(fmt::format("{} px", note.pixels));
+    cell(past_tense(note.decision));
+    ImGui::PopStyleColor();
+  }
+}
+
+void draw_items(const Ui& ui,
+                const ReviewQueue& queue,
+                const std::vector<Decided>& done,
+                float height) {
+  if (!ImGui::BeginTable("queue", 4, kTable | ImGuiTableFlags_ScrollY, ImVec2(0, height))) return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
+  fixed_column("planes", "P00 / 00");
+  fixed_column("size", "000 cm²");
+  fixed_column("decided", "to edit");
+  ImGui::TableHeadersRow();
+  draw_open_items(ui, queue);
+  draw_decided_items(ui, done);
+  ImGui::EndTable();
+}
+
+void draw_decisions(const Ui& ui, const ReviewQueue& queue, const FrameLabels& labels) {
+  const bool chosen = ui.state.view.label.review_item >= 0;
+  ImGui::BeginDisabled(!chosen);
+  if (button(ui, "Keep (Enter)", "review.keep")) ui.emit("review.keep");
+  tooltip("Keep the labels   Enter");
+  constexpr const char* kButtons[][2] = {
+      {"review.take", "Take (A)"}, {"review.edit", "Edit (E)"}, {"review.ignore", "Ignore (G)"}};
+  for (const auto& [action, label] : kButtons) {
+    same_line_if_fits(label);
+    action_button(ui, action, label);
+  }
+  ImGui::EndDisabled();
+  if (queue.undecided() > 0) return;
+  const bool reviewed = labels.review_state == "reviewed";
+  paragraph(reviewed ? ui.colors.good : ui.colors.text,
+            reviewed ? "This frame is reviewed." : "Every region is decided.");
+  action_button(ui, "review.done", reviewed ? "not yet" : "The frame is reviewed");
+}
+
+}  // namespace
+
+void draw_label_review(const Ui& ui) {
+  const std::shared_ptr<const FrameLabels> labels = labels_to_show(ui);
+  if (!labels) return;
+  draw_sides(ui);
+  const LabelResults& results = ui.state.results.label;
+  if (!results.review_refusal.empty()) return paragraph(ui.colors.bad, results.review_refusal);
+  const ReviewQueue* queue = results.review.get();
+  if (!queue) return paragraph(ui.colors.muted, "Both sides are compared …");
+  if (queue->agreement) draw_agreement(ui, *queue->agreement);
+  const std::vector<Decided> done = decided_items(*labels, *queue);
+  const std::size_t all = queue->undecided() + done.size();
+  if (all == 0) {
+    paragraph(ui.colors.good, "Both sides agree everywhere.");
+  } else {
+    share_bar(static_cast<double>(done.size()) / static_cast<double>(all),
+              fmt::format("{} of {} decided", done.size(), all));
+    ui.name("review.progress");
+  }
+  list_above(
+      ui, "review.below", [&](float height) { draw_items(ui, *queue, done, height); },
+      [&] { draw_decisions(ui, *queue, *labels); });
+}
+
+}  // namespace planescope::desktop

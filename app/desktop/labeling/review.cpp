@@ -1,0 +1,180 @@
+#include "app/desktop/labeling/review.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/labeling/work.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+FrameLabels read_other(const ReviewSides& sides) {
+  const std::filesystem::path& folder = sides.folder;
+  std::optional<FrameLabels> other =
+      labels::read_frame_labels(folder, sides.frame->frame, sides.frame->sha256);
+  if (!other)
+    throw Error(fmt::format("{}: has no labels of frame {}", folder.string(), sides.frame->frame));
+  return std::move(*other);
+}
+
+bool same_region(const labels::Disagreement& a, const labels::Disagreement& b) {
+  return a.kind == b.kind && a.pixel == b.pixel;
+}
+
+bool is_about(const ReviewNote& note, const labels::Disagreement& item) {
+  return note.kind == item.kind && note.pixel == item.pixel;
+}
+
+/// Whether its pixels still have the labels that the queue was made from.
+bool still_holds(const labels::Disagreement& item,
+                 const FrameLabels& before,
+                 const FrameLabels& now) {
+  return std::ranges::all_of(item.pixels, [&](std::uint32_t pixel) {
+    return before.plane.data[pixel] == now.plane.data[pixel] &&
+           before.hv.data[pixel] == now.hv.data[pixel];
+  });
+}
+
+/// The queue after a decision: the item stands behind those that are left.
+std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
+                                       std::size_t item,
+                                       const ReviewNote& note) {
+  auto after = std::make_shared<ReviewQueue>(queue);
+  after->items[item].note = note;
+  after->labels_decided =
+      note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
+  std::ranges::stable_partition(after->items,
+                                [](const labels::Disagreement& one) { return !one.note; });
+  return after;
+}
+
+std::int64_t now_s() {
+  using namespace std::chrono;
+  return duration_cast<seconds>(system_clock::now().time_since_epoch()).count();
+}
+
+std::string title_of(const labels::Disagreement& item, ReviewDecision decision) {
+  std::string title = fmt::format("Review: {} {}", to_string(item.kind), past_tense(decision));
+  if (item.label_plane > 0) title += fmt::format(" (P{})", item.label_plane);
+  return title;
+}
+
+/// Chooses the item to decide next, after the one at `place`.
+void go_on(State& state, int place) {
+  const ReviewQueue& queue = *state.results.label.review;
+  const int left = static_cast<int>(queue.undecided());
+  if (left > 0) return choose_item(state, place < left ? place : 0);
+  choose_item(state, -1);
+  say(state, "every region is decided: Shift+D marks the frame reviewed");
+}
+
+}  // namespace
+
+std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides) {
+  auto queue = std::make_shared<ReviewQueue>();
+  queue->labels = sides.labels;
+  queue->run = sides.run;
+  const labels::LabelGrid& grid = sides.frame->grid;
+  if (sides.run) {
+    queue->other = planes::to_string(sides.run->segment_options.profile);
+    queue->other_labels =
+        std::make_shared<const labels::OtherLabels>(labels_of_run(*sides.run, grid));
+  } else {
+    const FrameLabels other = read_other(sides);
+    queue->other = sides.folder.string();
+    queue->other_labels = std::make_shared<const labels::OtherLabels>(labels::other_of(other));
+    queue->agreement = labels::agreement_of(*sides.labels, other);
+  }
+  queue->items = labels::find_disagreements(*sides.labels, *queue->other_labels, grid);
+  return queue;
+}
+
+void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue) {
+  const std::shared_ptr<const ReviewQueue> before = std::move(state.results.label.review);
+  const int chosen = state.view.label.review_item;
+  state.results.label.review = queue;
+  state.results.label.review_refusal.clear();
+  if (!before) return choose_item(state, queue->undecided() > 0 ? 0 : -1);
+  if (chosen >= 0 && chosen < static_cast<int>(before->items.size())) {
+    const labels::Disagreement& item = before->items[static_cast<std::size_t>(chosen)];
+    const auto same = std::ranges::find_if(
+        queue->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
+    if (same != queue->items.end()) {
+      state.view.label.review_item = static_cast<int>(same - queue->items.begin());
+      return;
+    }
+  }
+  const int left = static_cast<int>(queue->undecided());
+  const bool goes_on = before->labels_decided && chosen >= 0 && left > 0;
+  // Otherwise the view stays where it is: somebody may be drawing in it.
+  goes_on ? choose_item(state, std::min(chosen, left - 1)) : choose_item(state, -1);
+}
+
+void choose_item(State& state, int item) {
+  state.view.label.review_item = item;
+  const ReviewQueue* queue = state.results.label.review.get();
+  if (queue && item >= 0)
+    look_at_pixels(state, queue->items[static_cast<std::size_t>(item)].pixels);
+}
+
+void decide(State& state, ReviewDecision decision) {
+  const LabelWork work = label_work(state);
+  const std::shared_ptr<const ReviewQueue> queue = state.results.label.review;
+  const int chosen = state.view.label.review_item;
+  if (!queue || chosen < 0 || chosen >= static_cast<int>(queue->items.size()))
+    throw Error("no region is chosen: D opens the review, Down chooses the next one");
+  const auto index = static_cast<std::size_t>(chosen);
+  const labels::Disagreement& item = queue->items[index];
+  if (!still_holds(item, *queue->labels, *work.labels))
+    throw Error("labels have changed there since: the list is being made anew");
+
+  labels::LabelStore& store = *state.document.current()->labels;
+  const FrameLabels after =
+      labels::decided(*work.labels, work.frame.grid, item, *queue->other_labels, decision,
+                      store.annotator(), now_s());
+  const auto note = std::find_if(after.review.rbegin(), after.review.rend(),
+                                 [&](const ReviewNote& one) { return is_about(one, item); });
+  if (note == after.review.rend()) throw Error("the decision could not be noted");
+  commit_and_say(state, title_of(item, decision), after, "decided so already");
+  const bool was_open = !item.note;
+  auto next = with_note(*queue, index, *note);
+  const bool is_note = decision == ReviewDecision::keep || decision == ReviewDecision::edit;
+  if (is_note && queue->labels == work.labels)  // no label differs: nothing to find anew
+    next->labels = state.labels();
+  state.results.label.review = next;
+  if (decision == ReviewDecision::edit) {
+    const auto moved = std::ranges::find_if(
+        next->items, [&](const labels::Disagreement& one) { return same_region(one, item); });
+    return choose_item(state, static_cast<int>(moved - next->items.begin()));
+  }
+  if (was_open) go_on(state, chosen);
+}
+
+std::vector<Decided> decided_items(const FrameLabels& labels, const ReviewQueue& queue) {
+  std::vector<Decided> all;
+  for (auto note = labels.review.rbegin(); note != labels.review.rend(); ++note) {
+    const auto item = std::ranges::find_if(
+        queue.items, [&](const labels::Disagreement& one) { return one.note == *note; });
+    all.push_back(
+        {*note, item == queue.items.end() ? -1 : static_cast<int>(item - queue.items.begin())});
+  }
+  return all;
+}
+
+const char* to_string(DisagreementKind kind) {
+  constexpr std::array kNames{"missed", "invented", "split", "merged", "class", "boundary"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+const char* past_tense(ReviewDecision decision) {
+  constexpr std::array kNames{"kept", "taken", "to edit", "ignored"};
+  return kNames[static_cast<std::size_t>(decision)];
+}
+
+}  // namespace planescope::desktop

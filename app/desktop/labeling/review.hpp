@@ -1,0 +1,45 @@
+#pragma once
+
+// The review's queue as it is worked through.
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// What a queue is made of: labels, and the run or another annotator's folder.
+struct ReviewSides {
+  std::shared_ptr<const LabelFrame> frame;
+  std::shared_ptr<const FrameLabels> labels;
+  std::shared_ptr<const debug::Run> run;  // null: `folder`
+  std::filesystem::path folder;
+
+  bool operator==(const ReviewSides&) const = default;
+};
+/// Throws Error where the folder has no labels of this very frame.
+std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides);
+
+/// Shows a new queue. The first one of a frame begins at its largest item. After an earlier one,
+/// the chosen item stays chosen if it is still there; the views go on only after a decision.
+void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue);
+/// Moves both views there; -1: none.
+void choose_item(State& state, int item);
+/// Decides on the chosen item, and chooses the next undecided one. Throws Error where none is
+/// chosen, or where its labels are no longer what the queue was made of.
+void decide(State& state, ReviewDecision decision);
+
+/// A decision; its region may differ no longer, and so be no item.
+struct Decided {
+  ReviewNote note;
+  int item = -1;  // of the queue, or -1
+};
+/// The latest first.
+std::vector<Decided> decided_items(const FrameLabels& labels, const ReviewQueue& queue);
+
+const char* to_string(DisagreementKind kind);
+const char* past_tense(ReviewDecision decision);  // "kept"
+
+}  // namespace planescope::desktop

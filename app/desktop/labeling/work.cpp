@@ -1,0 +1,158 @@
+#include "app/desktop/labeling/work.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/look.hpp"
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr double kRoom = 2;  // what is around a region says where it is
+
+void look_on_image(ViewState& view,
+                   const labels::LabelGrid& grid,
+                   std::span<const std::uint32_t> pixels) {
+  int u0 = grid.width, u1 = 0, v0 = grid.height, v1 = 0;
+  for (const std::uint32_t pixel : pixels) {
+    const int u = static_cast<int>(pixel) % grid.width, v = static_cast<int>(pixel) / grid.width;
+    u0 = std::min(u0, u);
+    u1 = std::max(u1, u + 1);
+    v0 = std::min(v0, v);
+    v1 = std::max(v1, v + 1);
+  }
+  constexpr double kMaxZoom = 8;
+  view.image_zoom = std::clamp(
+      std::min(grid.width / (kRoom * (u1 - u0)), grid.height / (kRoom * (v1 - v0))), 1.0, kMaxZoom);
+  view.image_center = Vec2d((u0 + u1) / 2.0 / grid.width, (v0 + v1) / 2.0 / grid.height);
+}
+
+/// Looks at the pixels from the direction in which the camera stands now.
+render::Camera camera_at(render::Camera camera,
+                         const LabelFrame& frame,
+                         std::span<const std::uint32_t> pixels) {
+  Eigen::AlignedBox3f box;
+  for (const std::uint32_t pixel : pixels)
+    if (frame.grid.measured[pixel]) box.extend(frame.world[pixel]);
+  if (box.isEmpty()) return camera;
+  const double radius_m = std::max(0.5 * box.diagonal().cast<double>().norm(), 0.03);
+  const double distance_m = kRoom * radius_m / std::sin(camera.fov_y_deg * std::numbers::pi / 360);
+  const Vec3d back = (camera.eye - camera.target).normalized();
+  camera.target = box.center().cast<double>();
+  camera.eye = camera.target + distance_m * back;
+  camera.ortho_height_m = 2 * kRoom * radius_m;
+  camera.near_m = std::max(0.005, 0.02 * distance_m);
+  camera.far_m = std::max(camera.far_m, 20 * distance_m);
+  return camera;
+}
+
+bool is_plane(const labels::Paint& paint) { return paint.plane > 0 && paint.plane != kPlaneIgnore; }
+
+bool takes_off(const labels::Paint& paint, labels::PaintMode mode) {
+  return mode == labels::PaintMode::subtract || (paint.plane == 0 && paint.label == Label::unknown);
+}
+
+}  // namespace
+
+bool can_label(const State& state) { return state.view.mode == Mode::labels && state.labels(); }
+
+LabelWork label_work(const State& state) {
+  if (!can_label(state)) throw Error("the frame is not ready for labels yet");
+  return {*state.label_frame(), state.labels()};
+}
+
+int plane_argument(const State& state, const std::string& action, const std::string& text) {
+  const FrameLabels& labels = *label_work(state).labels;
+  const int plane =
+      text.empty() ? state.view.label.plane : plane_argument(action, text, 1, kPlaneIgnore - 1);
+  if (plane == 0) throw Error("no plane is active: click one in the list, or press its number");
+  if (!labels::find_plane(labels, plane)) throw Error(fmt::format("there is no plane P{}", plane));
+  return plane;
+}
+
+void commit_and_say(State& state,
+                    const std::string& title,
+                    const FrameLabels& after,
+                    const std::string& unchanged) {
+  const std::shared_ptr<const FrameLabels> before = state.labels();
+  commit_labels(state, title, after);
+  say(state, state.labels() == before ? unchanged : title);
+}
+
+void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
+  const LabelFrame* frame = state.label_frame();
+  if (!frame || pixels.empty()) return;
+  look_on_image(state.view, frame->grid, pixels);
+  state.view.camera = camera_at(camera_of(state), *frame, pixels);
+}
+
+labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {
+  labels::OtherLabels labels;
+  labels.plane.assign(grid.pixels(), -1);
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    const std::uint32_t voxel = run.subject->voxel_of_source(i);
+    if (voxel != planes::kNoVoxel) labels.plane[i] = run.segmentation.plane_of[voxel];
+  }
+  for (const planes::PlaneRegion& plane : run.segmentation.planes)
+    labels.label.push_back(plane.label);
+  return labels;
+}
+
+std::string name_of_paint(const labels::Paint& paint) {
+  if (paint.plane == kPlaneIgnore) return "ignore";
+  if (paint.plane > 0) return fmt::format("P{}", paint.plane);
+  return to_string(paint.label, "nothing");
+}
+
+labels::Paint paint_in_hand(const State& state) {
+  const LabelView& view = state.view.label;
+  switch (view.paints) {
+    case Paints::plane:
+      return {.plane = view.plane > 0 ? view.plane : labels::free_plane_id(*state.labels())};
+    case Paints::ignore:
+      return {.plane = kPlaneIgnore};
+    case Paints::erase:
+      return {};
+    case Paints::h_only:
+      return {.label = Label::h};
+    case Paints::v_only:
+      return {.label = Label::v};
+  }
+  return {};
+}
+
+StrokePreview preview_of(const State& state, labels::SpaceSelection taken, labels::PaintMode mode) {
+  const labels::Paint paint = paint_in_hand(state);
+  return {.pixels = labels::changed_by_painting(*state.labels(), state.label_frame()->grid,
+                                                taken.pixels, paint, mode),
+          .hidden = taken.hidden,
+          .takes = takes_off(paint, mode)};
+}
+
+void paint_pixels(State& state,
+                  const std::string& tool,
+                  std::span<const std::uint32_t> pixels,
+                  const labels::Paint& paint,
+                  labels::PaintMode mode) {
+  const FrameLabels& labels = *state.labels();
+  const labels::LabelGrid& grid = state.label_frame()->grid;
+  const LabelPlane* plane = is_plane(paint) ? labels::find_plane(labels, paint.plane) : nullptr;
+  if (plane && plane->locked) throw Error(fmt::format("P{} is locked", plane->id));
+  if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
+    throw Error(fmt::format("P{} has no pixels yet that could be taken off", paint.plane));
+  const std::size_t changed = labels::changed_by_painting(labels, grid, pixels, paint, mode).size();
+  if (changed == 0) return say(state, "nothing to change there");
+  const std::string title = fmt::format(
+      "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
+  commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));
+  if (is_plane(paint)) state.view.label.plane = paint.plane;
+  say(state, fmt::format("{}: {} pixels", title, changed));
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,54 @@
+#pragma once
+
+// What label actions share: the frame and its labels, planes, what strokes leave behind.
+
+#include <span>
+#include <string>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// The frame that is labelled, and its labels.
+struct LabelWork {
+  const LabelFrame& frame;
+  std::shared_ptr<const FrameLabels> labels;
+};
+/// The label mode is on, and the frame is ready.
+bool can_label(const State& state);
+/// Throws Error where it is not.
+LabelWork label_work(const State& state);
+
+/// "3" or "P3"; empty: the active one. Throws Error where there is no such plane.
+int plane_argument(const State& state, const std::string& action, const std::string& text);
+
+/// commit_labels(), and the title in the status bar; `unchanged` where nothing differs.
+void commit_and_say(State& state,
+                    const std::string& title,
+                    const FrameLabels& after,
+                    const std::string& unchanged);
+
+/// Moves both views there, with room around. Nothing for no pixels.
+void look_at_pixels(State& state, std::span<const std::uint32_t> pixels);
+
+/// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
+labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid);
+
+// ---- What tools leave on the pixels that they took ---------------------------------------------
+
+/// "P3", "ignore", "nothing", "h", "v".
+std::string name_of_paint(const labels::Paint& paint);
+/// What strokes leave, as it was chosen. For plane 0, the id that a new plane gets.
+labels::Paint paint_in_hand(const State& state);
+/// The pixels that a gesture would change.
+StrokePreview preview_of(const State& state, labels::SpaceSelection taken, labels::PaintMode mode);
+/// One undo step, its plane the active one from then on. Throws Error where nothing may be changed;
+/// where nothing would be, it says so.
+void paint_pixels(State& state,
+                  const std::string& tool,
+                  std::span<const std::uint32_t> pixels,
+                  const labels::Paint& paint,
+                  labels::PaintMode mode);
+
+}  // namespace planescope::desktop

@@ -1,0 +1,127 @@
+#include "app/desktop/state/state.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/planes/pipeline/options_table.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+void add_label_facts(const State& state, nlohmann::ordered_json& json) {
+  static constexpr const char* kTools[] = {"wand", "brush", "rectangle", "lasso", "polygon", "cut"};
+  const LabelView& view = state.view.label;
+  const OpenRecording* open = state.document.current();
+  const labels::LabelStore* store = open ? open->labels.get() : nullptr;
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  json["mode"] = state.view.mode == Mode::labels ? "labels" : "debugger";
+  json["label_tool"] = kTools[static_cast<std::size_t>(view.tool)];
+  json["label_plane"] = view.plane;
+  json["label_planes"] = labels ? labels->planes.size() : 0;
+  json["labelled_pixels"] =
+      labels ? labels->plane.data.size() -
+                   static_cast<std::size_t>(std::ranges::count(labels->plane.data, 0))
+             : 0;
+  json["unsaved"] = store && store->any_unsaved();
+  json["label_undo"] = store ? store->undo_count() : 0;
+  json["stroke_pixels"] = view.stroke ? view.stroke->pixels.size() : 0;
+  json["wand_pixels"] = view.wand.found ? view.wand.found->pixels.size() : 0;
+  json["hovered_pixel"] = view.hover;
+  json["read_only"] = store ? store->read_only() : "";
+  json["label_refusal"] = state.results.label.refusal;
+}
+
+}  // namespace
+
+const OpenRecording* Document::current() const {
+  return recording >= 0 ? &recordings[static_cast<std::size_t>(recording)] : nullptr;
+}
+
+OpenRecording* Document::current() {
+  return const_cast<OpenRecording*>(std::as_const(*this).current());
+}
+
+const RunView* State::run_view() const {
+  return view.flash && results.pinned ? results.pinned.get() : results.current.get();
+}
+
+const debug::Run* State::run() const {
+  const RunView* shown = run_view();
+  return shown ? shown->run.get() : nullptr;
+}
+
+const planes::TraceEvent* State::event() const {
+  return run() ? run()->event_at(view.step) : nullptr;
+}
+
+const LabelFrame* State::label_frame() const {
+  const LabelFrame* made = results.label.frame.get();
+  const OpenRecording* open = document.current();
+  return made && open && made->recording == open->recording && made->frame == document.frame
+             ? made
+             : nullptr;
+}
+
+std::shared_ptr<const FrameLabels> State::labels() const {
+  const OpenRecording* open = document.current();
+  return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
+}
+
+nlohmann::ordered_json state_facts(const State& state, bool idle) {
+  nlohmann::ordered_json json;
+  const Document& document = state.document;
+  const ViewState& view = state.view;
+  json["idle"] = idle;
+  json["recording"] = document.current() ? document.current()->path.string() : "";
+  json["frame"] = document.frame;
+  json["profile"] = planes::to_string(document.options.segment.profile);
+  json["method"] = planes::to_string(document.options.method);
+  json["refusal"] = state.results.refusal;
+  json["step"] = view.step;
+  const debug::Run* run = state.run();
+  static constexpr const char* kClicks[] = {"", "floor", "wall"};
+  json["gravity"] = run ? to_string(run->subject->prepared.gravity.source) : "";
+  json["gravity_click"] = kClicks[static_cast<std::size_t>(view.gravity_click)];
+  json["steps"] = run ? run->steps() : 0;
+  json["event"] = run && view.step > 0 ? debug::describe_event(*run, view.step) : "";
+  json["node"] = view.selected.node;
+  json["plane"] = view.selected.plane >= 0 ? debug::plane_name(view.selected.plane) : "";
+  json["voxel"] = view.selected.voxel;
+  json["case"] =
+      run && view.selected.node >= 0
+          ? planes::to_string(
+                run->octree().nodes[static_cast<std::size_t>(view.selected.node)].decided)
+          : "";
+  json["planes"] = run ? run->segmentation.planes.size() : 0;
+  json["detected"] =
+      state.run_view() && state.run_view()->score ? state.run_view()->score->detected : -1;
+  json["filter"] = view.search.text;
+  json["filter_problem"] = view.search.problem.message;
+  json["matches"] = view.search.matches.size();
+  json["breakpoints"] = document.breakpoints.size();
+  json["bookmarks"] = document.bookmarks.size();
+  json["marked"] = document.marked.size();
+  json["pinned"] = state.results.pinned != nullptr;
+  json["flash"] = view.flash;
+  json["fixes"] = nlohmann::ordered_json::array();
+  for (const debug::Fix& fix : state.results.fix.fixes)
+    json["fixes"].push_back(fix.option + "=" + fix.after);
+  json["strip"] = state.results.strip_done;
+  json["theme"] = view.theme == render::Theme::dark ? "dark" : "light";
+  json["tab"] = view.inspector_tab;
+  json["tool"] = view.tool_tab;
+  json["message"] = view.message;
+  json["undo"] = state.undo.size();
+  add_label_facts(state, json);
+  for (const planes::OptionInfo& info : planes::option_table())
+    json["options"][info.name] = info.get(document.options);
+  return json;
+}
+
+std::string state_text(const State& state, bool idle) {
+  using Json = nlohmann::ordered_json;
+  return state_facts(state, idle).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace planescope::desktop

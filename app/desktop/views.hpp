@@ -1,0 +1,73 @@
+#pragma once
+
+// What the views of the debugger and of the label mode share: the camera's image and the scene in
+// space, as they lie on screen and follow the mouse.
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "app/desktop/ui.hpp"
+
+namespace planescope::desktop {
+
+// ---- The camera's image ------------------------------------------------------------------------
+
+/// Where the image lies on screen.
+struct ImagePlacement {
+  ImVec2 area_min, area_max;  // of the room that it is cut off at
+  ImVec2 origin;              // of the image's upper left corner
+  float scale = 1;            // screen pixels per image pixel
+  int width = 0, height = 0;  // [image pixels]
+
+  ImVec2 to_screen(float u, float v) const {
+    return ImVec2(origin.x + scale * u, origin.y + scale * v);
+  }
+  ImVec2 to_image(ImVec2 at) const {
+    return ImVec2((at.x - origin.x) / scale, (at.y - origin.y) / scale);
+  }
+  bool holds(ImVec2 uv) const {
+    return uv.x >= 0 && uv.y >= 0 && uv.x < static_cast<float>(width) &&
+           uv.y < static_cast<float>(height);
+  }
+};
+
+/// What is behind the image, all of it, how strongly it is covered (`of_opacity` says by what).
+void draw_image_tools(const Ui& ui, const char* of_opacity);
+
+/// An image of width x height pixels in the room that is left: an item that takes all three mouse
+/// buttons, named "image". Nothing where there is no room. `picture` is not asked without GL.
+std::optional<ImagePlacement> draw_image_room(const Ui& ui,
+                                              int width,
+                                              int height,
+                                              const std::function<TextureId(Canvas&)>& picture);
+/// By the wheel, about the mouse. Of the item drawn last, like the next.
+void zoom_image(const Ui& ui, const ImagePlacement& placed);
+/// With the mouse, while a button holds the item.
+void drag_image(const Ui& ui, const ImagePlacement& placed);
+
+// ---- The scene in space ------------------------------------------------------------------------
+
+struct ScenePlacement {
+  ImVec2 min, max;
+  int width = 0, height = 0;  // [px]
+};
+
+/// The same for the scene: the item is named "view3d".
+std::optional<ScenePlacement> draw_scene_room(
+    const Ui& ui,
+    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& picture);
+/// By the wheel. Of the item drawn last.
+void zoom_scene(const Ui& ui);
+/// As far as the mouse has moved in this frame, in a view of that height [px].
+void orbit_scene(const Ui& ui, int height);
+void pan_scene(const Ui& ui, int height);
+
+// ---- Where there is nothing to show ------------------------------------------------------------
+
+/// Why no frame is shown.
+void draw_absence(const Ui& ui);
+/// Why no labels are.
+void draw_label_absence(const Ui& ui);
+
+}  // namespace planescope::desktop

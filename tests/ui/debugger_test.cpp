@@ -1,0 +1,114 @@
+// Rows of the octree, columns of the timeline, axes of histograms, as pure functions.
+
+#include <algorithm>
+#include <set>
+
+#include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/debugger/octree_rows.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct OctreeRows : testing::Test {
+  State state = run_state();
+  const planescope::debug::Run& run = *state.run();
+
+  std::vector<std::int32_t> nodes_at(std::int32_t step, std::int32_t selected = -1) const {
+    std::vector<std::int32_t> nodes;
+    for (const OctreeRow& row : octree_rows(run, step, selected, {})) nodes.push_back(row.node);
+    return nodes;
+  }
+};
+
+TEST_F(OctreeRows, HoldWhatWaitsAndNothingOfTheFuture) {
+  for (std::int32_t step = 0; step <= run.steps(); step += 97) {
+    const std::vector<std::int32_t> nodes = nodes_at(step);
+    const std::set<std::int32_t> shown(nodes.begin(), nodes.end());
+    EXPECT_EQ(shown.size(), nodes.size());
+    for (std::int32_t n = 0; n < static_cast<std::int32_t>(run.octree().nodes.size()); ++n) {
+      const debug::NodeState now = run.timeline.node_state(n, step);
+      if (now == debug::NodeState::unborn || now == debug::NodeState::queued) {
+        EXPECT_EQ(shown.contains(n), now == debug::NodeState::queued) << n << " at " << step;
+      }
+    }
+  }
+}
+
+TEST_F(OctreeRows, FoldWhatIsSettled) {
+  EXPECT_EQ(nodes_at(run.steps()), std::vector<std::int32_t>{0});
+  const auto opened = octree_rows(run, run.steps(), -1, {{0, true}});
+  EXPECT_EQ(opened.size(), 1u + run.octree().nodes[0].child_count);
+  EXPECT_EQ(octree_rows(run, 40, -1, {{0, false}}).size(), 1u);
+}
+
+TEST_F(OctreeRows, LeadToTheSelectedNode) {
+  const auto last = static_cast<std::int32_t>(run.octree().nodes.size()) - 1;
+  const auto nodes = nodes_at(run.steps(), last);
+  for (std::int32_t n = last; n >= 0; n = run.octree().nodes[static_cast<std::size_t>(n)].parent)
+    EXPECT_EQ(std::count(nodes.begin(), nodes.end(), n), 1) << n;
+}
+
+TEST_F(OctreeRows, FindNodesByNumberAndByWhatHasHappened) {
+  debug::FilterProblem problem;
+  ASSERT_EQ(octree_matches(run, run.steps(), "41", problem).size(), 1u);
+  EXPECT_TRUE(octree_matches(run, 0, "41", problem).empty()) << "not born yet";
+  EXPECT_TRUE(octree_matches(run, run.steps(), "99999999999", problem).empty());
+  const auto all = octree_matches(run, run.steps(), "case==IV", problem);
+  EXPECT_EQ(all.size(), run.segmentation.counts.nodes_per_case[4]);
+  const auto some = octree_matches(run, run.steps() / 20, "case==IV", problem);
+  EXPECT_LT(some.size(), all.size());
+  octree_matches(run, 0, "case==", problem);
+  EXPECT_FALSE(problem.message.empty());
+}
+
+TEST_F(OctreeRows, CountWhatIsBelow) {
+  for (const std::int32_t step : {1, 200, run.steps()})
+    for (std::int32_t top = 0; top < 60; ++top) {
+      SubtreeCounts expected = {};
+      for (std::int32_t n = top + 1; n < static_cast<std::int32_t>(run.octree().nodes.size());
+           ++n) {
+        if (run.timeline.node_state(n, step) == debug::NodeState::unborn) continue;
+        std::int32_t above = n;
+        while (above > top) above = run.octree().nodes[static_cast<std::size_t>(above)].parent;
+        const bool settled = run.timeline.node_state(n, step) == debug::NodeState::settled;
+        const planes::Case decided = run.octree().nodes[static_cast<std::size_t>(n)].decided;
+        if (above == top) ++expected[settled ? static_cast<std::size_t>(decided) : 0];
+      }
+      EXPECT_EQ(count_subtree(run, step, top), expected) << top << " at " << step;
+    }
+}
+
+TEST(TimelineColumns, HoldEveryEventOnce) {
+  const State state = run_state();
+  const planescope::debug::Run& run = *state.run();
+  for (const int count : {1, 7, 500, 20'000}) {
+    const std::vector<TimelineColumn> columns = timeline_columns(run, count);
+    ASSERT_EQ(static_cast<int>(columns.size()), count);
+    std::size_t events = 0, decided = 0;
+    for (const TimelineColumn& column : columns) {
+      events += column.events;
+      decided += column.decided();
+    }
+    EXPECT_EQ(events, run.trace.events.size());
+    EXPECT_EQ(decided, run.octree().nodes.size());
+    EXPECT_EQ(column_of_step(0, run.steps(), count), 0);
+    EXPECT_EQ(column_of_step(run.steps(), run.steps(), count), count - 1);
+  }
+}
+
+TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {
+  debug::Histogram histogram;
+  histogram.quantity = "mse";
+  histogram.logarithmic = true;
+  histogram.bins = {{0.001, 0.01}, {0.01, 0.1}, {0.1, 7}};
+  const HistogramAxis axis(histogram);
+  for (double share = 0; share < 1; share += 0.05)
+    EXPECT_NEAR(axis.share(axis.value(share)), share, 1e-9);
+  EXPECT_EQ(axis.share(0), 0);
+  EXPECT_EQ(axis.share(100), 1);
+  EXPECT_EQ(filter_between(histogram, 2.0 / 3, 1.0 / 3), "mse>=0.01 && mse<0.1");
+}
+
+}  // namespace
+}  // namespace planescope::desktop

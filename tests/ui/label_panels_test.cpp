@@ -1,0 +1,302 @@
+// The panels of the label mode and their actions: planes, labels that go on to the next frame,
+// review, checks, statistics.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/desktop/labeling/review.hpp"
+#include "core/model/error.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+struct LabelPlanes : LabelDesktop {
+  void SetUp() override { window.run("label.take"); }
+  std::size_t pixels_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
+};
+
+TEST_F(LabelPlanes, StartFromTheAlgorithmInOneUndoStep) {
+  const planes::Segmentation& found = state().run()->segmentation;
+  ASSERT_GE(found.planes.size(), 3u);
+  EXPECT_EQ(labels().planes.size(), found.planes.size());
+  for (const LabelPlane& plane : labels().planes) {
+    EXPECT_EQ(plane.origin, LabelOrigin::algorithm);
+    EXPECT_EQ(plane.label, found.planes[static_cast<std::size_t>(plane.id - 1)].label);
+  }
+  EXPECT_EQ(window.store().history(1).front().title, "Start from the algorithm (refined)");
+  window.run("label.undo");
+  EXPECT_TRUE(labels().planes.empty());
+}
+
+TEST_F(LabelPlanes, LockedAndHiddenOnesStayWhenTheAlgorithmIsAskedAgain) {
+  window.run("label.class.v", "1");
+  window.run("label.lock", "1");
+  window.run("label.take");
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
+}
+
+TEST_F(LabelPlanes, TakeTheirClassFromAKeyAndGiveItBackOnUndo) {
+  const Label before = labels::find_plane(labels(), 1)->label;
+  window.run("label.class.v", "1");
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, Label::v);
+  EXPECT_EQ(state().view.message, "Make P1 v");
+  window.run("label.undo");
+  EXPECT_EQ(labels::find_plane(labels(), 1)->label, before);
+}
+
+TEST_F(LabelPlanes, JoinAndSplitKeepEveryPixel) {
+  const auto labelled = [&] {
+    return std::ranges::count_if(labels().plane.data, [](std::uint16_t id) { return id > 0; });
+  };
+  const auto before = labelled();
+  const std::size_t one = pixels_of(1), two = pixels_of(2);
+  choose(1);
+  window.run("label.join", "P2");
+  EXPECT_EQ(pixels_of(1), one + two);
+  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
+  EXPECT_EQ(window.store().history(1).front().title, "Join P2 into P1");
+  window.run("label.split");
+  EXPECT_EQ(labelled(), before);
+}
+
+TEST_F(LabelPlanes, JoinTheOneUnderTheMouse) {
+  const labels::PixelSet pixels = labels::pixels_of_plane(labels(), 2);
+  const auto width = static_cast<std::uint32_t>(labels().plane.width);
+  const auto pixel = std::to_string(pixels[0] % width) + "," + std::to_string(pixels[0] / width);
+  choose(1);
+  window.shell.perform({"label.hover", pixel}, true);
+  window.run("label.join");
+  EXPECT_EQ(labels::find_plane(labels(), 2), nullptr);
+  EXPECT_NE(window.refusal("label.join").find("under the mouse"), std::string::npos);
+}
+
+TEST_F(LabelPlanes, ThatAreLockedRefuseInOneLine) {
+  window.run("label.lock", "2");
+  const std::uint64_t version = window.store().version(0);
+  EXPECT_NE(window.refusal("label.remove", "2").find("P2 is locked"), std::string::npos);
+  EXPECT_EQ(window.store().version(0), version);
+  EXPECT_NE(window.refusal("label.lock", "77").find("no plane P77"), std::string::npos);
+}
+
+TEST_F(LabelPlanes, ThatAreHiddenAreCountedUntilAllAreShown) {
+  EXPECT_FALSE(window.shows("planes.hidden"));
+  window.run("label.hide", "1");
+  EXPECT_TRUE(window.shows("planes.hidden"));
+  EXPECT_TRUE(labels::find_plane(labels(), 1)->hidden);
+  EXPECT_GT(pixels_of(1), 0u);
+  window.run("label.show_all");
+  EXPECT_FALSE(window.shows("planes.hidden"));
+}
+
+TEST_F(LabelPlanes, AreChosenLockedAndLookedAtInTheList) {
+  play(R"({"click": "planes.2"})");
+  EXPECT_EQ(state().view.label.plane, 2);
+  play(R"({"click": "planes.2.lock"}, {"click": "planes.3.hide"})");
+  EXPECT_TRUE(labels::find_plane(labels(), 2)->locked);
+  EXPECT_TRUE(labels::find_plane(labels(), 3)->hidden);
+  ASSERT_FALSE(state().view.camera.has_value());
+  play(R"({"click": "planes.1", "double": true})");
+  EXPECT_EQ(state().view.label.plane, 1);
+  EXPECT_TRUE(state().view.camera.has_value());
+}
+
+TEST_F(LabelPlanes, WithoutOneTheKeyIsForWhatIsPaintedNext) {
+  choose(0);
+  window.run("label.class.h");
+  EXPECT_EQ(state().view.label.paints, Paints::h_only);
+  window.run("label.class.h");
+  EXPECT_EQ(state().view.label.paints, Paints::plane);
+}
+
+/// Frames of the sample show different scenes; here the camera stands still.
+struct CarriedPlanes : testing::Test {
+  const std::filesystem::path dir = scratch_dir();
+  std::filesystem::path still() const {
+    namespace fs = std::filesystem;
+    fs::copy(sample_path(), dir / "still", fs::copy_options::recursive);
+    for (const char* folder : {"depth", "color"})
+      fs::copy(dir / "still" / folder / "000000.png", dir / "still" / folder / "000001.png",
+               fs::copy_options::overwrite_existing);
+    return dir / "still";
+  }
+  LabelWindow window{dir / "labels", still()};
+  const State& state() const { return window.state(); }
+
+  void SetUp() override { window.run("label.take"); }
+};
+
+TEST_F(CarriedPlanes, GoOnToTheNextFrameAsOneGesture) {
+  const std::size_t planes = window.labels().planes.size();
+  window.run("label.carry");
+  EXPECT_EQ(state().document.frame, 1);
+  EXPECT_EQ(window.labels().planes.size(), planes);
+  for (const LabelPlane& plane : window.labels().planes) {
+    EXPECT_EQ(plane.origin, LabelOrigin::carried);
+    EXPECT_GT(plane.confidence, 0.5);
+  }
+  ASSERT_NE(state().results.label.carry.done, nullptr);
+  EXPECT_TRUE(window.shows("planes.doubt"));
+  window.run("label.cancel");
+  EXPECT_EQ(state().results.label.carry.done, nullptr);
+  window.run("label.undo");
+  EXPECT_TRUE(window.labels().planes.empty());
+}
+
+TEST_F(CarriedPlanes, StayWhereTheyAreOnceItIsCancelled) {
+  window.shell.perform({"label.carry", ""}, true);
+  window.run("label.cancel");
+  EXPECT_EQ(state().document.frame, 1);
+  EXPECT_TRUE(window.labels().planes.empty());
+}
+
+TEST_F(CarriedPlanes, AreRefusedWhereTheNextFrameShowsSomethingElse) {
+  window.run("label.carry");
+  EXPECT_NE(window.refusal("label.carry").find("points have a partner"), std::string::npos);
+  EXPECT_EQ(state().document.frame, 2);
+  EXPECT_TRUE(window.labels().planes.empty());
+  window.run("label.take");
+  EXPECT_NE(window.refusal("label.carry").find("last"), std::string::npos);
+}
+
+struct LabelReview : LabelDesktop {
+  /// The algorithm's labels but for a plane that was removed, under review.
+  void SetUp() override {
+    window.run("label.take");
+    window.run("label.remove", "2");
+    window.run("review.start");
+  }
+  const ReviewQueue& queue() const { return *state().results.label.review; }
+  const labels::Disagreement& chosen() const {
+    return queue().items[static_cast<std::size_t>(state().view.label.review_item)];
+  }
+};
+
+TEST_F(LabelReview, BeginsAtTheLargestDisagreement) {
+  ASSERT_NE(state().results.label.review, nullptr);
+  ASSERT_GE(queue().undecided(), 1u);
+  EXPECT_EQ(state().view.label.tab, "review");
+  EXPECT_EQ(state().view.label.review_item, 0);
+  EXPECT_EQ(chosen().kind, DisagreementKind::invented);
+  EXPECT_TRUE(window.shows("review.0"));
+}
+
+TEST_F(LabelReview, TakingTheAlgorithmsSideEndsTheDisagreement) {
+  const labels::PixelSet pixels = chosen().pixels;
+  window.run("review.take");
+  EXPECT_NE(labels().plane.data[pixels[pixels.size() / 2]], 0);
+  for (const labels::Disagreement& item : queue().items) EXPECT_NE(item.pixels, pixels);
+  ASSERT_EQ(labels().review.size(), 1u);
+  EXPECT_EQ(labels().review[0].decision, ReviewDecision::take);
+  EXPECT_EQ(labels().review[0].reviewer, window.store().annotator());
+  EXPECT_TRUE(window.shows("review.decided.0"));
+  window.run("label.undo");
+  EXPECT_TRUE(labels().review.empty());
+  EXPECT_FALSE(window.shows("review.decided.0"));
+}
+
+TEST_F(LabelReview, EnterKeepsTheLabelsAndGoesOn) {
+  const FrameLabels before = labels();
+  const std::size_t open = queue().undecided();
+  play(R"({"key": "Enter"})");
+  EXPECT_EQ(labels().plane.data, before.plane.data);
+  EXPECT_EQ(queue().undecided(), open - 1);
+}
+
+TEST_F(LabelReview, EditingGoesThereWithTheBrush) {
+  window.run("review.edit");
+  EXPECT_EQ(state().view.label.tool, LabelTool::brush);
+  EXPECT_EQ(labels().review.at(0).decision, ReviewDecision::edit);
+  EXPECT_TRUE(state().view.camera.has_value());
+}
+
+TEST_F(LabelReview, DecisionsSurviveARestart) {
+  while (queue().undecided() > 0) window.run("review.keep");
+  const std::size_t notes = labels().review.size();
+  window.run("review.done");
+  EXPECT_EQ(labels().review_state, "reviewed");
+  window.run("label.mode");
+  const std::filesystem::path copy = dir / "copy";
+  std::filesystem::copy(label_dir, copy, std::filesystem::copy_options::recursive);
+  LabelWindow again(copy);
+  again.run("review.start");
+  EXPECT_EQ(again.state().results.label.review->undecided(), 0u);
+  EXPECT_EQ(again.labels().review.size(), notes);
+  EXPECT_EQ(again.labels().review_state, "reviewed");
+}
+
+TEST_F(LabelReview, IsNotDoneWhileRegionsAreOpen) {
+  EXPECT_NE(window.refusal("review.done").find("not decided"), std::string::npos);
+  EXPECT_NE(labels().review_state, "reviewed");
+}
+
+TEST_F(LabelReview, OfTwoAnnotatorsTellsHowMuchTheyAgree) {
+  const std::filesystem::path other = dir / "other";
+  labels::write_frame_labels(other, 0, labels());
+  window.run("review.against", other.string());
+  ASSERT_TRUE(queue().agreement.has_value());
+  EXPECT_DOUBLE_EQ(queue().agreement->mean_iou, 1);
+  EXPECT_DOUBLE_EQ(queue().agreement->adjusted_rand, 1);
+  EXPECT_TRUE(queue().items.empty());
+  EXPECT_TRUE(window.shows("review.agreement"));
+  window.run("review.against");
+  EXPECT_FALSE(queue().agreement.has_value());
+  EXPECT_FALSE(queue().items.empty());
+}
+
+TEST_F(LabelReview, RefusesLabelsOfAnotherFrame) {
+  FrameLabels strange = labels();
+  strange.depth_sha256[0] = strange.depth_sha256[0] == '0' ? '1' : '0';
+  labels::write_frame_labels(dir / "other", 0, strange);
+  EXPECT_NE(window.refusal("review.against", (dir / "other").string()), "");
+  EXPECT_NE(window.refusal("review.against", (dir / "none").string()).find("no labels"),
+            std::string::npos);
+  EXPECT_EQ(state().view.label.compare_with, "");
+}
+
+TEST_F(LabelReview, IsMadeAnewWhenLabelsChange) {
+  const std::size_t before = queue().items.size();
+  window.run("label.undo");
+  EXPECT_LT(queue().items.size(), before);
+}
+
+TEST_F(LabelReview, DrawingMovesNoView) {
+  window.run("review.edit");
+  const Vec2d center = state().view.image_center;
+  const render::Camera camera = *state().view.camera;
+  const std::uint32_t pixel = chosen().pixel;
+  const std::string place = fmt::format("{},{}", pixel % 640, pixel / 640);
+  window.run("label.stroke", "image over 12 " + place);
+  window.run("label.cancel");
+  window.run("label.stroke", "image over 25 " + place);
+  EXPECT_EQ(state().view.image_center, center);
+  EXPECT_EQ(state().view.camera->eye, camera.eye);
+}
+
+TEST_F(LabelReview, ChecksLeadToTheirPlaces) {
+  window.run("label.class.v", "1");  // a floor
+  window.run("check.next");
+  ASSERT_NE(state().results.label.audit, nullptr);
+  const std::vector<labels::Finding>& findings = state().results.label.audit->findings;
+  const auto contradicts =
+      std::ranges::find(findings, labels::FindingKind::class_normal, &labels::Finding::kind);
+  ASSERT_NE(contradicts, findings.end());
+  EXPECT_EQ(state().view.label.tab, "checks");
+  EXPECT_EQ(state().view.label.finding, 0);
+  const auto index = std::to_string(contradicts - findings.begin());
+  play(R"({"click": "checks.)" + index + R"("})");
+  EXPECT_EQ(state().view.label.plane, contradicts->plane);
+  EXPECT_EQ(std::to_string(state().view.label.finding), index);
+}
+
+TEST_F(LabelReview, StatisticsTellTimeAndGestures) {
+  window.run("tab.label", "statistics");
+  EXPECT_TRUE(window.shows("statistics.frame"));
+  EXPECT_TRUE(window.shows("statistics.history"));
+  ASSERT_EQ(state().results.label.work.size(), 1u);
+  EXPECT_EQ(state().results.label.work[0].gestures, 2u);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
