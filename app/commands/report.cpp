@@ -18,7 +18,7 @@
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/build_info.hpp"
 #include "core/report/data/report_files.hpp"
-#include "core/report/data/report_head.hpp"
+#include "core/report/data/report_json.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::app {

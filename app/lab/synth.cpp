@@ -17,7 +17,7 @@
 #include "app/lab/lab.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
-#include "core/lab/synthetic/sample_folder.hpp"
+#include "core/lab/synthetic/sample.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/planes/segment/candidate.hpp"
+#include "core/planes/segment/criteria.hpp"
 
 namespace planescope::debug {
 namespace {

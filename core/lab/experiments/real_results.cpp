@@ -9,7 +9,7 @@
 #include "core/lab/bench/table.hpp"
 #include "core/lab/experiments/paper_plan.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 

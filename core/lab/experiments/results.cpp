@@ -11,7 +11,7 @@
 #include "core/lab/bench/result_json.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/evaluate/metrics_values.hpp"
+#include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
 

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/ray_cast.hpp"
 #include "core/lab/synthetic/shading.hpp"
-#include "core/labels/model/fragments.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 #include "core/model/sha256.hpp"
 
 namespace planescope::lab {

@@ -5,7 +5,7 @@
 
 #include "core/lab/synthetic/d435.hpp"
 #include "core/lab/synthetic/scene.hpp"
-#include "core/planes/classify/labelled_cloud.hpp"
+#include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::lab {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/planes/evaluate/assignment.hpp"
+#include "core/planes/evaluate/plane_match.hpp"
 
 namespace planescope::labels {
 namespace {

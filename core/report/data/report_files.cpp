@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/file_bytes.hpp"
-#include "core/planes/pipeline/frame_times.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/report_json.hpp"
