@@ -41,7 +41,7 @@ void read_or_throw(const fs::path& path, const char* what, Read read) {
   throw Error(fmt::format("{}: {}, expected {}", path.string(), why, what));
 }
 
-/// Open3D makes room for as many points as the first line says.
+/// Open3D makes room for as many points as the first line says. Throws Error for read_or_throw().
 void check_pts_count(const fs::path& path) {
   std::ifstream file(path);
   double count = 0;
@@ -49,8 +49,7 @@ void check_pts_count(const fs::path& path) {
   constexpr double kFewestBytes = 6;  // "0 0 0\n"
   const std::uintmax_t bytes = fs::file_size(path);
   if (!file || !(count >= 0 && count * kFewestBytes <= static_cast<double>(bytes)))
-    throw Error(fmt::format("{}: the first line does not count the points of {} bytes",
-                            path.string(), bytes));
+    throw Error(fmt::format("a first line that does not count the points of {} bytes", bytes));
 }
 
 double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {
