@@ -17,7 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kMostSamples = 1 << 22;
-constexpr std::size_t kDepths = 22;  // of the octree
 constexpr int kMostBins = 1000;
 
 template <typename Fields>
@@ -51,10 +50,7 @@ void counts_fields(auto& fields, auto& frame) {
 
 void nodes_fields(auto& fields, auto& counts) {
   const auto name_of = [](int c) { return planes::to_string(static_cast<planes::Case>(c)); };
-  std::size_t depths = 1;  // to the deepest that a node is at
-  for (int c = 1; c <= 4; ++c)
-    for (std::size_t depth = 0; depth < kDepths; ++depth)
-      if (counts.nodes_per_case_depth[c][depth] > 0) depths = std::max(depths, depth + 1);
+  const auto depths = static_cast<std::size_t>(used_depths(counts));
   fields("visited", counts.nodes_visited);
   fields.object("per_case", kPlain, [&](auto& per_case) {
     for (int c = 1; c <= 4; ++c) per_case(name_of(c), counts.nodes_per_case[c]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -108,6 +109,15 @@ ReportTotals totals_of(const ReportRecording& recording) {
   add_to(totals, recording, metrics);
   if (!metrics.empty()) totals.metrics = planes::mean_of(metrics);
   return totals;
+}
+
+int used_depths(const planes::SegmentCounts& counts) {
+  int depths = 1;
+  for (int c = 1; c <= 4; ++c)
+    for (int depth = 0; depth < static_cast<int>(std::size(counts.nodes_per_case_depth[c]));
+         ++depth)
+      if (counts.nodes_per_case_depth[c][depth] > 0) depths = std::max(depths, depth + 1);
+  return depths;
 }
 
 ReportFrame make_report_frame(const Frame& frame,

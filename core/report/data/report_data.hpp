@@ -139,6 +139,10 @@ struct ReportTotals {
 ReportTotals totals_of(const Report& report);
 ReportTotals totals_of(const ReportRecording& recording);
 
+/// How many depths of the octree a table of its nodes needs: from the root to the deepest node that
+/// was visited, at least 1.
+int used_depths(const planes::SegmentCounts& counts);
+
 /// Everything about a frame but its pictures, metrics and planes' colours. Planes are rounded as
 /// report.json has them.
 ReportFrame make_report_frame(const Frame& frame,

@@ -218,16 +218,12 @@ void set_counts(const ReportFrame& frame, Data& data) {
 
 void set_nodes(const Report& report, const ReportFrame& frame, Data& data) {
   const planes::SegmentCounts& counts = frame.segment;
-  int deepest = 0;
-  for (int c = 1; c <= 4; ++c)
-    for (int depth = 0; depth < 22; ++depth)
-      if (counts.nodes_per_case_depth[c][depth] > 0) deepest = std::max(deepest, depth);
+  const int used = used_depths(counts);
   Data depths{Data::type::list}, cases{Data::type::list};
-  for (int depth = 0; depth <= deepest; ++depth)
-    depths.push_back(Data("depth", std::to_string(depth)));
+  for (int depth = 0; depth < used; ++depth) depths.push_back(Data("depth", std::to_string(depth)));
   for (int c = 1; c <= 4; ++c) {
     Data row, cells{Data::type::list};
-    for (int depth = 0; depth <= deepest; ++depth) {
+    for (int depth = 0; depth < used; ++depth) {
       const std::uint32_t count = counts.nodes_per_case_depth[c][depth];
       Data cell;
       cell.set("zero", count == 0);
