@@ -27,7 +27,7 @@ function(planescope_target_defaults target)
   endif()
 endfunction()
 
-# planescope_unity(target): with PLANESCOPE_UNITY, compiles the target's files eight at a time, in the
+# planescope_unity(target): with PLANESCOPE_UNITY, compiles the target's files sixteen at a time, in the
 # order they are listed and only with files of their own folder: half the time. Names in anonymous
 # namespaces must then differ within a folder; files with compile options of their own compile alone.
 function(planescope_unity target)
@@ -45,7 +45,7 @@ function(planescope_unity target)
     # The same in every checkout, for ccache.
     file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${folder})
     string(MAKE_C_IDENTIFIER "of_${folder}" folder)
-    math(EXPR batch "${count_${folder}}0 / 80")
+    math(EXPR batch "${count_${folder}}0 / 160")
     math(EXPR count_${folder} "${count_${folder}}+0 + 1")
     set_source_files_properties(${source} TARGET_DIRECTORY ${target}
       PROPERTIES UNITY_GROUP "${folder}_${batch}")

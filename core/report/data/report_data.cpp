@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
-#include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/segment/criteria.hpp"
 #include "core/report/data/json_fields.hpp"
 

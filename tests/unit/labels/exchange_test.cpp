@@ -1,6 +1,5 @@
 #include "core/labels/exchange/exchange.hpp"
 
-
 #include <nlohmann/json.hpp>
 
 #include "core/io/cloud_files/cloud_file.hpp"
