@@ -14,15 +14,19 @@
 namespace planescope::app {
 namespace {
 
-/// Says what is wrong with a text, empty where nothing is.
+/// Says what is wrong with a text, empty where nothing is. A good one is written plainly: CLI11
+/// would read 010 as 8.
 template <typename Value>
-std::string refusal(const std::string& text, const char* kind, Value least, Value most) {
+std::string refusal(std::string& text, const char* kind, Value least, Value most) {
   Value value{};
   const char* end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, value);
   if (read.ec != std::errc() || read.ptr != end || !std::isfinite(static_cast<double>(value)))
     return fmt::format("'{}' is not a {}", text, kind);
-  if (value >= least && value <= most) return {};
+  if (value >= least && value <= most) {
+    text = fmt::format("{}", value);
+    return {};
+  }
   return most < std::numeric_limits<Value>::max()
              ? fmt::format("{} is out of range, expected {} to {}", text, least, most)
              : fmt::format("{} is out of range, expected at least {}", text, least);

@@ -127,6 +127,22 @@ std::vector<std::string> subcommand_names(const CLI::App* app) {
   return names;
 }
 
+/// "report merge".
+std::string path_of(const CLI::App& app, const CLI::App& command) {
+  if (&command == &app) return {};
+  const std::string parent = path_of(app, *command.get_parent());
+  return parent.empty() ? command.get_name() : parent + " " + command.get_name();
+}
+
+/// "segment needs -o DIR: Output folder; made where it is missing".
+std::string missing(const std::string& command, const CLI::Option& option) {
+  const std::string name =
+      option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
+  const std::string help = option.get_description(), type = option.get_type_name();
+  return fmt::format("{} needs {}{}{}: {}", command, name, type.empty() ? "" : " ", type,
+                     help.substr(0, help.find('\n')));
+}
+
 // One line for what CLI11 did not understand, with the name that was probably meant.
 std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = innermost(&app);
@@ -134,10 +150,7 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
   if (extras.empty()) {
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "RequiredError" && option->get_required() && option->count() == 0)
-        return fmt::format(
-            "{} needs {} {}: {}", command->get_name(),
-            option->get_snames().empty() ? option->get_name() : "-" + option->get_snames()[0],
-            option->get_type_name(), option->get_description());
+        return missing(path_of(app, *command), *option);
     std::string text = error.what();
     return text.substr(0, text.find('\n'));
   }
@@ -156,9 +169,8 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
                      : names.empty() ? "unexpected argument '" + given + "'"
                                      : "unknown command '" + given + "'";
   if (!near.empty()) return text + ", did you mean '" + near + "'?";
-  std::string path;
-  for (; command != &app; command = command->get_parent()) path = " " + command->get_name() + path;
-  return text + ", see " + app.get_name() + path + " --help";
+  const std::string path = path_of(app, *command);
+  return text + ", see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 
 Job print_job(const std::string& text) {

@@ -57,6 +57,7 @@ int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_conc
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text) {
+  if (text.empty()) return;  // of a shell's variable that is not set
   if (name == "--set") {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
@@ -96,6 +97,7 @@ double parse_depth_unit(const std::string& text) {
 }  // namespace
 
 void set_input_option(InputArgs& args, const std::string& name, const std::string& text) {
+  if (text.empty()) return;
   if (name == "--frames")
     args.frames = parse_frame_slice(text);
   else if (name == "--intrinsics")

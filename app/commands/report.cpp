@@ -350,7 +350,10 @@ void define_merge(CLI::App* report, Line& line) {
   add_out(merge, args->out);
   add_json(merge, args->json);
   add_guard(merge, args->guard);
-  runs(merge, line, args, run_report_merge, [args] {
+  runs(merge, line, args, run_report_merge, [args, report] {
+    for (const CLI::Option* option : report->get_options())
+      if (option->count() > 0)
+        throw Error("report merge: give " + option->get_name() + " after merge");
     if (args->out.empty()) throw Error("report merge needs an output folder, -o DIR");
     if (args->shards.empty()) throw Error("report merge: give the folders of the shards");
   });

@@ -242,9 +242,9 @@ class FrameWriter {
 
 /// As report.json writes it, which is what the next report compares with.
 std::string as_utf8(const std::string& text) {
-  using Json = nlohmann::json;
-  const std::string written = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return Json::parse(written).get<std::string>();
+  using nlohmann::json;
+  const std::string written = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+  return json::parse(written).get<std::string>();
 }
 
 }  // namespace

@@ -186,9 +186,13 @@ void define_bench_classifier(CLI::App* bench, Line& line) {
   classifier->remove_option(classifier->get_option("--labels"));
   add_out(classifier, args->out);
   add_json(classifier, args->json);
-  add(classifier, "--weights", args->weights, "gcn|FILE",
-      "Networks to measure, side by side: gcn, the one that comes with planescope (default), or "
-      "files. May be given many times");
+  classifier
+      ->add_option("--weights", args->weights,
+                   wrapped("Networks to measure, side by side: gcn, the one that comes with "
+                           "planescope (default), or "
+                           "files. May be given many times"))
+      ->type_name("gcn|FILE")
+      ->allow_extra_args(false);
   add_parts(classifier, args->parts, kClassifierParts,
             fmt::format("Of {}; default: all, frames where recordings are given",
                         fmt::join(kClassifierParts, ", ")));

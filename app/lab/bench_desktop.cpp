@@ -151,7 +151,10 @@ void define_bench_desktop(CLI::App* bench, Line& line) {
   add_size(command, view.width, view.height, "Of the window in pixels, default 1440x900", 640, 400);
   add_method(command, view.input.pipeline);
   command->remove_option(command->get_option("--method"));
-  runs(command, line, args, run_bench_desktop, [args] { args->view.fresh = true; });
+  runs(command, line, args, run_bench_desktop, [args] {
+    expect_ours(args->view.input.pipeline, "bench desktop");
+    args->view.fresh = true;
+  });
 }
 
 }  // namespace planescope::app

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Json planes_of(const fs::path& out) {
+Json planes_json(const fs::path& out) {
   return Json::parse(read_text(out / "frames/000000/planes.json"));
 }
 
@@ -54,7 +54,7 @@ TEST(GravityNone, SegmentFindsThePlanesAndSaysWhatIsMissing) {
     EXPECT_TRUE(holds(ran.err, way)) << ran.err;
   EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
 
-  const Json json = planes_of(dir / "out");
+  const Json json = planes_json(dir / "out");
   EXPECT_EQ(json["gravity"]["source"], "none");
   EXPECT_TRUE(json["gravity"]["direction"].is_null()) << "no reader may take it for a direction";
   EXPECT_EQ(json["T_world_camera"][0], (Json{0, 0, 1, 0})) << "x looks ahead";
@@ -93,7 +93,7 @@ TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
     const Ran ran = run({"segment", (dir / "cloud.ply").string(), "-o", out.string(), "--gravity",
                          "none", "--method", method});
     ASSERT_EQ(ran.code, 0) << ran.err;
-    const Json json = planes_of(out);
+    const Json json = planes_json(out);
     ASSERT_EQ(json["planes"].size(), 2u) << method;
     for (const Json& plane : json["planes"]) EXPECT_EQ(plane["label"], "unknown") << method;
     EXPECT_EQ(json["T_world_camera"][2], (Json{0, 0, 1, 0})) << "the file's own axes";
@@ -112,7 +112,7 @@ TEST(GravityNone, IsARefusedFramesWayOut) {
   std::vector<std::string> without = args;
   without.insert(without.end(), {"--gravity", "none"});
   EXPECT_EQ(run(without).code, 0);
-  EXPECT_EQ(planes_of(dir / "out")["planes"].size(), 0u);
+  EXPECT_EQ(planes_json(dir / "out")["planes"].size(), 0u);
 }
 
 TEST(GravityNone, AReportFollowsItsSchemaAndHasNoPictureOfClasses) {
@@ -223,7 +223,7 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   const Ran info = run({"info", rec, "--json"});
   EXPECT_EQ(Json::parse(info.out)["recordings"][0]["gravity"]["source"], "picked") << info.err;
   ASSERT_EQ(run({"segment", rec, "-o", (dir / "out").string()}).code, 0);
-  const Json gravity = planes_of(dir / "out")["gravity"];
+  const Json gravity = planes_json(dir / "out")["gravity"];
   EXPECT_EQ(gravity["source"], "picked");
   EXPECT_EQ(gravity["direction"], (Json{0, 0.8, 0.6}));
   EXPECT_EQ(gravity["note"], "picked: a floor of 1.00 m2");
@@ -233,12 +233,12 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
 
   // What is said on the command line goes before it.
   ASSERT_EQ(run({"segment", rec, "-o", (dir / "given").string(), "--gravity", "0,1,0"}).code, 0);
-  EXPECT_EQ(planes_of(dir / "given")["gravity"]["source"], "option");
+  EXPECT_EQ(planes_json(dir / "given")["gravity"]["source"], "option");
   ASSERT_EQ(run({"segment", rec, "-o", (dir / "est").string(), "--gravity", "estimate"}).code, 0);
-  EXPECT_EQ(planes_of(dir / "est")["gravity"]["source"], "estimate");
+  EXPECT_EQ(planes_json(dir / "est")["gravity"]["source"], "estimate");
   write_text(dir / "rec/gravity.json", R"({"gravity": [0, 1, 0]})");
   ASSERT_EQ(run({"segment", rec, "-o", (dir / "sidecar").string()}).code, 0);
-  EXPECT_EQ(planes_of(dir / "sidecar")["gravity"]["source"], "sidecar");
+  EXPECT_EQ(planes_json(dir / "sidecar")["gravity"]["source"], "sidecar");
 }
 
 TEST(GravityPicked, ForOneFrameHoldsForThatOneAlone) {
@@ -246,7 +246,7 @@ TEST(GravityPicked, ForOneFrameHoldsForThatOneAlone) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   pick(dir / "rec", Vec3d(0, 0.8, 0.6), false);
   ASSERT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}).code, 0);
-  EXPECT_EQ(planes_of(dir / "out")["gravity"]["source"], "picked");
+  EXPECT_EQ(planes_json(dir / "out")["gravity"]["source"], "picked");
   EXPECT_EQ(Json::parse(read_text(dir / "out/frames/000001/planes.json"))["gravity"]["source"],
             "estimate");
 }

@@ -78,6 +78,8 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"options", "--set", "ransac_min_points=2"}, "out of range"},
       {{"planescope-lab", "bench", "classifier", "--set", "method=ransac"}, "measures method ours"},
       {{"planescope-lab", "bench", "desktop", "--method", "ransac"}, "unknown option '--method'"},
+      {{"planescope-lab", "bench", "desktop", "--set", "method=ransac"}, "measures method ours"},
+      {{"report", "--baseline", "b.json", "merge", "a", "-o", "out"}, "--baseline after merge"},
       {{"options", "--gravity", "down"}, "down"},
       {{"options", "--gravity", "0,0,0"}, "0,0,0"},
       {{"options", "extra"}, "unexpected argument 'extra'"},

@@ -102,7 +102,7 @@ lab::PaperFigure stairs_noise(const Work& work) {
       "13 and 19 without. A found plane has the colour of the true plane it stands for, others "
       "have colours of their own, points in no plane are dark. Staircase {0} of seed {1}, labels "
       "of the 3D-GCN; rivals know no labels. To look into it: "
-      "planescope synth stairs --seed {1} --noise 0.003 -o stairs; planescope "
+      "planescope-lab synth stairs --seed {1} --noise 0.003 -o stairs; planescope "
       "stairs/stairs_{0:03}.ply --voxel 0 --profile paper",
       index, seed);
   Scene scenes[] = {make_scene(index, seed, 0), make_scene(index, seed, 0.3)};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Everything that `planescope bench classifier` measures, as tables and as JSON.
+// Everything that `planescope-lab bench classifier` measures, as tables and as JSON.
 
 #include <optional>
 #include <string>

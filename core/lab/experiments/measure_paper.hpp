@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures what `planescope bench paper` tells: runs and scores the contestants of cells, and times
-// them.
+// Measures what `planescope-lab bench paper` tells: runs and scores the contestants of cells, and
+// times them.
 
 #include <filesystem>
 #include <functional>

@@ -76,7 +76,7 @@ std::string run_text(const PaperResults& results, const PaperTimings& timings) {
       R"(# Reproducing the paper's experiments
 
 Sun et al. 2023, "Multi-Resolution Planar Region Extraction", Section V, measured again with
-planescope. Written by `planescope bench paper --from docs/reproduction --doc docs/reproduction.md`
+planescope. Written by `planescope-lab bench paper --from docs/reproduction --doc docs/reproduction.md`
 from the run in [reproduction/](reproduction/); change nothing here by hand.
 
 ## The run

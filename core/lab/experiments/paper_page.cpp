@@ -1,4 +1,4 @@
-// index.html of `planescope bench paper`, from assets/report/paper_page.mustache.
+// index.html of `planescope-lab bench paper`, from assets/report/paper_page.mustache.
 
 #include "core/lab/experiments/paper_page.hpp"
 

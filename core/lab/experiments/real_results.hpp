@@ -1,7 +1,8 @@
 #pragma once
 
-// What `planescope bench real` measured: methods by pixel, on labelled frames of real recordings,
-// on synthetic depth frames, and on neighbouring frames of a recording; and what that sums up to.
+// What `planescope-lab bench real` measured: methods by pixel, on labelled frames of real
+// recordings, on synthetic depth frames, and on neighbouring frames of a recording; and what that
+// sums up to.
 
 #include <filesystem>
 #include <string>

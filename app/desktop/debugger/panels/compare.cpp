@@ -13,7 +13,7 @@
 namespace planescope::desktop {
 namespace {
 
-void draw_controls(const Ui& ui) {
+void draw_compare_controls(const Ui& ui) {
   const State& state = ui.state;
   const bool pinned = state.results.pinned != nullptr;
   if (button(ui, pinned ? "Pin again" : "Pin this run as A", "compare.pin",
@@ -196,7 +196,7 @@ void draw_nodes(const Ui& ui,
 
 void draw_compare(const Ui& ui) {
   const Results& results = ui.state.results;
-  draw_controls(ui);
+  draw_compare_controls(ui);
   ImGui::Spacing();
   if (!results.current)
     return paragraph(ui.colors.muted, "Once a frame is shown, its run can be pinned as A.");

@@ -30,7 +30,7 @@ struct Rows {
   }
 };
 
-void draw_controls(const Ui& ui) {
+void draw_step_controls(const Ui& ui) {
   const debug::Run* run = ui.state.run();
   const Playing& playing = ui.state.view.playing;
   action_button(ui, "step.first", "⇤");
@@ -190,7 +190,7 @@ void tell(const Ui& ui, std::int32_t step) {
 }  // namespace
 
 void draw_timeline(const Ui& ui) {
-  draw_controls(ui);
+  draw_step_controls(ui);
   const debug::Run* run = ui.state.run();
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (!run || room.x < 16 || room.y < 16) return;

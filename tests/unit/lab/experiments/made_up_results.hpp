@@ -23,7 +23,7 @@ inline Cell made_up_cell(const CellKey& key, double alpha_deg, double r_p = 100,
 /// The noise table's cells with labels by gcn, whose alpha is the noise in cm.
 inline PaperResults made_up_results() {
   PaperResults results;
-  results.command = "planescope bench paper --seed 1";
+  results.command = "planescope-lab bench paper --seed 1";
   results.build = {"0.1.0", "c0ffee", false};
   results.weights = {"classifier.safetensors", "5ha", "compact", ""};
   for (const double noise : {0.0, 0.1, 0.2, 0.3}) {
@@ -38,7 +38,7 @@ inline PaperResults made_up_results() {
 
 inline PaperTimings made_up_timings() {
   PaperTimings timings;
-  timings.command = "planescope bench paper --seed 1";
+  timings.command = "planescope-lab bench paper --seed 1";
   timings.machine = {"a processor", 2, Simd::avx2};
   timings.threads = 2;
   for (const int points : {2048, 4096, 8192})

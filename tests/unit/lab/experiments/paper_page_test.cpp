@@ -40,7 +40,7 @@ lab::Cell cell(const std::string& set,
 
 lab::PaperResults some_results() {
   lab::PaperResults results;
-  results.command = "planescope bench paper --count '<few>'";
+  results.command = "planescope-lab bench paper --count '<few>'";
   results.build = {"0.1.0", "0123456789abcdef", true};
   results.weights.file = "own & others.safetensors";
   results.weights.sha256 = "feed";
@@ -121,7 +121,7 @@ TEST_F(PaperPage, ShowsEveryTableAndEveryClaim) {
 
 TEST_F(PaperPage, SaysWhatWasRunAndEscapesIt) {
   for (const char* text :
-       {"planescope bench paper --count", "&lt;few&gt;", "0123456789abcdef", "with changes",
+       {"planescope-lab bench paper --count", "&lt;few&gt;", "0123456789abcdef", "with changes",
         "own &amp; others.safetensors", "feed", "A &lt;quick&gt; CPU", "Stairs &amp; noise"})
     EXPECT_TRUE(has(page_, text)) << text;
   for (const char* text : {"<few>", "<quick>", "own & others"}) EXPECT_FALSE(has(page_, text));

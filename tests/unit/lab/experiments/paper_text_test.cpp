@@ -144,7 +144,7 @@ TEST(Reproduction, TheCommittedPageFollowsFromTheCommittedRun) {
   text << file.rdbuf();
   EXPECT_EQ(text.str(), reproduction_page(read_results(docs / "reproduction"),
                                           read_timings(docs / "reproduction")))
-      << "planescope bench paper --from docs/reproduction --doc docs/reproduction.md";
+      << "planescope-lab bench paper --from docs/reproduction --doc docs/reproduction.md";
 }
 
 }  // namespace
