@@ -1,7 +1,7 @@
 #pragma once
 
-// The little of GL that everything shares: the entry points, owned objects, programs, buffers,
-// framebuffers and images as textures.
+// GL helpers shared by all passes: the entry points, owned objects, programs, buffers, framebuffers
+// and images as textures.
 
 #define GL_GLEXT_PROTOTYPES
 

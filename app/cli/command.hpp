@@ -1,7 +1,7 @@
 #pragma once
 
-// What makes a command: a struct of options of its own, bound to CLI11's, and a job. The options
-// that many commands share are added here.
+// A command consists of a struct of its own options, bound to CLI11's, and a job. The options that
+// many commands share are added here.
 
 #include <CLI/CLI.hpp>
 #include <climits>
@@ -44,10 +44,10 @@ void runs(CLI::App* command,
   });
 }
 
-/// CLI11 prints descriptions as they are: broken here, so that they fit beside the names.
+/// CLI11 does not wrap descriptions: breaks the lines, so that they fit beside the names.
 std::string wrapped(const std::string& text);
 
-/// An option with a value; of a list, its values stand between commas.
+/// An option with a value; the values of a list are separated by commas.
 template <typename Value>
 CLI::Option* add(CLI::App* command,
                  const std::string& names,
@@ -95,9 +95,10 @@ void add_size(CLI::App* command,
               int least_width = 1,
               int least_height = 1);
 
-/// Throws Error for other methods: what measures our own steps has nothing to measure of them.
+/// Throws Error for other methods: commands that measure our own steps have nothing to measure
+/// there.
 void expect_ours(const planes::PipelineOptions& options, const char* command);
-/// Throws Error without gravity: what is about h and v needs it.
+/// Throws Error without gravity: commands about h and v need it.
 void expect_gravity(const planes::PipelineOptions& options, const char* command);
 
 }  // namespace planescope::app

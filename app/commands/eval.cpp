@@ -59,7 +59,7 @@ Json to_json(const planes::Metrics& m) {
   return json;
 }
 
-/// A dash where the truth has no labels, or the result: gravity was not known.
+/// A dash where the truth or the result has no h and v labels.
 std::string labels_right(double percent) {
   return std::isnan(percent) ? "-" : fmt::format("{:.2f}", percent);
 }
@@ -98,7 +98,7 @@ void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int 
   if (without_truth > 0) fmt::print("{} frames have no ground truth.\n", without_truth);
 }
 
-/// Of our own segmentation. nullopt: the frame has no ground truth.
+/// Scores our own segmentation; nullopt where the frame has no ground truth.
 std::optional<Row> run_and_score(const OpenInput& input,
                                  int index,
                                  const EvalArgs& args,
@@ -109,7 +109,7 @@ std::optional<Row> run_and_score(const OpenInput& input,
              planes::score_frame(loaded.result, *loaded.truth)};
 }
 
-/// Of what --prediction names, on label files.
+/// Scores the labels that --prediction names.
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
   const Frame frame = input.recording->frame(index);
   const auto truth =

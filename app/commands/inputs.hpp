@@ -41,7 +41,7 @@ struct InputArgs {
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text);
-/// Of these, or of --frames, --intrinsics, --depth-unit, --instance-field, --labels.
+/// Sets one of the above, or --frames, --intrinsics, --depth-unit, --instance-field, --labels.
 void set_input_option(InputArgs& args, const std::string& name, const std::string& text);
 
 /// A recording that was opened, and what of it is asked for.
@@ -69,12 +69,14 @@ struct LoadedFrame {
 /// False where frame `index` surely has no truth: no label file, and no cloud with fields.
 bool may_have_truth(const OpenInput& input, int index);
 
-/// A frame that was read but cannot be processed: no gravity, no truth. Others may do better.
+/// A frame that was read but cannot be processed: no gravity, no truth. Other frames may still
+/// work.
 struct FrameRefused : Error {
   using Error::Error;
 };
 
-/// Whether points are labelled h or v at all: rivals do without, and nobody can without gravity.
+/// Whether points are labelled h or v at all: rivals do not use labels, and without gravity there
+/// are none.
 bool labels_points(const planes::PipelineOptions& options);
 
 /// The classifier of these options, none where points are not labelled; gcn takes the weights that

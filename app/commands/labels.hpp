@@ -36,7 +36,7 @@ struct LabelledRecording {
   std::filesystem::path path;
   std::unique_ptr<io::Recording> recording;  // null: not found
 };
-/// What was typed is a recording, or a folder of labels.
+/// Opens what was typed: a recording or a folder of labels.
 LabelledRecording open_labels(const LabelsArgs& args);
 
 /// The labels of a frame that the recording has. Throws Error where they are damaged or of another
@@ -52,7 +52,7 @@ void define_labels_convert(CLI::App* labels, Line& line);
 
 /// The options of recordings that make sense for a folder of labels, --recording and --json.
 void add_label_inputs(CLI::App* command, LabelsArgs& args, const std::string& what);
-/// --labels, as what reads labels takes it.
+/// Adds --labels, for commands that read labels.
 void add_label_dir(CLI::App* command, LabelsArgs& args);
 
 }  // namespace planescope::app

@@ -18,7 +18,7 @@ struct ComparedFrame {
   labels::Agreement agreement;
 };
 
-/// Of the figures; counts are sums.
+/// Means of the figures; counts are added up.
 labels::Agreement mean_of(const std::vector<ComparedFrame>& frames) {
   labels::Agreement mean;
   const auto n = static_cast<double>(frames.size());

@@ -46,7 +46,7 @@ void print_facts(const std::filesystem::path& out, const report::Report& report,
   fmt::print("{}\n", facts.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-/// Of those that could not be processed: how many, whether one is damaged, and the first.
+/// The frames that could not be processed: how many, whether one is damaged, and the first.
 struct Refused {
   int frames = 0;
   bool unreadable = false;
@@ -84,7 +84,7 @@ void check_baseline_place(const ReportGuardArgs& args, const std::filesystem::pa
                 ": the report would overwrite it; keep the baseline elsewhere");
 }
 
-/// A report without any frame that was processed is bad input: throws Error with the first reason.
+/// Throws Error with the first reason: a report of which no frame could be processed is bad input.
 void throw_first_refusal(const report::Report& report) { throw Error(refused_of(report).first); }
 
 /// Judges `report`, writes its files into `out`, where its frames lie, and says how it went.
@@ -170,7 +170,7 @@ report::Report start_report(const ReportArgs& args,
   return report;
 }
 
-/// All that a frame's results depend on but the frame.
+/// Everything that a frame's results depend on, apart from the frame.
 std::string build_key(const report::Report& report, int copies) {
   std::string key =
       fmt::format("{}\n{}\n{}\n{}\n", report.version, report.commit, report.method, copies);
@@ -223,7 +223,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     report.partial |= !slot.done;
     if (slot.done) recording.frames.push_back(folder.read(slot.folder));
   }
-  // A recording that gives nothing at all is bad input, not a report; a shard may be so.
+  // A recording that gives nothing at all is bad input, not a report; a shard may be empty.
   if (!report.partial && args.shard.count == 1 && report::totals_of(report).frames_done == 0) {
     folder.give_up();
     throw_first_refusal(report);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Where a report comes to be: finished frames are kept until the report is complete, also by a run
-// that is stopped or killed, so that another one can go on.
+// The folder in which a report is made: finished frames are kept until the report is complete, also
+// by a run that is stopped or killed, so that another one can go on.
 
 #include <filesystem>
 #include <mutex>
@@ -14,19 +14,19 @@
 
 namespace planescope::app {
 
-/// Frames go by the folder that is theirs below DIR, "01-a.bag/frames/000012". They are written
-/// below DIR/.report-work; commit() moves them to their place, over what stood there.
+/// Each frame is named by its folder below DIR, "01-a.bag/frames/000012". They are written below
+/// DIR/.report-work; commit() moves them to their place, over what stood there.
 class ReportFolder {
  public:
-  /// Where not `resume`, what a stopped run left is gone. Throws Error where DIR cannot be written
+  /// Without `resume`, deletes what a stopped run left. Throws Error where DIR cannot be written
   /// to, or another run writes into it.
   ReportFolder(std::filesystem::path dir, bool resume);
-  /// Finished frames stay where there are any, of this run or of one before, for one that resumes.
+  /// Keeps finished frames, of this run or of an earlier one, for a run that resumes.
   ~ReportFolder();
   ReportFolder(const ReportFolder&) = delete;
   ReportFolder& operator=(const ReportFolder&) = delete;
 
-  /// The frame as an earlier run left it, where that was of the same key and its files are there.
+  /// The frame as an earlier run left it, if it had the same key and its files are there.
   std::optional<report::ReportFrame> find(const std::filesystem::path& frame,
                                           const std::string& key);
   bool has(const std::filesystem::path& frame) const;
@@ -41,10 +41,10 @@ class ReportFolder {
   /// A frame that was finished, found or taken.
   report::ReportFrame read(const std::filesystem::path& frame) const;
 
-  /// `whole`: nothing is left for another run to go on with, and frames of an earlier report that
-  /// are none of `frames` go.
+  /// `whole`: the report is complete; then removes the work folder, and frames of an earlier
+  /// report that are not in `frames`.
   void commit(bool whole, const std::set<std::filesystem::path>& frames);
-  void give_up();  // what is finished goes too
+  void give_up();  // finished frames are not kept either
 
  private:
   std::filesystem::path place_of(const std::filesystem::path& frame) const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The frames of a report: run and drawn on all cores, each put down when it is finished.
+// The frames of a report: run and drawn on all cores, each saved when it is finished.
 
 #include <functional>
 #include <stop_token>
@@ -25,8 +25,8 @@ struct Shard {
 };
 Shard parse_shard(const std::string& text);  // "2/8"; throws Error
 
-/// What a report calls its recordings: each path's last part, where that is not the only one of its
-/// kind with the folder above it, "scan1-depth".
+/// The last part of each path; where two are equal, with the parent folder before it,
+/// "scan1-depth".
 std::vector<std::string> recording_names(const std::vector<OpenInput>& inputs);
 
 /// A frame that a report is asked for.
@@ -34,7 +34,7 @@ struct ReportSlot {
   std::size_t input = 0;
   int index = 0;                 // the recording's frame
   std::filesystem::path folder;  // below the report, "01-a.bag/frames/000012"
-  bool colors_only = false;      // of another shard; its planes' colours go on in this one's
+  bool colors_only = false;      // of another shard; this one continues its planes' colours
   bool done = false;
   bool found = false;  // as an earlier run left it
 };

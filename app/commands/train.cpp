@@ -20,11 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the learning rate, where trained weights learn on. 200 steps on five frames of another camera
-// resolution beside the synthetic set: new frames of that camera gain 0.7 points near edges and the
-// validation sets lose nothing; at the full rate the frames gain nothing and the stairs lose 0.4.
+// The learning rate is multiplied by this where trained weights are trained further. 200 steps on
+// five frames of another camera resolution beside the synthetic set: new frames of that camera gain
+// 0.7 points near edges and the validation sets lose nothing; at the full rate the frames gain
+// nothing and the stairs lose 0.4.
 constexpr double kFineTuningRate = 0.25;
-// Percentage points that a baseline may be ahead: trainings that differ in their seed alone do.
+// Percentage points by which the older weights may be better: trainings that differ only in their
+// seed differ by as much.
 constexpr double kTolerance = 0.3;
 
 struct Files {
@@ -109,7 +111,7 @@ std::vector<planes::LabelAccuracy> scores(const Session& session,
   return scores;
 }
 
-/// Tells what the numbers of every epoch's line are.
+/// Prints what the numbers on each epoch's line mean.
 void explain_epochs(const Session& session) {
   std::vector<std::string> sets;
   for (const lab::ValidationSet& set : session.data.validation) sets.push_back(set.name);

@@ -16,7 +16,7 @@ Json json_of(const lab::TrainingSetOptions& set) {
                {"scans", set.scans},
                {"points", set.points},
                {"voxel_size_m", set.voxel_size_m}};
-  // Left out where off: the record of weights from before it stays what it was.
+  // Left out when off, so that records of older weights stay the same.
   if (set.real_errors) json["real_errors"] = true;
   return json;
 }

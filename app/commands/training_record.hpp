@@ -12,8 +12,8 @@ namespace planescope::app {
 nlohmann::ordered_json json_of(const lab::TrainingSetOptions& set);
 nlohmann::ordered_json json_of(const lab::AugmentOptions& options);
 
-/// How weights came about, as a JSON object for their file: nothing in it depends on where, when or
-/// with how many threads that was.
+/// How weights were trained, as a JSON object for their file: nothing in it depends on where, when
+/// or with how many threads that was.
 std::string training_record(const TrainArgs& args,
                             const TrainingData& data,
                             const lab::TrainState& state,

@@ -75,7 +75,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   return state;
 }
 
-/// Nothing is worked out for a file that cannot be written.
+/// Throws Error before any work where the file cannot be written.
 void expect_folder_of(const std::filesystem::path& file) {
   if (file.empty()) return;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();

@@ -1,8 +1,8 @@
 #pragma once
 
 // Mouse and keys, from a window or from a script, in one queue. ImGui 1.86 keeps states, not
-// events, and so loses taps that begin and end within a frame: of each frame's queue only as much
-// is handed over as changes no key or button twice.
+// events, and so loses taps that begin and end within a frame: each frame is handed only as much of
+// the queue as changes no key or button twice.
 
 #include <cstdint>
 #include <deque>

@@ -84,7 +84,7 @@ struct KeptLabelFacts {
   LabelFacts facts;
 };
 
-/// Text being typed and such: what lives in panels only.
+/// Text being typed and other state that only panels have.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
   std::map<std::int32_t, bool> octree_open;             // nodes that the user opened or closed

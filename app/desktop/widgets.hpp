@@ -14,7 +14,7 @@ namespace planescope::desktop {
 ImU32 to_imgui(render::Rgba color);
 /// `alpha` from 0 to 255.
 ImU32 with_alpha(ImU32 color, int alpha);
-/// Of a number that has become better, worse, or is as it was.
+/// The colour of a number that has become better, become worse, or stayed the same.
 ImU32 gain_color(const Ui& ui, int gain);
 
 // ---- Text --------------------------------------------------------------------------------------
@@ -61,7 +61,7 @@ bool button(const Ui& ui, const std::string& text, const std::string& widget, bo
 void action_button(const Ui& ui, const char* action, const char* label);
 /// Of a button with this text.
 float button_width(const std::string& text);
-/// Keeps the line where what comes next has room beside the last item; false where it has not.
+/// Stays on the line where the next item has room beside the last one; false where it has not.
 bool same_line_if_room(float width, float gap);
 /// Puts a button with this text beside the last item where that leaves room, below it otherwise.
 void same_line_if_fits(const std::string& text);
@@ -93,7 +93,7 @@ void list_above(const Ui& ui, const std::string& key, const List& list, const Be
 
 // ---- The mouse ---------------------------------------------------------------------------------
 
-/// Since the left button went down the mouse has moved, by more than in a click.
+/// Whether the mouse has moved by more than in a click since the left button went down.
 bool was_dragged();
 
 }  // namespace planescope::desktop

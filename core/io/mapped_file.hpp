@@ -16,7 +16,7 @@ class MappedFile {
   MappedFile& operator=(const MappedFile&) = delete;
 
   Bytes bytes() const { return bytes_; }
-  /// Stops the system from reading around every byte that is looked at: for hopping through a
+  /// Stops the system from reading ahead around every byte that is accessed: for jumping through a
   /// large file without loading it.
   void expect_hops() const;
   /// Lets the system read this part of bytes() in one go; worth it after expect_hops().

@@ -1,6 +1,6 @@
 #pragma once
 
-// Gravity that a person told by clicking floors or walls. It lies in the folder of the recording's
+// Gravity that a user picked by clicking floors or walls. It lies in the folder of the recording's
 // labels, never in the recording, and every command reads it again: docs/formats.md.
 
 #include <filesystem>
@@ -14,10 +14,10 @@
 
 namespace planescope::io {
 
-/// The direction that clicks on one frame told.
+/// The direction that follows from clicks on one frame.
 struct PickedDirection {
   Vec3d direction = Vec3d::UnitY();  // in which things fall: unit, sensor's or cloud's own frame
-  std::vector<Vec3d> walls;          // the normals it was told by, unit; empty: a floor told it
+  std::vector<Vec3d> walls;          // the normals that it follows from, unit; empty: from a floor
   int frame = 0;                     // where it was clicked ...
   std::string frame_sha256;          // ... Recording::frame_hash() of it
   std::string note;                  // one phrase for people

@@ -5,7 +5,7 @@
 
 namespace planescope {
 
-/// What the outside world got wrong: a file, weights, GL, an option. The message is one line that
+/// An error outside of the program: in a file, weights, GL, an option. The message is one line that
 /// names the file or option, what was found and what was expected. `main` catches it once, prints
 /// it and exits with 2. Programmer mistakes are asserts, normal absences std::optional.
 struct Error : std::runtime_error {

@@ -19,17 +19,17 @@ std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
 
 enum class Durable : bool { no, yes };  // `yes`: survives a loss of power as well; slower
 
-/// Replaces a file: what it is to hold is written beside it and then takes its name. Whoever reads
-/// meanwhile, and whatever goes wrong, there is the old file or the new one, whole. A link stays
-/// one; a pipe or a device is written to as it is. Throws Error naming the path; the old file then
-/// stays.
+/// Replaces a file: the new content is written to a file beside it, which then takes its name. At
+/// any moment, and whatever goes wrong, either the old file or the new one is there, whole. A link
+/// stays a link; a pipe or a device is written to directly. Throws Error naming the path; the old
+/// file then stays.
 void write_file_bytes(const std::filesystem::path& path,
                       std::span<const unsigned char> bytes,
                       Durable durable = Durable::no);
 void write_file_text(const std::filesystem::path& path,
                      std::string_view text,
                      Durable durable = Durable::no);
-/// For what is too large to be held; `write` may throw.
+/// For content too large to be held in memory; `write` may throw.
 void write_file_stream(const std::filesystem::path& path,
                        const std::function<void(std::ostream&)>& write);
 

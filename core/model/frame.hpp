@@ -24,14 +24,14 @@ struct Intrinsics {
   std::array<double, 5> coefficients{};  // k1 k2 p1 p2 k3
 };
 
-/// How far to trust a direction of gravity, best first. `none`: nobody knows it, and no point and
-/// no plane is h or v. Journals keep the number: new sources go to the end.
+/// How far to trust a direction of gravity, best first. `none`: it is not known, and no point and
+/// no plane is h or v. Journals store the number: add new sources at the end.
 enum class GravitySource : std::uint8_t { option, sidecar, imu, picked, estimate, assumed, none };
 const char* to_string(GravitySource source);
 
 /// The direction in which things fall, a unit vector in the sensor's (or cloud's own) frame. Where
-/// it is not known, where the camera's own lower edge points: the world's axes follow it all the
-/// same.
+/// gravity is not known, the direction of the camera's lower edge: the world's axes follow it all
+/// the same.
 struct Gravity {
   Vec3d direction = Vec3d(0, 1, 0);
   GravitySource source = GravitySource::assumed;

@@ -12,7 +12,7 @@ namespace planescope {
 /// and gravity is at most 45 degrees, v otherwise.
 enum class Label : std::uint8_t { unknown = 0, h = 1, v = 2 };
 
-/// `unknown`: what is said of neither.
+/// `unknown`: the text for a label that is neither.
 inline const char* to_string(Label label, const char* unknown = "unknown") {
   return label == Label::h ? "h" : label == Label::v ? "v" : unknown;
 }

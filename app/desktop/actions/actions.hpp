@@ -92,7 +92,7 @@ int choice_argument(const std::string& action,
                     const std::string& text,
                     const std::vector<std::string>& names);
 
-// What several of them share.
+// Used by several tables.
 
 /// Moves the cursor, and selects what its event is about.
 void go_to_step(State& state, std::int32_t step);

@@ -16,7 +16,7 @@ namespace planescope::desktop {
 
 // ---- Sliders -----------------------------------------------------------------------------------
 
-/// From `low` to `high`, by ratio where logarithmic. What an option may take beyond is typed.
+/// From `low` to `high`, by ratio where logarithmic. Values of the option beyond these are typed.
 struct SliderScale {
   double low = 0, high = 1;
   bool logarithmic = false;
@@ -25,7 +25,7 @@ struct SliderScale {
   double share(double value) const;  // 0..1
   double value(double share) const;
 };
-/// Wide enough to hold the default a few times over, inside what the option may take.
+/// Wide enough to hold the default a few times over, within the option's range.
 SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile);
 
 /// The numbers of a group of options are folded away, but for those that are not their default.

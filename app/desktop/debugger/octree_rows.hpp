@@ -1,6 +1,7 @@
 #pragma once
 
-// The rows of the octree view: what of the tree is there at a step, folded where it is settled.
+// The rows of the octree view: the part of the tree that exists at a step, folded where it is
+// settled.
 
 #include <array>
 #include <cstdint>

@@ -31,7 +31,7 @@ void choose_item(State& state, int item);
 /// chosen, or where its labels are no longer what the queue was made of.
 void decide(State& state, ReviewDecision decision);
 
-/// A decision; its region may differ no longer, and so be no item.
+/// A decision; its region may no longer differ, and then is no item of the queue.
 struct Decided {
   ReviewNote note;
   int item = -1;  // of the queue, or -1

@@ -1,7 +1,7 @@
 #pragma once
 
-// Either view of the label mode as tools work in it: what the mouse does there, and what lies over
-// the view: planes' names, the shape being drawn, what is under the mouse, what the wand found.
+// A view of the label mode in which tools work: what the mouse does there, and what lies over the
+// view: planes' names, the shape being drawn, what is under the mouse, what the wand found.
 
 #include <functional>
 #include <optional>
@@ -29,9 +29,10 @@ struct DrawingSurface {
   }
 };
 
-/// Points, draws with the tool in hand. Of the item drawn last, like the next.
+/// Follows the mouse over the ImGui item drawn last, and draws with the tool in hand.
 void use_label_tool(const Ui& ui, const DrawingSurface& surface);
-/// Sizes the tool in hand by the wheel. True where it did: then the wheel does not zoom.
+/// Sizes the tool in hand by the wheel, over the item drawn last. True where it did: then the wheel
+/// does not zoom.
 bool wheel_sizes(const Ui& ui);
 /// Whether the left button moves the view: the tool in hand does not drag.
 bool left_button_moves(const State& state);

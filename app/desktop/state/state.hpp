@@ -149,7 +149,7 @@ struct Search {
   std::vector<std::int32_t> matches;    // steps of the run shown
 };
 
-/// Going through the trace by itself.
+/// Automatic playback of the trace.
 struct Playing {
   int direction = 0;  // 0: stands still
   double steps_per_s = 60;
@@ -157,7 +157,7 @@ struct Playing {
 };
 
 enum class Against : std::uint8_t { nothing, pinned, truth };
-/// What the next click in a view says is a floor or a wall, and so where things fall.
+/// Whether the next click in a view picks a floor or a wall, from which gravity follows.
 enum class GravityClick : std::uint8_t { none, floor, wall };
 
 struct ViewState {
@@ -234,13 +234,12 @@ struct State {
   const planes::TraceEvent* event() const;
 };
 
-// ---- In plain facts, for scripts that expect something and for whoever waits for the window
-// ------
+// ---- Facts, for scripts that expect something and for whoever waits for the window -------------
 
 /// {"recording", "frame", "step", "steps", "event", "node", "case", "planes", "matches", ...}; what
 /// docs/desktop.md lists.
 nlohmann::ordered_json state_facts(const State& state, bool idle);
-/// The same as text for a file. Bytes that are no UTF-8, of a path for instance, are replaced.
+/// The same as text for a file. Bytes that are not UTF-8, as in a path, are replaced.
 std::string state_text(const State& state, bool idle);
 
 }  // namespace planescope::desktop

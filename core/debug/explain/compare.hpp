@@ -1,8 +1,8 @@
 #pragma once
 
-// Two runs side by side: where they part, and what comes of it. Of the same frame; voxels, options,
-// classifier and profile may differ. Nodes are the same where their cells are, points where their
-// pixels are.
+// Two runs side by side: where they diverge, and what follows from it. Of the same frame; voxels,
+// options, classifier and profile may differ. Nodes are the same where their cells are, points
+// where their pixels are.
 
 #include <cstdint>
 #include <string>
@@ -58,8 +58,8 @@ class Correspondence {
 
 /// The node of `other` with the same cell, -1 where it has none.
 std::int32_t same_node(const Run& run, std::int32_t node, const Run& other);
-/// The last step of `other` at which its state answers to `step` of `run`: the event on the same
-/// node or point; otherwise the same fraction of all steps.
+/// The last step of `other` at which its state corresponds to `step` of `run`: the event on the
+/// same node or point; otherwise the same fraction of all steps.
 std::int32_t same_step(const Run& run, std::int32_t step, const Run& other);
 
 }  // namespace planescope::debug

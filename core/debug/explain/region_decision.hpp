@@ -1,7 +1,7 @@
 #pragma once
 
-// A region's fate in one step: the decision that most of its points owe theirs to. Decisions are of
-// one kind where their event, case and stage are.
+// The one decision that explains what became of most points of a region. Decisions are of one kind
+// where their event, case and stage are.
 
 #include <cstdint>
 #include <span>

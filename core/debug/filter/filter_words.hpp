@@ -1,7 +1,7 @@
 #pragma once
 
-// The words of the filter language: how a text falls apart into them, which names there are, and
-// what these mean for an event. Internal to core/debug/filter.
+// The words of the filter language: how a text is split into them, which names there are, and what
+// these mean for an event. Internal to core/debug/filter.
 
 #include <cstdint>
 #include <limits>

@@ -1,8 +1,8 @@
 #pragma once
 
-// What is looked at, one frame made ready for segmentation once, however often it is then run; and
-// one run of the segmentation on it, with all that stepping, searching and explaining it needs.
-// Immutable once made; shared by whoever shows it.
+// One frame, made ready for segmentation once, however often it is then run; and one run of the
+// segmentation on it, with all that stepping, searching and explaining it needs. Immutable once
+// made; shared by whoever shows it.
 
 #include <cstdint>
 #include <memory>

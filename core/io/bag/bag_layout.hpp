@@ -7,7 +7,7 @@
 
 namespace planescope::io {
 
-/// Which topics of a bag play which part. Empty names where there is none.
+/// What each topic of a bag is used for. Names are empty where there is no such topic.
 struct BagLayout {
   std::string format;  // "RealSense SDK bag" or "realsense-ros bag"
   std::string device;

@@ -9,15 +9,15 @@
 
 namespace planescope::io {
 
-/// Fields of a cloud file that are wanted as they stand there, beside what PointSet keeps.
+/// Fields of a cloud file to be read unchanged, besides those that PointSet keeps.
 struct CloudExtras {
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;  // by name: one per point, or empty where it has none
 };
 
 /// Reads a .ply or .pcd cloud with its colours and its `label` / `instance` fields (any integer
-/// type). The header is checked against the file's size before anything is allocated. Of formats
-/// that were added, `extras` has nothing.
+/// type). The header is checked against the file's size before anything is allocated. For formats
+/// that were added, `extras` gets nothing.
 PointSet read_cloud_file(const std::filesystem::path& path, CloudExtras* extras = nullptr);
 
 /// A cloud format that io itself does not read (core/io/open3d has some). `read` throws Error

@@ -1,7 +1,7 @@
 #pragma once
 
-// Animated PNG: what shows an animation of photographs in any browser, and its first frame in
-// every other viewer of PNGs.
+// Animated PNG: any browser shows the animation, and every other PNG viewer its first frame. For
+// photographs.
 
 #include <ostream>
 
@@ -9,8 +9,8 @@
 
 namespace planescope::io {
 
-/// Writes one RGB frame after the other, without loss; only one is in memory. Whoever owns the
-/// stream checks it.
+/// Writes one RGB frame after the other, without loss; only one is in memory. The stream's owner
+/// checks it for errors.
 class ApngWriter {
  public:
   /// `frames`: how many add() will be called with, at least one.

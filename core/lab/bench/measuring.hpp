@@ -1,6 +1,6 @@
 #pragma once
 
-// How the laboratory takes times: on what machine, in turns, by medians.
+// How the laboratory measures times: on what machine, in turns, by medians.
 
 #include <functional>
 #include <span>

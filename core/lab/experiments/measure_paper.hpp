@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures what `planescope-lab bench paper` tells: runs and scores the contestants of cells, and
+// Measures what `planescope-lab bench paper` reports: runs and scores the contestants of cells, and
 // times them.
 
 #include <filesystem>

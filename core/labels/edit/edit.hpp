@@ -1,7 +1,8 @@
 #pragma once
 
 // What one gesture changed: applied forwards to redo, backwards to undo, written to the journal.
-// Tools are pure functions FrameLabels -> FrameLabels (operations.hpp); the edit is what differs.
+// Tools are pure functions FrameLabels -> FrameLabels (operations.hpp); an edit is the difference
+// between the two.
 
 #include <cstdint>
 #include <optional>

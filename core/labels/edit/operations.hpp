@@ -75,8 +75,8 @@ enum class PlaneFlag : std::uint8_t { locked, hidden };
 FrameLabels with_flag(const FrameLabels& labels, int plane, PlaneFlag flag, bool on);
 
 /// First labels from a segmentation: `plane_of` per pixel (0 none), `label_of_plane` by id - 1.
-/// Replaces everything but "do not score" and locked and hidden planes with their pixels; ids that
-/// these have are given others.
+/// Replaces everything but "do not score" and locked and hidden planes with their pixels. Planes
+/// whose ids are taken by these get new ids.
 FrameLabels from_segmentation(const FrameLabels& labels,
                               const LabelGrid& grid,
                               std::span<const std::int32_t> plane_of,

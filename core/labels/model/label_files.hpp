@@ -19,7 +19,7 @@ namespace planescope::labels {
 /// <recording>.labels beside the recording (a trailing slash is ignored).
 std::filesystem::path default_label_dir(const std::filesystem::path& recording);
 
-/// DIR/000123.{plane.png,hv.png,json}, numbered by 0-based depth frame.
+/// Writes the three files of a frame.
 void write_frame_labels(const std::filesystem::path& dir,
                         int frame_index,
                         const FrameLabels& labels);

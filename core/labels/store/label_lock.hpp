@@ -7,8 +7,9 @@
 
 namespace planescope::labels {
 
-/// Held by the one instance that may write into a label folder, in DIR/lock. It ends with the
-/// process, however that ends; what the file says is for people only. Letting go removes the file.
+/// Held by the one instance that may write into a label folder, in DIR/lock. The lock ends with the
+/// process, however that ends; the file's text is for people only. Releasing the lock removes the
+/// file.
 class LabelLock {
  public:
   LabelLock() = default;

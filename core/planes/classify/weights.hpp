@@ -40,7 +40,7 @@ std::size_t parameter_count(const NetworkConfig& config);
 struct NetworkWeights {
   NetworkConfig config;
   std::vector<std::vector<float>> tensors;  // by tensor_specs(config)
-  std::string training = "{}";              // how they came about, a JSON object
+  std::string training = "{}";              // how they were trained, a JSON object
 };
 
 /// Throws Error where the file is missing, cut, larger than it says, contradicts itself or its

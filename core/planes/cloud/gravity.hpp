@@ -31,7 +31,7 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
 /// even the estimate fails, unless the options go without.
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options);
 
-/// The direction of a frame whose gravity nobody knows, with source `none`: things are taken to
+/// The direction of a frame whose gravity is not known, with source `none`: things are taken to
 /// fall to the lower edge of the image, along -z of a cloud. `why` goes into the note.
 Gravity unknown_gravity(const Frame& frame, const std::string& why);
 

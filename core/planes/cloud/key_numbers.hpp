@@ -7,8 +7,8 @@
 namespace planescope::planes {
 
 /// Numbers 64-bit keys 0, 1, 2, ... in the order in which they first come. A flat hash (open
-/// addressing, linear probing) of which the slots hold numbers only: small enough to stay in the
-/// cache, and touching few new pages.
+/// addressing, linear probing) whose slots hold only numbers: small enough to stay in the cache,
+/// and touching few new pages.
 class KeyNumbers {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;

@@ -59,7 +59,7 @@ Metrics mean_of(std::span<const Metrics> metrics);
 
 // The values of Metrics by the names that every file and table gives them.
 
-/// Whether it came later than the rest: files of before lack it, and are read with 0 for it.
+/// Whether it was added later: older files lack it, and are read with 0 for it.
 inline bool is_late_value(std::string_view name) {
   return name == "correct" || name == "pieces" || name == "ghosts";
 }

@@ -11,12 +11,12 @@
 
 namespace planescope::planes {
 
-/// Which weights a classifier has, and how they came about.
+/// Which weights a classifier has, and how they were trained.
 struct WeightsRecord {
   std::string file;      // its name without folders
   std::string sha256;    // of the file
   std::string network;   // "compact, 27714 parameters"
-  std::string training;  // a JSON object: how the weights came about
+  std::string training;  // a JSON object: how the weights were trained
 };
 
 struct ChosenClassifier {

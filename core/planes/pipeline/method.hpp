@@ -1,6 +1,6 @@
 #pragma once
 
-// What finds the planes: ours, or one of those it is measured against.
+// What finds the planes: ours, or one of the rivals that ours is compared with.
 
 #include <cstdint>
 #include <string>

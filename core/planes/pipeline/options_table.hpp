@@ -32,15 +32,15 @@ struct OptionInfo {
 
   bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
-  /// Whether a run with these options reads it: rivals have their own, and what is about h and v
-  /// has no say without gravity.
+  /// Whether a run with these options reads it: rivals have their own options, and options about h
+  /// and v do nothing without gravity.
   bool matters(const PipelineOptions& o) const {
     const bool of_labels = section == "classifier" || name == "use_labels";
     return (!method || *method == o.method) && !(of_labels && o.gravity.mode == GravityMode::none);
   }
 };
 
-/// Is the switch off that the option needs?
+/// Whether the switch that the option needs is off.
 bool is_idle(const OptionInfo& info, const PipelineOptions& options);
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options

@@ -81,7 +81,7 @@ void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& tr
   scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
 }
 
-/// Who does not know gravity gets no label wrong: there is nothing to measure.
+/// Without gravity no point has a label, so label accuracy is not measured.
 Metrics without_open_labels(Metrics metrics, const FrameResult& result) {
   if (!result.gravity.known())
     metrics.label_accuracy_edge = metrics.label_accuracy_inner = std::nan("");

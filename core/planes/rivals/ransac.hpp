@@ -17,8 +17,8 @@ struct RansacOptions {
   int seed = 1;
 };
 
-/// Ends with the first plane that has too few points. Open3D does it, and only programs that link
-/// core/io/open3d have that: its install() hands it over. Throws Error where nobody did.
+/// Ends with the first plane that has too few points. Runs in Open3D: only programs that call
+/// open3d::install() have it, others get an Error.
 FoundPlanes find_planes_ransac(std::span<const Vec3f> points, const RansacOptions& options);
 
 using RansacFunction = FoundPlanes(std::span<const Vec3f>, const RansacOptions&);

@@ -17,7 +17,7 @@
 
 namespace planescope::planes {
 
-/// A candidate held against a plane: by direction (Criterion 4) or by distance (R1).
+/// A candidate compared with a plane: by direction (Criterion 4) or by distance (R1).
 struct Pair {
   std::int32_t plane = -1;
   std::variant<Coplanarity, DistanceTerms> terms;
@@ -28,7 +28,7 @@ using PairVisitor = std::function<void(const Pair&)>;
 PairStrain strain_of(const Pair& pair, const SegmentOptions& options);
 /// The one that comes nearest to passing, of equals the first; null without any.
 const Pair* nearest_pair(std::span<const Pair> pairs, const SegmentOptions& options);
-/// R1's terms, of a plane of the list and what is held against it. `any_angle`: see DistanceTerms.
+/// R1's terms, of a plane of the list and what is compared with it. `any_angle`: see DistanceTerms.
 Pair pair_by_distance(const SegmentState& state,
                       std::int32_t k,
                       const MeasuredPlane& measured,
@@ -96,7 +96,7 @@ struct Reach {
 };
 Reach reach_of(const SegmentState& state, std::uint32_t i, LeftoverRule rule);
 
-/// A point held against a plane.
+/// A point compared with a plane.
 struct PointTerms {
   std::int32_t plane = -1;
   double distance_m = 0;

@@ -13,8 +13,8 @@
 
 namespace planescope::planes {
 
-/// What the purity of a node is judged by. The majority label is the inliers'; a tie goes to h.
-/// Where labels are not used, all points carry `one_label`.
+/// The counts by which a node's purity is judged. The majority label is the inliers'; a tie goes to
+/// h. Where labels are not used, all points carry `one_label`.
 struct Purity {
   Label inlier = Label::h;
   std::uint32_t n_in = 0;

@@ -1,8 +1,7 @@
 #pragma once
 
-// The segmentation on its way: what its stages read, and the handful of functions through which
-// alone points, planes and nodes change. Internal to core/planes/segment and to what replays and
-// explains it.
+// The segmentation in progress: what its stages read, and the only functions that change points,
+// planes and nodes. Internal to core/planes/segment and to what replays and explains it.
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-// A report held to rules and to an earlier one.
+// A report checked against rules and against an earlier report.
 
 #include <filesystem>
 #include <memory>

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a report must hold to, beside its baseline or on its own: planescope.rules.json.
+// The rules that a report must keep, compared with its baseline or on its own:
+// planescope.rules.json.
 
 #include <filesystem>
 #include <limits>
@@ -15,7 +16,7 @@ namespace planescope::report {
 enum class RuleLevel : std::uint8_t { off, warn, error };
 const char* to_string(RuleLevel level);
 
-/// Whose value is held against the limit: each frame's, or the sum or mean over a recording's
+/// Whose value is compared with the limit: each frame's, or the sum or mean over a recording's
 /// frames, or over all.
 enum class RuleScope : std::uint8_t { frame, recording, all };
 const char* to_string(RuleScope scope);
@@ -62,8 +63,8 @@ struct Breach {
   std::string text() const;
 };
 
-/// Worst first: errors before warnings, then frames by how much they break. Frames that the reports
-/// do not both have are held to what needs no baseline.
+/// Worst first: errors before warnings, then frames by how much they break. Frames that are not in
+/// both reports are checked only against rules that need no baseline.
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison);
 

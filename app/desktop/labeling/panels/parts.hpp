@@ -10,7 +10,7 @@ namespace planescope::desktop {
 
 /// The labels of the frame looked at; where there are none yet, says why in their place.
 std::shared_ptr<const FrameLabels> labels_to_show(const Ui& ui);
-/// Of these labels, which are those of the frame looked at.
+/// Facts of these labels, which must be those of the frame shown.
 const LabelFacts& facts_of(const Ui& ui, const std::shared_ptr<const FrameLabels>& labels);
 
 /// A small square in the plane's colour, and its name beside it. Dimmed where it is hidden.

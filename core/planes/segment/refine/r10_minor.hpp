@@ -1,8 +1,8 @@
 #pragma once
 
-// R10: what is no surface that anyone asks for is a minor plane: facets of curved things, strips
-// along edges, sheets of flying pixels. A plane's pixels count the less the more ragged, curved and
-// rough its picture is. Minor planes are listed apart, and their points are left over.
+// R10: marks planes that are not useful surfaces as minor: facets of curved things, strips along
+// edges, sheets of flying pixels. A plane's pixels count the less the more ragged, curved and rough
+// its picture is. Minor planes are listed apart, and their points are left over.
 
 #include "core/planes/segment/refinement.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// R4: an impure node whose labels are each planar is conquered label by label, instead of being
-// divided down to where the labels part. It acts in the traversal (traverse.cpp).
+// R4: an impure node whose labels are each planar is fitted label by label, instead of being
+// divided until the labels are separate. It acts in the traversal (traverse.cpp).
 
 #include "core/planes/segment/refinement.hpp"
 
