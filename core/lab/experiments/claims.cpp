@@ -88,7 +88,7 @@ class Claims {
       if (of_paper && paper.method == "ours" && paper.with_labels && paper.table != "V" &&
           paper.points == printed.points && paper.noise_cm == printed.noise_cm && others.empty())
         others.push_back(fmt::format("the paper {}", paper.*of_paper));
-    for (const planes::Method method : planes::built_methods())
+    for (const planes::Method method : planes::all_methods())
       if (const auto rival = value(with_rival(printed, planes::to_string(method))))
         others.push_back(
             fmt::format("{} {}", planes::to_string(method), fixed(*rival, measure.digits)));

@@ -31,6 +31,15 @@ const char* missing_option(Method method) {
 
 const char* to_string(Method method) { return kMethods[static_cast<std::size_t>(method)].name; }
 
+const std::vector<Method>& all_methods() {
+  static const std::vector<Method> methods = [] {
+    std::vector<Method> all;
+    for (const NamedMethod& named : kMethods) all.push_back(named.method);
+    return all;
+  }();
+  return methods;
+}
+
 const std::vector<Method>& built_methods() {
   static const std::vector<Method> methods = [] {
     std::vector<Method> built;

@@ -24,6 +24,7 @@ enum class Method : std::uint8_t {
 /// As --method has it: "region-growing".
 const char* to_string(Method method);
 Method parse_method(const std::string& text);  // throws Error naming those that this build has
+const std::vector<Method>& all_methods();      // ours first, built or not
 const std::vector<Method>& built_methods();    // ours first; the same for the whole process
 
 /// Options of all methods but ours, which has SegmentOptions.
