@@ -70,7 +70,7 @@ TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
   write_depth_folder(dir / "data/aims_slam_realsense_640x480", floor_and_wall(), 3);
   std::vector<std::string> args = frames_args(dir);
   const auto measure = [&](const char* only, const char* count, const char* threads) {
-    args[3] = only;
+    args[4] = only;
     const std::string out = (dir / threads / only).string();
     const Ran ran =
         run_with(args, {"--seeds", "7", "--count", count, "--threads", threads, "-o", out});
