@@ -148,7 +148,7 @@ void add_method(CLI::App* command, planes::PipelineOptions& options) {
 CLI::Option* add_threads(CLI::App* command, int& threads) {
   return add(command, "--threads", threads, "N",
              "Default: all cores. The results are the same for any number")
-      ->check(whole(1, 1024));
+      ->transform(whole(1, 1024));
 }
 
 void add_json(CLI::App* command, bool& json) {

@@ -68,7 +68,7 @@ CLI::Option* add_read(CLI::App* command,
                       const std::string& type,
                       const std::string& help);
 
-// Validators of values.
+// Of values: whole() writes the number plainly and goes into transform(), the others into check().
 CLI::Validator whole(int least, int most = INT_MAX);
 CLI::Validator number(double least, double most = std::numeric_limits<double>::infinity());
 CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what);

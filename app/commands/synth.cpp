@@ -40,7 +40,7 @@ void define_synth(CLI::App& app, Line& line) {
                   fmt::join(lab::scene_names(), ", ")));
   add_size(sample, options.width, options.height, "Of the pictures in pixels, default 640x480");
   add(sample, "--seed", options.seed, "N", "Another seed makes other scenes and noise, default 1")
-      ->check(whole(0));
+      ->transform(whole(0));
   sample->add_flag_callback(
       "--exact", [&options] { options.noise = false; }, "Depth without noise and holes");
   sample->add_flag_callback(

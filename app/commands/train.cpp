@@ -264,10 +264,10 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
       "compact|small|official", "Default compact");
   add(command, "--baseline", args->baseline, "FILE",
       "Weights to compare with in the end; exit code 1 where they are better by 0.3 points");
-  add(command, "--steps", train.steps, "N", "Default: as the recipe has it")->check(whole(1));
+  add(command, "--steps", train.steps, "N", "Default: as the recipe has it")->transform(whole(1));
   add(command, "--epoch", train.epoch_steps, "N",
       "Steps between validations and checkpoints, default 2500")
-      ->check(whole(1));
+      ->transform(whole(1));
   add_recipe_limits(command, args->recipe, &args->validation_clouds);
   command->add_flag("--balance-classes", train.balance_classes,
                     "h and v weigh the same in each cloud");
@@ -294,7 +294,7 @@ void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also
       ->add_option_function<int>("--count", limit,
                                  wrapped("At most so many clouds of each kind; default all"))
       ->type_name("N")
-      ->check(whole(1));
+      ->transform(whole(1));
   const auto seed = [&recipe](int value) {
     recipe.set.seed = recipe.train.seed = static_cast<std::uint64_t>(value);
   };
@@ -302,7 +302,7 @@ void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also
       ->add_option_function<int>("--seed", seed,
                                  wrapped("Another seed makes other clouds and weights, default 1"))
       ->type_name("N")
-      ->check(whole(0));
+      ->transform(whole(0));
 }
 
 void define_train(CLI::App& app, Line& line) {

@@ -196,10 +196,12 @@ void define_bench_classifier(CLI::App* bench, Line& line) {
   add_parts(classifier, args->parts, kClassifierParts,
             fmt::format("Of {}; default: all, frames where recordings are given",
                         fmt::join(kClassifierParts, ", ")));
-  add(classifier, "--seed", args->seed, "N", "Another seed makes other clouds")->check(whole(0));
-  add(classifier, "--count", args->count, "N", "Clouds of each kind, default 100")->check(whole(1));
+  add(classifier, "--seed", args->seed, "N", "Another seed makes other clouds")
+      ->transform(whole(0));
+  add(classifier, "--count", args->count, "N", "Clouds of each kind, default 100")
+      ->transform(whole(1));
   add(classifier, "--rounds", args->rounds, "N", "How often speed is measured, default 20")
-      ->check(whole(1));
+      ->transform(whole(1));
   add_clouds(classifier, args->input.pipeline);
   runs(classifier, line, args, run_bench_classifier, [args, &line] {
     args->command = line.text;

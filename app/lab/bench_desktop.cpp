@@ -147,7 +147,7 @@ void define_bench_desktop(CLI::App* bench, Line& line) {
   add_inputs(command, view.input, kOneInput);
   add_out(command, args->out);
   add_json(command, args->json);
-  add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->check(whole(1));
+  add(command, "--steps", args->steps, "N", "Steps of the scrub, default 500")->transform(whole(1));
   add_size(command, view.width, view.height, "Of the window in pixels, default 1440x900", 640, 400);
   add_method(command, view.input.pipeline);
   command->remove_option(command->get_option("--method"));

@@ -373,14 +373,14 @@ void define_bench_paper(CLI::App* bench, Line& line) {
             fmt::format("Of {}; the others stay as they are in DIR. Default: all",
                         fmt::join(kPaperParts, ", ")));
   add(paper, "--seed", args->seed, "N", "Of the sets that the tables are printed for, default 1")
-      ->check(whole(1));
+      ->transform(whole(1));
   add(paper, "--tuning-seed", args->tuning_seed, "N",
       "Of the sets that options were tuned on, shown beside the claims; default 1001")
-      ->check(whole(1));
+      ->transform(whole(1));
   add(paper, "--sets", args->sets, "NAME,...",
       "Measure these alone, of stairs, kerbs, depth_boxes, ...");
   add(paper, "--count", args->count, "N", "At most so many frames of each set; default all")
-      ->check(whole(1));
+      ->transform(whole(1));
   add(paper, "--weights", args->weights, "gcn|FILE",
       "The network: gcn, the one that comes with planescope (default), or a file");
   add(paper, "--from", args->from, "DIR",

@@ -177,10 +177,10 @@ void define_bench_real(CLI::App* bench, Line& line) {
       real, "--half", [args](const std::string& text) { args->half = lab::parse_half(text); },
       "tuning|printed", "Listed frames of this half alone; default: both");
   add(real, "--seeds", args->seeds, "N,...", "Of the depth sets, default 1,2,3,4,5,6,1001,2001")
-      ->check(whole(1));
+      ->transform(whole(1));
   add(real, "--count", args->count, "N",
       "At most so many frames of each set, and of the recording that is followed; default all")
-      ->check(whole(1));
+      ->transform(whole(1));
   add_threads(real, args->threads);
   runs(real, line, args, run_bench_real, [args, real] { finish(*args, *real); });
 }

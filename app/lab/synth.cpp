@@ -81,14 +81,14 @@ void define_stairs(CLI::App* synth, Line& line) {
   const auto args = std::make_shared<SynthStairsArgs>();
   lab::StairsOptions& stairs = args->stairs;
   add_out(command, args->out)->required();
-  add(command, "--count", args->count, "N", "How many stairs, default 100")->check(whole(1));
+  add(command, "--count", args->count, "N", "How many stairs, default 100")->transform(whole(1));
   add(command, "--points", stairs.points, "N", "Points of each, default 8192; 0 = dense sampling")
-      ->check(whole(0));
+      ->transform(whole(0));
   add(command, "--noise", stairs.noise_m, "M",
       "Standard deviation of the noise, added after the sampling; default 0")
       ->check(number(0));
   add(command, "--seed", stairs.seed, "N", "Another seed makes another set, default 1")
-      ->check(whole(0));
+      ->transform(whole(0));
   command->add_flag_callback(
       "--axis-aligned", [&stairs] { stairs.random_yaw = false; }, "Do not turn the stairs about z");
   add_threads(command, args->threads);
@@ -171,10 +171,10 @@ void define_set(CLI::App* synth, Line& line) {
       ->required();
   add_out(command, args->out)->required();
   add(command, "--count", args->count, "N", "How many frames; default as many as are measured on")
-      ->check(whole(1));
+      ->transform(whole(1));
   add(command, "--points", args->points, "N",
       "Clouds: points of each, default 8192; 0 = dense sampling")
-      ->check(whole(0));
+      ->transform(whole(0));
   add(command, "--noise", args->noise_m, "M",
       "Clouds: standard deviation of the noise on every coordinate, default 0")
       ->check(number(0));
@@ -184,7 +184,7 @@ void define_set(CLI::App* synth, Line& line) {
       "clean|noise|d435",
       "Depth: exact (default), independent noise on every pixel, or the whole camera model");
   add(command, "--seed", args->options.seed, "N", "Another seed makes another set, default 1")
-      ->check(whole(0));
+      ->transform(whole(0));
   add_threads(command, args->threads);
   runs(command, line, args, run_synth_set, [args] { set_options(*args); });
 }

@@ -108,6 +108,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"planescope-lab", "bench", "classifier", "--only", "spede"},
        "accuracy, gravity, chain, speed, frames"},
       {{"planescope-lab", "bench", "classifier", "--count", "0"}, "--count"},
+      {{"options", "--threads", "08", "--voxel", "x"}, "voxel_size_m"},  // 08 is eight
       {{"planescope-lab", "bench", "classifier", "--weights", "pca"}, "not a network"},
   };
   for (const auto& [args, expected] : cases) {
