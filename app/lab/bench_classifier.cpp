@@ -126,15 +126,6 @@ lab::ClassifierBench measure(const BenchClassifierArgs& args, const std::stop_to
   return bench;
 }
 
-std::string joined(const std::vector<lab::Table>& tables, std::string (*text)(const lab::Table&)) {
-  std::string all;
-  for (const lab::Table& table : tables) {
-    if (!all.empty()) all += '\n';
-    all += text(table);
-  }
-  return all;
-}
-
 void write_files(const lab::ClassifierBench& bench, const fs::path& dir) {
   make_output_dir(dir);
   if (const auto tables = lab::result_tables(bench); !tables.empty()) {

@@ -133,4 +133,13 @@ std::vector<std::vector<bool>> best_cells(const Table& table) {
   return best;
 }
 
+std::string joined(std::span<const Table> tables, std::string (*text)(const Table&)) {
+  std::string all;
+  for (const Table& table : tables) {
+    if (!all.empty()) all += '\n';
+    all += text(table);
+  }
+  return all;
+}
+
 }  // namespace planescope::lab

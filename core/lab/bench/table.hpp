@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ std::string to_markdown(const Table& table);  // a heading of the third level, t
 /// table of mean IoU). Printed numbers, the oracle and true labels do not compete; of other tables
 /// nothing is best.
 std::vector<std::vector<bool>> best_cells(const Table& table);
+
+/// Tables one after the other, each by itself.
+std::string joined(std::span<const Table> tables, std::string (*text)(const Table&));
 
 // Figures as cells have them.
 

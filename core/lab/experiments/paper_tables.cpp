@@ -194,15 +194,6 @@ std::vector<Table> paper_tables(const PaperResults& results) {
   return tables;
 }
 
-std::string joined(std::span<const Table> tables, std::string (*text)(const Table&)) {
-  std::string all;
-  for (const Table& table : tables) {
-    if (!all.empty()) all += '\n';
-    all += text(table);
-  }
-  return all;
-}
-
 // ---- How long it took ----
 
 // Tables II and IV, and the frames a second beside table V.

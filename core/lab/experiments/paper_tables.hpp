@@ -32,7 +32,4 @@ std::vector<Claim> claims(const PaperResults& results);
 
 Table claim_table(std::span<const Claim> claims);
 
-/// Tables one after the other, each by itself.
-std::string joined(std::span<const Table> tables, std::string (*text)(const Table&));
-
 }  // namespace planescope::lab
