@@ -156,9 +156,7 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
       if (!labels) continue;
       const labels::LabelGrid grid =
           labels::make_label_grid(input.recording->frame(index), labels->gravity);
-      std::error_code error;
-      fs::create_directories(args.out, error);
-      if (error) throw Error("output " + args.out.string() + ": " + error.message());
+      make_output_dir(args.out);
       const auto paths = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
                                                 labels::points_of_labels(*labels, grid),
                                                 args.input.pipeline.cloud.voxel_size_m);

@@ -120,7 +120,7 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
     const std::string text = json.dump(2) + '\n';
     if (args.json) fmt::print("{}", text);
     if (!args.out.empty()) {
-      std::filesystem::create_directories(args.out);
+      make_output_dir(args.out);
       write_file_text(args.out / "desktop.json", text);
     }
   }

@@ -22,10 +22,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::pair<const char*, Distortion> kDistortions[] = {
-    {"none", Distortion::none},
-    {"brown_conrady", Distortion::brown_conrady},
-    {"inverse_brown_conrady", Distortion::inverse_brown_conrady}};
+constexpr Distortion kDistortions[] = {Distortion::none, Distortion::brown_conrady,
+                                       Distortion::inverse_brown_conrady};
 
 template <typename Fields>
 void distortion_field(Fields& fields, auto& distortion) {
@@ -34,10 +32,10 @@ void distortion_field(Fields& fields, auto& distortion) {
     const JsonPlace place = fields.place().at("distortion");
     const std::string text = place.text();
     const auto* known =
-        std::ranges::find(kDistortions, text, [](const auto& entry) { return entry.first; });
+        std::ranges::find_if(kDistortions, [&](Distortion d) { return to_string(d) == text; });
     if (known == std::end(kDistortions))
       place.fail_kind("none, brown_conrady or inverse_brown_conrady");
-    distortion = known->second;
+    distortion = *known;
   } else {
     fields.json()["distortion"] = to_string(distortion);
   }
