@@ -106,6 +106,18 @@ void add_gravity(const planes::FrameResult& result, DrawList& list) {
   list.labels.push_back({below.cast<float>(), text, kGravity, 15, true});
 }
 
+DrawPoints kept_points(const planes::Cloud& cloud, std::vector<std::size_t>& at) {
+  DrawPoints points;
+  points.size_m = 0.012F;
+  points.min_px = 2.5F;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!cloud.kept[i]) continue;
+    points.positions.push_back(cloud.points[i]);
+    at.push_back(i);
+  }
+  return points;
+}
+
 DrawPoints voxel_points(const planes::VoxelCloud& voxels) {
   DrawPoints points;
   points.positions = voxels.points;

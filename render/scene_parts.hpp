@@ -21,6 +21,9 @@ Rgba color_of(int plane_id, std::span<const int> color_of_plane);
 /// The voxels as splats that close the surface, without colours yet.
 DrawPoints voxel_points(const planes::VoxelCloud& voxels);
 
+/// The points inside range and cube as dots, without colours yet; `at`: the cloud's index of each.
+DrawPoints kept_points(const planes::Cloud& cloud, std::vector<std::size_t>& at);
+
 /// A node's whole cell, and the part of it that holds its points: on a plane, a tile. Colours and
 /// styles are the caller's to set.
 DrawBox cell_box(const planes::Octree& octree, const planes::OctreeNode& node);

@@ -106,14 +106,9 @@ DrawList scene_heights(const planes::FrameResult& result) {
     // The ramp keeps its own grey for 0, which means "not measured" there.
     return depth_color(std::clamp((z - low) / (high - low), 0.001, 1.0), 1);
   };
-  DrawPoints points;
-  points.size_m = 0.012F;
-  points.min_px = 2.5F;
-  for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
-    if (!result.cloud.kept[i]) continue;
-    points.positions.push_back(result.cloud.points[i]);
-    points.colors.push_back(color_at(result.cloud.points[i].z()));
-  }
+  std::vector<std::size_t> at;
+  DrawPoints points = kept_points(result.cloud, at);
+  for (const Vec3f& point : points.positions) points.colors.push_back(color_at(point.z()));
   list.title = "Measured points by height";
   list.subtitle = std::to_string(points.positions.size()) + " points";
   list.points.push_back(std::move(points));
@@ -293,13 +288,10 @@ DrawList scene_overlay(const Frame& frame,
                        const planes::FrameResult& result,
                        std::span<const int> color_of_plane) {
   DrawList list;
-  DrawPoints points;
-  points.size_m = 0.012F;
-  points.min_px = 2.5F;
+  std::vector<std::size_t> at;
+  DrawPoints points = kept_points(result.cloud, at);
   const bool colored = frame.cloud && has_colors(frame.cloud->rgb);
-  for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
-    if (!result.cloud.kept[i]) continue;
-    points.positions.push_back(result.cloud.points[i]);
+  for (const std::size_t i : at) {
     Rgba base{160, 163, 168, 255};
     if (colored) {
       const std::uint8_t* rgb =

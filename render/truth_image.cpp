@@ -146,14 +146,10 @@ std::array<DrawList, 3> scenes_truth(const planes::FrameResult& result,
   const PointColors colors = point_colors(result, judged, color_of_plane);
   std::array<DrawList, 3> scenes;
   for (int k = 0; k < 3; ++k) {
-    DrawPoints points;
-    points.size_m = 0.012F;
-    points.min_px = 2.5F;
-    for (std::size_t i = 0; i < result.cloud.points.size(); ++i) {
-      if (!result.cloud.kept[i]) continue;
-      points.positions.push_back(result.cloud.points[i]);
+    std::vector<std::size_t> at;
+    DrawPoints points = kept_points(result.cloud, at);
+    for (const std::size_t i : at)
       points.colors.push_back(colors.of[k][i].a > 0 ? colors.of[k][i] : kSceneFaded);
-    }
     scenes[k].points.push_back(std::move(points));
     scenes[k].title = kTitles[k];
   }

@@ -11,11 +11,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const char* g_program = "planescope";
+
 fs::path without_trailing_slash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
 }  // namespace
+
+void set_notice_name(const char* program) { g_program = program; }
+
+void print_notice(const std::string& text) { fmt::print(stderr, "{}: {}\n", g_program, text); }
 
 void check_output_dir(const fs::path& dir) {
   if (dir.empty()) throw Error("output: the folder's name is empty");

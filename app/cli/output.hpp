@@ -1,9 +1,22 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace planescope::app {
+
+/// A line on stderr, behind the name of the program that runs (run_program() sets it).
+void print_notice(const std::string& text);
+void set_notice_name(const char* program);
+
+template <typename... Values>
+void notice(fmt::format_string<Values...> format, Values&&... values) {
+  print_notice(fmt::format(format, std::forward<Values>(values)...));
+}
 
 /// Throws Error unless `dir` is a folder that can be written to, or could be made as one. Makes
 /// nothing: called before the work starts, so that an unwritable output costs no time.

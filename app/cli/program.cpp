@@ -12,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
@@ -214,28 +215,29 @@ Job parse(const Program& program, int argc, char** argv) {
 }
 
 /// One line, whatever a library's message looks like.
-int fail(const Program& program, std::string message, int code) {
+int fail(std::string message, int code) {
   for (char& c : message)
     if (c == '\n' || c == '\r') c = ' ';
-  fmt::print(stderr, "{}: {}\n", program.name, message);
+  print_notice(message);
   return code;
 }
 
 }  // namespace
 
 int run_program(const Program& program, int argc, char** argv) {
+  set_notice_name(program.name);
   try {
     const Job job = parse(program, argc, argv);
     const Interrupt interrupt;
     const int code = job(interrupt.token());
-    if (std::fflush(stdout) != 0) return fail(program, "standard output cannot be written to", 2);
+    if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
     return code;
   } catch (const Cancelled&) {
-    return fail(program, "cancelled", 130);
+    return fail("cancelled", 130);
   } catch (const Error& error) {
-    return fail(program, error.what(), 2);
+    return fail(error.what(), 2);
   } catch (const std::exception& error) {
-    return fail(program, std::string("unexpected failure: ") + error.what(), 2);
+    return fail(std::string("unexpected failure: ") + error.what(), 2);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/labels/exchange/exchange.hpp"
@@ -175,7 +176,7 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
         fmt::format("{}: no frame has ground truth, neither labels in {} nor a cloud's "
                     "label and instance fields",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
-  for (const std::string& why : refused) fmt::print(stderr, "planescope: refused: {}\n", why);
+  for (const std::string& why : refused) notice("refused: {}", why);
   std::vector<planes::Metrics> all;
   for (const Row& row : rows) all.push_back(row.metrics);
   const planes::Metrics mean = planes::mean_of(all);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "app/cli/assets.hpp"
+#include "app/cli/output.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
@@ -116,8 +117,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
   std::vector<fs::path> paths = args.inputs;
   if (paths.empty()) {
     paths.push_back(find_asset("sample", "no recording was given, and the sample is"));
-    fmt::print(stderr, "planescope: no recording given, taking the sample, {}\n",
-               paths[0].string());
+    notice("no recording given, taking the sample, {}", paths[0].string());
   }
   // What a glob gives beside a recording: its labels.
   const std::vector<fs::path> given = paths;
@@ -147,7 +147,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
       input.recording = io::with_picked_gravity(std::move(input.recording), std::move(picked));
     }
     for (const std::string& warning : input.recording->info().warnings)
-      fmt::print(stderr, "planescope: warning: {}\n", warning);
+      notice("warning: {}", warning);
     inputs.push_back(std::move(input));
   }
   return inputs;

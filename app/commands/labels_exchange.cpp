@@ -181,8 +181,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   const auto files = files_to_import(args, input);
   labels::LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
-  for (const std::string& notice : store.notices())
-    fmt::print(stderr, "planescope: warning: {}\n", notice);
+  for (const std::string& what : store.notices()) notice("warning: {}", what);
 
   std::vector<Import> imports;
   {

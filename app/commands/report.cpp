@@ -100,19 +100,16 @@ int finish_report(const std::filesystem::path& out,
   print_facts(out, report, json);
   const Refused refused = refused_of(report);
   if (refused.frames > 0)
-    fmt::print(stderr, "planescope: {}: {} frame{} refused, the first: {}\n",
-               refused.unreadable ? "error" : "warning", refused.frames,
-               refused.frames == 1 ? " was" : "s were", refused.first);
+    notice("{}: {} frame{} refused, the first: {}", refused.unreadable ? "error" : "warning",
+           refused.frames, refused.frames == 1 ? " was" : "s were", refused.first);
   if (!report.renderer_error.empty())
-    fmt::print(stderr, "planescope: rendering failed, the data files are written: {}\n",
-               report.renderer_error);
+    notice("rendering failed, the data files are written: {}", report.renderer_error);
   if (args.approve && refused.unreadable)
-    fmt::print(stderr, "planescope: warning: --approve: {} stays as it was\n",
-               args.baseline.string());
+    notice("warning: --approve: {} stays as it was", args.baseline.string());
   else if (args.approve) {
     fs::create_directories(fs::absolute(args.baseline).parent_path());
     guard.approve(out / "report.json");
-    fmt::print(stderr, "planescope: {} is the baseline now\n", args.baseline.string());
+    notice("{} is the baseline now", args.baseline.string());
   }
   if (report.judgement && report.judgement->errors() > 0 && !args.approve) return 1;
   if (refused.unreadable) return 2;
@@ -229,9 +226,7 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     throw_first_refusal(report);
   }
   folder.commit(!report.partial, frames);
-  if (args.resume)
-    fmt::print(stderr, "planescope: {} of {} frames were finished before\n", resumed,
-               frames.size());
+  if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
 }
 

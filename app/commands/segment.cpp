@@ -91,13 +91,12 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (lines.empty() && !refused.empty()) throw Error(refused.front());
   output.commit();
   json["refused"] = refused;
-  for (const std::string& why : refused) fmt::print(stderr, "planescope: refused: {}\n", why);
+  for (const std::string& why : refused) notice("refused: {}", why);
   if (args.json) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     for (const std::string& line : lines) fmt::print("{}\n", line);
-    if (unknown_gravity)
-      fmt::print(stderr, "planescope: to tell h from v, {}\n", planes::kHowToGiveGravity);
+    if (unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
   }
   if (stop.stop_requested()) throw Cancelled();
   return 0;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "app/cli/assets.hpp"
+#include "app/cli/output.hpp"
 #include "app/commands/commands.hpp"
 #include "app/desktop/state/report_open.hpp"
 #include "app/desktop/state/session.hpp"
@@ -95,7 +96,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     offscreen = std::make_unique<Offscreen>(std::move(state), args.width, args.height,
                                             static_cast<float>(args.scale));
   } catch (const Error& error) {
-    fmt::print(stderr, "planescope: the window cannot be drawn: {}\n", error.what());
+    notice("the window cannot be drawn: {}", error.what());
     return 3;
   }
   settle(offscreen->shell(), *offscreen, stop, /*background=*/false);
@@ -116,12 +117,12 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   try {
     run_window(first_state(args, options.settings), options, stop);
   } catch (const NoDisplay& none) {
-    fmt::print(stderr,
-               "planescope: {}; without a display, `planescope report` and `planescope segment` "
-               "work, and `planescope view --screenshot FILE.png`, or --offscreen with a script, "
-               "draws this "
-               "window\n",
-               none.what());
+    notice(
+        "{}; without a display, `planescope report` and `planescope segment` "
+        "work, and `planescope view --screenshot FILE.png`, or --offscreen with a script, "
+        "draws this "
+        "window",
+        none.what());
     return 3;
   }
   return 0;
@@ -138,7 +139,7 @@ int run_view(const ViewArgs& args, std::stop_token stop) {
     const bool offscreen = args.offscreen || !args.screenshot.empty();
     return offscreen ? run_offscreen(args, stop) : run_on_display(args, stop);
   } catch (const ExpectationFailed& failed) {
-    fmt::print(stderr, "planescope: {}\n", failed.what());
+    notice("{}", failed.what());
     return 1;
   }
 }

@@ -24,6 +24,7 @@
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "render/context.hpp"
 
 namespace planescope::app {
@@ -249,7 +250,7 @@ class PaperRun {
       context = render::make_egl_context();
       renderer = std::make_unique<render::Renderer>();
     } catch (const Error& error) {
-      fmt::print(stderr, "planescope: no figures: {}\n", error.what());
+      notice("no figures: {}", error.what());
       return false;
     }
     Progress bar("figures", 1);
@@ -283,7 +284,7 @@ class PaperRun {
       const fs::path file = dir / (std::string(name) + ".json");
       if (!fs::exists(file)) continue;
       json[name == std::string("paper") ? "results" : "timings"] =
-          nlohmann::ordered_json::parse(read_file_bytes(file));
+          read_json<nlohmann::ordered_json>(file);
     }
     fmt::print("{}\n", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
   }

@@ -1,4 +1,4 @@
-#include "core/io/open3d/cloud_formats.hpp"
+// Files that Open3D reads and io does not, and what the programs are handed of Open3D.
 
 #include <fmt/format.h>
 #include <open3d/geometry/PointCloud.h>
@@ -85,8 +85,7 @@ PointCloud sampled(const TriangleMesh& mesh, double surface_m2) {
   return cloud;
 }
 
-}  // namespace
-
+/// .xyz: x y z on every line. .pts: a count, then x y z, intensity and colour on every line.
 PointSet read_points(const fs::path& path) {
   constexpr const char* kExpected = "a text of points, x y z on each line";
   PointCloud cloud;
@@ -97,6 +96,9 @@ PointSet read_points(const fs::path& path) {
   return from_open3d(cloud);
 }
 
+/// .obj, .stl, .off: a mesh in metres as points on its triangles, one per square centimetre (at
+/// least 10 000, at most two million), with the vertices' colours. The same file gives the same
+/// points.
 PointSet read_mesh(const fs::path& path) {
   TriangleMesh mesh;
   double surface_m2 = 0;
@@ -107,6 +109,8 @@ PointSet read_mesh(const fs::path& path) {
   });
   return from_open3d(sampled(mesh, surface_m2));
 }
+
+}  // namespace
 
 void install() {
   ::open3d::utility::SetVerbosityLevel(::open3d::utility::VerbosityLevel::Error);
