@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/model/error.hpp"
+#include "core/model/read_limit.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {
@@ -31,6 +32,9 @@ std::string refusal(std::string& text, const char* kind, Value least, Value most
              ? fmt::format("{} is out of range, expected {} to {}", text, least, most)
              : fmt::format("{} is out of range, expected at least {}", text, least);
 }
+
+constexpr const char* kReadLimitHelp =
+    "What one image, chunk or table of a file may take in memory, default 512; more is refused";
 
 }  // namespace
 
@@ -92,6 +96,11 @@ void add_inputs(CLI::App* command, InputArgs& args, const std::string& what) {
   option("--instance-field", "NAME",
          "Of clouds: the field with true plane ids, whole numbers from 1, instead of `instance`");
   option("--labels", "DIR", "Ground truth; otherwise <recording>.labels beside it");
+  const auto limit = [](int mib) { set_read_limit_bytes(std::uint64_t(mib) << 20); };
+  command->add_option_function<int>("--read-limit", limit, wrapped(kReadLimitHelp))
+      ->type_name("MIB")
+      ->transform(whole(1))
+      ->group("Recordings");
 }
 
 CLI::Option* add_of_method(CLI::App* command,

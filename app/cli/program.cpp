@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <new>
 #include <sstream>
 #include <thread>
 
@@ -236,6 +237,11 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail("cancelled", 130);
   } catch (const Error& error) {
     return fail(error.what(), 2);
+  } catch (const std::bad_alloc&) {
+    return fail(
+        "out of memory: a smaller --voxel, --max-range or --frames needs less, and fewer "
+        "--threads",
+        2);
   } catch (const std::exception& error) {
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   }

@@ -12,6 +12,7 @@
 #include "core/debug/explain/trace_text.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 #include "render/font.hpp"
 
@@ -219,14 +220,7 @@ void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
 }
 
 Script Script::read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be read");
-  Json json;
-  try {
-    json = Json::parse(file);
-  } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no script, its JSON is damaged: " + json_problem(error));
-  }
+  auto json = read_json<Json>(path);
   if (!json.is_object() || !json.contains("actions") || !json.at("actions").is_array())
     throw Error(path.string() + R"(: is no script, expected {"actions": [...]})");
   Script script;

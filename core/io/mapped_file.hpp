@@ -6,7 +6,10 @@
 
 namespace planescope::io {
 
-/// A file mapped read-only into memory: only the pages that are looked at are ever read.
+/// A file mapped read-only into memory: only the pages that are looked at are ever read. Where the
+/// file is cut by somebody else meanwhile, what is missing reads as zeros, and guarded() says so.
+/// (The system raises SIGBUS then: the first mapping installs a handler, which passes on whatever
+/// concerns no mapping.)
 class MappedFile {
  public:
   /// Throws Error when the path is missing, no regular file or cannot be read.
@@ -16,6 +19,21 @@ class MappedFile {
   MappedFile& operator=(const MappedFile&) = delete;
 
   Bytes bytes() const { return bytes_; }
+  /// What `read`, which looks at bytes(), returns or throws. Throws Error where bytes were missing:
+  /// whatever came of zeros is not told.
+  template <typename Read>
+  auto guarded(const Read& read) const {
+    try {
+      auto result = read();
+      expect_whole();
+      return result;
+    } catch (...) {
+      expect_whole();
+      throw;
+    }
+  }
+  /// Throws Error where bytes were missing that were looked at, ever.
+  void expect_whole() const;
   /// Stops the system from reading ahead around every byte that is accessed: for jumping through a
   /// large file without loading it.
   void expect_hops() const;
@@ -23,7 +41,9 @@ class MappedFile {
   void prefetch(Bytes part) const;
 
  private:
+  std::filesystem::path path_;
   Bytes bytes_;
+  std::size_t slot_ = 0;  // in the table of all mappings
 };
 
 }  // namespace planescope::io

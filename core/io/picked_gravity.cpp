@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/io/json_file.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::io {
 namespace {
@@ -109,7 +109,7 @@ PickedGravity read_picked_gravity(const fs::path& label_dir, const Recording& re
   const fs::path file = file_in(label_dir);
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
-  const nlohmann::json json = read_json_file(file);
+  const nlohmann::json json = read_json<nlohmann::json>(file);
   try {
     PickedGravity picked = gravity_from(json);
     if (picked.recording) expect_same(recording, *picked.recording);

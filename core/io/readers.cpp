@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/io/json_file.hpp"
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/sha256.hpp"
 
 namespace planescope::io {
@@ -79,7 +79,7 @@ Sidecar read_sidecar(const std::filesystem::path& recording) {
   Sidecar sidecar;
   sidecar.path = sidecar_path(recording);
   if (sidecar.path.empty()) return sidecar;
-  const json document = read_json_file(sidecar.path);
+  const json document = read_json<nlohmann::json>(sidecar.path);
   const Keys keys{sidecar.path};
   if (!document.is_object()) throw Error(sidecar.path.string() + ": expected a JSON object");
   if (document.contains("schema") && document["schema"] != "planescope.recording/1") {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,12 @@ struct PointSet {
   std::vector<std::uint8_t> label;     // 0 unknown, 1 h, 2 v per point, or empty
   std::vector<std::int32_t> instance;  // plane id per point, 0 none, or empty
 };
+
+/// About which floats tell the bulk of the points best, in whole metres: the middle of their bounds
+/// or, where these are so large that a float at their border no longer resolves hundredths of a
+/// millimetre, the median of each axis, which strays do not move. Points that are not finite do not
+/// count; none: zero.
+Vec3d bulk_origin(std::span<const Vec3d> points);
 
 /// One frame of a recording: either a depth image (with or without colour) or a cloud.
 struct Frame {

@@ -8,11 +8,10 @@
 #include "app/desktop/actions/actions.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::desktop {
 namespace {
-
-constexpr std::size_t kMaxBytes = 64 << 20;
 
 /// What cannot be read is refused when the frame is opened; here it is a frame with labels.
 FrameMark mark_of(const std::filesystem::path& path) {
@@ -21,8 +20,8 @@ FrameMark mark_of(const std::filesystem::path& path) {
   mark.labelled = std::filesystem::exists(path, gone);
   if (!mark.labelled) return mark;
   try {
-    const auto bytes = read_file_bytes(path, kMaxBytes);
-    mark.reviewed = nlohmann::json::parse(bytes).value("review_state", "") == "reviewed";
+    const auto json = read_json<nlohmann::json>(path);
+    mark.reviewed = json.value("review_state", "") == "reviewed";
   } catch (const std::exception&) {
   }
   return mark;

@@ -13,6 +13,7 @@
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
@@ -256,8 +257,15 @@ void find_fate(const Baseline& baseline,
 }  // namespace
 
 bool is_report(const std::string& where) {
-  std::ifstream file(where.substr(0, where.rfind('#')), std::ios::binary);
-  const auto json = nlohmann::json::parse(file, nullptr, false);
+  using Json = nlohmann::json;
+  const std::string path = where.substr(0, where.rfind('#'));
+  std::ifstream file(path, std::ios::binary);
+  // A report may be large: nothing of it is kept but what stands at its top.
+  const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
+    check_depth(depth, path);
+    return depth <= 1;
+  };
+  const Json json = Json::parse(file, keep, false);
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) return false;
   return json["schema"].get<std::string>().starts_with("planescope.report/");
 }

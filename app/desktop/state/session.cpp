@@ -12,6 +12,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -183,16 +184,6 @@ planes::PipelineOptions options_of(const Json& json, const planes::PipelineOptio
   return options;
 }
 
-Json read_json(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be read");
-  try {
-    return Json::parse(file);
-  } catch (const Json::exception& error) {
-    throw Error(path.string() + ": is no session, its JSON is damaged: " + json_problem(error));
-  }
-}
-
 /// Where the session's recording is: as it says, from the session file on, or beside it.
 fs::path find_recording(const fs::path& session, const fs::path& written) {
   const fs::path folder = fs::absolute(session).parent_path();
@@ -216,7 +207,7 @@ struct Session {
 };
 
 Session read_session(const State& state, const fs::path& path) {
-  const Json json = read_json(path);
+  const auto json = read_json<Json>(path);
   try {
     const std::string schema = json.at("schema");
     if (schema != kSessionSchema)
@@ -255,12 +246,6 @@ Session read_session(const State& state, const fs::path& path) {
 }
 
 }  // namespace
-
-std::string json_problem(const std::exception& problem) {
-  const std::string text = problem.what();
-  const std::size_t at = text.starts_with("[json.exception") ? text.find("] ") : std::string::npos;
-  return at == std::string::npos ? text : text.substr(at + 2);
-}
 
 void take_recording(State& state, OpenRecording taken, int frame) {
   if (state.view.mode == Mode::labels) apply(state, {"label.mode", ""});
@@ -364,9 +349,7 @@ fs::path settings_path() {
 
 Settings load_settings() {
   try {
-    std::ifstream file(settings_path(), std::ios::binary);
-    if (!file) return {};
-    const Json json = Json::parse(file);
+    const auto json = read_json<Json>(settings_path());
     if (json.at("schema") != kSettingsSchema) return {};
     Settings settings;
     settings.width = std::clamp(json.at("width").get<int>(), 640, 16384);

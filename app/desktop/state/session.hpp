@@ -28,9 +28,6 @@ void open_session(State& state, const std::string& where);
 /// results are dropped.
 void take_recording(State& state, OpenRecording taken, int frame);
 
-/// What one of nlohmann's exceptions says, without the library's name and number for it.
-std::string json_problem(const std::exception& problem);
-
 // ---- Settings ----------------------------------------------------------------------------------
 
 /// What the window remembers from one time to the next.

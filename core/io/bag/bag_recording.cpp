@@ -158,6 +158,7 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
+  bag_.file().expect_whole();
 }
 
 /// Frames come in the order of the sensor's clock. The recording order is the same in practice;
@@ -326,14 +327,16 @@ Image16 BagRecording::read_depth(int i, Frame* frame) const {
 }
 
 Frame BagRecording::frame(int i) const {
-  Frame frame;
-  frame.index = i;
-  frame.depth = read_depth(i, &frame);
-  frame.intrinsics = info_.intrinsics;
-  add_color(depth_[i], frame);
-  frame.gravity = gravity_near(bag_, accel_, depth_[i].time_ns, layout_.R_depth_accel);
-  apply_sidecar(sidecar_, frame);
-  return frame;
+  return bag_.file().guarded([&] {
+    Frame frame;
+    frame.index = i;
+    frame.depth = read_depth(i, &frame);
+    frame.intrinsics = info_.intrinsics;
+    add_color(depth_[i], frame);
+    frame.gravity = gravity_near(bag_, accel_, depth_[i].time_ns, layout_.R_depth_accel);
+    apply_sidecar(sidecar_, frame);
+    return frame;
+  });
 }
 
 double BagRecording::timestamp_s(int i) const {
@@ -349,7 +352,7 @@ double BagRecording::timestamp_s(int i) const {
 }
 
 std::string BagRecording::frame_hash(int i) const {
-  return sha256_of_depth(read_depth(i, nullptr));
+  return bag_.file().guarded([&] { return sha256_of_depth(read_depth(i, nullptr)); });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/model/error.hpp"
+#include "core/model/read_limit.hpp"
 
 namespace planescope::io::rosbag1 {
 
@@ -156,6 +157,7 @@ Compression parse_compression(std::string_view name) {
 }
 
 Unpacked unpack(Compression compression, Bytes stored, std::uint32_t raw_bytes) {
+  raw_bytes = static_cast<std::uint32_t>(std::min<std::uint64_t>(raw_bytes, read_limit_bytes()));
   switch (compression) {
     case Compression::none:
       return {{stored.begin(), stored.end()}, stored.size() >= raw_bytes};
@@ -194,6 +196,7 @@ void read_index_section(Bytes file, Index& index) {
     add_connection(read_record_of(Op::connection, reader), index);
   }
   const auto chunks = bag_header.header.get<std::uint32_t>("chunk_count");
+  std::uint64_t found = 0;
   for (std::uint32_t i = 0; i < chunks; ++i) {
     const Record info = read_record_of(Op::chunk_info, reader);
     ByteReader at_chunk(file);
@@ -205,6 +208,9 @@ void read_index_section(Bytes file, Index& index) {
     const auto parts = info.header.get<std::uint32_t>("count");  // one per connection
     for (std::uint32_t part = 0; part < parts; ++part) {
       const Record entries = read_record_of(Op::index_data, at_chunk);
+      // Each entry belongs to one chunk: more of them than the file has room for are read twice.
+      found += entries.data.size();
+      if (found > file.size()) throw OutOfBytes{};
       append(index.messages[entries.header.get<std::uint32_t>("conn")],
              index_entries(entries, i, raw_bytes));
     }
@@ -297,6 +303,8 @@ MessageBytes Bag::chunk_bytes(std::uint32_t number) const {
       return {cache_.back().bytes, *cache_.back().bytes};
     }
   }
+  if (!chunk.cut)
+    expect_within_read_limit(chunk.raw_bytes, path_.string() + ": chunk " + std::to_string(number));
   file_.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);

@@ -129,6 +129,7 @@ class Bag {
   explicit Bag(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
+  const MappedFile& file() const { return file_; }
   const std::vector<std::string>& warnings() const { return index_.warnings; }
   /// Topics in alphabetical order with their type.
   const std::map<std::string, std::string>& topics() const { return topics_; }

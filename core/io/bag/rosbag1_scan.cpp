@@ -5,6 +5,8 @@
 namespace planescope::io::rosbag1 {
 namespace {
 
+constexpr std::uint64_t kMostMessages = 1 << 20;  // and one more for each byte of the file
+
 /// The walk through a bag whose index is missing, cut or damaged.
 struct Scan {
   Bytes file;
@@ -20,6 +22,8 @@ void add_messages(Scan& scan, std::uint32_t connection, const std::vector<Messag
   auto& messages = scan.index.messages[connection];
   messages.insert(messages.end(), found.begin(), found.end());
   scan.messages += found.size();
+  // Chunks may unpack to any number of them.
+  if (scan.messages > kMostMessages + scan.file.size()) throw OutOfBytes{};
 }
 
 /// Walks the connections and messages inside a chunk, as far as it can be unpacked.

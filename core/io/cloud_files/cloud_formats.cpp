@@ -32,14 +32,8 @@ T saturate(double value) {
 
 /// Zero for a cloud near zero; else the middle of its bounds, rounded to metres.
 Vec3d choose_origin(const std::vector<Vec3d>& points) {
-  Eigen::AlignedBox3d bounds;
-  for (const Vec3d& point : points) {
-    if (point.allFinite()) bounds.extend(point);
-  }
-  if (bounds.isEmpty()) return Vec3d::Zero();
-  const Vec3d middle = bounds.min() + 0.5 * (bounds.max() - bounds.min());
-  if (!middle.allFinite() || middle.norm() <= kFar_m) return Vec3d::Zero();
-  return middle.array().round().matrix();
+  const Vec3d origin = bulk_origin(points);
+  return origin.norm() <= kFar_m ? Vec3d::Zero() : origin;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/io/mapped_file.hpp"
 #include "core/model/error.hpp"
+#include "core/model/read_limit.hpp"
 #include "core/model/text.hpp"
 
 // https://pointclouds.org/documentation/tutorials/pcd_file_format.html
@@ -108,6 +109,7 @@ class PcdHeaderParser {
       fail("POINTS of its header is not WIDTH times HEIGHT");
     }
     header.points = points_.value_or(width_.value_or(0) * height_.value_or(1));
+    if (header.points > 0xffffffffu) fail("its header has a damaged number of points");
     if (data == "ascii") {
       header.data = PcdData::ascii;
     } else if (data == "binary") {
@@ -219,10 +221,11 @@ void check_pcd(const std::filesystem::path& path) {
   check_promise(path, header, file.bytes().subspan(header.bytes));
 }
 
-PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
-  const MappedFile file(path);
-  PcdHeader header = PcdHeaderParser(path, file.bytes()).parse();
-  const Bytes body = file.bytes().subspan(header.bytes);
+namespace {
+
+PointSet read_pcd_bytes(const std::filesystem::path& path, Bytes file, CloudExtras* extras) {
+  PcdHeader header = PcdHeaderParser(path, file).parse();
+  const Bytes body = file.subspan(header.bytes);
   check_promise(path, header, body);
   std::vector<CloudField> fields;
   for (PcdField& field : header.fields) {
@@ -243,6 +246,7 @@ PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
     } else {
       ByteReader reader(body);
       const auto sizes = reader.read<CompressedSizes>();
+      expect_within_read_limit(sizes.raw, path.string() + ": its points");
       const auto raw = unpack_lzf(reader.take(sizes.stored), sizes.raw);
       read_binary(header, raw, true, builder);
     }
@@ -251,6 +255,13 @@ PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
                 std::to_string(header.points) + " of them");
   }
   return builder.finish();
+}
+
+}  // namespace
+
+PointSet read_pcd(const std::filesystem::path& path, CloudExtras* extras) {
+  const MappedFile file(path);
+  return file.guarded([&] { return read_pcd_bytes(path, file.bytes(), extras); });
 }
 
 }  // namespace planescope::io

@@ -195,11 +195,12 @@ void check_ply(const std::filesystem::path& path) {
                 file.bytes().size() - header.bytes);
 }
 
-PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
-  const MappedFile file(path);
-  const PlyHeader header = HeaderParser(path, file.bytes()).parse();
+namespace {
+
+PointSet read_ply_bytes(const std::filesystem::path& path, Bytes file, CloudExtras* extras) {
+  const PlyHeader header = HeaderParser(path, file).parse();
   const Element& vertices = find_vertices(path, header);
-  Body body(file.bytes().subspan(header.bytes), header.format);
+  Body body(file.subspan(header.bytes), header.format);
   std::vector<CloudField> fields;
   for (const Property& property : vertices.properties) {
     if (!property.is_list) fields.push_back({property.name, property.type});
@@ -223,6 +224,13 @@ PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
                 std::to_string(vertices.count) + " points that its header promises");
   }
   return builder.finish();
+}
+
+}  // namespace
+
+PointSet read_ply(const std::filesystem::path& path, CloudExtras* extras) {
+  const MappedFile file(path);
+  return file.guarded([&] { return read_ply_bytes(path, file.bytes(), extras); });
 }
 
 }  // namespace planescope::io

@@ -7,10 +7,10 @@
 #include <pugixml.hpp>
 
 #include "core/io/cloud_files/cloud_formats.hpp"
-#include "core/io/json_file.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::io {
@@ -129,7 +129,7 @@ std::optional<CameraFacts> camera_from_json(const fs::path& path) {
   if (fs::file_size(path, ignored) > kMaxJsonBytes) return std::nullopt;
   json document;
   try {
-    document = read_json_file(path);
+    document = read_json<nlohmann::json>(path);
   } catch (const Error&) {
     if (name_has(path, {"intrinsic"})) throw;
     return std::nullopt;

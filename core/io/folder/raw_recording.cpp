@@ -129,6 +129,7 @@ class RawRecording : public Recording {
       throw Error(files_[i].raw.string() + ": the file has changed since it was opened");
     }
     std::memcpy(depth.data.data(), file.bytes().data(), file.bytes().size());
+    file.expect_whole();
     return depth;
   }
 

@@ -8,6 +8,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/read_limit.hpp"
 
 namespace planescope::io {
 namespace {
@@ -82,6 +83,7 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path) {
                 std::to_string(decoder.jpeg.image_height) + " pixels, more than its " +
                 std::to_string(bytes.size()) + " bytes can hold");
   }
+  expect_within_read_limit(3.0 * static_cast<double>(pixels), path.string() + ": its pixels");
   Image8 image(static_cast<int>(decoder.jpeg.image_width),
                static_cast<int>(decoder.jpeg.image_height), 3);
   decoder.pixels = image.data.data();

@@ -10,6 +10,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/read_limit.hpp"
 
 namespace planescope::io {
 namespace {
@@ -133,6 +134,8 @@ Image<T> decode(Decoder& decoder,
                 std::to_string(info.height) + " pixels, more than its " +
                 std::to_string(file_bytes) + " bytes can hold");
   }
+  expect_within_read_limit(static_cast<double>(info.width) * info.height * channels * sizeof(T),
+                           path.string() + ": its pixels");
   if (!guarded(decoder, set_transforms)) fail(path, decoder);
   Image<T> image(info.width, info.height, channels);
   const std::size_t row_bytes = sizeof(T) * info.width * channels;

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/io/json_file.hpp"
 #include "core/lab/bench/result_json.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 
 namespace planescope::lab {
@@ -168,7 +168,7 @@ auto read_document(const std::filesystem::path& file,
                    const char* expected_schema,
                    const char* expected,
                    const Read& read) {
-  const nlohmann::json json = io::read_json_file(file);
+  const nlohmann::json json = read_json<nlohmann::json>(file);
   try {
     const std::string schema = json.at("schema");
     if (schema != expected_schema)
@@ -241,7 +241,7 @@ std::string cell_line(const Cell& cell) { return json_line(json_of(cell)); }
 
 Cell parse_cell(const std::string& line) {
   try {
-    const nlohmann::json json = nlohmann::json::parse(line);
+    const nlohmann::json json = parse_json<nlohmann::json>(line, "a cell");
     Cell cell;
     visit_fields(cell, Reader{json});
     check_cell(cell);
@@ -269,7 +269,7 @@ Json identity_of(const PaperResults& run) {
 }
 
 void check_same_run(const std::string& line, const Json& expected, const std::string& file) {
-  const Json found = Json::parse(line, nullptr, false);
+  const auto found = parse_json<Json>(line, file + ": its first line");
   if (!found.is_object()) throw Error(file + ": its first line does not tell a run");
   for (const auto& [name, value] : expected.items()) {
     const Json other = found.value(name, Json());

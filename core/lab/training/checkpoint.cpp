@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/classify/safetensors.hpp"
 
 namespace planescope::lab {
@@ -117,7 +118,7 @@ TrainState read_checkpoint(const std::filesystem::path& path,
   planes::TensorFile file = planes::read_safetensors(path);
   if (file.metadata["format"] != kFormat)
     throw Error(path.string() + ": is no checkpoint of a training");
-  expect_identity(planes::parse_json(file.metadata["options"], path.string()),
+  expect_identity(parse_json<nlohmann::json>(file.metadata["options"], path.string()),
                   identity(options, purpose), path.string());
   TrainState state = begin_training(options);
   const std::vector<planes::TensorSpec> specs = planes::tensor_specs(options.network);
@@ -137,7 +138,7 @@ TrainState read_checkpoint(const std::filesystem::path& path,
       group.tensors[t] = std::move(found->values);
     }
   try {
-    read_progress(planes::parse_json(file.metadata["progress"], path.string()), state);
+    read_progress(parse_json<nlohmann::json>(file.metadata["progress"], path.string()), state);
   } catch (const nlohmann::json::exception& error) {
     throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
   }

@@ -13,6 +13,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -318,8 +319,8 @@ std::vector<std::uint64_t> counts_of_text(const std::string& text, const std::st
 
 LabelledPoints parse_coco(io::Bytes file, const std::string& where) {
   try {
-    const auto* text = reinterpret_cast<const char*>(file.data());
-    const Json json = Json::parse(text, text + file.size());
+    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+    const auto json = parse_json<Json>(text, where + ": not a COCO file");
     return CocoReader(json, where).read();
   } catch (const Json::exception& error) {
     throw Error(where + ": not a COCO file (" + error.what() + ")");

@@ -6,6 +6,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/labels/exchange/npy.hpp"
+#include "core/model/read_limit.hpp"
 
 // NumPy's savez: a zip of .npy files, stored as they are. Arrays by name, one row per point:
 //   points [N, 3] float32, rgb [N, 3] uint8, label [N] uint8, instance [N] int32,
@@ -13,7 +14,6 @@
 namespace planescope::labels {
 namespace {
 
-constexpr std::uint64_t kMaxMemberBytes = std::uint64_t{1} << 29;
 constexpr std::uint16_t kFirstDosDate = 1 << 5 | 1;  // 1980-01-01: the same input, the same bytes
 
 [[noreturn]] void fail(const std::string& where, zip_error_t& error) {
@@ -63,8 +63,7 @@ std::optional<FileBytes> read_member(zip_t* archive,
   constexpr std::size_t kPiece = 1 << 20;
   while (true) {
     const std::size_t before = bytes.size();
-    if (before > kMaxMemberBytes)
-      throw Error(member + " is larger than " + std::to_string(kMaxMemberBytes) + " bytes");
+    expect_within_read_limit(static_cast<double>(before), member);
     bytes.resize(before + kPiece);
     const zip_int64_t read = zip_fread(file.get(), bytes.data() + before, kPiece);
     bytes.resize(before + static_cast<std::size_t>(std::max<zip_int64_t>(read, 0)));
@@ -89,6 +88,7 @@ std::vector<double> read_array(zip_t* archive,
                 " dimensions, expected " +
                 (columns == 1 ? "a list" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
+  expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);
   return array.values();
 }
 

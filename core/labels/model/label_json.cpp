@@ -5,6 +5,7 @@
 
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -179,7 +180,7 @@ std::string label_json(int frame_index, const FrameLabels& labels) {
 
 FrameLabels parse_label_json(const std::string& text, int frame_index, const std::string& where) {
   try {
-    return labels_from(Json::parse(text), frame_index, where);
+    return labels_from(parse_json<Json>(text, where), frame_index, where);
   } catch (const Json::exception& error) {
     throw Error(where + ": not a label file of planescope (" + error.what() + ")");
   }

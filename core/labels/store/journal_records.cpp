@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/model/error.hpp"
+#include "core/model/read_limit.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -61,13 +62,17 @@ class RecordReader {
     return std::bit_cast<double>(bits);
   }
   std::string text() {
-    const auto size = static_cast<std::size_t>(number(bytes_.size()));
+    const std::size_t size = count();
     std::string value(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(size));
     bytes_ = bytes_.subspan(size);
     return value;
   }
   /// How many things of at least a byte each follow.
-  std::size_t count() { return static_cast<std::size_t>(number(bytes_.size())); }
+  std::size_t count() {
+    const std::uint64_t value = number();  // taken before it is compared with what is left
+    if (value > bytes_.size()) fail();
+    return static_cast<std::size_t>(value);
+  }
 
  private:
   unsigned char next() {
@@ -357,6 +362,7 @@ FrameLabels read_base(std::span<const unsigned char> record) {
   for (LabelPlane& plane : labels.planes) plane = read_plane(in);
   const auto width = static_cast<int>(in.number(kMaxPixels));
   const auto height = static_cast<int>(in.number(kMaxPixels / std::max(width, 1)));
+  expect_within_read_limit(3.0 * width * height, "a record of labels: its frame");
   labels.plane = Image16(width, height);
   labels.hv = Image8(width, height);
   read_images(in, labels.plane, labels.hv);

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <span>
 #include <string_view>
 #include <tuple>
@@ -17,39 +16,9 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::planes {
-namespace {
-
-using Json = nlohmann::json;
-
-constexpr int kMaxDepth = 16;
-constexpr std::size_t kMaxShown = 80;
-
-}  // namespace
-
-Json parse_json(std::string_view text, const std::string& what) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  const auto check = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    if (depth > kMaxDepth)
-      throw Error(what + ": nested deeper than " + std::to_string(kMaxDepth) + " levels");
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw Error(what + ": names " + shown(parsed.get<std::string>()) + " twice");
-    return true;
-  };
-  Json json = Json::parse(text.begin(), text.end(), check, false);
-  if (json.is_discarded()) throw Error(what + ": not valid JSON");
-  return json;
-}
-
-std::string shown(const std::string& text) {
-  const bool cut = text.size() > kMaxShown;
-  return Json(cut ? text.substr(0, kMaxShown) + "..." : text)
-      .dump(-1, ' ', true, Json::error_handler_t::replace);
-}
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -163,7 +132,7 @@ TensorFile read_safetensors(const fs::path& path) {
   const std::span data = std::span(bytes).subspan(kLengthBytes + header.size());
 
   const std::string what = path.string() + ": header";
-  const Json json = parse_json(header, what);
+  const Json json = parse_json<Json>(header, what);
   if (!json.is_object()) throw Error(what + " is no JSON object");
   TensorFile file;
   std::vector<Entry> entries;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/classify/safetensors.hpp"
 
 namespace planescope::planes {
@@ -211,10 +212,11 @@ NetworkWeights read_weights(const fs::path& path) {
 
   NetworkWeights weights;
   const std::string what = path.string() + ": configuration";
-  weights.config = config_of(parse_json(metadata(file, "config", path), what), what);
+  weights.config =
+      config_of(parse_json<nlohmann::json>(metadata(file, "config", path), what), what);
   if (const auto training = file.metadata.find("training"); training != file.metadata.end()) {
     const std::string record = path.string() + ": training record";
-    if (!parse_json(training->second, record).is_object())
+    if (!parse_json<nlohmann::json>(training->second, record).is_object())
       throw Error(record + " is no JSON object");
     weights.training = training->second;
   }

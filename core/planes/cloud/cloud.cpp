@@ -2,6 +2,8 @@
 
 #include "core/planes/cloud/cloud.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -25,14 +27,17 @@ void check(const CloudOptions& options) {
     throw Error("base_depth is " + std::to_string(options.base_depth) + ", expected 1 to 21");
 }
 
-/// The smallest cube_edge * 2^k that holds `extent_m`: the leaf keeps its size.
+/// The smallest cube_edge * 2^k that holds `extent_m`, or the largest whose leaves keep their size
+/// and whose voxels can be numbered.
 Cube make_cube(const Vec3d& center, double extent_m, const CloudOptions& options) {
+  const double most_m = options.voxel_size_m * (1 << (kDeepestOctree - 1));
   Cube cube;
   cube.edge_m = options.cube_edge_m;
   cube.max_depth = options.base_depth;
-  while (cube.edge_m < extent_m) {
+  while (cube.edge_m < extent_m && cube.max_depth < kDeepestOctree &&
+         (options.voxel_size_m == 0 || 2 * cube.edge_m < most_m)) {
     cube.edge_m *= 2;
-    cube.max_depth = std::min(cube.max_depth + 1, kDeepestOctree);
+    ++cube.max_depth;
   }
   cube.min_corner = center - Vec3d::Constant(cube.edge_m / 2);
   return cube;
@@ -97,7 +102,8 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
   return cloud;
 }
 
-Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOptions& options) {
+Cloud cloud_of_points(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
+  const PointSet& set = *frame.cloud;
   Cloud cloud;
   cloud.T_world_sensor = world_from_gravity(gravity.direction, false);
   const Mat3d R = cloud.T_world_sensor.linear();
@@ -105,7 +111,8 @@ Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOp
       options.range_for_clouds ? options.max_range_m : std::numeric_limits<double>::infinity();
   cloud.counts.pixels = set.points.size();
   std::vector<std::uint8_t> within_range;
-  Eigen::AlignedBox3d bounds;  // world, of the points within range
+  std::vector<Vec3d> within;   // world, the points within range
+  Eigen::AlignedBox3d bounds;  // of these
   for (std::size_t i = 0; i < set.points.size(); ++i) {
     const Vec3f& p = set.points[i];
     const Vec3d q = set.origin + p.cast<double>();
@@ -116,11 +123,11 @@ Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOp
     } else {
       cloud.source.push_back(static_cast<std::uint32_t>(i));
       within_range.push_back(q.norm() <= max_range_m);
-      if (within_range.back()) bounds.extend(R * q);
+      if (within_range.back()) bounds.extend(within.emplace_back(R * q));
     }
   }
   // Whole metres, so that a small cloud near zero keeps the exact numbers of its file.
-  if (!bounds.isEmpty()) cloud.origin = bounds.center().array().round();
+  cloud.origin = bulk_origin(within);
   cloud.points.reserve(cloud.source.size());
   for (const std::uint32_t i : cloud.source) {
     const Vec3d world = R * (set.origin + set.points[i].cast<double>());
@@ -130,7 +137,14 @@ Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOp
   const double extent_m = bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff() * (1 + 1e-5) + 1e-5;
   const Vec3d center = bounds.isEmpty() ? Vec3d::Zero() : Vec3d(bounds.center() - cloud.origin);
   cloud.cube = make_cube(center, extent_m, options);
+  // Too far apart for any cube: that of the bulk.
+  if (cloud.cube.edge_m < extent_m) cloud.cube = make_cube(Vec3d::Zero(), extent_m, options);
   crop(cloud, within_range);
+  if (cloud.counts.outside_cube > cloud.counts.kept)
+    throw Error(fmt::format(
+        "frame {}: {} of {} points lie outside a cube of {:.1f} m about their middle, the "
+        "largest there is: expected coordinates in metres",
+        frame.name, cloud.counts.outside_cube, within.size(), cloud.cube.edge_m));
   return cloud;
 }
 
@@ -138,7 +152,7 @@ Cloud cloud_of_points(const PointSet& set, const Gravity& gravity, const CloudOp
 
 Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
   check(options);
-  return frame.is_cloud() ? cloud_of_points(*frame.cloud, gravity, options)
+  return frame.is_cloud() ? cloud_of_points(frame, gravity, options)
                           : cloud_of_depth(frame, gravity, options);
 }
 

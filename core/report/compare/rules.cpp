@@ -10,6 +10,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/model/json.hpp"
 #include "core/report/data/json_place.hpp"
 
 namespace planescope::report {
@@ -313,13 +314,14 @@ std::vector<Rule> built_in_rules() {
 }
 
 std::vector<Rule> read_rules(const std::filesystem::path& file) {
-  return read_place(file, read_json(file, kMostBytes), [](const JsonPlace& place) {
-    if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
-    place.has_only({"schema", "rules"});
-    std::vector<Rule> rules;
-    place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
-    return rules;
-  });
+  return read_place(
+      file, read_json<nlohmann::ordered_json>(file, kMostBytes), [](const JsonPlace& place) {
+        if (place.at("schema").text() != kSchema) place.at("schema").fail_kind(kSchema);
+        place.has_only({"schema", "rules"});
+        std::vector<Rule> rules;
+        place.at("rules").each([&](const JsonPlace& rule) { rules.push_back(rule_of(rule)); });
+        return rules;
+      });
 }
 
 std::string rules_json(const std::vector<Rule>& rules) {

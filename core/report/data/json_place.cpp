@@ -12,6 +12,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 
 namespace planescope::report {
 
@@ -99,23 +100,6 @@ void JsonPlace::fail(const std::string& what) const {
   throw Error((where_.empty() ? "the file" : where_) + " " + what);
 }
 
-Json read_json(const std::filesystem::path& file, std::uintmax_t max_bytes) {
-  const auto bytes = read_file_bytes(file, max_bytes);
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, const Json& value) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-      twice = value.get<std::string>();
-    return true;
-  };
-  Json json = Json::parse(bytes.begin(), bytes.end(), watch, false);
-  if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
-  if (!twice.empty()) throw Error(file.string() + ": has \"" + twice + "\" twice in one object");
-  return json;
-}
-
 Json read_report_json(
     const std::filesystem::path& file,
     const std::function<void(std::size_t recording, const JsonPlace& frame)>& on_frame) {
@@ -124,6 +108,7 @@ Json read_report_json(
   std::size_t recordings = 0, frames = 0;
   int times_there = 0;
   const auto take = [&](int depth, Json::parse_event_t event, Json& parsed) {
+    check_depth(depth, file.string());
     if (event == Json::parse_event_t::key && depth == 1) {
       member = parsed.get<std::string>();
       times_there += member == "recordings";

@@ -56,10 +56,6 @@ class JsonPlace {
   std::string where_;
 };
 
-/// Throws Error naming the file where it is no JSON, or where an object has a key twice.
-nlohmann::ordered_json read_json(const std::filesystem::path& file,
-                                 std::uintmax_t max_bytes = std::uintmax_t{1} << 26);
-
 /// Calls `read` with the whole file's place; its Errors get the file's name in front.
 template <typename Read>
 auto read_place(const std::filesystem::path& file,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/file_bytes.hpp"
+#include "core/model/json.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
@@ -146,7 +147,7 @@ ReportFrame read_record(const fs::path& dir, const Json& json) {
       if (k < frame.planes.size()) frame.planes[k++].color_id = id.whole(0);
     });
   });
-  const Json timings = read_json(dir / kTimingsFile);
+  const Json timings = read_json<Json>(dir / kTimingsFile);
   read_place(dir / kTimingsFile, timings,
              [&](const JsonPlace& place) { read_timings(place, frame); });
   return frame;
@@ -204,7 +205,7 @@ void write_frame_record(const fs::path& dir,
 
 std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::string& key) {
   if (!fs::exists(dir / kFrameFile)) return std::nullopt;
-  const Json json = read_json(dir / kFrameFile);
+  const Json json = read_json<Json>(dir / kFrameFile);
   const bool is_it = read_place(dir / kFrameFile, json, [&](const JsonPlace& place) {
     return place.at("schema").text() == kRecordSchema && place.at("key").text() == key;
   });
@@ -213,7 +214,7 @@ std::optional<ReportFrame> find_frame_record(const fs::path& dir, const std::str
 }
 
 ReportFrame read_frame_record(const fs::path& dir) {
-  const Json json = read_json(dir / kFrameFile);
+  const Json json = read_json<Json>(dir / kFrameFile);
   read_place(dir / kFrameFile, json, [](const JsonPlace& place) {
     if (place.at("schema").text() != kRecordSchema) place.at("schema").fail_kind(kRecordSchema);
   });

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "core/model/error.hpp"
+#include "core/model/json.hpp"
 #include "core/model/text.hpp"
 #include "core/report/compare/judgement.hpp"
 #include "core/report/data/frame_json.hpp"
@@ -95,7 +96,8 @@ void weights_fields(Fields& fields, auto& weights) {
   fields("sha256", weights.sha256, kCompared);
   fields("network", weights.network);
   if constexpr (!Fields::kReads)
-    fields.json()["training"] = Json::parse(weights.training);
+    fields.json()["training"] =
+        parse_json<Json>(weights.training, weights.file + ": training record");
   else if (fields.is_read("training", kPlain))
     weights.training = fields.place().at("training").json().dump();
 }

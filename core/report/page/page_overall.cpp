@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/model/json.hpp"
 #include "core/planes/cloud/gravity.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/page/charts.hpp"
@@ -274,7 +275,8 @@ std::string weights_text(const planes::WeightsRecord& weights) {
   std::string text = fmt::format("{} ({}), SHA-256 <code>{}</code>", escaped(weights.file),
                                  escaped(weights.network), escaped(weights.sha256));
   std::string facts;
-  const auto training = nlohmann::ordered_json::parse(weights.training);
+  const auto training =
+      parse_json<nlohmann::ordered_json>(weights.training, weights.file + ": training record");
   for (const auto& [name, value] : training.items()) {
     if (value.is_structured()) continue;
     facts += facts.empty() ? ", trained with " : ", ";

@@ -175,6 +175,37 @@ TEST(Cloud, NanInfinityAndTheOriginAreNoPoints) {
   EXPECT_EQ(cloud.source, (std::vector<std::uint32_t>{0, 4}));
 }
 
+TEST(Cloud, AStrayCostsNoneOfTheOthers) {
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 2000; ++i)
+    points.emplace_back(0.02f * static_cast<float>(i % 50), 0.02f * static_cast<float>(i / 50), 1);
+  const Cloud alone = make_cloud(cloud_frame(points), down({0, 0, -1}), {});
+  const std::size_t voxels = voxelize(alone, 0.02).points.size();
+  for (const float far_m : {300.f, 9e3f, 1e5f, 1e7f, 1e30f}) {
+    auto with_stray = points;
+    with_stray.emplace_back(far_m, -far_m, 0.5f);
+    const Cloud cloud = make_cloud(cloud_frame(with_stray), down({0, 0, -1}), {});
+    EXPECT_EQ(cloud.counts.kept + cloud.counts.outside_cube, 2001u) << far_m;
+    EXPECT_EQ(cloud.counts.outside_cube, far_m > 1e4f ? 1u : 0u) << far_m;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      ASSERT_TRUE(cloud.kept[i]) << far_m;
+      ASSERT_LT((cloud.origin + cloud.points[i].cast<double>() - points[i].cast<double>()).norm(),
+                1e-6)
+          << far_m;
+    }
+    const std::size_t found = voxelize(cloud, 0.02).points.size();
+    EXPECT_NEAR(static_cast<double>(found), static_cast<double>(voxels),
+                0.05 * static_cast<double>(voxels))
+        << far_m;
+  }
+}
+
+TEST(Cloud, PointsThatAreMostlyTooFarApartAreRefused) {
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 100; ++i) points.emplace_back(1e6f * static_cast<float>(i), 0, 1);
+  EXPECT_THROW(make_cloud(cloud_frame(points), down({0, 0, -1}), {}), Error);
+}
+
 TEST(Cloud, CloudsAreCroppedByRangeOnlyWhenAsked) {
   const Frame frame = cloud_frame({{1, 0, 0}, {3, 0, 0}, {0, 100, 0}});
   EXPECT_EQ(make_cloud(frame, down({0, 0, -1}), {}).counts.kept, 3u);
