@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 
 #include "core/model/error.hpp"
 #include "core/model/read_limit.hpp"
@@ -196,11 +197,14 @@ void read_index_section(Bytes file, Index& index) {
     add_connection(read_record_of(Op::connection, reader), index);
   }
   const auto chunks = bag_header.header.get<std::uint32_t>("chunk_count");
-  std::uint64_t found = 0;
+  std::set<std::uint64_t> positions;
+  std::uint64_t entry_bytes = 0;
   for (std::uint32_t i = 0; i < chunks; ++i) {
     const Record info = read_record_of(Op::chunk_info, reader);
     ByteReader at_chunk(file);
-    at_chunk.take(info.header.get<std::uint64_t>("chunk_pos"));
+    const auto position = info.header.get<std::uint64_t>("chunk_pos");
+    if (!positions.insert(position).second) throw OutOfBytes{};
+    at_chunk.take(position);
     const Record chunk = read_record_of(Op::chunk, at_chunk);
     const auto raw_bytes = chunk.header.get<std::uint32_t>("size");
     index.chunks.push_back(
@@ -208,9 +212,9 @@ void read_index_section(Bytes file, Index& index) {
     const auto parts = info.header.get<std::uint32_t>("count");  // one per connection
     for (std::uint32_t part = 0; part < parts; ++part) {
       const Record entries = read_record_of(Op::index_data, at_chunk);
-      // Each entry belongs to one chunk: more of them than the file has room for are read twice.
-      found += entries.data.size();
-      if (found > file.size()) throw OutOfBytes{};
+      // Chunks that overlap could share their entries: there is room for each once.
+      entry_bytes += entries.data.size();
+      if (entry_bytes > file.size()) throw OutOfBytes{};
       append(index.messages[entries.header.get<std::uint32_t>("conn")],
              index_entries(entries, i, raw_bytes));
     }

@@ -164,14 +164,17 @@ ByteVector BagWriter::finish() {
       put(data, id);
       put(data, static_cast<std::uint32_t>(entries.size()));
     }
-    put_record(file_,
-               field("chunk_pos", bytes_of(chunk.position)) +
-                   field("count", bytes_of(static_cast<std::uint32_t>(chunk.entries.size()))) +
-                   field("end_time", time_bytes(0)) + field("op", "\x06") +
-                   field("start_time", time_bytes(0)) + field("ver", bytes_of(std::uint32_t{1})),
-               data);
+    for (int i = 0; i < format_.named_times; ++i)
+      put_record(file_,
+                 field("chunk_pos", bytes_of(chunk.position)) +
+                     field("count", bytes_of(static_cast<std::uint32_t>(chunk.entries.size()))) +
+                     field("end_time", time_bytes(0)) + field("op", "\x06") +
+                     field("start_time", time_bytes(0)) + field("ver", bytes_of(std::uint32_t{1})),
+                 data);
   }
-  const ByteVector header = bag_header(index_position, connection_records_.size(), chunks_.size());
+  const ByteVector header =
+      bag_header(index_position, connection_records_.size(),
+                 chunks_.size() * static_cast<std::size_t>(format_.named_times));
   std::copy(header.begin(), header.end(), file_.begin() + kMagic.size());
   return file_;
 }

@@ -19,6 +19,7 @@ struct BagFormat {
   bool chunk_index = true;           // the INDEX_DATA records behind each chunk
   bool close_last_chunk = true;      // false: its sizes were never written, as after a power cut
   int messages_per_chunk = 8;
+  int named_times = 1;  // each chunk in the index
 };
 
 /// Writes ROS 1 bags, whole and broken ones, independently of the reader.

@@ -327,6 +327,12 @@ TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
   }
 }
 
+TEST(DamagedJournals, ATextThatRunsPastItsRecordIsRefused) {
+  auto record = plain_record({RecordKind::written, 0, 5, ""});
+  record.back() = 1;  // of the annotator, whose name is not there
+  expect_refused([&] { read_head(record); }, "does not hold what its kind needs");
+}
+
 /// What a brush of this place and size changes; `labels` follow.
 LabelEdit stroke(FrameLabels& labels, int x, int y, int radius, int plane) {
   LabelEdit edit;
