@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <new>
 #include <sstream>
+#include <system_error>
 #include <thread>
 
 #include "app/cli/output.hpp"
@@ -237,6 +238,11 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail("cancelled", 130);
   } catch (const Error& error) {
     return fail(error.what(), 2);
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0)
+      return fail(std::string("standard output cannot be written to: ") + error.code().message(),
+                  2);
+    return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail(
         "out of memory: a smaller --voxel, --max-range or --frames needs less, and fewer "

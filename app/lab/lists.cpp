@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {
@@ -19,8 +20,7 @@ namespace {
 /// and the line where that throws one.
 void read_list(const std::filesystem::path& list,
                const std::function<void(std::istringstream& words)>& read) {
-  std::ifstream file(list);
-  if (!file || std::filesystem::is_directory(list)) throw Error(list.string() + ": cannot be read");
+  std::ifstream file = open_to_read(list);
   int number = 0;
   for (std::string line; std::getline(file, line);) {
     ++number;

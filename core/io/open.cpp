@@ -7,6 +7,7 @@
 #include "core/io/folder/folder_layout.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::io {
 
@@ -153,8 +154,7 @@ std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOpti
 }
 
 std::string first_bytes(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  std::ifstream file = open_to_read(path);
   std::string bytes(8, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(file.gcount()));

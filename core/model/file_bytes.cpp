@@ -114,22 +114,28 @@ void replace(const std::filesystem::path& path,
 
 }  // namespace
 
-std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
-                                           std::uintmax_t max_bytes) {
+std::ifstream open_to_read(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw Error(path.string() + ": no such file");
   if (!std::filesystem::is_regular_file(status)) {
     throw Error(path.string() + ": not a regular file");
   }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  return file;
+}
+
+std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
+                                           std::uintmax_t max_bytes) {
+  std::ifstream file = open_to_read(path);
+  std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) throw Error(path.string() + ": cannot be read: " + error.message());
   if (size > max_bytes) {
     throw Error(path.string() + ": " + std::to_string(size) + " bytes, expected at most " +
                 std::to_string(max_bytes));
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be opened for reading");
   std::vector<unsigned char> bytes(size);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (file.gcount() != static_cast<std::streamsize>(size)) {

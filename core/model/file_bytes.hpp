@@ -17,6 +17,10 @@ namespace planescope {
 std::vector<unsigned char> read_file_bytes(const std::filesystem::path& path,
                                            std::uintmax_t max_bytes = std::uintmax_t{1} << 30);
 
+/// For files that are read piece by piece. Throws Error naming the path when it is missing, no
+/// regular file (a pipe would be waited for), or cannot be read.
+std::ifstream open_to_read(const std::filesystem::path& path);
+
 enum class Durable : bool { no, yes };  // `yes`: survives a loss of power as well; slower
 
 /// Replaces a file: the new content is written to a file beside it, which then takes its name. At

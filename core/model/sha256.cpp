@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope {
 namespace {
@@ -43,8 +44,7 @@ std::string sha256_hex(std::span<const std::byte> bytes) {
 }
 
 std::string sha256_hex_of_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  std::ifstream file = open_to_read(path);
   Digest digest;
   std::vector<char> block(1 << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)

@@ -13,6 +13,7 @@
 #include "app/desktop/state/session.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
@@ -259,7 +260,7 @@ void find_fate(const Baseline& baseline,
 bool is_report(const std::string& where) {
   using Json = nlohmann::json;
   const std::string path = where.substr(0, where.rfind('#'));
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file = open_to_read(path);
   // A report may be large: nothing of it is kept but what stands at its top.
   const auto keep = [&](int depth, Json::parse_event_t, const Json&) {
     check_depth(depth, path);

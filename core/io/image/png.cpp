@@ -170,8 +170,7 @@ Image<T> read_grey(const std::filesystem::path& path) {
 PngInfo png_info(const std::filesystem::path& path) {
   constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
   std::array<unsigned char, kHeaderBytes> head{};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path.string() + ": cannot be opened for reading");
+  std::ifstream file = open_to_read(path);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
   const auto size = static_cast<std::size_t>(file.gcount());
   require_signature(std::span(head).first(size), path);
@@ -194,8 +193,8 @@ PngInfo png_info(const std::filesystem::path& path) {
 bool png_is_cut(const std::filesystem::path& path) {
   constexpr std::streamoff kEndBytes = 12;  // length, "IEND", checksum
   std::array<char, kEndBytes> tail{};
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (file && file.tellg() >= kEndBytes) {
+  std::ifstream file = open_to_read(path);
+  if (file.seekg(0, std::ios::end) && file.tellg() >= kEndBytes) {
     file.seekg(-kEndBytes, std::ios::end);
     file.read(tail.data(), kEndBytes);
     if (std::memcmp(&tail[4], "IEND", 4) == 0) return false;

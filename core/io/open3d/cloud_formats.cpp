@@ -17,6 +17,7 @@
 #include "core/io/open3d/ransac.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/random.hpp"
 
 namespace planescope::open3d {
@@ -43,7 +44,7 @@ void read_or_throw(const fs::path& path, const char* what, Read read) {
 
 /// Open3D makes room for as many points as the first line says. Throws Error for read_or_throw().
 void check_pts_count(const fs::path& path) {
-  std::ifstream file(path);
+  std::ifstream file = open_to_read(path);
   double count = 0;
   file >> count;
   constexpr double kFewestBytes = 6;  // "0 0 0\n"

@@ -134,9 +134,7 @@ Json read_report_json(
     ++frames;
     return false;
   };
-  if (!std::filesystem::is_regular_file(file)) read_file_bytes(file);  // says why not
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error(file.string() + ": cannot be read");
+  std::ifstream stream = open_to_read(file);
   Json json = Json::parse(stream, take, false);
   if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
   read_place(file, json, [](const JsonPlace& place) {
