@@ -6,6 +6,7 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
+#include "support/needs_open3d.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -45,6 +46,7 @@ Ran run_with(std::vector<std::string> args, const std::vector<std::string>& more
 }  // namespace
 
 TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
   write_labelled(dir);
   const Ran ran = run_with(frames_args(dir), {"-o", (dir / "out").string(), "--json"});
@@ -65,6 +67,7 @@ TEST(BenchReal, ScoresEveryMethodOnAListedFrame) {
 }
 
 TEST(BenchReal, TheResultsAreTheSameForAnyThreadCount) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const fs::path dir = scratch();
   write_labelled(dir);
   write_depth_folder(dir / "data/aims_slam_realsense_640x480", floor_and_wall(), 3);

@@ -11,6 +11,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
+#include "support/needs_open3d.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -76,6 +77,7 @@ TEST(Eval, TrueLabelsBesideARecordingAreFound) {
 }
 
 TEST(Eval, ARivalIsScoredAsOursIs) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   labels::write_frame_labels(dir / "rec.labels", 0,

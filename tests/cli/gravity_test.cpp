@@ -12,6 +12,7 @@
 #include "core/io/image/png.hpp"
 #include "core/io/picked_gravity.hpp"
 #include "core/labels/model/label_files.hpp"
+#include "support/needs_open3d.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -86,6 +87,7 @@ TEST(GravityNone, IsTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST(GravityNone, ACloudAndARivalGoWithoutAsWell) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch();
   io::write_ply(dir / "cloud.ply", floor_and_wall_cloud());
   for (const char* method : {"ours", "ransac"}) {

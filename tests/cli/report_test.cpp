@@ -12,6 +12,7 @@
 #include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
+#include "support/needs_open3d.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -424,6 +425,7 @@ TEST(Report, TheRecordHoldsTheCommandAndWhatWasChanged) {
 }
 
 TEST(Report, OfARivalShowsItsPlanesAndNoStepsThatItHasNot) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   const Ran ran =

@@ -9,6 +9,7 @@
 #include "cli/scene_files.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
+#include "support/needs_open3d.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -224,6 +225,7 @@ TEST(Segment, ASecondRunReplacesAFrameAndLeavesOthersAlone) {
 }
 
 TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   const auto args = [&](const std::string& out, const std::vector<std::string>& more) {

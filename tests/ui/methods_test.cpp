@@ -4,6 +4,7 @@
 
 #include "app/desktop/state/state.hpp"
 #include "desktop_fixture.hpp"
+#include "support/needs_open3d.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -21,6 +22,7 @@ struct Methods : OpenDesktop {
 };
 
 TEST_F(Methods, ARivalShowsItsPlanesAndHasNoSteps) {
+  PLANESCOPE_NEEDS_OPEN3D();
   perform("method.choose", "ransac");
   const planescope::debug::Run& run = *state().run();
   EXPECT_FALSE(run.is_ours());
@@ -37,6 +39,7 @@ TEST_F(Methods, ARivalShowsItsPlanesAndHasNoSteps) {
 }
 
 TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
+  PLANESCOPE_NEEDS_OPEN3D();
   const std::int32_t steps = state().run()->steps();
   const auto planes = state().run()->segmentation.plane_of;
   perform("run.pin");
@@ -58,6 +61,7 @@ TEST_F(Methods, OursAndARivalAreComparedPlaneByPlane) {
 }
 
 TEST_F(Methods, ItsOptionsTakeThePlaceOfOurs) {
+  PLANESCOPE_NEEDS_OPEN3D();
   perform("method.choose", "ransac");
   EXPECT_TRUE(shell.widgets().contains("criteria.ransac_theta_pf_m.slider"));
   EXPECT_FALSE(shell.widgets().contains("criteria.theta_n_in.slider"));
@@ -70,6 +74,7 @@ TEST_F(Methods, ItsOptionsTakeThePlaceOfOurs) {
 }
 
 TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
+  PLANESCOPE_NEEDS_OPEN3D();
   perform("method.choose", "ransac");
   perform("select.pixel", "320,400");
   for (const char* tab : {"inspector", "point", "bookmarks"}) perform("tab.inspector", tab);
@@ -86,6 +91,7 @@ TEST_F(Methods, EveryPanelAndEveryKeyWorksWithARival) {
 }
 
 TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
+  PLANESCOPE_NEEDS_OPEN3D();
   LabelWindow window(scratch_dir() / "labels");
   window.run("method.choose", "ransac");
   window.run("label.take");
@@ -94,6 +100,7 @@ TEST(MethodsInLabels, FirstLabelsCanBeARivals) {
 }
 
 TEST(MethodsAtFirst, OursIsClassifiedThoughTheWindowOpenedWithARival) {
+  PLANESCOPE_NEEDS_OPEN3D();
   State first = open_state();
   first.document.options.method = planes::Method::ransac;
   Shell shell{std::move(first), nullptr, [] {}};
