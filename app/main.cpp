@@ -12,7 +12,9 @@ int main(int argc, char** argv) {
       .about =
           "planescope finds planes in depth recordings and point clouds, after Sun et al. 2023,\n"
           "\"Multi-Resolution Planar Region Extraction\".\n"
-          "A command that is given no recording takes the sample that comes with it.",
+          "view, info, segment, report and eval take the sample that comes with it where no "
+          "recording is\n"
+          "given.",
       .commands = {define_view, define_info, define_segment, define_report, define_eval,
                    define_options, define_synth, define_train, define_labels},
       .alone = "view"};

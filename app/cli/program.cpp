@@ -143,7 +143,12 @@ std::string missing(const std::string& command, const CLI::Option& option) {
       option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
   const std::string help = option.get_description(), type = option.get_type_name();
   return fmt::format("{} needs {}{}{}: {}", command, name, type.empty() ? "" : " ", type,
-                     help.substr(0, help.find('\n')));
+                     help.substr(0, help.find_first_of(";\n")));
+}
+
+/// Whether a message of CLI11 is of this option: it begins with the name.
+bool is_named(const CLI::Option& option, const std::string& message) {
+  return option.get_type_size() > 0 && message.starts_with(option.get_name() + ": ");
 }
 
 // One line for what CLI11 did not understand, with the name that was probably meant.
@@ -154,6 +159,9 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "RequiredError" && option->get_required() && option->count() == 0)
         return missing(path_of(app, *command), *option);
+    for (const CLI::Option* option : command->get_options())
+      if (error.get_name() == "ArgumentMismatch" && is_named(*option, error.what()))
+        return fmt::format("{} needs a value: {}", option->get_name(), option->get_type_name());
     std::string text = error.what();
     return text.substr(0, text.find('\n'));
   }
@@ -192,7 +200,7 @@ Job parse(const Program& program, int argc, char** argv) {
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.footer(fmt::format(
       "{} COMMAND --help tells more. Exit codes: 0 fine, 1 a comparison failed, 2 bad input or\n"
-      "usage, 3 rendering failed (the data files are written), 130 cancelled.\n",
+      "usage, 3 no display or rendering failed (the data files are written), 130 cancelled.\n",
       program.name));
   Line line{command_text(program, argc, argv), frames_command_text(program, argc, argv), {}};
   for (const auto define : program.commands) define(app, line);

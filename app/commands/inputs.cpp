@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 FrameSlice parse_frame_slice(const std::string& text) {
   const auto part = [&](const std::string& s) -> std::optional<int> {
     if (s.empty()) return std::nullopt;
-    return parse_integer(s, "--frames " + text);
+    return parse_integer(s, "--frames " + text + ", expected A:B:STEP or a frame's number");
   };
   const std::vector<std::string> parts = split(text, ':');
   if (text.empty() || parts.size() > 3)
@@ -140,7 +140,8 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     const int count = input.recording->frame_count();
     input.frames = sliced_frames(args.frames, count);
     if (input.frames.empty())
-      throw Error(fmt::format("{}: --frames leaves none of its {} frames", path.string(), count));
+      throw Error(fmt::format("{}: --frames leaves none of its {} frames, numbered from 0",
+                              path.string(), count));
     input.label_dir = args.label_dir.value_or(labels::default_label_dir(path));
     if (args.pipeline.gravity.mode == planes::GravityMode::automatic) {
       io::PickedGravity picked = io::read_picked_gravity(input.label_dir, *input.recording);

@@ -228,7 +228,7 @@ void define_labels_export(CLI::App* labels, Line& line) {
       labels->add_subcommand("export", "Write labels in another tool's format, a file per frame");
   const auto args = std::make_shared<LabelsArgs>();
   add_inputs(command, args->input, "A recording with labels");
-  add(command, "--format", args->format, kFormats, "What to write");
+  add(command, "--format", args->format, kFormats, "What to write")->required();
   add_of_method(command, args->input.pipeline, "--voxel", "M",
                 "Edge of a voxel of format voxels, default 0.02");
   add_out(command, args->out)->required();
@@ -246,7 +246,8 @@ void define_labels_import(CLI::App* labels, Line& line) {
   add(command, "--format", args->format, kReadFormats,
       "What the files are; otherwise as --from FILE is named");
   add(command, "--from", args->from, "FILE|DIR",
-      "One file, for the frame of --frames; or a folder with files as export names them");
+      "One file, for the frame of --frames; or a folder with files as export names them")
+      ->required();
   add_of_method(command, args->input.pipeline, "--gravity", "auto|X,Y,Z|imu|estimate|none",
                 "Direction in which things fall, in the sensor's own frame; default auto");
   runs(command, line, args, run_labels_import);

@@ -349,7 +349,7 @@ void define_merge(CLI::App* report, Line& line) {
     for (const CLI::Option* option : report->get_options())
       if (option->count() > 0)
         throw Error("report merge: give " + option->get_name() + " after merge");
-    if (args->out.empty()) throw Error("report merge needs an output folder, -o DIR");
+    if (args->out.empty()) throw Error("report merge needs -o DIR: Output folder");
     if (args->shards.empty()) throw Error("report merge: give the folders of the shards");
   });
 }
@@ -382,7 +382,7 @@ void define_report(CLI::App& app, Line& line) {
   };
   runs(report, line, args, run, [&line, report, args] {
     args->command = line.frames_text;
-    if (!args->init && args->out.empty()) throw Error("report needs an output folder, -o DIR");
+    if (!args->init && args->out.empty()) throw Error("report needs -o DIR: Output folder");
     for (const CLI::Option* option : report->get_options())
       if (args->init && option->count() > 0 && option->get_name() != "--init")
         throw Error("report --init: only writes planescope.rules.json, " + option->get_name() +

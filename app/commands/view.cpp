@@ -189,6 +189,9 @@ void define_view(CLI::App& app, Line& line) {
       ->group(window);
   view->add_flag("--actions", args->list_actions, "List every action with its key")->group(window);
   runs(view, line, args, run_view, [view, args] {
+    if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
+      throw Error("--screenshot " + args->screenshot.string() +
+                  ": expected a name that ends in .png");
     if (args->open.empty() && !args->baseline.empty())
       throw Error("--baseline: is of a report, give --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))

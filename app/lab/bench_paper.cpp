@@ -336,8 +336,7 @@ std::string same_command(const BenchPaperArgs& args, const CLI::App& typed) {
 }
 
 void finish(BenchPaperArgs& args, const CLI::App& typed) {
-  if (args.doc.empty() && args.out.empty())
-    throw Error("bench paper needs an output folder, -o DIR");
+  if (args.doc.empty() && args.out.empty()) throw Error("bench paper needs -o DIR: Output folder");
   if (!args.doc.empty() && args.from.empty())
     throw Error("--doc needs the results that it is written from, --from DIR");
   for (const std::string& set : args.sets)

@@ -157,7 +157,7 @@ int run_synth_set(const SynthSetArgs& args, std::stop_token stop) {
 }
 
 void define_set(CLI::App* synth, Line& line) {
-  std::string names = "One of";
+  std::string names = "Which set";
   for (const lab::EvaluationSet& set : lab::evaluation_sets())
     names += "\n" + wrapped(set.name + ": " + set.meaning);
   CLI::App* command = synth->add_subcommand(

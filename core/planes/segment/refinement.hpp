@@ -5,7 +5,7 @@
 // lists the folder in core/planes/segment/refinements.hpp. The file's name is that of its
 // namespace, of its member in SegmentOptions, of its Stage and of the option that switches it on.
 //
-//   namespace planescope::planes::r9_example {
+//   namespace planescope::planes::r99_example {
 //   struct Options {
 //     bool on = false;  // in the profile `paper`
 //     double reach_m = 0.1;
