@@ -57,11 +57,10 @@ std::string wrapped(const std::string& text) {
 
 CLI::Option* add_read(CLI::App* command,
                       const std::string& names,
-                      std::function<void(const std::string&)> read,
+                      const std::function<void(const std::string&)>& read,
                       const std::string& type,
                       const std::string& help) {
-  return command->add_option_function<std::string>(names, std::move(read), wrapped(help))
-      ->type_name(type);
+  return command->add_option_function<std::string>(names, read, wrapped(help))->type_name(type);
 }
 
 CLI::Validator whole(int least, int most) {

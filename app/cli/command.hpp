@@ -64,7 +64,7 @@ CLI::Option* add(CLI::App* command,
 /// which they were added, whatever the order in which they were typed.
 CLI::Option* add_read(CLI::App* command,
                       const std::string& names,
-                      std::function<void(const std::string&)> read,
+                      const std::function<void(const std::string&)>& read,
                       const std::string& type,
                       const std::string& help);
 

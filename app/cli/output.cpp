@@ -41,7 +41,7 @@ void make_output_dir(const fs::path& dir) {
   if (failed) throw Error("output " + dir.string() + ": " + failed.message());
 }
 
-StagedOutput::StagedOutput(fs::path dir) : dir_(without_trailing_slash(dir)) {
+StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_trailing_slash(dir)) {
   check_output_dir(dir);
 }
 

@@ -30,7 +30,7 @@ void make_output_dir(const std::filesystem::path& dir);
 /// of them remains, nor of the folders that were made for them.
 class StagedOutput {
  public:
-  explicit StagedOutput(std::filesystem::path dir);  // checks `dir`, makes nothing yet
+  explicit StagedOutput(const std::filesystem::path& dir);  // checks `dir`, makes nothing yet
   ~StagedOutput();
   StagedOutput(const StagedOutput&) = delete;
   StagedOutput& operator=(const StagedOutput&) = delete;

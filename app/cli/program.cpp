@@ -3,11 +3,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <new>
 #include <sstream>
@@ -141,7 +141,8 @@ std::string path_of(const CLI::App& app, const CLI::App& command) {
 std::string missing(const std::string& command, const CLI::Option& option) {
   const std::string name =
       option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
-  const std::string help = option.get_description(), type = option.get_type_name();
+  const std::string& help = option.get_description();
+  const std::string type = option.get_type_name();
   return fmt::format("{} needs {}{}{}: {}", command, name, type.empty() ? "" : " ", type,
                      help.substr(0, help.find_first_of(";\n")));
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -42,7 +43,7 @@ labels::LabelStatistics count_pixels(const FrameLabels& labels) {
 }
 
 std::string duration_text(double seconds) {
-  const int whole = static_cast<int>(seconds + 0.5);
+  const int whole = static_cast<int>(std::lround(seconds));
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 

@@ -36,8 +36,8 @@ struct Files {
 /// Throws Error where the files could not be written in the end, or another training's checkpoint
 /// would be lost.
 Files checked_files(const TrainArgs& args) {
-  const Files files{args.out, fs::path(args.out).replace_extension(".html"),
-                    fs::path(args.out).replace_extension(".checkpoint")};
+  Files files{args.out, fs::path(args.out).replace_extension(".html"),
+              fs::path(args.out).replace_extension(".checkpoint")};
   const fs::path dir = args.out.has_parent_path() ? args.out.parent_path() : fs::path(".");
   if (!fs::exists(dir)) throw Error(args.out.string() + ": there is no folder " + dir.string());
   check_output_dir(dir);
