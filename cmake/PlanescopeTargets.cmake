@@ -24,6 +24,12 @@ function(planescope_target_defaults target)
       -Wno-maybe-uninitialized)  # false alarms: the compiler does not see through what they add
     target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
     target_link_options(${target} PRIVATE -fsanitize=${PLANESCOPE_SANITIZE})
+  else()
+    # Files come from anybody: what slips past the checks shall end the program, not take it over.
+    target_compile_options(${target} PRIVATE -fstack-protector-strong)
+    target_compile_definitions(${target} PRIVATE
+      $<$<CONFIG:Release>:_FORTIFY_SOURCE=2> $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>)
+    target_link_options(${target} PRIVATE -Wl,-z,relro,-z,now)
   endif()
 endfunction()
 

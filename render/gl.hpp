@@ -43,7 +43,7 @@ class GlHandle {
   ~GlHandle() {
     if (id_ != 0) Destroy(id_);
   }
-  operator GLuint() const { return id_; }
+  operator GLuint() const { return id_; }  // NOLINT: as GL takes its names
 
  private:
   GLuint id_ = 0;

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +8,7 @@
 #include "core/labels/review/audit.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
@@ -42,16 +42,11 @@ labels::LabelStatistics count_pixels(const FrameLabels& labels) {
   return statistics;
 }
 
-std::string duration_text(double seconds) {
-  const int whole = static_cast<int>(std::lround(seconds));
-  return fmt::format("{}:{:02}", whole / 60, whole % 60);
-}
-
 std::string work_text(const std::vector<labels::WorkTime>& work) {
   std::string text;
   for (const labels::WorkTime& w : work)
     text += fmt::format("{}{} {} ({} gestures)", text.empty() ? "" : ", ", w.annotator,
-                        duration_text(w.seconds), w.gestures);
+                        minutes_text(w.seconds), w.gestures);
   return text.empty() ? "-" : text;
 }
 
@@ -77,7 +72,7 @@ void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
     sum.labelled_m2 += f.of.labelled_m2;
     seconds += f.seconds();
   }
-  row("sum", sum, "", duration_text(seconds));
+  row("sum", sum, "", minutes_text(seconds));
   if (!with_depth)
     fmt::print("\nmeasured, area: need the depth, --recording RECORDING says what was labelled\n");
 }

@@ -327,6 +327,9 @@ Offscreen::~Offscreen() {
 
 void Offscreen::draw_frame() {
   context_->make_current();
+  // No display holds the frames back: a software renderer would queue dozens of them, each tens of
+  // megabytes.
+  glFinish();
   draw_shell(*shell_, target_->framebuffer, width_, height_, scale_, 1.0 / 60);
 }
 

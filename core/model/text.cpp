@@ -81,6 +81,12 @@ std::vector<std::string> split(const std::string& text, char separator) {
   }
 }
 
+std::string minutes_text(double seconds) {
+  const long whole = std::lround(seconds);
+  const std::string rest = std::to_string(whole % 60);
+  return std::to_string(whole / 60) + (rest.size() < 2 ? ":0" : ":") + rest;
+}
+
 std::string counted(std::size_t count, std::string_view noun) {
   std::string text = std::to_string(count);
   text.append(1, ' ').append(noun);

@@ -22,6 +22,9 @@ int parse_integer(const std::string& text, const std::string& what);
 /// `text` cut at every `separator`; always at least one part.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// "2:05", minutes and seconds.
+std::string minutes_text(double seconds);
+
 /// "2 frames", "1 frame".
 std::string counted(std::size_t count, std::string_view noun);
 

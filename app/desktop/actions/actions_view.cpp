@@ -18,7 +18,7 @@ const std::vector<std::string> kColorNames = {"cases",   "planes", "labels",
                                               "margins", "truth",  "camera"};
 
 Action color_action(render::ColorBy by, const std::string& title, const std::string& key) {
-  const std::string name = kColorNames[static_cast<std::size_t>(by)];
+  const std::string& name = kColorNames[static_cast<std::size_t>(by)];
   return {"color." + name,
           title,
           "View",

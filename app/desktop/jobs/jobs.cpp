@@ -116,7 +116,7 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
 /// the same.
 std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::string& problems) {
   try {
-    const auto view = view_of(wanted, problems);
+    auto view = view_of(wanted, problems);
     deliver([wanted, view](State& state) {
       if (wanted.is_shown(state.document)) state.results.pinned = view;
     });

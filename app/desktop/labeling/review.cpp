@@ -95,7 +95,7 @@ std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides) {
   return queue;
 }
 
-void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue) {
+void take_queue(State& state, const std::shared_ptr<const ReviewQueue>& queue) {
   const std::shared_ptr<const ReviewQueue> before = std::move(state.results.label.review);
   const int chosen = state.view.label.review_item;
   state.results.label.review = queue;

@@ -24,7 +24,7 @@ std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides);
 
 /// Shows a new queue. The first one of a frame begins at its largest item. After an earlier one,
 /// the chosen item stays chosen if it is still there; the views go on only after a decision.
-void take_queue(State& state, std::shared_ptr<const ReviewQueue> queue);
+void take_queue(State& state, const std::shared_ptr<const ReviewQueue>& queue);
 /// Moves both views there; -1: none.
 void choose_item(State& state, int item);
 /// Decides on the chosen item, and chooses the next undecided one. Throws Error where none is

@@ -20,7 +20,7 @@ DrawingSurface surface_of(const ImagePlacement& placed) {
   surface.screen_of_pixel = [placed](std::uint32_t pixel) -> std::optional<ImVec2> {
     const auto width = static_cast<std::uint32_t>(placed.width);
     return placed.to_screen(static_cast<float>(pixel % width) + 0.5f,
-                            static_cast<float>(pixel / width) + 0.5f);
+                            static_cast<float>(pixel / width) + 0.5f);  // NOLINT: whole rows
   };
   return surface;
 }

@@ -7,16 +7,12 @@
 #include "app/desktop/labeling/panels/parts.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 constexpr std::size_t kHistory = 30;  // entries
-
-std::string duration_text(double seconds) {
-  const int whole = static_cast<int>(seconds + 0.5);
-  return fmt::format("{}:{:02} min", whole / 60, whole % 60);
-}
 
 void line(const std::string& name, const std::string& value) {
   ImGui::TableNextRow();
@@ -51,14 +47,14 @@ void draw_work(const Ui& ui, const std::vector<labels::WorkTime>& work) {
   ImGui::TableHeadersRow();
   for (const labels::WorkTime& one : work) {
     line(std::to_string(one.frame), one.annotator);
-    cell(duration_text(one.seconds));
+    cell(minutes_text(one.seconds) + " min");
     cell(std::to_string(one.gestures));
   }
   ImGui::EndTable();
   const double total =
       std::accumulate(work.begin(), work.end(), 0.0,
                       [](double sum, const labels::WorkTime& w) { return sum + w.seconds; });
-  paragraph(ui.colors.muted, "all together " + duration_text(total));
+  paragraph(ui.colors.muted, "all together " + minutes_text(total) + " min");
   ui.name("statistics.time");
 }
 
