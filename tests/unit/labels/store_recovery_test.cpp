@@ -299,6 +299,22 @@ TEST(DamagedJournals, RecordsOfAnUnknownKindAreRefusedAndLeftAlone) {
   EXPECT_EQ(session.bytes(), bytes);
 }
 
+TEST(DamagedJournals, AnEditOfOtherLabelsIsRefusedAndLeftAlone) {
+  const Session session("other_labels", 1);
+  {
+    FrameLabels other = blank(0);
+    std::ranges::fill(other.plane.data, std::uint16_t{7});
+    const LabelEdit edit = make_edit(0, "erase", other, blank(0));
+    Journal journal(session.dir / "journal", Journal::Access::write,
+                    [](const auto&, const auto&) { return true; });
+    journal.append(std::vector{edit_record({RecordKind::edit, 0, 5, "ann"}, edit)});
+  }
+  const auto bytes = session.bytes();
+  LabelStore store(session.dir, by("ann"));
+  expect_refused([&] { store.open(0, blank(0)); }, "the edit at byte");
+  EXPECT_EQ(session.bytes(), bytes);
+}
+
 TEST(DamagedJournals, NoRecordWhateverItHoldsIsReadBeyondItsEnd) {
   FrameLabels labels = blank(0);
   Random random(13);
