@@ -22,6 +22,10 @@ int parse_integer(const std::string& text, const std::string& what);
 /// `text` cut at every `separator`; always at least one part.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// For people, who may read it in a terminal: line ends and tabs are spaces, other control
+/// characters '?'.
+std::string one_line(std::string text);
+
 /// "2 frames", "1 frame".
 std::string counted(std::size_t count, std::string_view noun);
 

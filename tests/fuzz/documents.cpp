@@ -126,7 +126,7 @@ void read_filter(Bytes bytes) {
   static const auto run =
       debug::make_run(test::stair_subject(0.003), test::options_of(planes::Profile::refined));
   const std::string text = text_of(bytes);
-  for (std::size_t cursor = 0; cursor <= std::min<std::size_t>(text.size(), 64); ++cursor)
+  for (const std::size_t cursor : {text.size(), text.size() / 2, std::size_t{0}})
     for (const debug::Completion& completion : debug::complete_filter(text, cursor))
       require(completion.begin <= completion.end && completion.end <= text.size(),
               "a completion outside of the text");
@@ -225,9 +225,9 @@ void find_planes_in_depth(Bytes bytes) {
 std::vector<Target> document_targets() {
   return {{"json", read_json},
           {"weights", read_weights, split_weights, join_weights},
-          {"report", read_report},
-          {"frame_record", read_frame_record},
-          {"rules", read_rules},
+          {"report", read_report, split_json, join_json},
+          {"frame_record", read_frame_record, split_json, join_json},
+          {"rules", read_rules, split_json, join_json},
           {"filter", read_filter},
           {"options", read_options},
           {"report_target", read_report_target},

@@ -63,4 +63,8 @@ inline std::uint32_t checksum(Bytes bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
 }
 
+// JSON as pieces: where a value stands (a JSON pointer), and the value.
+std::vector<ByteVector> split_json(Bytes bytes);
+ByteVector join_json(const std::vector<ByteVector>& pieces);
+
 }  // namespace planescope::fuzz

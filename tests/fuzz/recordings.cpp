@@ -1,6 +1,7 @@
 // What core/io opens: recordings, their images, and the files beside them.
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/io/bag/rosbag1.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
@@ -28,6 +29,9 @@ void read_frames(const io::Recording& recording) {
       const bool is_image =
           frame.depth.data.size() == frame.depth.pixels() && frame.intrinsics.fx > 0;
       require(frame.is_cloud() || is_image, "a frame that is neither image nor cloud");
+      require(frame.is_cloud() || frame.depth_unit_m > 0, "a frame without a unit");
+      if (frame.gravity)
+        require(std::abs(frame.gravity->direction.norm() - 1) < 1e-6, "gravity of another length");
       recording.frame_hash(i);
       recording.timestamp_s(i);
     } catch (const Error&) {
@@ -56,6 +60,7 @@ std::vector<ByteVector> split_bag(Bytes bytes) {
 }
 
 ByteVector join_bag(const std::vector<ByteVector>& pieces) {
+  if (pieces.size() < 2) return {};
   PieceReader packing(pieces.front());
   const char* compressions[] = {"none", "lz4", "bz2"};
   testing_bags::BagFormat format;
@@ -186,11 +191,11 @@ std::vector<Target> recording_targets() {
           {"ply", read_ply},
           {"pcd", read_pcd},
           {"viewer_raw", read_viewer_raw},
-          {"camera_json", read_camera_json},
+          {"camera_json", read_camera_json, split_json, join_json},
           {"camera_xml", read_camera_xml},
           {"camera_text", read_camera_text},
-          {"sidecar", read_sidecar},
-          {"gravity", read_gravity}};
+          {"sidecar", read_sidecar, split_json, join_json},
+          {"gravity", read_gravity, split_json, join_json}};
 }
 
 }  // namespace planescope::fuzz

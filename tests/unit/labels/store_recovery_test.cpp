@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -307,7 +308,7 @@ TEST(DamagedJournals, AnEditOfOtherLabelsIsRefusedAndLeftAlone) {
     const LabelEdit edit = make_edit(0, "erase", other, blank(0));
     Journal journal(session.dir / "journal", Journal::Access::write,
                     [](const auto&, const auto&) { return true; });
-    journal.append(std::vector{edit_record({RecordKind::edit, 0, 5, "ann"}, edit)});
+    journal.append(std::vector<JournalBytes>{edit_record({RecordKind::edit, 0, 5, "ann"}, edit)});
   }
   const auto bytes = session.bytes();
   LabelStore store(session.dir, by("ann"));
