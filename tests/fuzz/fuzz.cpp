@@ -74,8 +74,9 @@ std::string read(const Target& target, Bytes bytes) {
 }
 
 std::vector<ByteVector> split_json(Bytes bytes) {
+  const nlohmann::json flat = nlohmann::json::parse(bytes).flatten();
   std::vector<ByteVector> pieces;
-  for (const auto& [place, value] : nlohmann::json::parse(bytes).flatten().items()) {
+  for (const auto& [place, value] : flat.items()) {
     const std::string text = value.dump();
     PieceWriter piece;
     piece.text(place);
