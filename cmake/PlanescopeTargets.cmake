@@ -21,7 +21,8 @@ function(planescope_target_defaults target)
   if(PLANESCOPE_SANITIZE)
     target_compile_options(${target} PRIVATE
       -fsanitize=${PLANESCOPE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-      -Wno-maybe-uninitialized)  # false alarms: the compiler does not see through what they add
+      # False alarms: the compiler does not see through what they add.
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
     target_compile_definitions(${target} PRIVATE _GLIBCXX_ASSERTIONS)
     target_link_options(${target} PRIVATE -fsanitize=${PLANESCOPE_SANITIZE})
   else()
@@ -42,7 +43,7 @@ function(planescope_unity target)
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # A class made of private classes counts as shared where its file is included.
-  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   foreach(source ${sources})

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
@@ -21,7 +22,9 @@ fs::path without_trailing_slash(const fs::path& path) {
 
 void set_notice_name(const char* program) { g_program = program; }
 
-void print_notice(const std::string& text) { fmt::print(stderr, "{}: {}\n", g_program, text); }
+void print_notice(const std::string& text) {
+  fmt::print(stderr, "{}: {}\n", g_program, one_line(text));
+}
 
 void check_output_dir(const fs::path& dir) {
   if (dir.empty()) throw Error("output: the folder's name is empty");

@@ -9,7 +9,8 @@
 
 namespace planescope::app {
 
-/// A line on stderr, behind the name of the program that runs (run_program() sets it).
+/// A line on stderr, whatever the text holds, behind the name of the program that runs
+/// (run_program() sets it).
 void print_notice(const std::string& text);
 void set_notice_name(const char* program);
 

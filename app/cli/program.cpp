@@ -225,10 +225,7 @@ Job parse(const Program& program, int argc, char** argv) {
                           fmt::join(subcommand_names(group), ", ")));
 }
 
-/// One line, whatever a library's message looks like.
-int fail(std::string message, int code) {
-  for (char& c : message)
-    if (c == '\n' || c == '\r') c = ' ';
+int fail(const std::string& message, int code) {
   print_notice(message);
   return code;
 }

@@ -43,7 +43,7 @@ PickedDirection direction_from(const nlohmann::json& json) {
   PickedDirection picked;
   picked.direction = unit_vector(json.at("direction"));
   for (const auto& wall : json.at("walls")) picked.walls.push_back(unit_vector(wall));
-  picked.frame = json.at("frame").get<int>();
+  picked.frame = whole_int(json.at("frame"), "its frame");
   picked.frame_sha256 = json.at("frame_sha256").get<std::string>();
   picked.note = json.at("note").get<std::string>();
   return picked;

@@ -26,6 +26,13 @@ struct Keys {
     return found->get<double>();
   }
 
+  int pixels(const json& object, const std::string& key) const {
+    const double value = number(object, key);
+    if (!(value >= 0 && value <= 1e6) || value != std::floor(value))
+      fail(key, "a whole number of pixels");
+    return static_cast<int>(value);
+  }
+
   std::optional<Vec3d> direction(const json& object) const {
     const auto found = object.find("gravity");
     if (found == object.end() || found->is_null()) return std::nullopt;
@@ -35,17 +42,17 @@ struct Keys {
       usable = (*found)[i].is_number();
       if (usable) vector[i] = (*found)[i].get<double>();
     }
-    if (!usable || !vector.allFinite() || vector.norm() < 1e-9) {
+    if (!usable || !vector.allFinite() || vector.stableNorm() < 1e-9) {
       fail("gravity", "three numbers [x, y, z] that are not all zero");
     }
-    return vector.normalized();
+    return vector.stableNormalized();
   }
 
   Intrinsics intrinsics(const json& object) const {
     if (!object.is_object()) fail("intrinsics", "an object with fx, fy, cx, cy");
     Intrinsics result;
-    if (object.contains("width")) result.width = static_cast<int>(number(object, "width"));
-    if (object.contains("height")) result.height = static_cast<int>(number(object, "height"));
+    if (object.contains("width")) result.width = pixels(object, "width");
+    if (object.contains("height")) result.height = pixels(object, "height");
     result.fx = number(object, "fx");
     result.fy = number(object, "fy");
     result.cx = number(object, "cx");

@@ -3,13 +3,16 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/model/text.hpp"
+
 namespace planescope {
 
 /// An error outside of the program: in a file, weights, GL, an option. The message is one line that
 /// names the file or option, what was found and what was expected. `main` catches it once, prints
 /// it and exits with 2. Programmer mistakes are asserts, normal absences std::optional.
 struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  /// What names in files may hold besides text cannot make more than one line of it.
+  explicit Error(const std::string& message) : std::runtime_error(one_line(message)) {}
 };
 
 /// Long work was stopped on request (exit code 130).

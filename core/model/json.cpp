@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/model/error.hpp"
@@ -47,6 +48,31 @@ template nlohmann::json parse_json(std::string_view, const std::string&);
 template nlohmann::ordered_json parse_json(std::string_view, const std::string&);
 template nlohmann::json read_json(const std::filesystem::path&, std::uintmax_t);
 template nlohmann::ordered_json read_json(const std::filesystem::path&, std::uintmax_t);
+
+template <typename Json>
+std::int64_t whole_number(const Json& json,
+                          std::int64_t low,
+                          std::int64_t high,
+                          const std::string& what) {
+  bool fits = json.is_number_integer();
+  if (json.is_number_unsigned())
+    fits = std::in_range<std::int64_t>(json.template get<std::uint64_t>());
+  const auto value = fits ? json.template get<std::int64_t>() : std::int64_t{0};
+  if (!fits || value < low || value > high)
+    throw Error(what + " is " + (json.is_number() ? json.dump() : "no number") +
+                ", expected a whole number from " + std::to_string(low) + " to " +
+                std::to_string(high));
+  return value;
+}
+
+template std::int64_t whole_number(const nlohmann::json&,
+                                   std::int64_t,
+                                   std::int64_t,
+                                   const std::string&);
+template std::int64_t whole_number(const nlohmann::ordered_json&,
+                                   std::int64_t,
+                                   std::int64_t,
+                                   const std::string&);
 
 std::string shown(const std::string& text) {
   constexpr std::size_t kMost = 80;

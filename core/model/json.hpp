@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -24,6 +25,20 @@ Json parse_json(std::string_view text, const std::string& what);
 template <typename Json>
 Json read_json(const std::filesystem::path& path,
                std::uintmax_t max_bytes = std::uintmax_t{1} << 26);
+
+/// A whole number from `low` to `high`. Throws Error that begins with `what` on anything else: the
+/// library's own get<int>() takes the lowest bits of a number of any size.
+template <typename Json>
+std::int64_t whole_number(const Json& json,
+                          std::int64_t low,
+                          std::int64_t high,
+                          const std::string& what);
+/// One that an int holds.
+template <typename Json>
+int whole_int(const Json& json, const std::string& what) {
+  constexpr std::int64_t kMost = std::numeric_limits<int>::max();
+  return static_cast<int>(whole_number(json, -kMost - 1, kMost, what));
+}
 
 /// Text from such a file for a message: quoted, in ASCII, cut where it is long.
 std::string shown(const std::string& text);

@@ -43,8 +43,11 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
   std::string best;
   std::size_t best_distance = std::numeric_limits<std::size_t>::max();
   for (const std::string& candidate : candidates) {
+    const std::size_t longer = std::max(given.size(), candidate.size());
+    const std::size_t least = longer - std::min(given.size(), candidate.size());
+    if (least * 3 > longer) continue;  // and a long text is not compared letter by letter
     const std::size_t distance = edit_distance(given, candidate);
-    if (distance * 3 <= std::max(given.size(), candidate.size()) && distance < best_distance) {
+    if (distance * 3 <= longer && distance < best_distance) {
       best = candidate;
       best_distance = distance;
     }
@@ -85,6 +88,14 @@ std::string minutes_text(double seconds) {
   const long whole = std::lround(seconds);
   const std::string rest = std::to_string(whole % 60);
   return std::to_string(whole / 60) + (rest.size() < 2 ? ":0" : ":") + rest;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (c >= '\t' && c <= '\r') c = ' ';
+    if ((c >= '\0' && c < ' ') || c == '\x7f') c = '?';
+  }
+  return text;
 }
 
 std::string counted(std::size_t count, std::string_view noun) {

@@ -25,6 +25,10 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// "2:05", minutes and seconds.
 std::string minutes_text(double seconds);
 
+/// For people, who may read it in a terminal: line ends and tabs are spaces, other control
+/// characters '?'.
+std::string one_line(std::string text);
+
 /// "2 frames", "1 frame".
 std::string counted(std::size_t count, std::string_view noun);
 

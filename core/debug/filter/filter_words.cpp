@@ -319,7 +319,9 @@ Choices signs_after(const Tokens& before) {
 /// Where the letters, of either case, begin in the name; its size where they do not stand there.
 std::size_t find_letters(std::string_view name, std::string_view letters) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return std::ranges::search(name, letters, {}, lower, lower).begin() - name.begin();
+  const auto same = [&](char a, char b) { return lower(a) == lower(b); };
+  return static_cast<std::size_t>(
+      std::search(name.begin(), name.end(), letters.begin(), letters.end(), same) - name.begin());
 }
 
 }  // namespace

@@ -90,14 +90,27 @@ void set_plane(FrameLabels& labels, int id, const std::optional<LabelPlane>& pla
 
 enum class Direction : std::uint8_t { forwards, backwards };
 
+bool can_put(const FrameLabels& labels, const LabelEdit& edit, Direction direction) {
+  const bool forwards = direction == Direction::forwards;
+  const auto fits = [&](const LabelRun& run) {
+    const std::size_t end = std::size_t{run.first} + run.count;
+    if (end > labels.plane.data.size()) return false;
+    for (std::size_t i = run.first; i < end; ++i) {
+      if (labels.plane.data[i] != (forwards ? run.plane_before : run.plane_after)) return false;
+      if (labels.hv.data[i] != (forwards ? run.hv_before : run.hv_after)) return false;
+    }
+    return true;
+  };
+  return std::ranges::all_of(edit.runs, fits);
+}
+
 void put(FrameLabels& labels, const LabelEdit& edit, Direction direction) {
+  assert(can_put(labels, edit, direction));
   const bool forwards = direction == Direction::forwards;
   labels.planes = by_id(std::move(labels.planes));
   for (const LabelRun& run : edit.runs) {
-    assert(run.first + run.count <= labels.plane.data.size());
     const auto plane = labels.plane.data.begin() + run.first;
     const auto hv = labels.hv.data.begin() + run.first;
-    assert(*plane == (forwards ? run.plane_before : run.plane_after));
     std::fill_n(plane, run.count, forwards ? run.plane_after : run.plane_before);
     std::fill_n(hv, run.count, forwards ? run.hv_after : run.hv_before);
   }
@@ -130,6 +143,14 @@ LabelEdit make_edit(int frame,
   const LabelNotes old_notes = notes_of(before), new_notes = notes_of(after);
   if (!same_notes(old_notes, new_notes)) edit.notes = NotesChange{old_notes, new_notes};
   return edit;
+}
+
+bool can_apply(const FrameLabels& labels, const LabelEdit& edit) {
+  return can_put(labels, edit, Direction::forwards);
+}
+
+bool can_revert(const FrameLabels& labels, const LabelEdit& edit) {
+  return can_put(labels, edit, Direction::backwards);
 }
 
 void apply_edit(FrameLabels& labels, const LabelEdit& edit) {

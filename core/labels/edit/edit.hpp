@@ -56,7 +56,11 @@ LabelEdit make_edit(int frame,
                     std::string title,
                     const FrameLabels& before,
                     const FrameLabels& after);
+/// The labels are those before the edit, or those after it (asserted).
 void apply_edit(FrameLabels& labels, const LabelEdit& edit);
 void revert_edit(FrameLabels& labels, const LabelEdit& edit);
+/// Whether they are, for edits that come from a file.
+bool can_apply(const FrameLabels& labels, const LabelEdit& edit);
+bool can_revert(const FrameLabels& labels, const LabelEdit& edit);
 
 }  // namespace planescope::labels

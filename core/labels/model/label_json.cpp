@@ -1,6 +1,7 @@
 // The JSON among the label files.
 
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/labels/model/label_files.hpp"
@@ -17,6 +18,13 @@ constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "import
 constexpr std::array kDisagreements = {"missed", "invented",   "split",
                                        "merged", "class_flip", "boundary"};
 constexpr std::array kDecisions = {"keep", "take", "edit", "ignore"};
+
+/// The whole number of that name, of 0 to what the member can hold.
+template <typename Member>
+void take(const Json& json, const char* name, Member& member, const std::string& where) {
+  constexpr auto kMost = static_cast<std::int64_t>(std::numeric_limits<Member>::max());
+  member = static_cast<Member>(whole_number(json.at(name), 0, kMost, where + ": " + name));
+}
 
 Json to_json(const Vec3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -55,8 +63,8 @@ Json to_json(const Intrinsics& k) {
 
 Intrinsics intrinsics_from(const Json& json, const std::string& where) {
   Intrinsics k;
-  k.width = json.at("width").get<int>();
-  k.height = json.at("height").get<int>();
+  take(json, "width", k.width, where);
+  take(json, "height", k.height, where);
   k.fx = json.at("fx").get<double>();
   k.fy = json.at("fy").get<double>();
   k.cx = json.at("cx").get<double>();
@@ -103,13 +111,13 @@ Json to_json(const LabelPlane& plane) {
 
 LabelPlane plane_from(const Json& json, const std::string& where) {
   LabelPlane plane;
-  plane.id = json.at("id").get<int>();
+  take(json, "id", plane.id, where);
   plane.label = named(json.at("label"), Label::v, where);
   plane.normal = vector_from(json.at("normal"));
   plane.offset_m = json.at("offset_m").get<double>();
   plane.rms_m = json.at("rms_m").get<double>();
   plane.tolerance_m = json.at("tolerance_m").get<double>();
-  plane.fragments = json.at("fragments").get<int>();
+  take(json, "fragments", plane.fragments, where);
   if (json.contains("origin"))
     plane.origin = named(json.at("origin"), LabelOrigin::imported, where);
   plane.confidence = json.value("confidence", plane.confidence);
@@ -128,13 +136,13 @@ Json to_json(const ReviewNote& note) {
 ReviewNote note_from(const Json& json, const std::string& where) {
   ReviewNote note;
   note.kind = named(json.at("kind"), DisagreementKind::boundary, where);
-  note.pixel = json.at("pixel").get<std::uint32_t>();
-  note.pixels = json.at("pixels").get<std::uint32_t>();
-  note.label_plane = json.at("label_plane").get<int>();
-  note.other_plane = json.at("other_plane").get<int>();
+  take(json, "pixel", note.pixel, where);
+  take(json, "pixels", note.pixels, where);
+  take(json, "label_plane", note.label_plane, where);
+  take(json, "other_plane", note.other_plane, where);
   note.decision = named(json.at("decision"), ReviewDecision::ignore, where);
   note.reviewer = json.at("reviewer").get<std::string>();
-  note.time_s = json.at("time_s").get<std::int64_t>();
+  take(json, "time_s", note.time_s, where);
   return note;
 }
 
@@ -143,7 +151,9 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
   if (schema != kSchema) {
     throw Error(where + ": schema \"" + schema + "\", expected \"" + kSchema + "\"");
   }
-  if (const int frame = json.at("frame").get<int>(); frame != frame_index) {
+  int frame = 0;
+  take(json, "frame", frame, where);
+  if (frame != frame_index) {
     throw Error(where + ": labels of frame " + std::to_string(frame) + ", expected frame " +
                 std::to_string(frame_index));
   }

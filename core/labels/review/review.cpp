@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <ranges>
 
 #include "core/labels/edit/operations.hpp"
 #include "core/labels/model/pixel_sets.hpp"
@@ -151,11 +150,14 @@ std::vector<std::uint64_t> disagreeing_pairs(std::span<const std::int32_t> plane
 std::optional<ReviewNote> note_about(const Disagreement& region,
                                      const std::vector<ReviewNote>& notes) {
   const auto size = static_cast<double>(region.pixels.size());
-  for (const ReviewNote& note : notes | std::views::reverse) {
-    if (note.kind != region.kind || note.pixels > 2 * size || size > 2.0 * note.pixels) continue;
-    if (std::binary_search(region.pixels.begin(), region.pixels.end(), note.pixel)) return note;
-  }
-  return std::nullopt;
+  const auto is_about = [&](const ReviewNote& note) {
+    if (note.kind != region.kind || note.pixels > 2 * size || size > 2.0 * note.pixels)
+      return false;
+    return std::binary_search(region.pixels.begin(), region.pixels.end(), note.pixel);
+  };
+  const auto latest = std::find_if(notes.rbegin(), notes.rend(), is_about);
+  if (latest == notes.rend()) return std::nullopt;
+  return *latest;
 }
 
 }  // namespace

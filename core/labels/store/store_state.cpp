@@ -163,12 +163,7 @@ void LabelStore::State::step(RecordKind direction) {
   assert(frames.contains(latest.frame));
   OpenFrame& frame = frames.at(latest.frame);
   auto next = std::make_shared<FrameLabels>(*frame.labels);
-  const LabelEdit edit = read_edit(journal->read(latest.place), next->plane.data.size());
-  if (undoes) {
-    revert_edit(*next, edit);
-  } else {
-    apply_edit(*next, edit);
-  }
+  put(*next, latest.place, direction);
   try {
     append({entry(direction, latest.frame)});
   } catch (const Error& error) {
@@ -178,11 +173,23 @@ void LabelStore::State::step(RecordKind direction) {
   ++frame.version;
 }
 
+void LabelStore::State::put(FrameLabels& labels,
+                            const JournalPlace& place,
+                            RecordKind direction) const {
+  const LabelEdit edit = read_edit(journal->read(place), labels.plane.data.size());
+  const bool undoes = direction == RecordKind::undo;
+  if (!(undoes ? can_revert(labels, edit) : can_apply(labels, edit))) {
+    throw Error(journal->path().string() + ": the edit at byte " + std::to_string(place.offset) +
+                " is not one of the labels that the records before it give");
+  }
+  undoes ? revert_edit(labels, edit) : apply_edit(labels, edit);
+}
+
 FrameLabels LabelStore::State::replay(int frame) const {
   FrameLabels labels = read_base(journal->read(history.find(frame)->base));
   for (const LabelHistory::Step& each : history.done()) {
     if (each.frame != frame) continue;
-    apply_edit(labels, read_edit(journal->read(each.place), labels.plane.data.size()));
+    put(labels, each.place, RecordKind::redo);
   }
   return labels;
 }

@@ -78,6 +78,8 @@ struct LabelStore::State {
   /// What the frame was before its first edit, unless the journal has it.
   std::vector<Entry> base_entries(int frame) const;
   void append(const std::vector<Entry>& entries);
+  /// Undoes or redoes the edit at that place. Throws Error where it is one of other labels.
+  void put(FrameLabels& labels, const JournalPlace& place, RecordKind direction) const;
   FrameLabels replay(int frame) const;
   LabelMark mark(int frame) const;
 

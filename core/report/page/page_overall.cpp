@@ -288,8 +288,8 @@ std::string weights_text(const planes::WeightsRecord& weights) {
 void set_options(const Report& report, Data& data) {
   std::vector<const ReportOption*> options;
   for (const ReportOption& option : report.options) options.push_back(&option);
-  std::ranges::stable_partition(options,
-                                [](const ReportOption* option) { return option->changed; });
+  std::stable_partition(options.begin(), options.end(),
+                        [](const ReportOption* option) { return option->changed; });
   std::string of = "method " + report.method;
   std::size_t changed = 0;
   Data rows{Data::type::list};

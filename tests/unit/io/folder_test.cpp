@@ -211,6 +211,15 @@ TEST(Folder, AGravityFileAloneIsEnough) {
   EXPECT_NEAR(recording->frame(0).gravity->direction.x(), std::sqrt(0.5), 1e-12);
 }
 
+TEST(Folder, GravityMayBeOfAnyLength) {
+  for (const char* text : {"{\"gravity\": [3e300, 4e300, 0]}", "{\"gravity\": [3e-6, 4e-6, 0]}"}) {
+    const fs::path folder = sample_folder();
+    write_text(folder / "gravity.json", text);
+    const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+    EXPECT_LT((recording->frame(0).gravity->direction - Vec3d(0.6, 0.8, 0)).norm(), 1e-12) << text;
+  }
+}
+
 TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
   const std::pair<const char*, const char*> cases[] = {
       {"{\"gravity\": [0, 0, 0]}", "\"gravity\""},
@@ -219,6 +228,8 @@ TEST(Folder, ADamagedSidecarIsNamedWithItsKey) {
       {"{\"depth_unit_m\": -1}", "\"depth_unit_m\""},
       {"{\"intrinsics\": {\"fx\": 1}}", "\"fy\""},
       {"{\"intrinsics\": 3}", "\"intrinsics\""},
+      {"{\"intrinsics\": {\"width\": 1e300}}", "\"width\""},
+      {"{\"intrinsics\": {\"height\": 8.5}}", "\"height\""},
       {"{\"schema\": \"other/2\"}", "\"schema\""},
       {"{\"frames\": [3]}", "\"frames\""},
       {"{\"color_aligned\": 1}", "\"color_aligned\""},

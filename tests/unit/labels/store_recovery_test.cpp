@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -296,6 +297,22 @@ TEST(DamagedJournals, RecordsOfAnUnknownKindAreRefusedAndLeftAlone) {
   }
   const auto bytes = session.bytes();
   expect_refused([&] { LabelStore(session.dir, by("ann")); }, (session.dir / "journal").string());
+  EXPECT_EQ(session.bytes(), bytes);
+}
+
+TEST(DamagedJournals, AnEditOfOtherLabelsIsRefusedAndLeftAlone) {
+  const Session session("other_labels", 1);
+  {
+    FrameLabels other = blank(0);
+    std::ranges::fill(other.plane.data, std::uint16_t{7});
+    const LabelEdit edit = make_edit(0, "erase", other, blank(0));
+    Journal journal(session.dir / "journal", Journal::Access::write,
+                    [](const auto&, const auto&) { return true; });
+    journal.append(std::vector<JournalBytes>{edit_record({RecordKind::edit, 0, 5, "ann"}, edit)});
+  }
+  const auto bytes = session.bytes();
+  LabelStore store(session.dir, by("ann"));
+  expect_refused([&] { store.open(0, blank(0)); }, "the edit at byte");
   EXPECT_EQ(session.bytes(), bytes);
 }
 

@@ -47,6 +47,16 @@ TEST(JsonText, RefusesAKeyThatIsThereTwiceInOneObjectOnly) {
                  "x.json: has \"b\" twice in one object");
 }
 
+TEST(JsonText, AWholeNumberIsOneThatItsTypeHolds) {
+  EXPECT_EQ(whole_number(Json(7), 0, 7, "x"), 7);
+  EXPECT_EQ(whole_int(Json(-2147483648LL), "x"), -2147483647 - 1);
+  for (const char* text : {"8", "-1", "1.5", "7.0", "1e300", "4294967296", "18446744073709551615",
+                           "\"1\"", "null", "[1]"})
+    expect_refused([&] { whole_number(Json::parse(text), 0, 7, "x"); },
+                   "expected a whole number from 0 to 7");
+  expect_refused([] { whole_int(Json(4294967297LL), "its id"); }, "its id is 4294967297, expected");
+}
+
 TEST(JsonText, MayHoldComments) {
   EXPECT_EQ(parse_json<Json>("{\"a\": 1 /* metres */} // the end", "x").at("a"), 1);
 }

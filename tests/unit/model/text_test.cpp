@@ -34,5 +34,12 @@ TEST(Text, SplittingKeepsEmptyParts) {
   EXPECT_EQ(split("", ':'), (std::vector<std::string>{""}));
 }
 
+TEST(Text, WhatIsSaidOfAFileIsOneLineWhateverItsNamesHold) {
+  const std::string text = "a\nb\tc\r\x1b[31m \x7f \xc3\xbc \xff";
+  const std::string line = "a b c ?[31m ? \xc3\xbc \xff";
+  EXPECT_EQ(one_line(text), line);
+  EXPECT_EQ(Error(text).what(), line);
+}
+
 }  // namespace
 }  // namespace planescope

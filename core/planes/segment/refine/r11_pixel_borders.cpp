@@ -83,8 +83,7 @@ class Borders {
             k >= 0 && (planes.empty() || planes.back() != k))
           planes.push_back(k);
     std::ranges::sort(planes);
-    const auto rest = std::ranges::unique(planes);
-    planes.erase(rest.begin(), rest.end());
+    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
     if (planes.size() > 1) return planes;
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)

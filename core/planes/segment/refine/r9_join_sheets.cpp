@@ -69,7 +69,7 @@ class Sheets {
         return entry.second.value_or(std::numeric_limits<double>::infinity());
       });
       if (best == costs.end() || !best->second) return;
-      auto [small, large] = best->first;
+      std::int32_t small = best->first.first, large = best->first.second;
       if (sums_[small].count > sums_[large].count) std::swap(small, large);
       join(small, large);
       std::erase_if(costs, [&](const auto& entry) { return touches(entry.first, small, large); });

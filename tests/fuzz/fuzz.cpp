@@ -1,0 +1,103 @@
+#include "fuzz/fuzz.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "core/model/error.hpp"
+#include "fuzz/pieces.hpp"
+
+namespace planescope::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  fs::path path;
+  Folder() {
+    const fs::path memory = "/dev/shm";
+    path = (fs::is_directory(memory) ? memory : fs::temp_directory_path()) /
+           ("planescope_fuzz." + std::to_string(getpid()));
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+}  // namespace
+
+const fs::path& memory_folder() {
+  static const Folder folder;
+  return folder.path;
+}
+
+fs::path file_of(const std::string& name, Bytes bytes) {
+  const fs::path path = memory_folder() / name;
+  fs::create_directories(path.parent_path());
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  require(file.flush().good(), "the harness cannot write " + path.string());
+  return path;
+}
+
+std::string text_of(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
+
+std::vector<Target> all_targets() {
+  std::vector<Target> all = recording_targets();
+  for (const auto& more : {label_targets(), document_targets()})
+    std::ranges::copy(more, std::back_inserter(all));
+  return all;
+}
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw std::logic_error(what);
+}
+
+std::string read(const Target& target, Bytes bytes) {
+  try {
+    target.read(bytes);
+    return {};
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    require(!message.empty(), "an Error without a message");
+    require(message.find('\n') == std::string::npos, "an Error of several lines: " + message);
+    return message;
+  }
+}
+
+std::vector<ByteVector> split_json(Bytes bytes) {
+  const nlohmann::json flat = nlohmann::json::parse(bytes).flatten();
+  std::vector<ByteVector> pieces;
+  for (const auto& [place, value] : flat.items()) {
+    const std::string text = value.dump();
+    PieceWriter piece;
+    piece.text(place);
+    piece.rest({reinterpret_cast<const unsigned char*>(text.data()), text.size()});
+    pieces.push_back(piece.take());
+  }
+  return pieces;
+}
+
+ByteVector join_json(const std::vector<ByteVector>& pieces) {
+  nlohmann::json flat = nlohmann::json::object();
+  for (const ByteVector& piece : pieces) {
+    PieceReader in(piece);
+    const std::string place = in.text();
+    const ByteVector value = in.rest();
+    const auto parsed = nlohmann::json::parse(value, nullptr, false);
+    flat[place] = parsed.is_primitive() ? parsed : nlohmann::json(text_of(value));
+  }
+  const std::string text =
+      flat.unflatten().dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return {text.begin(), text.end()};
+}
+
+}  // namespace planescope::fuzz

@@ -1,0 +1,201 @@
+// What core/io opens: recordings, their images, and the files beside them.
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/io/bag/rosbag1.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/folder/camera_files.hpp"
+#include "core/io/image/jpeg.hpp"
+#include "core/io/image/png.hpp"
+#include "core/io/picked_gravity.hpp"
+#include "core/io/readers.hpp"
+#include "core/model/error.hpp"
+#include "fuzz/fuzz.hpp"
+#include "fuzz/pieces.hpp"
+#include "fuzz/samples.hpp"
+#include "unit/io/bag_writer.hpp"
+
+namespace planescope::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All that programs ask of a recording.
+void read_frames(const io::Recording& recording) {
+  require(recording.frame_count() > 0, "a recording without frames");
+  for (int i = 0; i < std::min(recording.frame_count(), 4); ++i) try {
+      const Frame frame = recording.frame(i);
+      const bool is_image =
+          frame.depth.data.size() == frame.depth.pixels() && frame.intrinsics.fx > 0;
+      require(frame.is_cloud() || is_image, "a frame that is neither image nor cloud");
+      require(frame.is_cloud() || frame.depth_unit_m > 0, "a frame without a unit");
+      if (frame.gravity)
+        require(std::abs(frame.gravity->direction.norm() - 1) < 1e-6, "gravity of another length");
+      recording.frame_hash(i);
+      recording.timestamp_s(i);
+    } catch (const Error&) {
+      // The others may be whole.
+    }
+}
+
+void read_bag(Bytes bytes) { read_frames(*io::open_recording(file_of("bag/a.bag", bytes))); }
+
+/// How a bag is packed; then each message with its topic, type and time.
+std::vector<ByteVector> split_bag(Bytes bytes) {
+  const io::rosbag1::Bag bag(file_of("bag/split.bag", bytes));
+  std::vector<ByteVector> pieces = {{0, 0, 8}};
+  for (const auto& [topic, type] : bag.topics())
+    for (const io::rosbag1::MessageRef& at : bag.messages(topic)) {
+      const io::rosbag1::MessageBytes message = bag.read(at);
+      const auto* first = reinterpret_cast<const unsigned char*>(message.bytes.data());
+      PieceWriter piece;
+      piece.text(topic);
+      piece.text(type);
+      piece.number(at.time_ns);
+      piece.rest({first, message.bytes.size()});
+      pieces.push_back(piece.take());
+    }
+  return pieces;
+}
+
+ByteVector join_bag(const std::vector<ByteVector>& pieces) {
+  if (pieces.size() < 2) return {};
+  PieceReader packing(pieces.front());
+  const char* compressions[] = {"none", "lz4", "bz2"};
+  testing_bags::BagFormat format;
+  format.compression = compressions[packing.byte() % 3];
+  const int parts = packing.byte();
+  format.index = (parts & 1) == 0;
+  format.chunk_index = (parts & 2) == 0;
+  format.close_last_chunk = (parts & 4) == 0;
+  format.messages_per_chunk = 1 + packing.byte() % 16;
+  testing_bags::BagWriter bag(format);
+  for (const ByteVector& piece : std::span(pieces).subspan(1)) {
+    PieceReader in(piece);
+    const std::string topic = in.text(), type = in.text();
+    const std::uint64_t time_ns = in.number();
+    bag.add(topic, type, time_ns, in.rest());
+  }
+  return bag.finish();
+}
+
+constexpr char kPngStart[] = "\x89PNG\r\n\x1a\n";
+constexpr std::size_t kPngStartBytes = 8;
+
+/// Type and data of each chunk.
+std::vector<ByteVector> split_png(Bytes bytes) {
+  std::vector<ByteVector> chunks;
+  for (std::size_t at = kPngStartBytes; at + 12 <= bytes.size();) {
+    std::size_t size = 0;
+    for (int i = 0; i < 4; ++i) size = size << 8 | bytes[at + i];
+    size = std::min(size, bytes.size() - at - 12);
+    const Bytes chunk = bytes.subspan(at + 4, 4 + size);
+    chunks.emplace_back(chunk.begin(), chunk.end());
+    at += 12 + size;
+  }
+  return chunks;
+}
+
+ByteVector join_png(const std::vector<ByteVector>& chunks) {
+  ByteVector out(kPngStart, kPngStart + kPngStartBytes);
+  const auto put = [&](std::size_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8)
+      out.push_back(static_cast<unsigned char>(value >> shift));
+  };
+  for (ByteVector chunk : chunks) {
+    chunk.resize(std::max<std::size_t>(chunk.size(), 4));
+    put(chunk.size() - 4);
+    out.insert(out.end(), chunk.begin(), chunk.end());
+    put(checksum(chunk));
+  }
+  return out;
+}
+
+void read_png(Bytes bytes) {
+  const fs::path path = file_of("png/a.png", bytes);
+  for (const auto reader : {+[](const fs::path& p) { io::read_png_16(p); },
+                            +[](const fs::path& p) { io::read_png_grey(p); },
+                            +[](const fs::path& p) { io::read_png_rgb(p); },
+                            +[](const fs::path& p) { io::png_is_cut(p); }})
+    try {
+      reader(path);
+    } catch (const Error&) {
+      // The others read other kinds.
+    }
+  io::RecordingOptions options;
+  options.intrinsics = {10, 10, 5, 5};
+  read_frames(*io::open_recording(path, options));
+}
+
+void read_jpeg(Bytes bytes) {
+  const Image8 image = io::read_jpeg_rgb(file_of("jpeg/a.jpg", bytes));
+  require(image.data.size() == 3 * image.pixels(), "a JPEG that is no RGB image");
+}
+
+void read_cloud(const std::string& name, Bytes bytes) {
+  const fs::path path = file_of(name, bytes);
+  io::CloudExtras extras{{"u", "intensity"}, {}};
+  const PointSet set = io::read_cloud_file(path, &extras);
+  for (const std::vector<double>& values : extras.values)
+    require(values.empty() || values.size() == set.points.size(), "a field of another length");
+  require(set.rgb.empty() || set.rgb.size() == 3 * set.points.size(), "colours of other points");
+  require(set.label.empty() || set.label.size() == set.points.size(), "labels of other points");
+  io::RecordingOptions options;
+  read_frames(*io::open_recording(path, options));
+  options.instance_field = "intensity";
+  read_frames(*io::open_recording(path, options));
+}
+
+void read_ply(Bytes bytes) { read_cloud("ply/a.ply", bytes); }
+void read_pcd(Bytes bytes) { read_cloud("pcd/a.pcd", bytes); }
+
+/// The metadata; the counts beside it are zeros.
+void read_viewer_raw(Bytes bytes) {
+  file_of("viewer_raw/a.raw", ByteVector(2 * 24 * 16));
+  read_frames(*io::open_recording(file_of("viewer_raw/a_metadata.csv", bytes)));
+}
+
+void read_camera_json(Bytes bytes) {
+  io::camera_from_json(file_of("camera/intrinsic.json", bytes));
+}
+void read_camera_xml(Bytes bytes) { io::camera_from_opencv_xml(file_of("camera/a.xml", bytes)); }
+void read_camera_text(Bytes bytes) { io::camera_from_text(file_of("camera/a.txt", bytes)); }
+
+/// Beside one depth image, whose camera it tells.
+void read_sidecar(Bytes bytes) {
+  static const ByteVector image = io::encode_png(plain_depth());
+  file_of("sidecar/depth/000000.png", image);
+  read_frames(*io::open_recording(file_of("sidecar/planescope.json", bytes).parent_path()));
+}
+
+void read_gravity(Bytes bytes) {
+  static const std::unique_ptr<io::Recording> recording = [] {
+    file_of("recording/depth/000000.png", io::encode_png(plain_depth()));
+    io::RecordingOptions options;
+    options.intrinsics = {10, 10, 5, 5};
+    return io::open_recording(memory_folder() / "recording", options);
+  }();
+  const fs::path dir = file_of("gravity/gravity.json", bytes).parent_path();
+  const io::PickedGravity picked = io::read_picked_gravity(dir, *recording);
+  io::write_picked_gravity(dir, picked);
+  if (!picked.empty()) io::read_picked_gravity(dir, *recording);
+}
+
+}  // namespace
+
+std::vector<Target> recording_targets() {
+  return {{"bag", read_bag, split_bag, join_bag},
+          {"png", read_png, split_png, join_png},
+          {"jpeg", read_jpeg},
+          {"ply", read_ply},
+          {"pcd", read_pcd},
+          {"viewer_raw", read_viewer_raw},
+          {"camera_json", read_camera_json, split_json, join_json},
+          {"camera_xml", read_camera_xml},
+          {"camera_text", read_camera_text},
+          {"sidecar", read_sidecar, split_json, join_json},
+          {"gravity", read_gravity, split_json, join_json}};
+}
+
+}  // namespace planescope::fuzz
