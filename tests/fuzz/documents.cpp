@@ -138,10 +138,17 @@ void read_filter(Bytes bytes) {
   if (filter) filter->matching(*run);
 }
 
+/// The first of them: more are only slower.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines = split(text, '\n');
+  lines.resize(std::min<std::size_t>(lines.size(), 32));
+  return lines;
+}
+
 /// Lines NAME=VALUE, as --set takes them.
 planes::PipelineOptions options_from(const std::string& text) {
   planes::PipelineOptions options;
-  for (const std::string& line : split(text, '\n')) {
+  for (const std::string& line : lines_of(text)) {
     const std::size_t equals = std::min(line.find('='), line.size());
     const std::string name = line.substr(0, equals);
     try {
@@ -167,7 +174,7 @@ void read_options(Bytes bytes) {
     planes::is_idle(info, options);
     info.matters(options);
   }
-  for (const std::string& line : split(text, '\n')) try {
+  for (const std::string& line : lines_of(text)) try {
       planes::parse_gravity(line);
     } catch (const Error&) {
       // A name, or another value.

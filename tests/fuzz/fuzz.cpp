@@ -86,11 +86,26 @@ std::vector<ByteVector> split_json(Bytes bytes) {
   return pieces;
 }
 
+namespace {
+
+/// Any index makes a list of that length.
+bool has_large_index(const std::string& place) {
+  int digits = 0;
+  for (const char c : place) {
+    digits = c >= '0' && c <= '9' ? digits + 1 : 0;
+    if (digits > 3) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 ByteVector join_json(const std::vector<ByteVector>& pieces) {
   nlohmann::json flat = nlohmann::json::object();
   for (const ByteVector& piece : pieces) {
     PieceReader in(piece);
     const std::string place = in.text();
+    if (has_large_index(place)) return {};
     const ByteVector value = in.rest();
     const auto parsed = nlohmann::json::parse(value, nullptr, false);
     flat[place] = parsed.is_primitive() ? parsed : nlohmann::json(text_of(value));

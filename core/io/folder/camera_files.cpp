@@ -31,6 +31,7 @@ bool name_has(const fs::path& path, std::initializer_list<const char*> words) {
 /// The numbers of `intrinsic_matrix`: nine in a row or three rows of three.
 std::vector<double> matrix_numbers(const json& value) {
   std::vector<double> numbers;
+  if (!value.is_array()) return numbers;
   for (const json& entry : value) {
     if (entry.is_number()) numbers.push_back(entry.get<double>());
     if (!entry.is_array()) continue;

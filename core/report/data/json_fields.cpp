@@ -5,7 +5,9 @@
 
 namespace planescope::report {
 
+namespace {
 using Json = nlohmann::ordered_json;
+}
 
 double rounded(double value) {
   return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0: no minus zero

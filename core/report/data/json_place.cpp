@@ -16,7 +16,9 @@
 
 namespace planescope::report {
 
+namespace {
 using Json = nlohmann::ordered_json;
+}
 
 JsonPlace::JsonPlace(const Json& json, std::string where)
     : json_(&json), where_(std::move(where)) {}

@@ -286,8 +286,11 @@ TEST(Folder, UnusableIntrinsicsAreRefused) {
   expect_one_line_with(
       error_of([&] { open_recording(sample_folder(), with_intrinsics(0, 10, 6, 4)); }), {"fx 0"});
   const fs::path folder = sample_folder();
-  write_text(folder / "intrinsic.json", R"({"intrinsic_matrix": [10, 0, 0]})");
-  expect_one_line_with(error_of([&] { open_recording(folder); }), {"intrinsic.json", "expected 9"});
+  for (const char* matrix : {"[10, 0, 0]", "3", R"({"a": 10, "b": [0, 0, 0, 11, 0, 6, 4, 1]})"}) {
+    write_text(folder / "intrinsic.json", "{\"intrinsic_matrix\": " + std::string(matrix) + "}");
+    expect_one_line_with(error_of([&] { open_recording(folder); }),
+                         {"intrinsic.json", "expected 9"});
+  }
   write_text(folder / "intrinsic.json", "{\"intrinsic_matrix\": [10,");
   expect_one_line_with(error_of([&] { open_recording(folder); }), {"intrinsic.json", "JSON"});
 }
