@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {
@@ -16,6 +17,17 @@ const char* g_program = "planescope";
 
 fs::path without_trailing_slash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
+}
+
+constexpr const char* kStaging = ".partial-";
+
+/// What a run left behind that was killed: nobody holds its lock any more.
+void remove_abandoned(const fs::path& dir) {
+  std::vector<fs::path> stagings;
+  for (const auto& entry : fs::directory_iterator(dir))
+    if (entry.path().filename().string().starts_with(kStaging)) stagings.push_back(entry.path());
+  for (const fs::path& staging : stagings)
+    if (labels::LabelLock::take(staging, "planescope").is_held()) fs::remove_all(staging);
 }
 
 }  // namespace
@@ -50,6 +62,7 @@ StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_trailing_slash(di
 
 StagedOutput::~StagedOutput() {
   std::error_code ignored;
+  lock_ = labels::LabelLock();
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
   // Removes empty folders only: after a commit, or with other files in them, they stay.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
@@ -64,8 +77,10 @@ fs::path StagedOutput::add(const fs::path& relative) {
       std::reverse(missing.begin(), missing.end());
       made_dirs_ = missing;
       fs::create_directories(dir_);
-      staging_ = dir_ / (".partial-" + std::to_string(getpid()));
-      fs::remove_all(staging_);
+      remove_abandoned(dir_);
+      staging_ = dir_ / (kStaging + std::to_string(getpid()));
+      fs::create_directory(staging_);
+      lock_ = labels::LabelLock::take(staging_, "planescope");
     }
     fs::create_directories(staging_ / relative);
   } catch (const fs::filesystem_error& error) {
@@ -80,8 +95,7 @@ void StagedOutput::commit() {
     for (const fs::path& relative : added_) {
       const fs::path target = dir_ / relative;
       fs::create_directories(target.parent_path());
-      fs::remove_all(target);
-      fs::rename(staging_ / relative, target);
+      exchange_folder(staging_ / relative, target);
     }
   } catch (const fs::filesystem_error& error) {
     throw Error("output " + dir_.string() + ": " + error.code().message());

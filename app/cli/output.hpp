@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/labels/store/label_lock.hpp"
+
 namespace planescope::app {
 
 /// A line on stderr, whatever the text holds, behind the name of the program that runs
@@ -43,6 +45,7 @@ class StagedOutput {
  private:
   std::filesystem::path dir_;
   std::filesystem::path staging_;
+  labels::LabelLock lock_;                        // on it
   std::vector<std::filesystem::path> added_;      // relative
   std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
 };

@@ -9,6 +9,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/score.hpp"
 #include "core/report/data/segment_files.hpp"
@@ -96,7 +97,9 @@ void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int 
       "inner: % of labels that are right within 2 cm of another label, and elsewhere. Counts in "
       "the\n"
       "last line are sums.\n");
-  if (without_truth > 0) fmt::print("{} frames have no ground truth.\n", without_truth);
+  if (without_truth > 0)
+    fmt::print("Without ground truth: {}.\n",
+               counted(static_cast<std::size_t>(without_truth), "frame"));
 }
 
 /// Scores our own segmentation; nullopt where the frame has no ground truth.

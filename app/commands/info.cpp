@@ -5,6 +5,7 @@
 
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
 namespace planescope::app {
@@ -174,7 +175,7 @@ Json to_json(const Facts& f) {
 }
 
 void line(const std::string& name, const std::string& text) {
-  fmt::print("  {:<12}{}\n", name, text);
+  fmt::print("  {:<12}{}\n", name, one_line(text));  // names of devices and topics are a file's
 }
 
 void print_depth(const Facts& f, double max_range_m) {
@@ -208,7 +209,7 @@ void print_cloud(const Facts& f) {
 }
 
 void print_text(const Facts& f, double max_range_m) {
-  fmt::print("{}\n", f.info.path.string());
+  fmt::print("{}\n", one_line(f.info.path.string()));
   line("format", f.info.format);
   if (!f.info.device.empty()) line("device", f.info.device);
   line("frames", std::to_string(f.frame_count));

@@ -7,6 +7,7 @@
 #include "app/commands/labels.hpp"
 #include "core/labels/review/agreement.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
@@ -111,7 +112,8 @@ int run_labels_compare(const LabelsArgs& args, const std::stop_token& stop) {
       "\nin A, in B, matched: planes; IoU: mean over all planes of both, 0 where one has no "
       "partner;\nRand: adjusted Rand index; h/v: share of pixels with the same class; same: with "
       "the same plane.\n");
-  if (!one.empty()) fmt::print("{} frames have labels in one folder only.\n", one.size());
+  if (!one.empty())
+    fmt::print("With labels in one folder only: {}.\n", counted(one.size(), "frame"));
   return 0;
 }
 

@@ -11,6 +11,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
 namespace planescope::app {
@@ -196,8 +197,8 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
     store.commit(imports[i].edit);
     store.save(files[i].frame);
     fmt::print(
-        "frame {}: {}: {} planes, {} pixels labelled{}{}{}\n", files[i].frame,
-        files[i].path.string(), imports[i].planes, imports[i].pixels,
+        "frame {}: {}: {}, {} labelled{}{}{}\n", files[i].frame, files[i].path.string(),
+        counted(imports[i].planes, "plane"), counted(imports[i].pixels, "pixel"),
         imports[i].ignored > 0 ? fmt::format(", {} not to be scored", imports[i].ignored) : "",
         imports[i].dropped > 0
             ? fmt::format(", {} labels left out for want of depth", imports[i].dropped)

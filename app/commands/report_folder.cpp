@@ -4,6 +4,7 @@
 
 #include "app/cli/output.hpp"
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/segment_files.hpp"
 
@@ -13,6 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kParts[] = {"pictures", "report"};
+// In the work folder: what goes out of the report, or is to come in.
+constexpr const char* kReplaced = "replaced";
 
 bool has_records(const fs::path& dir) {
   std::error_code failed;
@@ -43,6 +46,11 @@ bool is_of_a_recording(const fs::directory_entry& entry) {
   const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
   return digits >= 2 && name.compare(digits, 1, "-") == 0 && entry.is_directory() &&
          !entry.is_symlink() && !fs::exists(entry.path() / "report.json");
+}
+
+/// What is left of a frame where a run was killed as it removed it.
+bool is_empty_folder(const fs::directory_entry& entry) {
+  return entry.is_directory() && fs::is_empty(entry.path());
 }
 
 template <typename Body>
@@ -155,19 +163,38 @@ report::ReportFrame ReportFolder::read(const fs::path& frame) const {
   return record;
 }
 
+fs::path ReportFolder::aside(const fs::path& part) const {
+  fs::path place = work_ / kReplaced / part;
+  fs::remove_all(place);
+  fs::create_directories(place.parent_path());
+  return place;
+}
+
+void ReportFolder::set_aside(const fs::path& part) const {
+  if (fs::exists(dir_ / part)) fs::rename(dir_ / part, aside(part));
+}
+
+void ReportFolder::put_in_place(const fs::path& part) const {
+  if (!fs::exists(work_ / part) || fs::is_empty(work_ / part)) return set_aside(part);
+  // Out of the frame's folder first: what comes back in exchange is not taken for its new part.
+  const fs::path place = aside(part);
+  fs::rename(work_ / part, place);
+  exchange_folder(place, dir_ / part);
+}
+
 void ReportFolder::remove_others(const std::set<fs::path>& frames) {
   std::vector<fs::path> places = {dir_};  // of "frames"
   for (const auto& entry : fs::directory_iterator(dir_))
     if (is_of_a_recording(entry)) places.push_back(entry.path());
   for (const fs::path& place : places) {
+    if (!fs::is_directory(place / "frames")) continue;
     std::vector<fs::path> others;
-    std::error_code failed;
-    for (const auto& entry : fs::directory_iterator(place / "frames", failed))
-      if (fs::exists(entry.path() / "report" / "frame.json") &&
+    for (const auto& entry : fs::directory_iterator(place / "frames"))
+      if ((fs::exists(entry.path() / "report" / "frame.json") || is_empty_folder(entry)) &&
           !frames.contains(entry.path().lexically_relative(dir_)))
         others.push_back(entry.path());
     for (const fs::path& frame : others) {
-      for (const char* part : kParts) fs::remove_all(frame / part);
+      for (const char* part : kParts) set_aside(frame.lexically_relative(dir_) / part);
       for (fs::path empty = frame; empty != dir_ && fs::is_empty(empty);
            empty = empty.parent_path())
         fs::remove(empty);
@@ -180,14 +207,13 @@ void ReportFolder::commit(bool whole, const std::set<fs::path>& frames) {
     while (!finished_.empty()) {
       const fs::path frame = *finished_.begin();
       fs::create_directories(dir_ / frame);
-      for (const char* part : kParts) {
-        fs::remove_all(dir_ / frame / part);
-        if (fs::exists(work_ / frame / part)) fs::rename(work_ / frame / part, dir_ / frame / part);
-      }
+      for (const char* part : kParts) put_in_place(frame / part);
       finished_.erase(finished_.begin());
     }
     if (whole) remove_others(frames);
   });
+  std::error_code ignored;
+  fs::remove_all(work_ / kReplaced, ignored);
   over_ = whole;
 }
 

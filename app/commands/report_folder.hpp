@@ -48,6 +48,10 @@ class ReportFolder {
 
  private:
   std::filesystem::path place_of(const std::filesystem::path& frame) const;
+  /// An unused place in the work folder for a part of a frame's folder.
+  std::filesystem::path aside(const std::filesystem::path& part) const;
+  void set_aside(const std::filesystem::path& part) const;
+  void put_in_place(const std::filesystem::path& part) const;
   void remove_others(const std::set<std::filesystem::path>& frames);
 
   std::filesystem::path dir_, work_;

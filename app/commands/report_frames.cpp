@@ -68,8 +68,7 @@ class ColorChain {
       const report::PlaneSummary& s = plane.summary;
       now.push_back({s.label, s.normal, s.offset_m, s.centroid, plane.color_id});
     }
-    const bool colored = !planes.empty() && planes[0].color_id > 0;  // by an earlier run
-    if (!colored) render::keep_colors(before_[input], now);
+    render::keep_colors(before_[input], now);
     for (std::size_t k = 0; k < planes.size(); ++k) {
       planes[k].color_id = now[k].color_id;
       planes[k].color = css_color(render::plane_color(now[k].color_id));
@@ -150,11 +149,15 @@ class FrameWriter {
   /// False where the chain of colours was broken.
   bool write(ReportSlot& slot, int turn) {
     const OpenInput& input = job_.inputs[slot.input];
-    if (job_.resume && folder_.has(slot.folder))
-      if (auto found = find(input, slot)) {
-        slot.found = true;
-        return chain_.follow(slot.input, turn, found->planes);
-      }
+    std::optional<report::ReportFrame> found;
+    if (job_.resume && folder_.has(slot.folder)) found = find(input, slot);
+    if (found) {
+      const std::vector<int> colors = colors_of(found->planes);
+      if (!chain_.follow(slot.input, turn, found->planes)) return false;
+      // Not where a frame before it is another one by now, refused in the earlier run perhaps.
+      slot.found = colors_of(found->planes) == colors;
+      if (slot.found) return true;
+    }
     report::ReportFrame frame;
     std::optional<LoadedFrame> loaded;
     const double reference_ms = reference_work();
@@ -171,8 +174,12 @@ class FrameWriter {
       frame = refused(input, slot.index, error);
     }
     frame.reference_ms = reference_ms;
-    const bool goes_on =
-        loaded ? chain_.follow(slot.input, turn, frame.planes) : chain_.pass(slot.input, turn);
+    bool goes_on = true;
+    if (found)
+      take_colors(frame.planes, found->planes);
+    else
+      goes_on =
+          loaded ? chain_.follow(slot.input, turn, frame.planes) : chain_.pass(slot.input, turn);
     if (goes_on && !slot.colors_only) put_down(slot, frame, loaded ? &*loaded : nullptr);
     return goes_on;
   }
@@ -184,6 +191,21 @@ class FrameWriter {
                                               input.recording->frame_hash(slot.index)));
     } catch (const Error&) {
       return std::nullopt;  // damaged: made anew
+    }
+  }
+
+  static std::vector<int> colors_of(const std::vector<report::ReportPlane>& planes) {
+    std::vector<int> colors;
+    for (const report::ReportPlane& plane : planes) colors.push_back(plane.color_id);
+    return colors;
+  }
+
+  /// Of the same planes, where the frame could be run again.
+  static void take_colors(std::vector<report::ReportPlane>& planes,
+                          const std::vector<report::ReportPlane>& colored) {
+    for (std::size_t k = 0; k < std::min(planes.size(), colored.size()); ++k) {
+      planes[k].color_id = colored[k].color_id;
+      planes[k].color = colored[k].color;
     }
   }
 
@@ -221,8 +243,7 @@ class FrameWriter {
   std::vector<report::ReportPicture> draw(const LoadedFrame& loaded,
                                           const report::ReportFrame& frame,
                                           const PictureJob& job) {
-    std::vector<int> colors;
-    for (const report::ReportPlane& plane : frame.planes) colors.push_back(plane.color_id);
+    const std::vector<int> colors = colors_of(frame.planes);
     if (painter_.renderer) {
       try {
         return draw_pictures(loaded, colors, painter_.renderer.get(), job);

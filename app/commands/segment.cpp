@@ -6,6 +6,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {
@@ -22,10 +23,11 @@ std::string line_of(const std::string& folder, const planes::FrameResult& result
   const planes::CloudCounts& counts = result.cloud.counts;
   std::size_t in_plane = 0;
   for (const std::int32_t id : result.plane_of) in_plane += id > 0;
-  std::string line = fmt::format("{}: {} planes, {} of {} points in them", folder,
-                                 result.segmentation.planes.size(), in_plane, counts.kept);
+  std::string line =
+      fmt::format("{}: {}, {} of {} points in them", folder,
+                  counted(result.segmentation.planes.size(), "plane"), in_plane, counts.kept);
   if (!result.segmentation.minor.empty())
-    line += fmt::format(", {} minor planes", result.segmentation.minor.size());
+    line += ", " + counted(result.segmentation.minor.size(), "minor plane");
   if (counts.beyond_range > 0)
     line += fmt::format(", {} beyond the range (--max-range)", counts.beyond_range);
   if (counts.invalid > 0) line += fmt::format(", {} invalid", counts.invalid);

@@ -29,6 +29,8 @@ constexpr double kFineTuningRate = 0.25;
 // seed differ by as much.
 constexpr double kTolerance = 0.3;
 
+constexpr std::string_view kResume = " --resume";
+
 struct Files {
   fs::path weights, page, checkpoint;
 };
@@ -275,6 +277,9 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
   add_clouds(command, args->input.pipeline);
   runs(command, line, args, run_train, [args, needs_recording, &line] {
     args->command = line.text;
+    // As it is typed to get the same from nothing.
+    if (const auto at = line.text.find(kResume); at != std::string::npos)
+      args->command.erase(at, kResume.size());
     if (needs_recording && args->input.inputs.empty())
       throw Error(
           "train needs labelled recordings to learn from; on synthetic clouds alone: "

@@ -1,13 +1,13 @@
 #include "core/io/mapped_file.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -36,9 +36,10 @@ void on_bus_error(int, siginfo_t* info, void*) {
   for (Mapping& mapping : g_mappings) {
     const std::uintptr_t end = mapping.end;
     if (at < mapping.begin || at >= end) continue;
-    const std::uintptr_t page = at / g_page * g_page;
-    if (::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
-               MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == MAP_FAILED)
+    auto* page = static_cast<std::byte*>(info->si_addr) - at % g_page;
+    const std::uintptr_t missing = end - (at - at % g_page);
+    if (::mmap(page, missing, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) ==
+        MAP_FAILED)
       break;
     mapping.cut = true;
     errno = saved;
@@ -118,9 +119,9 @@ void MappedFile::expect_hops() const {
 
 void MappedFile::prefetch(Bytes part) const {
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto start = reinterpret_cast<std::uintptr_t>(part.data()) / page * page;
-  const auto end = reinterpret_cast<std::uintptr_t>(part.data() + part.size());
-  if (end > start) ::madvise(reinterpret_cast<void*>(start), end - start, MADV_WILLNEED);
+  if (part.empty()) return;
+  const std::size_t before = reinterpret_cast<std::uintptr_t>(part.data()) % page;
+  ::madvise(const_cast<std::byte*>(part.data()) - before, before + part.size(), MADV_WILLNEED);
 }
 
 }  // namespace planescope::io

@@ -114,6 +114,28 @@ void replace(const std::filesystem::path& path,
 
 }  // namespace
 
+void exchange_folder(const fs::path& folder, const fs::path& place) {
+  const auto expect = [&](int result) {
+    if (result != 0)
+      throw Error(place.string() + ": cannot be replaced (" + error_text(errno) + ")");
+  };
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(place, ignored)))
+    return expect(std::rename(folder.c_str(), place.c_str()));
+  if (::renameat2(AT_FDCWD, folder.c_str(), AT_FDCWD, place.c_str(), RENAME_EXCHANGE) == 0) return;
+  if (errno != EINVAL && errno != ENOSYS) expect(-1);
+  // A file system that cannot exchange: for a moment nothing is there, and what was lies beside it.
+  const fs::path aside = unused_path(place.string() + ".before-");
+  expect(std::rename(place.c_str(), aside.c_str()));
+  if (std::rename(folder.c_str(), place.c_str()) != 0) {
+    const int error = errno;
+    std::rename(aside.c_str(), place.c_str());
+    errno = error;
+    expect(-1);
+  }
+  expect(std::rename(aside.c_str(), folder.c_str()));
+}
+
 std::ifstream open_to_read(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);

@@ -37,6 +37,11 @@ void write_file_text(const std::filesystem::path& path,
 void write_file_stream(const std::filesystem::path& path,
                        const std::function<void(std::ostream&)>& write);
 
+/// Puts a folder in the place of another, which is left where the first one was: at any moment one
+/// of the two is there, whole. Where nothing is in its place, it is moved there. Both are on one
+/// file system. Throws Error naming the place; what was there then stays.
+void exchange_folder(const std::filesystem::path& folder, const std::filesystem::path& place);
+
 /// A POSIX file descriptor that is closed with its owner.
 class FileDescriptor {
  public:

@@ -33,8 +33,13 @@ void parallel_for(std::size_t count,
   {
     std::vector<std::jthread> workers;
     workers.reserve(n - 1);
-    for (std::size_t i = 1; i < n; ++i) workers.emplace_back(run, i);
+    std::size_t started = 1;
+    try {
+      for (; started < n; ++started) workers.emplace_back(run, started);
+    } catch (const std::system_error&) {  // no more threads: this one does the rest
+    }
     run(0);
+    for (std::size_t i = started; i < n; ++i) run(i);
   }
   for (const auto& error : errors)
     if (error) std::rethrow_exception(error);

@@ -16,7 +16,10 @@ namespace planescope::testing_cli {
 namespace fs = std::filesystem;
 namespace {
 
-pid_t start(const std::vector<std::string>& args, const fs::path& out, const fs::path& err) {
+pid_t start(const std::vector<std::string>& args,
+            const fs::path& out,
+            const fs::path& err,
+            const std::function<void()>& before = {}) {
   std::vector<std::string> words = args;
   if (!words.empty() && words[0] == "planescope-lab")
     words[0] = PLANESCOPE_LAB;
@@ -34,6 +37,7 @@ pid_t start(const std::vector<std::string>& args, const fs::path& out, const fs:
   redirect("/dev/null", O_RDONLY, STDIN_FILENO);
   redirect(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  if (before) before();
   execv(argv[0], argv.data());
   _exit(98);
 }
@@ -43,6 +47,16 @@ fs::path fresh_name(const std::string& what) {
   static int count = 0;
   return fs::path(testing::TempDir()) / ("planescope_cli_" + std::to_string(getpid()) + "_" +
                                          std::to_string(count++) + "_" + what);
+}
+
+/// Until the file exists or the process has ended.
+void wait_for(const fs::path& marker, pid_t pid) {
+  const auto runs = [pid] {
+    siginfo_t ended = {};
+    waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOHANG | WNOWAIT);
+    return ended.si_pid == 0;
+  };
+  while (!fs::exists(marker) && runs()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 Ran finish(pid_t pid, const fs::path& out, const fs::path& err) {
@@ -59,9 +73,9 @@ Ran finish(pid_t pid, const fs::path& out, const fs::path& err) {
 
 }  // namespace
 
-Ran run(const std::vector<std::string>& args) {
+Ran run(const std::vector<std::string>& args, const std::function<void()>& before) {
   const fs::path out = fresh_name("out"), err = fresh_name("err");
-  return finish(start(args, out, err), out, err);
+  return finish(start(args, out, err, before), out, err);
 }
 
 Ran run_and_signal(const std::vector<std::string>& args,
@@ -69,13 +83,18 @@ Ran run_and_signal(const std::vector<std::string>& args,
                    const fs::path& marker) {
   const fs::path out = fresh_name("out"), err = fresh_name("err");
   const pid_t pid = start(args, out, err);
-  const auto runs = [pid] {
-    siginfo_t ended = {};
-    waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOHANG | WNOWAIT);
-    return ended.si_pid == 0;
-  };
-  while (!fs::exists(marker) && runs()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  wait_for(marker, pid);
   kill(pid, signal_number);
+  return finish(pid, out, err);
+}
+
+Ran run_and_then(const std::vector<std::string>& args,
+                 const fs::path& marker,
+                 const std::function<void()>& then) {
+  const fs::path out = fresh_name("out"), err = fresh_name("err");
+  const pid_t pid = start(args, out, err);
+  wait_for(marker, pid);
+  then();
   return finish(pid, out, err);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,19 @@ struct Ran {
 };
 
 /// Runs `planescope ARGS...` with no terminal and waits for it; or `planescope-lab ...` where that
-/// is the first of them.
-Ran run(const std::vector<std::string>& args);
+/// is the first of them. `before`: is called in the process that becomes the program, to change its
+/// environment, limits or user.
+Ran run(const std::vector<std::string>& args, const std::function<void()>& before = {});
 
 /// Starts it, sends `signal_number` as soon as `marker` exists, and waits for the end.
 Ran run_and_signal(const std::vector<std::string>& args,
                    int signal_number,
                    const std::filesystem::path& marker);
+
+/// As run(), and calls `then` as soon as `marker` exists.
+Ran run_and_then(const std::vector<std::string>& args,
+                 const std::filesystem::path& marker,
+                 const std::function<void()>& then);
 
 /// A new, empty folder for the running test.
 std::filesystem::path scratch();

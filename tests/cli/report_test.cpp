@@ -284,6 +284,24 @@ TEST(Report, WhatGlFailsToDrawHalfWayIsLeftOutAndTheRestIsThere) {
   EXPECT_EQ(frames[2]["planes"].size(), 2u);
 }
 
+TEST(Report, ResumedAfterADamagedFrameItHasTheColorsOfARunThatFoundItWhole) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  // The wall alone comes first: in the second frame it keeps its colour.
+  Image16 wall_alone = floor_and_wall();
+  for (std::uint16_t& depth : wall_alone.data) depth = depth < 1200 ? 0 : depth;
+  const auto first = dir / "rec" / "depth" / "000000.png";
+  io::write_png(first, wall_alone);
+  const std::vector<std::string> options = {"--gravity", "0,1,0", "--no-pictures", "--resume"};
+  ASSERT_EQ(run(report_args({dir / "rec"}, dir / "whole", options)).code, 0);
+  const std::string png = read_text(first);
+  write_text(first, png.substr(0, png.size() / 2));
+  EXPECT_EQ(run(report_args({dir / "rec"}, dir / "out", options)).code, 2);
+  write_text(first, png);
+  ASSERT_EQ(run(report_args({dir / "rec"}, dir / "out", options)).code, 0);
+  EXPECT_EQ(read_report(dir / "out")["recordings"], read_report(dir / "whole")["recordings"]);
+}
+
 TEST(Report, AFullDiskIsOneLineAndWhatWasFinishedIsTakenByTheNextRun) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);

@@ -178,7 +178,7 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
     thumbnail.planes = static_cast<int>(run->segmentation.planes.size());
     thumbnail.score = score_of(*run);
   } catch (const std::exception& error) {
-    thumbnail.refusal = error.what();
+    thumbnail.refusal = message_of(error);
   }
   return thumbnail;
 }

@@ -13,6 +13,7 @@
 #include "app/desktop/jobs/label_jobs.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/worker.hpp"
+#include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -72,8 +73,12 @@ struct Jobs::Impl {
   render::Camera home;
 
   // Last: their threads use the above. What one finishes may be what another waits for.
-  Worker runs{[this] { wake(); }}, compares{[this] { wake(); }}, strip{[this] { wake(); }},
-      analysis{[this] { wake(); }};
+  std::function<void()> rested = [this] { wake(); };
+  std::function<void(const std::string&)> failed = [this](const std::string& why) {
+    deliver([why](State& state) { say(state, why, true); });
+  };
+  Worker runs{rested, failed}, compares{rested, failed}, strip{rested, failed},
+      analysis{rested, failed};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
 
   void deliver(Delivery delivery) {
@@ -122,7 +127,7 @@ std::shared_ptr<const RunView> Jobs::Impl::run_a(const Wanted& wanted, std::stri
     });
     return view;
   } catch (const std::exception& error) {
-    problems = fmt::format("no A: {}", error.what());
+    problems = fmt::format("no A: {}", message_of(error));
     return nullptr;
   }
 }
@@ -144,7 +149,7 @@ void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const Rep
       if (!problems.empty()) say(state, both ? problems + "; " + arrival->message : problems, true);
     });
   } catch (const std::exception& error) {
-    deliver([wanted, message = std::string(error.what())](State& state) {
+    deliver([wanted, message = message_of(error)](State& state) {
       if (!wanted.is_shown(state.document)) return;
       state.results.current = nullptr;
       state.results.loading = false;
@@ -275,7 +280,14 @@ void Jobs::Impl::analyse(Analysis what, std::function<void(std::stop_token, int)
   stop_analysis();
   analysing = what;
   analysis.replace([this, work = std::move(work), number = analysis_number](std::stop_token stop) {
-    work(stop, number);
+    try {
+      work(stop, number);
+    } catch (const std::exception& error) {
+      deliver_analysis(number, [why = message_of(error)](State& state) {
+        state.results.fix = {};
+        say(state, why, true);
+      });
+    }
     deliver_analysis(number, [this](State&) { analysing = Analysis::none; });
   });
 }

@@ -67,7 +67,7 @@ void take_in(State& state, std::shared_ptr<const LabelFrame> made) {
     label.frame = std::move(made);
   } catch (const std::exception& error) {
     label.frame = nullptr;
-    label.refusal = error.what();
+    label.refusal = message_of(error);
   }
 }
 
@@ -100,11 +100,14 @@ void take_audit(State& state,
 LabelJobs::LabelJobs(std::function<void(std::function<void(State&)>)> deliver,
                      std::function<void()> wake)
     : deliver_(std::move(deliver)),
-      frames_(wake),
-      marks_(wake),
-      reviews_(wake),
-      audits_(wake),
-      carries_(std::move(wake)) {}
+      failed_([this](const std::string& why) {
+        deliver_([why](State& state) { say(state, why, true); });
+      }),
+      frames_(wake, failed_),
+      marks_(wake, failed_),
+      reviews_(wake, failed_),
+      audits_(wake, failed_),
+      carries_(wake, failed_) {}
 
 LabelJobs::~LabelJobs() {
   for (Worker* worker : {&frames_, &marks_, &reviews_, &audits_, &carries_}) worker->cancel();
@@ -127,7 +130,7 @@ void LabelJobs::pursue_frame(State& state) {
     try {
       deliver_([made = make_label_frame(recording, *subject)](State& s) { take_in(s, made); });
     } catch (const std::exception& error) {
-      deliver_([message = std::string(error.what())](State& s) {
+      deliver_([message = message_of(error)](State& s) {
         s.results.label.frame = nullptr;
         s.results.label.refusal = message;
       });
@@ -174,7 +177,7 @@ void LabelJobs::pursue_review(State& state) {
         if (s.labels() == wanted.labels) take_queue(s, queue);
       });
     } catch (const std::exception& error) {
-      deliver_([this, wanted, message = std::string(error.what())](State& s) {
+      deliver_([this, wanted, message = message_of(error)](State& s) {
         if (wanted != reviewed_) return;
         reviewing_ = false;
         s.results.label.review = nullptr;
@@ -266,7 +269,7 @@ void LabelJobs::pursue_carry(State& state) {
     } catch (const Cancelled&) {
       // Whoever cancelled it has said so.
     } catch (const std::exception& error) {
-      deliver_([this, number, message = std::string(error.what())](State& s) {
+      deliver_([this, number, message = message_of(error)](State& s) {
         if (number != carry_number_) return;
         carrying_ = false;
         s.results.label.carry = {};
@@ -292,7 +295,7 @@ void LabelJobs::deliver_carried(State& state,
   try {
     commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
   } catch (const std::exception& error) {
-    return say(state, error.what(), true);
+    return say(state, message_of(error), true);
   }
   carry.from = from;
   carry.done = carried;

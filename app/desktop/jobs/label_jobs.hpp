@@ -36,6 +36,7 @@ class LabelJobs {
                        const std::shared_ptr<const labels::CarriedLabels>& carried);
 
   std::function<void(std::function<void(State&)>)> deliver_;
+  std::function<void(const std::string&)> failed_;  // tells why a piece of work threw
   // What was asked for last; touched by the window's thread only.
   std::shared_ptr<const io::Recording> recording_, marked_;
   int frame_ = -1;

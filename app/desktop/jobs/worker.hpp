@@ -7,7 +7,10 @@
 #include <functional>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
+
+#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 
@@ -16,8 +19,11 @@ class Worker {
   using Work = std::function<void(std::stop_token)>;
 
   /// `rested`: called from the thread after each piece of work, when busy() no longer counts it.
-  explicit Worker(std::function<void()> rested)
-      : rested_(std::move(rested)), thread_([this](std::stop_token stop) { loop(stop); }) {}
+  /// `failed`: before that, with what is to be told where the work threw.
+  Worker(std::function<void()> rested, std::function<void(const std::string&)> failed)
+      : rested_(std::move(rested)),
+        failed_(std::move(failed)),
+        thread_([this](std::stop_token stop) { loop(stop); }) {}
   ~Worker() {
     cancel();
     thread_.request_stop();
@@ -52,7 +58,11 @@ class Worker {
       current_ = std::stop_source();
       const std::stop_token token = current_.get_token();
       lock.unlock();
-      work(token);
+      try {
+        work(token);
+      } catch (const std::exception& error) {
+        failed_(message_of(error));
+      }
       lock.lock();
       working_ = false;
       lock.unlock();
@@ -62,6 +72,7 @@ class Worker {
   }
 
   std::function<void()> rested_;
+  std::function<void(const std::string&)> failed_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   std::deque<Work> waiting_;

@@ -174,8 +174,8 @@ OpenRecording open_recorded(const State& state,
   for (Candidate& candidate : candidates_of(state, recorded, link, report)) {
     // The report says what is wrong with a damaged frame; the others can still be seen.
     candidate.options.damaged_frames_later = true;
-    const OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
-                             candidate.label_dir};
+    OpenRecording open{candidate.path, io::open_recording(candidate.path, candidate.options),
+                       candidate.label_dir};
     const std::string why = why_other(open, frame, report);
     if (why.empty()) return open;
     if (refusal.empty()) refusal = why;

@@ -78,7 +78,7 @@ class CloudRecording : public Recording {
     std::vector<std::byte> bytes(sizeof(double) * 3 + set.points.size() * sizeof(Vec3f));
     std::memcpy(bytes.data(), set.origin.data(), sizeof(double) * 3);
     if (!set.points.empty()) {
-      std::memcpy(bytes.data() + sizeof(double) * 3, set.points.data(),
+      std::memcpy(bytes.data() + sizeof(double) * 3, set.points.data()->data(),
                   set.points.size() * sizeof(Vec3f));
     }
     return sha256_hex(bytes);

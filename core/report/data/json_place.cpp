@@ -24,7 +24,7 @@ JsonPlace::JsonPlace(const Json& json, std::string where)
     : json_(&json), where_(std::move(where)) {}
 
 JsonPlace JsonPlace::at(const char* key) const {
-  const JsonPlace place = maybe(key);
+  JsonPlace place = maybe(key);
   if (!place.json_) fail("has no \"" + std::string(key) + "\"");
   return place;
 }

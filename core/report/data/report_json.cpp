@@ -303,6 +303,7 @@ void write_report_json(std::ostream& out, const Report& report) {
 
 std::string report_json(const Report& report) {
   std::ostringstream out;
+  out.exceptions(std::ios::badbit);  // it would leave out what it has no memory for
   write_report_json(out, report);
   return out.str();
 }

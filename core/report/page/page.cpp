@@ -277,11 +277,8 @@ std::string text_of(const Breach& breach) {
 }
 
 std::string jpeg_source(const std::filesystem::path& file) {
-  try {
-    return "data:image/jpeg;base64," + base64(read_file_bytes(file));
-  } catch (const Error&) {
-    return "";  // the page links the picture instead
-  }
+  if (!std::filesystem::exists(file)) return "";  // the page links the picture instead
+  return "data:image/jpeg;base64," + base64(read_file_bytes(file));
 }
 
 Template::Template(const char* begin, const char* end) : mustache_(std::string(begin, end)) {
@@ -289,7 +286,10 @@ Template::Template(const char* begin, const char* end) : mustache_(std::string(b
 }
 
 void Template::write(std::ostream& out, const Data& data) {
-  out << valid_text(mustache_.render(data));
+  // Into a string: a stream would leave out what it has no memory for.
+  std::string text;
+  mustache_.render(data, [&](const std::string& piece) { text += piece; });
+  out << valid_text(text);
 }
 
 }  // namespace planescope::report::html

@@ -7,6 +7,8 @@
 #include <ostream>
 
 #include "core/model/error.hpp"
+#include "core/model/sha256.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope {
 namespace {
@@ -14,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path fresh_folder(const std::string& name) {
-  const fs::path folder = fs::path(testing::TempDir()) / ("replace_file_" + name);
+  const fs::path folder = temp_dir() / ("replace_file_" + name);
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;
@@ -77,6 +79,28 @@ TEST(ReplaceFile, WritesToADeviceAsItIs) {
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "/dev/full: cannot be written (No space left on device)");
   }
+}
+
+TEST(ExchangeFolder, LeavesTheOldFolderWhereTheNewOneWas) {
+  const fs::path folder = fresh_folder("exchange");
+  for (const char* name : {"new", "old"}) {
+    fs::create_directories(folder / name);
+    write_file_text(folder / name / name, name);
+  }
+  exchange_folder(folder / "new", folder / "old");
+  EXPECT_TRUE(fs::exists(folder / "old" / "new"));
+  EXPECT_TRUE(fs::exists(folder / "new" / "old"));
+  exchange_folder(folder / "old", folder / "third");
+  EXPECT_TRUE(fs::exists(folder / "third" / "new"));
+  EXPECT_FALSE(fs::exists(folder / "old"));
+  EXPECT_THROW(exchange_folder(folder / "none", folder / "third"), Error);
+  EXPECT_TRUE(fs::exists(folder / "third" / "new")) << "what was there stays";
+}
+
+TEST(Sha256, AFileThatCannotBeReadToItsEndHasNoHash) {
+  // Nothing is mapped at its beginning: reading there is an I/O error.
+  if (!fs::is_regular_file("/proc/self/mem")) GTEST_SKIP() << "no /proc here";
+  EXPECT_THROW(sha256_hex_of_file("/proc/self/mem"), Error);
 }
 
 TEST(FileDescriptors, AMissingFolderAndAFullDeviceAreToldByTheirErrno) {

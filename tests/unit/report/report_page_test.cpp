@@ -244,6 +244,20 @@ TEST(ReportPage, LinksAPictureWhoseCopyIsMissing) {
   EXPECT_TRUE(has(page, "<a href=\"frames/000000/pictures/overlay.png\""));
 }
 
+TEST(ReportPage, ACopyThatCannotBeReadIsAnError) {
+  const Report report = make_report(1);
+  const fs::path dir = fresh_dir();
+  write_copies(dir, report);
+  const fs::path copy = dir / copy_of(report.recordings[0].frames[0].pictures[0]);
+  fs::remove(copy);
+  fs::create_directory(copy);
+  EXPECT_THROW(page_of(report, dir), Error);
+}
+
+TEST(ReportPage, WhatLibjpegRefusesIsAnError) {
+  EXPECT_THROW(encode_jpeg(Image8(70'000, 1, 3), 80), Error);
+}
+
 TEST(ReportPage, TextFromOutsideCannotBecomeMarkup) {
   Report report = make_failing_report();
   ReportRecording& recording = report.recordings[0];

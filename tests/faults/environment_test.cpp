@@ -1,0 +1,249 @@
+// Odd places to run in: without a home, as somebody who may write nowhere, with little of anything,
+// in other locales, and with names that are no text.
+
+#include <grp.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+
+namespace planescope::faults {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace testing_cli;
+using Json = nlohmann::json;
+
+constexpr unsigned kLongestS = 60;
+constexpr uid_t kNobody = 65534;
+
+class Environment : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_depth_folder(rec, floor_and_wall(), 2);
+    fs::permissions(dir, fs::perms::all);
+  }
+  void TearDown() override { fs::remove_all(dir); }
+
+  std::vector<std::string> segment(const fs::path& out) const {
+    return {"segment", rec.string(), "-o", out.string(), "--gravity", "0,1,0", "--threads", "2"};
+  }
+  static Ran run_in(const std::vector<std::string>& args, const std::function<void()>& before) {
+    return run(args, [&] {
+      alarm(kLongestS);
+      before();
+    });
+  }
+  static void limit(int what, rlim_t value) {
+    const rlimit both{value, value};
+    setrlimit(static_cast<__rlimit_resource_t>(what), &both);
+  }
+  static void expect_one_line(const Ran& ran, int code = 2) {
+    EXPECT_EQ(ran.code, code) << ran.err;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  }
+
+  const fs::path dir = scratch(), rec = dir / "rec";
+};
+
+void become_nobody() {
+  if (setgroups(0, nullptr) != 0 || setgid(kNobody) != 0 || setuid(kNobody) != 0) _exit(97);
+}
+
+// ---- Folders ----
+
+TEST_F(Environment, WithoutAHomeCommandsWorkAndTheWindowForgets) {
+  const auto homeless = [] {
+    for (const char* name : {"HOME", "XDG_STATE_HOME", "DISPLAY", "WAYLAND_DISPLAY"})
+      unsetenv(name);
+  };
+  EXPECT_EQ(run_in(segment(dir / "out"), homeless).code, 0);
+  write_text(dir / "script.json", R"({"actions": ["label.mode", "label.take", "label.save"]})");
+  const Ran view = run_in({"view", rec.string(), "--offscreen", "--gravity", "0,1,0", "--script",
+                           (dir / "script.json").string(), "--size", "640x400"},
+                          homeless);
+  EXPECT_EQ(view.code, 0) << view.err;
+  EXPECT_TRUE(fs::exists(dir / "rec.labels" / "000000.json"));
+}
+
+TEST_F(Environment, WhereNobodyMayWriteIsToldBeforeAnyWork) {
+  if (getuid() != 0) GTEST_SKIP() << "needs to be root, to become somebody who may write nowhere";
+  fs::create_directories(dir / "closed" / "out");
+  write_text(dir / "closed" / "out" / "planes.json", "of before");
+  for (const std::vector<std::string>& args :
+       {segment(dir / "closed" / "out"),
+        {"report", rec.string(), "-o", (dir / "closed" / "out").string(), "--gravity", "0,1,0"},
+        {"synth", "sample", "-o", (dir / "closed" / "new").string()},
+        {"view", rec.string(), "--screenshot", (dir / "closed" / "a.png").string(), "--gravity",
+         "0,1,0"}}) {
+    const Ran ran = run_in(args, become_nobody);
+    expect_one_line(ran);
+    EXPECT_NE(ran.err.find((dir / "closed").string()), std::string::npos) << ran.err;
+  }
+  EXPECT_EQ(files_below(dir / "closed"), std::vector<std::string>{"out/planes.json"});
+}
+
+TEST_F(Environment, LabelsOfAFolderThatIsClosedAreReadAndTheGestureIsRefused) {
+  if (getuid() != 0) GTEST_SKIP() << "needs to be root, to become somebody who may write nowhere";
+  fs::create_directories(dir / "rec.labels");
+  write_text(dir / "script.json", R"({"actions": ["label.mode", "label.take"]})");
+  const Ran ran = run_in({"view", rec.string(), "--offscreen", "--gravity", "0,1,0", "--script",
+                          (dir / "script.json").string(), "--size", "640x400"},
+                         [&] {
+                           setenv("HOME", "/proc", 1);
+                           unsetenv("XDG_STATE_HOME");
+                           become_nobody();
+                         });
+  expect_one_line(ran);
+  EXPECT_NE(ran.err.find("read-only"), std::string::npos) << ran.err;
+}
+
+// ---- Limits ----
+
+TEST_F(Environment, SixteenOpenFilesAndASmallStackAreEnough) {
+  EXPECT_EQ(run_in(segment(dir / "few"), [] { limit(RLIMIT_NOFILE, 16); }).code, 0);
+  EXPECT_EQ(run_in(segment(dir / "small"), [] { limit(RLIMIT_STACK, 256 * 1024); }).code, 0);
+  const auto report = [&](const char* out) {
+    return std::vector<std::string>{"report",    rec.string(), "-o",           (dir / out).string(),
+                                    "--gravity", "0,1,0",      "--no-pictures"};
+  };
+  EXPECT_EQ(run_in(report("a"), [] { limit(RLIMIT_NOFILE, 16); }).code, 0);
+  EXPECT_EQ(run_in(report("b"), [] { limit(RLIMIT_STACK, 256 * 1024); }).code, 0);
+}
+
+TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
+  bool worked = false;
+  for (rlim_t bytes = 150'000'000; bytes <= 400'000'000;
+       bytes += bytes < 220'000'000 ? 5'000'000 : 60'000'000) {
+    SCOPED_TRACE(bytes);
+    if (run_in({"--version"}, [&] { limit(RLIMIT_AS, bytes); }).code != 0) continue;
+    const Ran ran = run_in(segment(dir / "out"), [&] { limit(RLIMIT_AS, bytes); });
+    worked |= ran.code == 0;
+    if (ran.code == 0) continue;
+    expect_one_line(ran);
+    EXPECT_NE(ran.err.find("out of memory"), std::string::npos) << ran.err;
+    EXPECT_FALSE(worked) << "less was enough";
+  }
+  if (run_in({"--version"}, [] { limit(RLIMIT_AS, 400'000'000); }).code != 0)
+    GTEST_SKIP() << "this build does not start in so little memory";
+  EXPECT_TRUE(worked);
+}
+
+// ---- Locales and names ----
+
+TEST_F(Environment, NumbersHaveAPointInAnyLocale) {
+  std::string expected;
+  for (const char* locale : {"C", "de_DE.UTF-8", "C.UTF-8", "xx_YY.broken"}) {
+    SCOPED_TRACE(locale);
+    std::vector<std::string> args = segment(dir / "out");
+    args.insert(args.end(), {"--voxel", "0.025"});
+    const Ran ran = run_in(args, [&] { setenv("LC_ALL", locale, 1); });
+    ASSERT_EQ(ran.code, 0) << ran.err;
+    const std::string planes = read_text(dir / "out" / "frames" / "000000" / "planes.json");
+    if (expected.empty()) expected = planes;
+    EXPECT_EQ(planes, expected);
+    args.back() = "0,025";
+    EXPECT_EQ(run_in(args, [&] { setenv("LC_ALL", locale, 1); }).code, 2);
+  }
+}
+
+TEST_F(Environment, NamesThatAreNoTextOrHoldNewlinesAndQuotes) {
+  for (const std::string name : {"latin\xe9", "two\nlines", "q'uo\"te", "tab\tand space ", "-o"}) {
+    SCOPED_TRACE(name);
+    const fs::path odd = dir / name;
+    fs::create_directories(odd);
+    fs::copy(rec, odd / name, fs::copy_options::recursive);
+    const fs::path out = odd / "out";
+    const Ran segmented =
+        run({"segment", (odd / name).string(), "-o", out.string(), "--gravity", "0,1,0", "--json"});
+    EXPECT_EQ(segmented.code, 0) << segmented.err;
+    EXPECT_TRUE(Json::accept(segmented.out)) << segmented.out;
+    const Ran reported = run({"report", (odd / name).string(), "-o", out.string(), "--gravity",
+                              "0,1,0", "--no-pictures"});
+    EXPECT_EQ(reported.code, 0) << reported.err;
+    EXPECT_TRUE(Json::accept(read_text(out / "report.json")));
+    const Ran missing = run({"segment", (odd / (name + "none")).string(), "-o", out.string()});
+    expect_one_line(missing);
+  }
+}
+
+// ---- Files that go while they are open, and names that lead elsewhere ----
+
+TEST_F(Environment, ARecordingThatGoesWhileTheWindowHasItOpenIsToldInOneLine) {
+  write_depth_folder(rec, floor_and_wall(), 8);
+  write_text(dir / "script.json", R"({"actions": [{"state": ")" + (dir / "open.json").string() +
+                                      R"("}, "frame.last", {"expect": {"frame": 7}}, "label.mode",
+      "label.take", "label.save"]})");
+  const Ran ran = run_and_then({"view", rec.string(), "--offscreen", "--gravity", "0,1,0", "--size",
+                                "640x400", "--script", (dir / "script.json").string()},
+                               dir / "open.json", [&] { fs::remove_all(rec); });
+  EXPECT_TRUE(ran.code == 0 || ran.code == 1 || ran.code == 2) << ran.code << ran.err;
+  if (ran.code != 0) {
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  }
+}
+
+/// What an importer read must not be followed out of its folder.
+TEST_F(Environment, NamesInFilesNeverLeadOutOfTheFolder) {
+  const fs::path outside = dir / "outside.png";
+  write_text(outside, "of somebody else");
+  const auto before = files_below(dir);
+  const std::string sidecar =
+      R"({"schema": "planescope.recording/1", "depth_unit_m": 0.001, "gravity": [0, 1, 0],
+          "intrinsics": {"width": 160, "height": 120, "fx": 120, "fy": 120, "cx": 80, "cy": 60},
+          "frames": [{"name": "../../outside"}, {"name": ")" +
+      (dir / "outside").string() + R"("}]})";
+  write_text(rec / "planescope.json", sidecar);
+  const Ran sided = run({"report", rec.string(), "-o", (dir / "out").string(), "--no-pictures"});
+  if (sided.code != 0) expect_one_line(sided);
+  fs::remove(rec / "planescope.json");
+  fs::remove_all(dir / "out");
+
+  // The shards of a report, whose recordings' names become folders where they are joined.
+  const auto shard = [&](const char* part) {
+    const fs::path out = dir / "out" / part;
+    const Ran ran = run({"report", rec.string(), rec.string(), "-o", out.string(), "--no-pictures",
+                         "--gravity", "0,1,0", "--shard", std::string(part) + "/2"});
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return out;
+  };
+  const fs::path first = shard("1"), second = shard("2");
+  for (const std::string& name : {std::string("../../outside"), (dir / "outside").string()}) {
+    for (const fs::path& part : {first, second}) {
+      Json report = Json::parse(read_text(part / "report.json"));
+      report["recordings"][0]["name"] = name;
+      write_text(part / "report.json", report.dump());
+    }
+    const Ran merged = run({"report", "merge", first.string(), second.string(), "-o",
+                            (dir / "in" / "deep" / "merged").string()});
+    expect_one_line(merged);
+    EXPECT_NE(merged.err.find("expected a file's name"), std::string::npos) << merged.err;
+    EXPECT_FALSE(fs::exists(dir / "in"));
+  }
+  fs::remove_all(dir / "out");
+  EXPECT_EQ(files_below(dir), before) << "nothing is written elsewhere";
+  EXPECT_EQ(read_text(outside), "of somebody else");
+}
+
+TEST_F(Environment, ArchivesAndImageListsNeverLeadOutOfTheFolder) {
+  const auto before = files_below(dir);
+  write_text(dir / "in.json", R"({"images": [{"id": 1, "file_name": "../../x.png", "width": 160,
+      "height": 120}], "categories": [{"id": 1, "name": "/etc/x"}], "annotations": [{"id": 1,
+      "image_id": 1, "category_id": 1, "segmentation": [[10, 10, 50, 10, 50, 50]], "bbox":
+      [10, 10, 40, 40], "area": 800, "iscrowd": 0}]})");
+  const Ran ran = run({"labels", "import", rec.string(), "--format", "coco", "--from",
+                       (dir / "in.json").string(), "--frames", "0", "--gravity", "0,1,0",
+                       "--labels", (dir / "deep" / "labels").string()});
+  if (ran.code != 0) expect_one_line(ran);
+  fs::remove_all(dir / "deep");
+  fs::remove(dir / "in.json");
+  EXPECT_EQ(files_below(dir), before);
+}
+
+}  // namespace
+}  // namespace planescope::faults

@@ -1,0 +1,201 @@
+// Main commands that are killed at a random moment, and the run after it. PLANESCOPE_KILLS says how
+// often each is killed, PLANESCOPE_SEED when.
+
+#include <gtest/gtest.h>
+#include <sys/time.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/model/random.hpp"
+#include "faults/commands.hpp"
+#include "faults/fault.hpp"
+
+namespace planescope::faults {
+namespace {
+
+namespace fs = std::filesystem;
+using testing_cli::Ran;
+using testing_cli::read_text;
+
+constexpr int kKilled = 128 + SIGALRM;
+
+int number(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::atoi(text) : otherwise;
+}
+
+/// Ends it as `kill -9` does, without a word to the program, whose code never sees the signal:
+/// nobody handles SIGALRM.
+Ran run_and_kill(const Words& words, double after_s) {
+  return testing_cli::run(words, [after_s] {
+    itimerval timer{};
+    const auto microseconds = static_cast<long>(after_s * 1e6) + 1;
+    timer.it_value = {microseconds / 1000000, microseconds % 1000000};
+    setitimer(ITIMER_REAL, &timer, nullptr);
+  });
+}
+
+class Kill : public testing::Test {
+ protected:
+  void SetUp() override {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    setenv("XDG_STATE_HOME", (dir / "state").c_str(), 1);
+    fs::create_directories(work);
+  }
+  void TearDown() override { fs::remove_all(dir); }
+
+  void begin_anew() {
+    fs::remove_all(work);
+    fs::copy(start, work, fs::copy_options::recursive);
+  }
+
+  /// Runs undisturbed what was prepared in `work`.
+  void keep_good(const Words& words) {
+    fs::copy(work, start, fs::copy_options::recursive);
+    const auto begun = std::chrono::steady_clock::now();
+    const Ran good = testing_cli::run(words);
+    lasts_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    ASSERT_EQ(good.code, 0) << good.err;
+    wanted = snapshot(work);
+  }
+
+  /// `again`: the words of the run after.
+  void kill_often(const std::string& name,
+                  int kills,
+                  const std::function<Words()>& words,
+                  const std::function<Words()>& again) {
+    Random random(static_cast<std::uint64_t>(number("PLANESCOPE_SEED", 1)));
+    kills = number("PLANESCOPE_KILLS", kills);
+    int killed = 0, wrong = 0;
+    for (int i = 0; i < kills; ++i) {
+      const double after_s = random.uniform() * lasts_s;
+      SCOPED_TRACE(name + " killed after " + std::to_string(after_s) + " s");
+      begin_anew();
+      const Ran first = run_and_kill(words(), after_s);
+      ASSERT_TRUE(first.code == kKilled || first.code == 0) << first.code << first.err;
+      killed += first.code == kKilled;
+      const Ran next = testing_cli::run(again());
+      const std::string differ = differences(snapshot(work), wanted);
+      EXPECT_EQ(next.code, 0) << next.err;
+      EXPECT_EQ(differ, "") << next.err;
+      wrong += next.code != 0 || !differ.empty();
+    }
+    std::printf("| %s is killed | %d | %d | %d |\n", name.c_str(), kills, killed, wrong);
+  }
+
+  void kill_command(const std::string& name, int kills, const Words& more_again) {
+    const Command command = main_command(name);
+    command.prepare(work);
+    keep_good(command.words(work));
+    const auto words = [&] { return command.words(work); };
+    const auto again = [&] {
+      Words same = words();
+      same.insert(same.end(), more_again.begin(), more_again.end());
+      return same;
+    };
+    kill_often(name, kills, words, again);
+  }
+
+  const fs::path dir = testing_cli::scratch(), work = dir / "work", start = dir / "start";
+  Snapshot wanted;
+  double lasts_s = 0;
+};
+
+TEST_F(Kill, ASegmentRunIsRepeatedToTheSameFiles) { kill_command("segment", 5, {}); }
+TEST_F(Kill, AReportIsResumedToTheSameFiles) { kill_command("report", 5, {"--resume"}); }
+TEST_F(Kill, AReportWithPicturesIsResumedToTheSameFiles) {
+  kill_command("pictures", 1, {"--resume"});
+}
+TEST_F(Kill, AnApprovalIsRepeatedToTheSameBaseline) { kill_command("approve", 4, {}); }
+
+TEST_F(Kill, ATrainingIsResumedToTheSameWeights) {
+  const Command command = main_command("train");
+  command.prepare(work);
+  const Words longer = {"--steps", "40", "--epoch", "4"};
+  const auto words = [&] {
+    Words all = command.words(work);
+    const auto at = std::ranges::find(all, "--steps");
+    std::copy(longer.begin(), longer.end(), at);
+    return all;
+  };
+  keep_good(words());
+  kill_often("train", 3, words, [&] {
+    Words all = words();
+    if (fs::exists(work / "out.checkpoint")) all.push_back("--resume");
+    return all;
+  });
+}
+
+// ---- Labels ----
+
+constexpr int kStrokes = 6;
+
+/// Gesture `number` of the frame, then a file that says so: it was acknowledged.
+std::string gesture(int number, const fs::path& told) {
+  const int x = 30 + 15 * number;
+  return R"({"do": "label.plane", "with": "0"}, {"do": "label.stroke", "with": "image over 6 )" +
+         std::to_string(x) + ",40 " + std::to_string(x) + R"(,90"}, {"state": ")" + told.string() +
+         "." + std::to_string(number) + "\"}, ";
+}
+
+TEST_F(Kill, NoGestureThatWasAcknowledgedIsLost) {
+  const fs::path script = dir / "script.json", told = dir / "told";
+  const Words view = {"view",     (work / "rec").string(), "--labels",    (work / "drawn").string(),
+                      "--script", script.string(),         "--offscreen", "--size",
+                      "640x400"};
+  /// From a gesture on, to the end.
+  const auto draw_from = [&](int first) {
+    std::string actions = R"({"actions": ["label.mode", )";
+    for (int i = first; i < kStrokes; ++i) actions += gesture(i, told);
+    testing_cli::write_text(script, actions + R"("label.save"]})");
+  };
+  const auto acknowledged = [&] {
+    int count = 0;
+    while (fs::exists(told.string() + "." + std::to_string(count))) ++count;
+    return count;
+  };
+  const auto forget = [&] {
+    for (int i = 0; i < kStrokes; ++i) fs::remove(told.string() + "." + std::to_string(i));
+  };
+  main_command("eval").prepare(work);
+  draw_from(0);
+  keep_good(view);
+  ASSERT_EQ(acknowledged(), kStrokes);
+
+  Random random(static_cast<std::uint64_t>(number("PLANESCOPE_SEED", 1)));
+  const int kills = number("PLANESCOPE_KILLS", 2);
+  int killed = 0, wrong = 0;
+  for (int i = 0; i < kills; ++i) {
+    const double after_s = random.uniform(0.3, 1.0) * lasts_s;
+    SCOPED_TRACE("killed after " + std::to_string(after_s) + " s");
+    begin_anew();
+    forget();
+    draw_from(0);
+    const Ran first = run_and_kill(view, after_s);
+    ASSERT_TRUE(first.code == kKilled || first.code == 0) << first.code << first.err;
+    killed += first.code == kKilled;
+    const int told_before = acknowledged();
+    testing_cli::write_text(script, R"({"actions": ["label.mode", {"state": ")" +
+                                        (dir / "seen.json").string() + "\"}]}");
+    const Ran look = testing_cli::run(view);
+    ASSERT_EQ(look.code, 0) << look.err;
+    const int kept = nlohmann::json::parse(read_text(dir / "seen.json")).at("label_undo");
+    EXPECT_GE(kept, told_before);
+    EXPECT_LE(kept, told_before + 1);
+    draw_from(kept);
+    const Ran next = testing_cli::run(view);
+    EXPECT_EQ(next.code, 0) << next.err;
+    const std::string differ = differences(snapshot(work), wanted);
+    EXPECT_EQ(differ, "") << next.err;
+    wrong += kept < told_before || next.code != 0 || !differ.empty();
+  }
+  std::printf("| labels are drawn, it is killed | %d | %d | %d |\n", kills, killed, wrong);
+}
+
+}  // namespace
+}  // namespace planescope::faults

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace planescope::faults {
+
+/// What can be made to fail. The layer keeps a count of each, in this order.
+inline constexpr std::array<std::string_view, 14> kKinds = {
+    "open",     "read",  "write", "sync",   "rename", "remove", "map",
+    "truncate", "mkdir", "list",  "thread", "memory", "egl",    "gl"};
+
+}  // namespace planescope::faults
