@@ -90,7 +90,9 @@ GlProgram make_program(const char* name, std::string_view vertex, std::string_vi
 }
 
 void set_attribute(const Attribute& attribute) {
-  const void* offset = reinterpret_cast<const void*>(attribute.offset);
+  // A place in the bound buffer, which OpenGL takes as a pointer.
+  const void* offset =
+      reinterpret_cast<const void*>(attribute.offset);  // NOLINT(performance-no-int-to-ptr)
   const GLsizei stride = static_cast<GLsizei>(attribute.stride);
   glEnableVertexAttribArray(attribute.location);
   if (attribute.type == GL_UNSIGNED_INT) {

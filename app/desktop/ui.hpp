@@ -25,6 +25,11 @@ struct WidgetRect {
 };
 using Widgets = std::map<std::string, WidgetRect>;
 
+/// What ImGui's AddImage() takes, which is a pointer by name only.
+inline ImTextureID imgui_texture(TextureId texture) {
+  return reinterpret_cast<ImTextureID>(texture);  // NOLINT(performance-no-int-to-ptr)
+}
+
 /// Colours beside ImGui's own style.
 struct UiColors {
   ImU32 text, muted, accent, good, bad, warning, grid, panel;

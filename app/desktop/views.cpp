@@ -84,7 +84,7 @@ std::optional<ImagePlacement> draw_image_room(const Ui& ui,
   ImDrawList* draw = ImGui::GetWindowDrawList();
   draw->PushClipRect(placed.area_min, placed.area_max, true);
   draw->AddRectFilled(placed.area_min, placed.area_max, ui.colors.panel);
-  if (ui.canvas) draw->AddImage(reinterpret_cast<ImTextureID>(picture(*ui.canvas)), first, last);
+  if (ui.canvas) draw->AddImage(imgui_texture(picture(*ui.canvas)), first, last);
   draw->PopClipRect();
   ImGui::InvisibleButton("pixels", room, kAllButtons);
   // Of the image itself, so that shares of the widget are shares of the image.
@@ -122,8 +122,8 @@ std::optional<ScenePlacement> draw_scene_room(
     const TextureId texture =
         picture(*ui.canvas, fitted(camera_of(ui.state), w / h), placed.width, placed.height);
     // Row 0 of the texture is at the bottom.
-    ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), placed.min,
-                                         placed.max, ImVec2(0, 1), ImVec2(1, 0));
+    ImGui::GetWindowDrawList()->AddImage(imgui_texture(texture), placed.min, placed.max,
+                                         ImVec2(0, 1), ImVec2(1, 0));
   }
   ImGui::InvisibleButton("scene", ImVec2(w, h), kAllButtons);
   ui.name("view3d");

@@ -320,7 +320,11 @@ Offscreen::Offscreen(State state, int width, int height, float scale)
 }
 
 Offscreen::~Offscreen() {
-  context_->make_current();
+  try {
+    context_->make_current();
+  } catch (const Error&) {
+    // What it drew with ends with the context; the labels are saved all the same.
+  }
   close_shell(shell_);
   target_.reset();
 }

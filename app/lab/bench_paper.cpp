@@ -200,10 +200,11 @@ class PaperRun {
     Progress bar("cells", all);
     while (!left.empty()) {
       const lab::CellKey first = left[0];
-      const auto rest = std::ranges::stable_partition(
-          left, [&](const lab::CellKey& key) { return !lab::same_frames(key, first); });
-      const std::vector<lab::CellKey> group(rest.begin(), rest.end());
-      left.erase(rest.begin(), rest.end());
+      const auto rest = std::stable_partition(
+          left.begin(), left.end(),
+          [&](const lab::CellKey& key) { return !lab::same_frames(key, first); });
+      const std::vector<lab::CellKey> group(rest, left.end());
+      left.erase(rest, left.end());
       const int before = all - static_cast<int>(left.size() + group.size());
       const std::string name = lab::frames_name(first);
       log.append(lab::measure_cells(

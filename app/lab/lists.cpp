@@ -32,6 +32,7 @@ void read_list(const std::filesystem::path& list,
       throw Error(fmt::format("{}, line {}: {}", list.string(), number, error.what()));
     }
   }
+  if (file.bad()) throw Error(list.string() + ": cannot be read to its end");
 }
 
 /// The rest of a line: options as they would be typed, of those that are `known`. Throws Error.

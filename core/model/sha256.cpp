@@ -49,6 +49,7 @@ std::string sha256_hex_of_file(const std::filesystem::path& path) {
   std::vector<char> block(1 << 16);
   while (file.read(block.data(), static_cast<std::streamsize>(block.size())) || file.gcount() > 0)
     digest.update(block.data(), static_cast<std::size_t>(file.gcount()));
+  if (file.bad()) throw Error(path.string() + ": cannot be read to its end");
   return digest.hex();
 }
 

@@ -49,8 +49,8 @@ std::shared_ptr<ReviewQueue> with_note(const ReviewQueue& queue,
   after->items[item].note = note;
   after->labels_decided =
       note.decision == ReviewDecision::take || note.decision == ReviewDecision::ignore;
-  std::ranges::stable_partition(after->items,
-                                [](const labels::Disagreement& one) { return !one.note; });
+  std::stable_partition(after->items.begin(), after->items.end(),
+                        [](const labels::Disagreement& one) { return !one.note; });
   return after;
 }
 

@@ -156,8 +156,8 @@ void draw_names(const Ui& ui, const DrawingSurface& surface) {
   const float size = ui.bold->FontSize;
   std::vector<render::LabelPlace> places = names.places;
   const int active = ui.state.view.label.plane;
-  std::ranges::stable_partition(places,
-                                [&](const render::LabelPlace& one) { return one.plane == active; });
+  std::stable_partition(places.begin(), places.end(),
+                        [&](const render::LabelPlace& one) { return one.plane == active; });
   // Names on top of each other are of no use: where there is no room for all, zooming in makes
   // room.
   std::vector<ImVec4> drawn;  // from x, y to z, w

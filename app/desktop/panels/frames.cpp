@@ -7,6 +7,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -69,7 +70,7 @@ WidgetRect draw_flag(
 
 /// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
 void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
-  std::string text = fmt::format("{} planes", thumbnail.planes);
+  std::string text = counted(static_cast<std::size_t>(thumbnail.planes), "plane");
   ImU32 color = ui.colors.muted;
   if (!thumbnail.refusal.empty()) {
     text = "refused";
@@ -98,8 +99,8 @@ void tell(const Thumbnail& thumbnail, int frame) {
         "green: all found; yellow: half of them or more; red: fewer",
         thumbnail.score->detected, total, thumbnail.score->mean_iou);
   } else {
-    text += fmt::format(": {} planes found; there is no ground truth to compare with",
-                        thumbnail.planes);
+    text += fmt::format(": {} found; there is no ground truth to compare with",
+                        counted(static_cast<std::size_t>(thumbnail.planes), "plane"));
   }
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
@@ -162,7 +163,7 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
     const float w = scale * static_cast<float>(thumbnail.image.width);
     const float h = scale * static_cast<float>(thumbnail.image.height);
     const ImVec2 from(at.x + (size.x - w) / 2, at.y + (size.y - h) / 2);
-    draw->AddImage(reinterpret_cast<ImTextureID>(texture), from, ImVec2(from.x + w, from.y + h));
+    draw->AddImage(imgui_texture(texture), from, ImVec2(from.x + w, from.y + h));
   }
   if (thumbnail.ready) draw_outcome(ui, thumbnail, ImVec2(end.x, at.y));
   draw_label_mark(ui, frame, end);

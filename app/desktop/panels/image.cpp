@@ -83,8 +83,8 @@ void draw_image(const Ui& ui) {
   handle_mouse(ui, *placed);
   const std::int64_t source = view.selected.source;
   if (source >= 0) {
-    const auto u = static_cast<float>(source % depth.width);
-    const auto v = static_cast<float>(source / depth.width);
+    const std::int64_t row = source / depth.width, column = source % depth.width;
+    const auto u = static_cast<float>(column), v = static_cast<float>(row);
     const float reach = std::max(ui.px(5), placed->scale);
     const ImVec2 middle = placed->to_screen(u + 0.5f, v + 0.5f);
     draw->AddCircle(middle, reach + ui.px(1), IM_COL32(0, 0, 0, 200), 0, ui.px(3));

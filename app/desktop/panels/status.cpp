@@ -4,6 +4,7 @@
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -56,7 +57,7 @@ std::string right_text(const State& state) {
     const debug::QuickScore& score = *state.run_view()->score;
     text += fmt::format("  ·  {} of {} true planes found", score.detected, score.planes.size());
   } else {
-    text += fmt::format("  ·  {} planes", run->segmentation.planes.size());
+    text += "  ·  " + counted(run->segmentation.planes.size(), "plane");
   }
   return text;
 }

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
@@ -46,14 +48,19 @@ render::Camera camera_from(const Json& json) {
   return camera;
 }
 
+int int_of(const Json& json, const char* key) { return whole_int(json.at(key), key); }
+
 template <typename Enum>
 void enum_of(const Json& json, const char* key, int count, Enum& value) {
-  if (json.contains(key))
-    value = static_cast<Enum>(std::clamp(json.at(key).get<int>(), 0, count - 1));
+  if (json.contains(key)) value = static_cast<Enum>(std::clamp(int_of(json, key), 0, count - 1));
 }
 template <typename T>
 void value_of(const Json& json, const char* key, T& value) {
-  if (json.contains(key)) value = json.at(key).get<T>();
+  if (!json.contains(key)) return;
+  if constexpr (std::is_same_v<T, int>)
+    value = int_of(json, key);
+  else
+    value = json.at(key).get<T>();
 }
 void share_of(const Json& json, const char* key, double& value) {
   value_of(json, key, value);
@@ -70,11 +77,11 @@ Bookmark bookmark_of(const Json& json) {
   Bookmark b;
   b.name = json.at("name");
   b.note = json.at("note");
-  b.frame = json.at("frame");
-  b.step = json.at("step");
-  b.node = json.at("node");
-  b.plane = json.at("plane");
-  b.voxel = json.at("voxel");
+  b.frame = int_of(json, "frame");
+  b.step = int_of(json, "step");
+  b.node = int_of(json, "node");
+  b.plane = int_of(json, "plane");
+  b.voxel = int_of(json, "voxel");
   b.filter = json.at("filter");
   b.camera = camera_from(json.at("camera"));
   return b;
@@ -91,7 +98,7 @@ Breakpoint breakpoint_of(const Json& json) {
   Breakpoint b;
   enum_of(json, "kind", 3, b.kind);
   b.filter = json.at("filter");
-  b.index = json.at("index");
+  b.index = int_of(json, "index");
   b.enabled = json.at("enabled");
   return b;
 }
@@ -206,43 +213,56 @@ struct Session {
   std::vector<std::uint32_t> marked;
 };
 
+/// All of it but the recording. Throws nlohmann's exceptions, and Error that does not name the
+/// file.
+Session session_of(const Json& json, const State& state) {
+  const std::string schema = json.at("schema");
+  if (schema != kSessionSchema)
+    throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSessionSchema));
+  Session session;
+  session.options = options_of(json.at("options"), state.document.options);
+  session.frame = int_of(json.at("recording"), "frame");
+  session.cursor = bookmark_of(json.at("cursor"));
+  session.view = state.view;
+  session.view.flash = session.view.marking = false;
+  session.view.playing.direction = 0;
+  if (session.view.against == Against::pinned) session.view.against = Against::nothing;
+  view_of(json.at("view"), session.view);
+  for (const Json& one : json.at("breakpoints")) session.breakpoints.push_back(breakpoint_of(one));
+  for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one));
+  if (json.contains("marked"))
+    for (const Json& voxel : json.at("marked"))
+      session.marked.push_back(static_cast<std::uint32_t>(
+          whole_number(voxel, 0, std::numeric_limits<std::uint32_t>::max(), "a marked voxel")));
+  return session;
+}
+
 Session read_session(const State& state, const fs::path& path) {
   const auto json = read_json<Json>(path);
+  std::string written, hash;
+  Session session;
   try {
-    const std::string schema = json.at("schema");
-    if (schema != kSessionSchema)
-      throw Error(
-          fmt::format("{}: its schema is {}, expected {}", path.string(), schema, kSessionSchema));
-    Session session;
-    session.options = options_of(json.at("options"), state.document.options);
-    session.frame = json.at("recording").at("frame");
-    session.cursor = bookmark_of(json.at("cursor"));
-    session.view = state.view;
-    session.view.flash = session.view.marking = false;
-    session.view.playing.direction = 0;
-    if (session.view.against == Against::pinned) session.view.against = Against::nothing;
-    view_of(json.at("view"), session.view);
-    for (const Json& one : json.at("breakpoints"))
-      session.breakpoints.push_back(breakpoint_of(one));
-    for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one));
-    session.marked = json.value("marked", std::vector<std::uint32_t>{});
-
-    OpenRecording& open = session.recording;
-    open.path = find_recording(path, json.at("recording").at("path").get<std::string>());
-    open.recording = io::open_recording(open.path, state.document.recording_options);
-    open.label_dir = labels::default_label_dir(open.path);
-    const int count = open.recording->frame_count();
-    if (session.frame < 0 || session.frame >= count)
-      throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),
-                              session.frame, open.path.string(), count));
-    const std::string hash = json.at("recording").at("frame_sha256");
-    if (hash != open.recording->frame_hash(session.frame))
-      throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
-                              path.string(), open.path.string(), session.frame));
-    return session;
+    session = session_of(json, state);
+    written = json.at("recording").at("path");
+    hash = json.at("recording").at("frame_sha256");
+  } catch (const Error& error) {
+    throw Error(path.string() + ": " + error.what());
   } catch (const Json::exception& error) {
     throw Error(path.string() + ": is no session that can be read: " + json_problem(error));
   }
+
+  OpenRecording& open = session.recording;
+  open.path = find_recording(path, written);
+  open.recording = io::open_recording(open.path, state.document.recording_options);
+  open.label_dir = labels::default_label_dir(open.path);
+  const int count = open.recording->frame_count();
+  if (session.frame < 0 || session.frame >= count)
+    throw Error(fmt::format("{}: it shows frame {}, but {} has {} frames", path.string(),
+                            session.frame, open.path.string(), count));
+  if (hash != open.recording->frame_hash(session.frame))
+    throw Error(fmt::format("{}: {} is another recording than the session's, frame {} differs",
+                            path.string(), open.path.string(), session.frame));
+  return session;
 }
 
 }  // namespace
@@ -352,11 +372,11 @@ Settings load_settings() {
     const auto json = read_json<Json>(settings_path());
     if (json.at("schema") != kSettingsSchema) return {};
     Settings settings;
-    settings.width = std::clamp(json.at("width").get<int>(), 640, 16384);
-    settings.height = std::clamp(json.at("height").get<int>(), 400, 16384);
+    settings.width = std::clamp(int_of(json, "width"), 640, 16384);
+    settings.height = std::clamp(int_of(json, "height"), 400, 16384);
     settings.maximized = json.at("maximized");
     settings.last_recording = json.at("last_recording").get<std::string>();
-    settings.last_frame = json.at("last_frame");
+    settings.last_frame = int_of(json, "last_frame");
     view_of(json.at("view"), settings.view);
     if (json.contains("camera")) settings.camera = bookmark_of(json.at("camera")).camera;
     return settings;

@@ -37,9 +37,9 @@ std::vector<std::vector<double>> interleaved_ms(std::size_t contestants,
   using Clock = std::chrono::steady_clock;
   std::vector<std::vector<double>> spent(contestants);
   for (int round = -1; round < rounds; ++round) {
-    const auto number = static_cast<std::size_t>(round + 1);
+    const int number = round + 1;
     for (std::size_t turn = 0; turn < contestants; ++turn) {
-      const std::size_t contestant = (number + turn) % contestants;
+      const std::size_t contestant = (static_cast<std::size_t>(number) + turn) % contestants;
       before();
       const auto started = Clock::now();
       body(contestant, std::max(round, 0));

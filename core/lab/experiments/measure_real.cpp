@@ -136,7 +136,7 @@ RepeatScores measure_repeat(const io::Recording& recording,
     const std::vector<std::uint8_t> floor = floor_pixels(contest.prepared("gcn", methods[0]));
     std::vector<Seen> seen;
     for (const CellKey& method : methods) {
-      Seen& by_method = seen.emplace_back(pixel_planes(contest.run(method)));
+      Seen& by_method = seen.emplace_back(Seen{pixel_planes(contest.run(method)), {}});
       by_method.floor = floor_pieces(floor, by_method.planes);
     }
     return seen;

@@ -62,7 +62,9 @@ class Conditions {
 
 class PaperTable {
  public:
-  PaperTable(std::string title, std::vector<std::string> names, std::vector<std::string> conditions)
+  PaperTable(std::string title,
+             std::vector<std::string> names,
+             const std::vector<std::string>& conditions)
       : conditions_(conditions.size()) {
     table_.title = std::move(title);
     table_.names = names.size();

@@ -107,8 +107,9 @@ SceneView look(const Scene& scene,
   const Vec3d eye = T_world_camera.translation();
   const Vec3d right_eye = T_world_camera * Vec3d(model.baseline_m, 0, 0);
   for (std::size_t i = 0; i < pixels; ++i) {
-    const auto x = static_cast<double>(i % k.width), y = static_cast<double>(i / k.width);
-    const Vec3d direction = ray(k, T_world_camera, x, y);
+    const std::size_t row = i / k.width, column = i % k.width;
+    const Vec3d direction =
+        ray(k, T_world_camera, static_cast<double>(column), static_cast<double>(row));
     const Hit hit = first_hit(cast, eye, direction);
     if (hit.surface < 0) continue;
     view.surfaces[i] = hit.surface;

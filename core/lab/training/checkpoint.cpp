@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
@@ -67,16 +68,21 @@ Json progress_of(const TrainState& state) {
   return {{"step", state.step}, {"loss_sum", state.loss_sum}, {"epochs", epochs}};
 }
 
+std::uint64_t count_of(const nlohmann::json& set, std::size_t index) {
+  return static_cast<std::uint64_t>(whole_number(
+      set.at(index), 0, std::numeric_limits<std::int64_t>::max(), "a count of validation"));
+}
+
 void read_progress(const nlohmann::json& json, TrainState& state) {
-  state.step = json.at("step").get<int>();
+  state.step = whole_int(json.at("step"), "its step");
   state.loss_sum = json.at("loss_sum").get<double>();
   for (const auto& entry : json.at("epochs")) {
     Epoch& epoch = state.epochs.emplace_back();
-    epoch.step = entry.at("step").get<int>();
+    epoch.step = whole_int(entry.at("step"), "an epoch's step");
     epoch.train_loss = entry.at("loss").get<double>();
     for (const auto& set : entry.at("validation"))
-      epoch.validation.push_back({set.at(0).get<std::uint64_t>(), set.at(1).get<std::uint64_t>(),
-                                  set.at(2).get<std::uint64_t>(), set.at(3).get<std::uint64_t>()});
+      epoch.validation.push_back(
+          {count_of(set, 0), count_of(set, 1), count_of(set, 2), count_of(set, 3)});
   }
 }
 
@@ -139,8 +145,8 @@ TrainState read_checkpoint(const std::filesystem::path& path,
     }
   try {
     read_progress(parse_json<nlohmann::json>(file.metadata["progress"], path.string()), state);
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), error.what()));
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), json_problem(error)));
   }
   if (!is_possible(state, options.steps))
     throw Error(fmt::format("{}: its progress is damaged: step {} of {} after {} epochs",

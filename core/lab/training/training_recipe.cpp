@@ -84,8 +84,8 @@ planes::LabelledCloud draw_cloud(const TrainingRecipe& recipe,
                                  const std::vector<planes::LabelledCloud>& set,
                                  std::uint64_t number) {
   const std::uint64_t seed = recipe.train.seed;
-  const auto objects =
-      static_cast<std::uint64_t>(recipe.set.stairs + recipe.set.boxes + recipe.set.planes);
+  const int all_objects = recipe.set.stairs + recipe.set.boxes + recipe.set.planes;
+  const auto objects = static_cast<std::uint64_t>(all_objects);
   const bool scan = random_uniform(seed, kIsScan, number) < recipe.scan_share;
   const std::uint64_t first = scan ? objects : 0, count = scan ? set.size() - objects : objects;
   return vary(recipe, set[first + random_bits(seed, kWhich, number) % count], number);

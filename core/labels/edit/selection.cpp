@@ -180,8 +180,8 @@ class DepthBuffer {
 
   /// Pixels whose centres lie within `reach` of a place: the first and one past the last.
   static std::pair<int, int> covered(float place, float reach, int size) {
-    return {std::max(0, static_cast<int>(place - reach + 0.5f)),
-            std::min(size, static_cast<int>(place + reach + 0.5f))};
+    const float first = place - reach + 0.5f, end = place + reach + 0.5f;
+    return {std::max(0, static_cast<int>(first)), std::min(size, static_cast<int>(end))};
   }
 
   int width_, height_;

@@ -63,7 +63,7 @@ std::vector<std::int32_t> instances_of(std::span<const double> values, const std
 }
 
 std::vector<std::uint8_t> classes_of(std::span<const double> values, const std::string& where) {
-  const auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
+  auto classes = whole_numbers<std::uint8_t>(values, 0, kHvIgnore, where + ": class");
   for (std::size_t i = 0; i < classes.size(); ++i)
     if (classes[i] > 2 && classes[i] != kHvIgnore)
       throw Error(where + ": class " + std::to_string(classes[i]) + " at place " +

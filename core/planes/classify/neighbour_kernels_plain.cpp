@@ -9,7 +9,8 @@ std::size_t count_within(const FloatGroup* squared, std::size_t groups, float li
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t lane = 0; lane < kGroup; lane += 4)
       for (std::size_t i = 0; i < 4; ++i) counts[i] += squared[g].lane[lane + i] <= limit;
-  return static_cast<std::size_t>(counts[0] + counts[1] + counts[2] + counts[3]);
+  const std::int32_t count = counts[0] + counts[1] + counts[2] + counts[3];
+  return static_cast<std::size_t>(count);
 }
 
 void take_within(const FloatGroup* squared,

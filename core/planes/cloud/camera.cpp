@@ -67,7 +67,7 @@ void check_camera(const Frame& frame) {
 }
 
 Vec2d pixel_to_ray(const Intrinsics& k, double u, double v) {
-  const Vec2d seen((u - k.cx) / k.fx, (v - k.cy) / k.fy);
+  Vec2d seen((u - k.cx) / k.fx, (v - k.cy) / k.fy);
   switch (k.distortion) {
     case Distortion::none:
       return seen;

@@ -119,7 +119,7 @@ void fetch(const Vec3f* begin, const Vec3f* end) {
 /// Fills `block` from consecutive points; a point belongs to the run of the one before it if they
 /// lie in the same voxel.
 void find_runs(const Grid& grid, const Vec3f* points, std::size_t count, Block& block) {
-  std::memcpy(block.points, points, count * sizeof(Vec3f));
+  std::memcpy(block.points, points->data(), count * sizeof(Vec3f));
   const Uint4 fraction = Uint4{} + ((1u << grid.fraction_bits) - 1);
   Uint4 sum{};
   Ulong2 last = Ulong2{} - 1;

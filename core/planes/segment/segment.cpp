@@ -80,7 +80,7 @@ void conclude(SegmentState& state, Segmentation& result) {
   for (const std::int32_t plane : state.plane_of_pixel)
     result.plane_of_pixel.push_back(plane >= 0 ? id[plane] : 0);
   result.octree = std::move(state.octree);
-  result.noise = std::move(state.noise);
+  result.noise = state.noise;
   result.counts = state.counts;
 }
 
