@@ -14,6 +14,7 @@
 
 #include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope {
 namespace {
@@ -70,7 +71,7 @@ TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Labeled& labeled = GetParam();
-  const fs::path dir = fs::path(testing::TempDir()) / "planescope_label_scripts" / labeled.name;
+  const fs::path dir = temp_dir() / "planescope_label_scripts" / labeled.name;
   fs::remove_all(dir);
   fs::create_directories(dir);
   const std::string recording = (fs::path(data) / labeled.recording).string();

@@ -15,6 +15,7 @@
 #include <span>
 
 #include "core/model/sha256.hpp"
+#include "support/temp_dir.hpp"
 #include "tests/real/expectations.hpp"
 #include "tests/real/frame_output.hpp"
 
@@ -96,7 +97,7 @@ TEST_P(RealRecording, HasThePlanesExpected) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Json& json = GetParam().json;
-  const fs::path out = fs::path(testing::TempDir()) / ("real_" + GetParam().name);
+  const fs::path out = temp_dir() / ("real_" + GetParam().name);
   fs::remove_all(out);
 
   const Outcome run = run_command(json.at("command").get<std::string>(), data, out);
@@ -127,7 +128,7 @@ TEST_P(RealRecording, HasTheSamePlanesByPlainCodeOnOneThread) {
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Json& json = GetParam().json;
   if (json.value("exit", 0) != 0) GTEST_SKIP() << "is refused";
-  const fs::path out = fs::path(testing::TempDir()) / ("real_plain_" + GetParam().name);
+  const fs::path out = temp_dir() / ("real_plain_" + GetParam().name);
   fs::remove_all(out);
   const Outcome run = run_command(json.at("command").get<std::string>() + " --threads 1", data, out,
                                   "PLANESCOPE_SIMD=plain");

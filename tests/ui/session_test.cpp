@@ -86,6 +86,15 @@ TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
   std::string no_cursor = good;
   no_cursor.replace(no_cursor.find("\"cursor\""), 8, "\"curser\"");
   bad(no_cursor);
+  const std::size_t frame = good.find("\"frame\":");
+  ASSERT_NE(frame, std::string::npos);
+  const auto with_frame = [&](const std::string& value) {
+    const std::size_t begin = frame + 8, end = good.find_first_of(",}\n", begin);
+    return good.substr(0, begin) + value + good.substr(end);
+  };
+  bad(with_frame("4294967296"));  // 0 in the lowest bits
+  bad(with_frame("0.5"));
+  bad(with_frame("99999999999999999999"));
   EXPECT_NE(refusal(state, (dir / "absent.json").string()), "");
 }
 

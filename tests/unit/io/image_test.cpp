@@ -20,9 +20,7 @@
 namespace planescope::io {
 namespace {
 
-std::filesystem::path temp_file(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / name;
-}
+std::filesystem::path temp_file(const std::string& name) { return temp_dir() / name; }
 
 template <typename T>
 Image<T> noise_image(int width, int height, int channels, unsigned seed) {
@@ -179,7 +177,7 @@ std::vector<unsigned char> encode_jpeg(int width, int height, bool color) {
   return out;
 }
 
-const std::filesystem::path kPath = std::filesystem::path(testing::TempDir()) / "image.jpg";
+const std::filesystem::path kPath = temp_dir() / "image.jpg";
 
 TEST(Jpeg, ColourIsReadAsRgb) {
   write_file_bytes(kPath, encode_jpeg(50, 20, true));

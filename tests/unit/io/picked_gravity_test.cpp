@@ -6,6 +6,7 @@
 
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::io {
 namespace {
@@ -35,9 +36,8 @@ class Frames : public Recording {
 };
 
 struct Picked : testing::Test {
-  const fs::path dir =
-      fs::path(testing::TempDir()) /
-      (std::string("picked.") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const fs::path dir = temp_dir() / (std::string("picked.") +
+                                     testing::UnitTest::GetInstance()->current_test_info()->name());
   Frames recording;
 
   void SetUp() override { fs::remove_all(dir); }

@@ -9,13 +9,14 @@
 #include "core/io/recording.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::io {
 
 /// An empty folder of the test that is running.
 inline std::filesystem::path temp_folder() {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const auto folder = std::filesystem::path(testing::TempDir()) / "planescope_recording" /
+  const auto folder = temp_dir() / "planescope_recording" /
                       (std::string(test->test_suite_name()) + "_" + test->name());
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -10,6 +10,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "random_labels.hpp"
 #include "support/refusal.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::labels {
 
@@ -52,7 +53,7 @@ class Exchange : public testing::Test {
  protected:
   void SetUp() override {
     dir_ =
-        std::filesystem::path(testing::TempDir()) /
+        temp_dir() /
         ("exchange_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(dir_);
     std::filesystem::create_directories(dir_);

@@ -9,6 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "support/refusal.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -39,7 +40,7 @@ FrameLabels two_planes() {
 }
 
 fs::path fresh_dir(const std::string& name) {
-  const fs::path dir = fs::path(testing::TempDir()) / ("labels_" + name);
+  const fs::path dir = temp_dir() / ("labels_" + name);
   fs::remove_all(dir);
   return dir;
 }

@@ -10,6 +10,7 @@
 #include "core/labels/edit/edit.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/random.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::labels {
 
@@ -101,7 +102,7 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
 // Stores of such labels, each in a folder of its own.
 
 inline std::filesystem::path fresh_dir(const std::string& name) {
-  const auto dir = std::filesystem::path(testing::TempDir()) / ("label_store_" + name);
+  const auto dir = temp_dir() / ("label_store_" + name);
   std::filesystem::remove_all(dir);
   return dir;
 }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "support/refusal.hpp"
+#include "support/temp_dir.hpp"
 #include "unit/lab/experiments/made_up_results.hpp"
 
 namespace planescope::lab {
@@ -15,8 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path fresh_dir() {
-  const fs::path dir =
-      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+  const fs::path dir = temp_dir() / testing::UnitTest::GetInstance()->current_test_info()->name();
   fs::remove_all(dir);
   fs::create_directories(dir);
   return dir;
@@ -78,9 +78,8 @@ TEST(PaperTimings, ComeBackFromTheirFileToTheSameBytes) {
 class CellLogTest : public testing::Test {
  protected:
   void SetUp() override {
-    dir_ =
-        fs::path(testing::TempDir()) /
-        (std::string("cell_log_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    dir_ = temp_dir() / (std::string("cell_log_") +
+                         testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(dir_);
     fs::create_directories(dir_);
   }

@@ -11,6 +11,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::lab {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path fresh_dir(const std::string& name) {
-  const fs::path dir = fs::path(testing::TempDir()) / ("sample_" + name);
+  const fs::path dir = temp_dir() / ("sample_" + name);
   fs::remove_all(dir);
   fs::remove_all(labels::default_label_dir(dir));
   return dir;

@@ -11,6 +11,7 @@
 #include "core/lab/training/gcn_backward.hpp"
 #include "core/model/error.hpp"
 #include "core/model/random.hpp"
+#include "core/planes/classify/safetensors.hpp"
 #include "core/planes/rivals/plain_gcn.hpp"
 
 namespace planescope::lab {
@@ -132,6 +133,11 @@ TEST(Training, RefusesADamagedCheckpoint) {
   write_checkpoint(path, state, options, {});
   EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not all epochs have the same sets";
   state.epochs.clear();
+  write_checkpoint(path, state, options, {});
+  planes::TensorFile file = planes::read_safetensors(path);
+  file.metadata["progress"] = R"({"step": 4294967296, "loss_sum": 0, "epochs": []})";
+  planes::write_safetensors(path, file);
+  EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "0 in its lowest bits";
   state.mean[0][0] = std::numeric_limits<float>::infinity();
   write_checkpoint(path, state, options, {});
   EXPECT_THROW(read_checkpoint(path, options, {}), Error) << "not finite";

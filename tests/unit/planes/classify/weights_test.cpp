@@ -12,6 +12,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/temp_dir.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -22,7 +23,7 @@ using Bytes = std::vector<unsigned char>;
 
 fs::path scratch_file() {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const fs::path dir = fs::path(testing::TempDir()) / "planescope_weights" / test->name();
+  const fs::path dir = temp_dir() / "planescope_weights" / test->name();
   fs::remove_all(dir);
   fs::create_directories(dir);
   return dir / "net.safetensors";
