@@ -27,7 +27,7 @@ void remove_abandoned(const fs::path& dir) {
   for (const auto& entry : fs::directory_iterator(dir))
     if (entry.path().filename().string().starts_with(kStaging)) stagings.push_back(entry.path());
   for (const fs::path& staging : stagings)
-    if (labels::LabelLock::take(staging, "planescope").is_held()) fs::remove_all(staging);
+    if (FolderLock::take(staging, "planescope").is_held()) fs::remove_all(staging);
 }
 
 }  // namespace
@@ -62,13 +62,14 @@ StagedOutput::StagedOutput(const fs::path& dir) : dir_(without_trailing_slash(di
 
 StagedOutput::~StagedOutput() {
   std::error_code ignored;
-  lock_ = labels::LabelLock();
+  lock_ = FolderLock();
   if (!staging_.empty()) fs::remove_all(staging_, ignored);
   // Removes empty folders only: after a commit, or with other files in them, they stay.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }
 
 fs::path StagedOutput::add(const fs::path& relative) {
+  const std::lock_guard lock(mutex_);
   try {
     if (staging_.empty()) {
       std::vector<fs::path> missing;
@@ -80,7 +81,7 @@ fs::path StagedOutput::add(const fs::path& relative) {
       remove_abandoned(dir_);
       staging_ = dir_ / (kStaging + std::to_string(getpid()));
       fs::create_directory(staging_);
-      lock_ = labels::LabelLock::take(staging_, "planescope");
+      lock_ = FolderLock::take(staging_, "planescope");
     }
     fs::create_directories(staging_ / relative);
   } catch (const fs::filesystem_error& error) {

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "core/labels/store/label_lock.hpp"
+#include "core/model/folder_lock.hpp"
 
 namespace planescope::app {
 
@@ -38,14 +39,15 @@ class StagedOutput {
   StagedOutput(const StagedOutput&) = delete;
   StagedOutput& operator=(const StagedOutput&) = delete;
 
-  /// An empty folder in which to write what will be DIR/`relative`.
+  /// An empty folder in which to write what will be DIR/`relative`. From any thread.
   std::filesystem::path add(const std::filesystem::path& relative);
   void commit();
 
  private:
+  std::mutex mutex_;
   std::filesystem::path dir_;
   std::filesystem::path staging_;
-  labels::LabelLock lock_;                        // on it
+  FolderLock lock_;                               // on it
   std::vector<std::filesystem::path> added_;      // relative
   std::vector<std::filesystem::path> made_dirs_;  // parents made here, outermost first
 };

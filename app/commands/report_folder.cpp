@@ -74,7 +74,7 @@ ReportFolder::ReportFolder(fs::path dir, bool resume) : dir_(std::move(dir)) {
     std::ranges::reverse(made_dirs_);
     fs::create_directories(work_);
   });
-  lock_ = labels::LabelLock::take(work_, "planescope report");
+  lock_ = FolderLock::take(work_, "planescope report");
   if (!lock_.is_held()) {
     made_dirs_.clear();
     throw Error("output " + dir_.string() + ": another report is being written there, " +
@@ -91,7 +91,7 @@ ReportFolder::~ReportFolder() {
   if (!lock_.is_held()) return;
   std::error_code ignored;
   if (over_ || !has_records(work_)) fs::remove_all(work_, ignored);
-  lock_ = labels::LabelLock();
+  lock_ = FolderLock();
   // Removes empty folders only.
   for (auto it = made_dirs_.rbegin(); it != made_dirs_.rend(); ++it) fs::remove(*it, ignored);
 }

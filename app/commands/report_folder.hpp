@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "core/labels/store/label_lock.hpp"
+#include "core/model/folder_lock.hpp"
 #include "core/report/data/report_data.hpp"
 
 namespace planescope::app {
@@ -56,7 +56,7 @@ class ReportFolder {
 
   std::filesystem::path dir_, work_;
   std::vector<std::filesystem::path> made_dirs_;  // outermost first
-  labels::LabelLock lock_;
+  FolderLock lock_;
   bool over_ = false;  // nothing in work_ is wanted any more
   mutable std::mutex mutex_;
   std::set<std::filesystem::path> finished_;  // in work_

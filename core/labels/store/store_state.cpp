@@ -43,7 +43,7 @@ LabelStore::State::State(fs::path folder, LabelStoreOptions given)
 
 void LabelStore::State::attach() {
   const fs::path path = dir / "journal";
-  lock = LabelLock::take(dir, options.annotator);
+  lock = FolderLock::take(dir, options.annotator);
   if (!lock.is_held()) {
     read_only = "read-only: " + lock.why_not();
   } else if (::access(path.c_str(), W_OK) != 0 && errno != ENOENT) {

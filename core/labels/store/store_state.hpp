@@ -6,8 +6,8 @@
 #include <map>
 
 #include "core/labels/store/journal_records.hpp"
-#include "core/labels/store/label_lock.hpp"
 #include "core/labels/store/store.hpp"
+#include "core/model/folder_lock.hpp"
 
 namespace planescope::labels {
 
@@ -97,7 +97,7 @@ struct LabelStore::State {
 
   std::filesystem::path dir;
   LabelStoreOptions options;
-  LabelLock lock;
+  FolderLock lock;
   std::unique_ptr<Journal> journal;  // null while there is no folder
   LabelHistory history;
   std::map<int, OpenFrame> frames;

@@ -5,20 +5,20 @@
 
 #include "core/model/file_bytes.hpp"
 
-namespace planescope::labels {
+namespace planescope {
 
-/// Held by the one instance that may write into a label folder, in DIR/lock. The lock ends with the
+/// Held by the one instance that may write into a folder, in DIR/lock. The lock ends with the
 /// process, however that ends; the file's text is for people only. Releasing the lock removes the
 /// file.
-class LabelLock {
+class FolderLock {
  public:
-  LabelLock() = default;
-  ~LabelLock() { release(); }
-  LabelLock(LabelLock&& other) noexcept = default;
-  LabelLock& operator=(LabelLock&& other) noexcept;
+  FolderLock() = default;
+  ~FolderLock() { release(); }
+  FolderLock(FolderLock&& other) noexcept = default;
+  FolderLock& operator=(FolderLock&& other) noexcept;
 
   /// Makes DIR/lock where needed, not DIR.
-  static LabelLock take(const std::filesystem::path& dir, const std::string& user);
+  static FolderLock take(const std::filesystem::path& dir, const std::string& user);
 
   bool is_held() const { return file_.is_open(); }
   bool is_held_by_other() const { return by_other_; }
@@ -34,4 +34,4 @@ class LabelLock {
   std::string why_not_;
 };
 
-}  // namespace planescope::labels
+}  // namespace planescope

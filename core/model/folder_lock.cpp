@@ -1,4 +1,4 @@
-#include "core/labels/store/label_lock.hpp"
+#include "core/model/folder_lock.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -10,7 +10,7 @@
 #include <ctime>
 #include <fstream>
 
-namespace planescope::labels {
+namespace planescope {
 namespace {
 
 namespace fs = std::filesystem;
@@ -51,7 +51,7 @@ bool is_named(const FileDescriptor& file, const fs::path& path) {
 
 }  // namespace
 
-LabelLock& LabelLock::operator=(LabelLock&& other) noexcept {
+FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   if (this == &other) return *this;
   release();
   path_ = std::move(other.path_);
@@ -61,14 +61,14 @@ LabelLock& LabelLock::operator=(LabelLock&& other) noexcept {
   return *this;
 }
 
-void LabelLock::release() {
+void FolderLock::release() {
   // Removed while it is still held: whoever opened it meanwhile sees that its name is gone.
   if (file_.is_open()) ::unlink(path_.c_str());
   file_ = {};
 }
 
-LabelLock LabelLock::take(const fs::path& dir, const std::string& user) {
-  LabelLock lock;
+FolderLock FolderLock::take(const fs::path& dir, const std::string& user) {
+  FolderLock lock;
   const fs::path path = dir / "lock";
   FileDescriptor file = open_file(path, O_RDWR | O_CREAT);
   if (!file.is_open()) {
@@ -94,4 +94,4 @@ LabelLock LabelLock::take(const fs::path& dir, const std::string& user) {
   return lock;
 }
 
-}  // namespace planescope::labels
+}  // namespace planescope
