@@ -9,6 +9,7 @@
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/evaluate/metrics.hpp"
 #include "core/planes/pipeline/score.hpp"
@@ -102,14 +103,18 @@ void print_table(const std::vector<Row>& rows, const planes::Metrics& mean, int 
                counted(static_cast<std::size_t>(without_truth), "frame"));
 }
 
+std::string name_of(const Frame& frame) {
+  return frame.name.empty() ? std::to_string(frame.index) : frame.name;
+}
+
 /// Scores our own segmentation; nullopt where the frame has no ground truth.
 std::optional<Row> run_and_score(const OpenInput& input,
                                  int index,
-                                 const EvalArgs& args,
+                                 const planes::PipelineOptions& options,
                                  const planes::Classifier* classifier) {
-  const LoadedFrame loaded = run_input_frame(input, index, args.input.pipeline, classifier, true);
+  const LoadedFrame loaded = run_input_frame(input, index, options, classifier, true);
   if (!loaded.truth) return std::nullopt;
-  return Row{input.path.string(), index, loaded.frame.name,
+  return Row{input.path.string(), index, name_of(loaded.frame),
              planes::score_frame(loaded.result, *loaded.truth)};
 }
 
@@ -125,7 +130,7 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
         fmt::format("{}: nothing of frame {}, expected {:06}.plane.png, {:06}.npy or the "
                     "like, or what planescope segment writes",
                     args.prediction.string(), index, index, index));
-  return Row{input.path.string(), index, frame.name,
+  return Row{input.path.string(), index, name_of(frame),
              planes::score_labels(frame, *found, *truth, args.input.pipeline.cloud)};
 }
 
@@ -141,37 +146,44 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
     throw Error(inputs[0].path.string() + ": --prediction is for depth images, this is a cloud");
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
+  struct Scored {
+    const OpenInput* input = nullptr;
+    int frame = 0;
+    std::optional<Row> row;
+    std::string refused;
+  };
+  std::vector<Scored> scored;
+  for (const OpenInput& input : inputs)
+    for (const int index : input.frames) scored.push_back({&input, index, {}, {}});
+  const int count = static_cast<int>(scored.size());
+  const FrameThreads threads = threads_for_frames(args.input.pipeline, count);
   std::vector<Row> rows;
   std::vector<std::string> refused;
   int without_truth = 0;
   {
-    std::size_t total = 0;
-    for (const OpenInput& input : inputs) total += input.frames.size();
-    Progress progress("eval", static_cast<int>(total));
-    int done = 0;
-    for (const OpenInput& input : inputs) {
-      for (const int index : input.frames) {
-        if (stop.stop_requested()) throw Cancelled();
-        progress.show(done++, fmt::format("{} frame {}", input.path.filename().string(), index));
-        if (!may_have_truth(input, index)) {
-          ++without_truth;
-          continue;
-        }
-        try {
-          std::optional<Row> row = predicted
-                                       ? score_prediction(input, index, args)
-                                       : run_and_score(input, index, args, chosen.classifier.get());
-          if (!row) {
-            ++without_truth;
-            continue;
-          }
-          if (row->name.empty()) row->name = std::to_string(index);
-          rows.push_back(std::move(*row));
-        } catch (const FrameRefused& refusal) {
-          refused.push_back(refusal.what());
-        }
+    Progress progress("eval", count);
+    const auto make = [&](int i) {
+      auto& [input, index, row, why_not] = scored[i];
+      if (stop.stop_requested() || !may_have_truth(*input, index)) return;
+      try {
+        row = predicted ? score_prediction(*input, index, args)
+                        : run_and_score(*input, index, threads.pipeline, chosen.classifier.get());
+      } catch (const FrameRefused& refusal) {
+        why_not = refusal.what();
       }
-    }
+    };
+    const auto take = [&](int i) {
+      auto& [input, index, row, why_not] = scored[i];
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(i + 1, fmt::format("{} frame {}", input->path.filename().string(), index));
+      if (!why_not.empty())
+        refused.push_back(why_not);
+      else if (!row)
+        ++without_truth;
+      else
+        rows.push_back(std::move(*row));
+    };
+    work_in_order(count, threads.at_once, make, take);
   }
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())

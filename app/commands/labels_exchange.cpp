@@ -11,6 +11,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/cloud/gravity.hpp"
 
@@ -148,21 +149,28 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     throw Error(input.label_dir.string() + ": no labels of the frames that are asked for");
   std::vector<fs::path> written;
   {
-    Progress progress("export", static_cast<int>(frames.size()));
-    for (const int index : frames) {
-      if (stop.stop_requested()) throw Cancelled();
-      progress.show(static_cast<int>(written.size()), fmt::format("frame {}", index));
+    const int count = static_cast<int>(frames.size());
+    Progress progress("export", count);
+    std::vector<std::vector<fs::path>> paths(frames.size());
+    const auto make = [&](int i) {
+      const int index = frames[i];
+      if (stop.stop_requested()) return;
       const auto labels =
           labels::read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
-      if (!labels) continue;
+      if (!labels) return;
+      make_output_dir(args.out);
       const labels::LabelGrid grid =
           labels::make_label_grid(input.recording->frame(index), labels->gravity);
-      make_output_dir(args.out);
-      const auto paths = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
-                                                labels::points_of_labels(*labels, grid),
-                                                args.input.pipeline.cloud.voxel_size_m);
-      written.insert(written.end(), paths.begin(), paths.end());
-    }
+      paths[i] = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
+                                        labels::points_of_labels(*labels, grid),
+                                        args.input.pipeline.cloud.voxel_size_m);
+    };
+    const auto take = [&](int i) {
+      if (stop.stop_requested()) throw Cancelled();
+      progress.show(i + 1, fmt::format("frame {}", frames[i]));
+      written.insert(written.end(), paths[i].begin(), paths[i].end());
+    };
+    work_in_order(count, args.input.pipeline.threads, make, take);
   }
   for (const fs::path& path : written) fmt::print("{}\n", path.string());
   return 0;

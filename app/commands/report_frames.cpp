@@ -349,11 +349,9 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
   std::vector<int> turns, of_input(job.inputs.size(), 0);
   for (const ReportSlot& slot : slots) turns.push_back(of_input[slot.input]++);
   const int count = static_cast<int>(slots.size());
-  const int workers = std::clamp(job.options.threads, 1, std::max(1, count));
-  planes::PipelineOptions options = job.options;
-  options.threads = std::max(1, job.options.threads / workers);
-  const ReportFramesJob one{job.inputs,    options,        job.classifier, job.run,
-                            job.build_key, job.copy_width, job.resume,     job.pictures};
+  const FrameThreads threads = threads_for_frames(job.options, count);
+  const ReportFramesJob one{job.inputs,    threads.pipeline, job.classifier, job.run,
+                            job.build_key, job.copy_width,   job.resume,     job.pictures};
   // Mesa's software renderer fills one frame's triangles at a time, whichever thread asks: with
   // threads of its own it leaves no core idle while others wait for it.
   ::setenv("LP_NUM_THREADS",
@@ -381,7 +379,7 @@ ReportDrawing write_report_frames(const ReportFramesJob& job,
       if (drawing.error.empty()) drawing.error = painter->error;
     };
   };
-  work_through_with(count, workers, make_body,
+  work_through_with(count, threads.at_once, make_body,
                     [&](int done, int) { progress.show(done, fmt::format("{} frames", done)); });
   return drawing;
 }

@@ -6,6 +6,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/report/data/segment_files.hpp"
 
@@ -52,6 +53,33 @@ nlohmann::ordered_json frame_json(const std::string& folder, const planes::Frame
   return json;
 }
 
+/// What is told of a frame: empty where it was not begun.
+struct WrittenFrame {
+  std::string line, refused;
+  nlohmann::ordered_json json;
+  bool unknown_gravity = false;
+};
+
+WrittenFrame write_frame(const OpenInput& input,
+                         int index,
+                         const planes::PipelineOptions& options,
+                         const planes::Classifier* classifier,
+                         const std::filesystem::path& out,
+                         StagedOutput& output) {
+  WrittenFrame written;
+  try {
+    const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
+    const std::filesystem::path folder = report::frame_folder(index);
+    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, options);
+    written.unknown_gravity = !loaded.result.gravity.known();
+    written.line = line_of((out / folder).string(), loaded.result);
+    written.json = frame_json((out / folder).string(), loaded.result);
+  } catch (const FrameRefused& refusal) {
+    written.refused = refusal.what();
+  }
+  return written;
+}
+
 /// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply} for each frame. All or
 /// nothing on an Error; the frames done so far, and Cancelled, on a stop. Returns the exit code.
 int run_segment(const SegmentArgs& args, std::stop_token stop) {
@@ -71,24 +99,25 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   json["method"] = planes::to_string(args.input.pipeline.method);
   json["frames"] = nlohmann::ordered_json::array();
   {
-    Progress progress("segment", static_cast<int>(input.frames.size()));
-    int done = 0;
-    for (const int index : input.frames) {
-      if (stop.stop_requested()) break;
-      progress.show(done++, fmt::format("frame {}", index));
-      try {
-        const LoadedFrame loaded =
-            run_input_frame(input, index, args.input.pipeline, chosen.classifier.get(), false);
-        const std::filesystem::path folder = report::frame_folder(index);
-        report::write_segment_files(output.add(folder), loaded.frame, loaded.result,
-                                    args.input.pipeline);
-        unknown_gravity |= !loaded.result.gravity.known();
-        lines.push_back(line_of((args.out / folder).string(), loaded.result));
-        json["frames"].push_back(frame_json((args.out / folder).string(), loaded.result));
-      } catch (const FrameRefused& refusal) {
-        refused.push_back(refusal.what());
-      }
-    }
+    const int count = static_cast<int>(input.frames.size());
+    const FrameThreads threads = threads_for_frames(args.input.pipeline, count);
+    std::vector<WrittenFrame> written(input.frames.size());
+    Progress progress("segment", count);
+    const auto make = [&](int i) {
+      if (!stop.stop_requested())
+        written[i] = write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(),
+                                 args.out, output);
+    };
+    const auto take = [&](int i) {
+      WrittenFrame& frame = written[i];
+      progress.show(i + 1, fmt::format("frame {}", input.frames[i]));
+      if (!frame.refused.empty()) refused.push_back(frame.refused);
+      if (frame.line.empty()) return;
+      unknown_gravity |= frame.unknown_gravity;
+      lines.push_back(std::move(frame.line));
+      json["frames"].push_back(std::move(frame.json));
+    };
+    work_in_order(count, threads.at_once, make, take);
   }
   if (lines.empty() && !refused.empty()) throw Error(refused.front());
   output.commit();

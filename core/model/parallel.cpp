@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <exception>
 #include <latch>
+#include <mutex>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -73,6 +75,86 @@ void work_through(int count,
                   const std::function<void(int, int)>& progress) {
   work_through_with(
       count, threads, [&body] { return body; }, progress);
+}
+
+namespace {
+
+/// What work_in_order() has made and not yet taken.
+class Line {
+ public:
+  Line(int count, int ahead, const std::function<void(int)>& make)
+      : make_(make), made_(count), errors_(count), ahead_(ahead) {}
+
+  void work() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return next_ >= end() || next_ < taken_ + ahead_; });
+      if (next_ >= end()) return;
+      const int i = next_++;
+      lock.unlock();
+      try {
+        make_(i);
+      } catch (...) {
+        errors_[i] = std::current_exception();
+      }
+      lock.lock();
+      made_[i] = 1;
+      changed_.notify_all();
+    }
+  }
+  void take(int i, const std::function<void(int)>& taker) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return made_[i] != 0; });
+    lock.unlock();
+    if (errors_[i]) std::rethrow_exception(errors_[i]);
+    taker(i);
+    lock.lock();
+    ++taken_;
+    changed_.notify_all();
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    next_ = end();
+    changed_.notify_all();
+  }
+
+ private:
+  int end() const { return static_cast<int>(made_.size()); }
+
+  const std::function<void(int)>& make_;
+  std::vector<std::uint8_t> made_;
+  std::vector<std::exception_ptr> errors_;
+  int ahead_, next_ = 0, taken_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
+}  // namespace
+
+void work_in_order(int count,
+                   int threads,
+                   const std::function<void(int)>& make,
+                   const std::function<void(int)>& take) {
+  const int workers = std::min(threads, count);
+  Line line(count, 2 * workers, make);
+  std::vector<std::jthread> started;
+  try {
+    for (int i = 0; workers > 1 && i < workers; ++i) started.emplace_back([&] { line.work(); });
+  } catch (const std::system_error&) {  // no more threads: those there are do the rest
+  }
+  if (started.empty()) {
+    for (int i = 0; i < count; ++i) {
+      make(i);
+      take(i);
+    }
+    return;
+  }
+  try {
+    for (int i = 0; i < count; ++i) line.take(i, take);
+  } catch (...) {
+    line.stop();
+    throw;
+  }
 }
 
 void run_team(int threads, const std::function<void(TeamMember&)>& body) {

@@ -30,6 +30,16 @@ void work_through_with(int count,
                        const std::function<std::function<void(int)>()>& make_body,
                        const std::function<void(int, int)>& progress = {});
 
+/// make(0), make(1), ... on up to `threads` threads, and take(0), take(1), ... on the caller's,
+/// each after its own make() and in this order: for frames that are worked on side by side and
+/// written one after the other. No make() runs further ahead than twice as many as there are
+/// threads. An exception of make(i) is rethrown here in the place of take(i), one of take() as it
+/// is; both stop the rest.
+void work_in_order(int count,
+                   int threads,
+                   const std::function<void(int)>& make,
+                   const std::function<void(int)>& take);
+
 /// One of the threads that go through the phases of a computation together.
 class TeamMember {
  public:

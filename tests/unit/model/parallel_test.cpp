@@ -78,5 +78,53 @@ TEST(WorkList, AnExceptionStopsTheRest) {
   EXPECT_EQ(begun, 4);
 }
 
+TEST(InOrder, EverythingIsMadeOnceAndTakenInOrderOnTheCallersThread) {
+  const auto caller = std::this_thread::get_id();
+  for (const int threads : {0, 1, 3, 100}) {
+    std::vector<int> made(50, 0), taken;
+    const auto make = [&](int i) { made[i] += i + 1; };
+    const auto take = [&](int i) {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      EXPECT_EQ(made[i], i + 1);
+      taken.push_back(i);
+    };
+    work_in_order(50, threads, make, take);
+    std::vector<int> all(50);
+    std::iota(all.begin(), all.end(), 0);
+    EXPECT_EQ(taken, all) << threads << " threads";
+  }
+}
+
+TEST(InOrder, NothingIsMadeFarAheadOfWhatIsTaken) {
+  std::atomic<int> taken = 0;
+  const auto make = [&](int i) { EXPECT_LE(i, taken + 6); };
+  work_in_order(200, 3, make, [&](int) { ++taken; });
+  EXPECT_EQ(taken, 200);
+}
+
+TEST(InOrder, TheFirstErrorInOrderIsToldAndWhatCameBeforeItIsTaken) {
+  for (const int threads : {1, 4}) {
+    std::vector<int> taken;
+    const auto make = [](int i) {
+      if (i == 7 || i == 9) throw std::runtime_error(std::to_string(i));
+    };
+    try {
+      work_in_order(1000, threads, make, [&](int i) { taken.push_back(i); });
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "7");
+    }
+    EXPECT_EQ(taken.size(), 7u);
+  }
+}
+
+TEST(InOrder, AnErrorOfTheTakerStopsTheRest) {
+  std::atomic<int> made = 0;
+  EXPECT_THROW(work_in_order(
+                   1000, 2, [&](int) { ++made; }, [](int) { throw std::runtime_error("full"); }),
+               std::runtime_error);
+  EXPECT_LT(made, 1000);
+}
+
 }  // namespace
 }  // namespace planescope
