@@ -11,12 +11,20 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "clouds are written as they lie in memory");
 
-template <typename T>
-void append(std::vector<unsigned char>& out, T value) {
-  const std::size_t at = out.size();
-  out.resize(at + sizeof(T));
-  std::memcpy(out.data() + at, &value, sizeof(T));
-}
+/// Writes values one behind the other into what was made large enough.
+class Packer {
+ public:
+  explicit Packer(unsigned char* at) : at_(at) {}
+
+  template <typename T>
+  void append(T value) {
+    std::memcpy(at_, &value, sizeof(T));
+    at_ += sizeof(T);
+  }
+
+ private:
+  unsigned char* at_;
+};
 
 bool is_far(const PointSet& set) { return !set.origin.isZero(0); }
 
@@ -29,23 +37,22 @@ void check_sizes([[maybe_unused]] const PointSet& set,
   for ([[maybe_unused]] const IntField& field : more) assert(field.values.size() == count);
 }
 
-void append_point(std::vector<unsigned char>& out, const PointSet& set, std::size_t i) {
+void append_point(Packer& out, const PointSet& set, bool far, std::size_t i) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (is_far(set)) {
-      append(out, set.origin[axis] + static_cast<double>(set.points[i][axis]));
-    } else {
-      append(out, set.points[i][axis]);
-    }
+    if (far)
+      out.append(set.origin[axis] + static_cast<double>(set.points[i][axis]));
+    else
+      out.append(set.points[i][axis]);
   }
 }
 
-void append_labels(std::vector<unsigned char>& out,
+void append_labels(Packer& out,
                    const PointSet& set,
                    std::span<const IntField> more,
                    std::size_t i) {
-  if (!set.label.empty()) append(out, set.label[i]);
-  if (!set.instance.empty()) append(out, set.instance[i]);
-  for (const IntField& field : more) append(out, field.values[i]);
+  if (!set.label.empty()) out.append(set.label[i]);
+  if (!set.instance.empty()) out.append(set.instance[i]);
+  for (const IntField& field : more) out.append(field.values[i]);
 }
 
 std::string ply_header(const PointSet& set, std::span<const IntField> more) {
@@ -82,19 +89,35 @@ std::string pcd_header(const PointSet& set, std::span<const IntField> more) {
          "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
 }
 
+/// `header`, and behind it `rgb_bytes` of colour where there is any, and all else, of each point.
+template <typename AppendColor>
+std::vector<unsigned char> bytes_of(const std::string& header,
+                                    const PointSet& set,
+                                    std::span<const IntField> more,
+                                    std::size_t rgb_bytes,
+                                    const AppendColor& append_color) {
+  check_sizes(set, more);
+  const bool far = is_far(set);
+  const std::size_t point_bytes = (far ? 24 : 12) + (set.rgb.empty() ? 0 : rgb_bytes) +
+                                  (set.label.empty() ? 0 : 1) + (set.instance.empty() ? 0 : 4) +
+                                  4 * more.size();
+  std::vector<unsigned char> bytes(header.size() + set.points.size() * point_bytes);
+  std::memcpy(bytes.data(), header.data(), header.size());
+  Packer out(bytes.data() + header.size());
+  for (std::size_t i = 0; i < set.points.size(); ++i) {
+    append_point(out, set, far, i);
+    if (!set.rgb.empty()) append_color(out, &set.rgb[3 * i]);
+    append_labels(out, set, more, i);
+  }
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<unsigned char> ply_bytes(const PointSet& set, std::span<const IntField> more) {
-  check_sizes(set, more);
-  const std::string header = ply_header(set, more);
-  std::vector<unsigned char> out(header.begin(), header.end());
-  out.reserve(out.size() + set.points.size() * ((is_far(set) ? 32 : 20) + 4 * more.size()));
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    append_point(out, set, i);
-    if (!set.rgb.empty()) out.insert(out.end(), &set.rgb[3 * i], &set.rgb[3 * i] + 3);
-    append_labels(out, set, more, i);
-  }
-  return out;
+  return bytes_of(ply_header(set, more), set, more, 3, [](Packer& out, const std::uint8_t* rgb) {
+    for (int channel = 0; channel < 3; ++channel) out.append(rgb[channel]);
+  });
 }
 
 void write_ply(const std::filesystem::path& path, const PointSet& set) {
@@ -102,19 +125,9 @@ void write_ply(const std::filesystem::path& path, const PointSet& set) {
 }
 
 std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more) {
-  check_sizes(set, more);
-  const std::string header = pcd_header(set, more);
-  std::vector<unsigned char> out(header.begin(), header.end());
-  out.reserve(out.size() + set.points.size() * ((is_far(set) ? 33 : 21) + 4 * more.size()));
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    append_point(out, set, i);
-    if (!set.rgb.empty()) {
-      const std::uint8_t* rgb = &set.rgb[3 * i];
-      append(out, std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2]);
-    }
-    append_labels(out, set, more, i);
-  }
-  return out;
+  return bytes_of(pcd_header(set, more), set, more, 4, [](Packer& out, const std::uint8_t* rgb) {
+    out.append(std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2]);
+  });
 }
 
 }  // namespace planescope::io

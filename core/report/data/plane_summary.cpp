@@ -1,7 +1,9 @@
 #include "core/report/data/plane_summary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -12,15 +14,73 @@ namespace {
 
 constexpr int kMostRegionSamples = 8192;
 
-// Number of distinct cells of edge `cell_m` that hold a point.
-std::size_t occupied_cells(const std::vector<Vec2d>& points, double cell_m) {
-  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
-  cells.reserve(points.size());
-  for (const Vec2d& p : points)
-    cells.emplace_back(std::llround(std::floor(p.x() / cell_m)),
-                       std::llround(std::floor(p.y() / cell_m)));
+/// What a grid on the plane tells of points.
+struct Cover {
+  std::size_t cells = 0;   // that hold a point
+  std::vector<Vec2d> rim;  // all corners of the convex hull are among these points
+};
+
+std::int64_t cell_at(double at, double cell_m) {
+  const double cells = at / cell_m;
+  const auto cut = static_cast<std::int64_t>(cells);
+  return cut - (static_cast<double>(cut) > cells);  // std::floor() is a call where SSE 4.1 is not
+}
+
+/// Few points in a wide grid.
+Cover cover_of_sparse(std::vector<std::array<std::int64_t, 2>> cells, std::vector<Vec2d> points) {
   std::sort(cells.begin(), cells.end());
-  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return {cells.size(), std::move(points)};
+}
+
+Cover cover_of(std::vector<Vec2d> points, double cell_m) {
+  if (points.empty()) return {};
+  std::vector<std::array<std::int64_t, 2>> cells(points.size());
+  std::array<std::int64_t, 2> low, high;
+  low.fill(std::numeric_limits<std::int64_t>::max());
+  high.fill(std::numeric_limits<std::int64_t>::min());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (int axis = 0; axis < 2; ++axis) {
+      const std::int64_t at = cells[i][axis] = cell_at(points[i][axis], cell_m);
+      low[axis] = std::min(low[axis], at);
+      high[axis] = std::max(high[axis], at);
+    }
+  const double columns = static_cast<double>(high[0]) - static_cast<double>(low[0]) + 1;
+  const double rows = static_cast<double>(high[1]) - static_cast<double>(low[1]) + 1;
+  if (columns * rows > 4096 + 8 * static_cast<double>(points.size()))
+    return cover_of_sparse(std::move(cells), std::move(points));
+
+  struct Span {
+    int first = std::numeric_limits<int>::max(), last = -1;
+    void add(int at) { first = std::min(first, at), last = std::max(last, at); }
+    /// Something lies two or more before it, and behind it.
+    bool is_deep(int at) const { return at >= first + 2 && at <= last - 2; }
+  };
+  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(columns * rows));
+  std::vector<Span> of_row(static_cast<std::size_t>(rows));
+  std::vector<Span> of_column(static_cast<std::size_t>(columns));
+  Cover cover;
+  const auto place = [&](std::size_t i) {
+    return std::pair(static_cast<int>(cells[i][0] - low[0]),
+                     static_cast<int>(cells[i][1] - low[1]));
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [column, row] = place(i);
+    std::uint8_t& cell = occupied[row * of_column.size() + column];
+    if (cell) continue;
+    cell = 1;
+    ++cover.cells;
+    of_row[row].add(column);
+    of_column[column].add(row);
+  }
+  // A line with all points on one side of it passes no cell that has others in its row and its
+  // column two or more away on all four sides: whatever its slope, one of the four is beyond.
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [column, row] = place(i);
+    if (!of_row[row].is_deep(column) || !of_column[column].is_deep(row))
+      cover.rim.push_back(points[i]);
+  }
+  return cover;
 }
 
 }  // namespace
@@ -60,8 +120,9 @@ std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, do
       squares += distance * distance;
     }
     if (!flat.empty()) s.rms_m = std::sqrt(squares / static_cast<double>(flat.size()));
-    s.area_m2 = static_cast<double>(occupied_cells(flat, cell_m)) * cell_m * cell_m;
-    for (const Vec2d& corner : convex_hull(std::move(flat)))
+    Cover cover = cover_of(std::move(flat), cell_m);
+    s.area_m2 = static_cast<double>(cover.cells) * cell_m * cell_m;
+    for (const Vec2d& corner : convex_hull(std::move(cover.rim)))
       s.hull.push_back(s.centroid + corner.x() * basis.u + corner.y() * basis.v);
   }
   return summaries;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "core/model/random.hpp"
 #include "core/report/data/plane_summary.hpp"
@@ -58,6 +60,64 @@ TEST(PlaneSummary, AreaDoesNotCountWhatWasNotMeasured) {
         result.plane_of[i] == 1)
       result.plane_of[i] = 0;
   EXPECT_NEAR(summarize_planes(result, 0.02)[0].area_m2, 0.75, 0.05);
+}
+
+// Only points near the rim are looked at for the hull: it must be that of all of them.
+TEST(PlaneSummary, HullIsThatOfAllPoints) {
+  Random random(5);
+  const auto disc = [&](const Vec2d& middle, double radius) {
+    Vec2d p;
+    do p = {random.uniform(-1, 1), random.uniform(-1, 1)};
+    while (p.norm() > 1);
+    return Vec2d(middle + radius * p);
+  };
+  const std::vector<std::pair<const char*, std::function<Vec2d()>>> shapes = {
+      {"disc",
+       [&] {
+         return disc({0.3, -0.2}, 0.7);
+       }},
+      {"diagonal strip",
+       [&] {
+         const double along = random.uniform(-1, 1), across = random.uniform(-0.01, 0.01);
+         return Vec2d(along + across, along - across);
+       }},
+      {"turned square",
+       [&] {
+         const double a = random.uniform(0, 1), b = random.uniform(0, 1);
+         return Vec2d(0.8 * a - 0.6 * b, 0.6 * a + 0.8 * b);
+       }},
+      {"ring",
+       [&] {
+         const double angle = random.uniform(0, 2 * std::numbers::pi);
+         return Vec2d(random.uniform(0.9, 1) * Vec2d(std::cos(angle), std::sin(angle)));
+       }},
+      {"two far apart",
+       [&] {
+         return disc({random.uniform(0, 1) < 0.5 ? 0.0 : 900.0, 0}, 0.1);
+       }},
+      {"one point", [] { return Vec2d(0.25, 0.5); }},
+  };
+  for (const auto& [name, draw] : shapes)
+    for (const int count : {1, 4, 40, 5000}) {
+      planes::FrameResult result;
+      PlaneFit level;
+      level.count = count;
+      std::vector<Vec2d> all;
+      const PlaneBasis basis = plane_basis(level.normal);
+      for (int i = 0; i < count; ++i) {
+        const Vec2d p = draw();
+        result.cloud.points.push_back(Vec3d(p.x(), p.y(), 0).cast<float>());
+        result.plane_of.push_back(1);
+        const Vec3d at = result.cloud.points.back().cast<double>();
+        all.emplace_back(basis.u.dot(at), basis.v.dot(at));
+      }
+      result.segmentation.planes = {{1, Label::h, level, 1}};
+      const std::vector<Vec2d> hull = convex_hull(all);
+      const std::vector<Vec3d> found = summarize_planes(result, 0.02)[0].hull;
+      ASSERT_EQ(found.size(), hull.size()) << name << ", " << count << " points";
+      for (std::size_t i = 0; i < hull.size(); ++i)
+        EXPECT_EQ(found[i], Vec3d(hull[i].x() * basis.u + hull[i].y() * basis.v)) << name;
+    }
 }
 
 TEST(PlaneSummary, HullLiesInThePlaneAndRunsCounterClockwiseAboutTheNormal) {
