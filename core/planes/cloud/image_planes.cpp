@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -38,6 +39,9 @@ struct Patch {
   Sums sums;
   InversePlane plane;
   bool planar = false;
+  // Of those that are planar.
+  Vec3d normal = Vec3d::Zero(), mean_ray = Vec3d::Zero();
+  double mean_w = 0;
 };
 
 struct Patches {
@@ -75,8 +79,13 @@ Patches make_patches(const Frame& frame) {
     std::nth_element(roughness.begin(), third, roughness.end());
     patches.noise = std::clamp(1.5 * *third, kLeastNoise, kMostNoise);
   }
-  for (Patch& patch : patches.all)
+  for (Patch& patch : patches.all) {
     patch.planar = patch.planar && patch.plane.rms <= 2 * patches.noise;
+    if (!patch.planar) continue;
+    patch.normal = patch.plane.normal();
+    patch.mean_ray = patch.sums.mean_ray();
+    patch.mean_w = patch.sums.mean_w();
+  }
   return patches;
 }
 
@@ -85,7 +94,7 @@ double area_m2(const Patch& patch,
                const InversePlane& plane,
                double pixel_area,
                double max_depth_m) {
-  const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.sums.mean_ray()));
+  const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.mean_ray));
   return patch.sums.count * pixel_area * z * z * z * plane.w_of_ray.norm();
 }
 
@@ -97,26 +106,28 @@ class PlaneSearch {
         tolerance_(2 * patches.noise),
         free_(patches.all.size()) {
     for (std::size_t i = 0; i < free_.size(); ++i) free_[i] = patches.all[i].planar;
+    for (const int reach : {1, 2, 4})
+      for (int y = reach % 2; y < patches_.down; y += 2)
+        for (int x = reach % 2; x < patches_.across; x += 2)
+          guesses_.push_back({.x = x, .y = y, .reach = reach});
   }
 
   /// The plane of the largest area among the patches that are still free; takes them.
   std::optional<ImagePlane> next() {
     double best_area = 0;
     InversePlane best;
-    for (const int reach : {1, 2, 4}) {
-      for (int y = reach % 2; y < patches_.down; y += 2)
-        for (int x = reach % 2; x < patches_.across; x += 2) {
-          const std::optional<InversePlane> guess = fit_block(x, y, reach);
-          if (!guess) continue;
-          double area = 0;
-          for (std::size_t i = 0; i < free_.size(); ++i)
-            if (free_[i] && lies_on(patches_.all[i], *guess))
-              area += area_m2(patches_.all[i], *guess, pixel_area_, kFullWeightDepth_m);
-          if (area > best_area) {
-            best_area = area;
-            best = *guess;
-          }
-        }
+    for (Guess& guess : guesses_) {
+      if (guess.changed) {
+        guess.plane = fit_block(guess.x, guess.y, guess.reach);
+        guess.most_area = guess.plane ? std::numeric_limits<double>::infinity() : 0;
+        guess.changed = false;
+      }
+      if (!(guess.most_area > best_area)) continue;
+      guess.most_area = free_area(*guess.plane);
+      if (guess.most_area > best_area) {
+        best_area = guess.most_area;
+        best = *guess.plane;
+      }
     }
     if (best_area == 0) return std::nullopt;
     std::vector<int> members;
@@ -126,16 +137,42 @@ class PlaneSearch {
       best = sum(members).fit();
     }
     if (members.size() < kMinPatches) return std::nullopt;
-    for (const int i : members) free_[i] = 0;
+    take(members);
     return describe(members, best);
   }
 
  private:
-  bool lies_on(const Patch& patch, const InversePlane& plane) const {
-    const double w = patch.sums.mean_w();
-    const double error = plane.w_of_ray.dot(patch.sums.mean_ray()) - w;
-    return std::abs(error) <= tolerance_ + kBias * w &&
-           patch.plane.normal().dot(plane.normal()) >= kMinCosine;
+  /// A plane that may be there: that of the free patches around one.
+  struct Guess {
+    int x = 0, y = 0, reach = 0;
+    bool changed = true;  // patches around it were taken since it was fitted
+    std::optional<InversePlane> plane = {};
+    double most_area = 0;  // when it was last measured: taking patches only makes it smaller
+  };
+
+  double free_area(const InversePlane& plane) const {
+    const Vec3d normal = plane.normal();
+    double area = 0;
+    for (std::size_t i = 0; i < free_.size(); ++i)
+      if (free_[i] && lies_on(patches_.all[i], plane, normal))
+        area += area_m2(patches_.all[i], plane, pixel_area_, kFullWeightDepth_m);
+    return area;
+  }
+
+  void take(const std::vector<int>& members) {
+    for (const int i : members) free_[i] = 0;
+    for (Guess& guess : guesses_)
+      guess.changed = guess.changed || std::ranges::any_of(members, [&](int i) {
+                        return std::abs(i % patches_.across - guess.x) <= guess.reach &&
+                               std::abs(i / patches_.across - guess.y) <= guess.reach;
+                      });
+  }
+
+  /// Of patches whose free_ is set.
+  bool lies_on(const Patch& patch, const InversePlane& plane, const Vec3d& normal) const {
+    const double error = plane.w_of_ray.dot(patch.mean_ray) - patch.mean_w;
+    return std::abs(error) <= tolerance_ + kBias * patch.mean_w &&
+           patch.normal.dot(normal) >= kMinCosine;
   }
 
   /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
@@ -143,18 +180,17 @@ class PlaneSearch {
     const int center = y * patches_.across + x;
     if (!free_[center]) return std::nullopt;
     const InversePlane& hint = patches_.all[center].plane;
+    const Vec3d normal = hint.normal();
     Sums sums;
     for (int v = std::max(0, y - reach); v <= std::min(patches_.down - 1, y + reach); ++v)
       for (int u = std::max(0, x - reach); u <= std::min(patches_.across - 1, x + reach); ++u) {
         const int i = v * patches_.across + u;
         if (!free_[i]) continue;
         const Patch& patch = patches_.all[i];
-        const double error = hint.w_of_ray.dot(patch.sums.mean_ray()) - patch.sums.mean_w();
-        if (patch.plane.normal().dot(hint.normal()) >= kMinCosine &&
-            std::abs(error) <=
-                2 * reach *
-                    (tolerance_ +
-                     kBias * patch.sums.mean_w()))  // the hint is rough, the more so far away
+        const double error = hint.w_of_ray.dot(patch.mean_ray) - patch.mean_w;
+        // The hint is rough, the more so far away.
+        if (patch.normal.dot(normal) >= kMinCosine &&
+            std::abs(error) <= 2 * reach * (tolerance_ + kBias * patch.mean_w))
           sums += patch.sums;
       }
     const InversePlane result = sums.fit();
@@ -166,7 +202,9 @@ class PlaneSearch {
   /// picks up isolated ones.
   std::vector<int> members_of(const InversePlane& plane) const {
     std::vector<std::uint8_t> on(free_.size(), 0);
-    for (std::size_t i = 0; i < on.size(); ++i) on[i] = free_[i] && lies_on(patches_.all[i], plane);
+    const Vec3d normal = plane.normal();
+    for (std::size_t i = 0; i < on.size(); ++i)
+      on[i] = free_[i] && lies_on(patches_.all[i], plane, normal);
     std::vector<int> members;
     const int across = patches_.across;
     for (int y = 0; y < patches_.down; ++y)
@@ -196,7 +234,7 @@ class PlaneSearch {
     double nearest_w = 0;
     for (const int i : members) {
       plane.area_m2 += area_m2(patches_.all[i], plane_fit, pixel_area_, kFullWeightDepth_m);
-      nearest_w = std::max(nearest_w, patches_.all[i].sums.mean_w());
+      nearest_w = std::max(nearest_w, patches_.all[i].mean_w);
     }
     plane.nearest_m = 1 / nearest_w;
     // Covariance of (a, b, c), less the part along itself, which is distance and not direction.
@@ -213,6 +251,7 @@ class PlaneSearch {
   double pixel_area_;
   double tolerance_;  // of inverse depth [1/m]
   std::vector<std::uint8_t> free_;
+  std::vector<Guess> guesses_;
 };
 
 }  // namespace
