@@ -34,12 +34,23 @@ Pair pair_by_distance(const SegmentState& state,
                       const MeasuredPlane& measured,
                       bool any_angle = false);
 
+/// Too far apart for R1, which is quickly told: pair_by_distance() would not be coplanar.
+bool is_out_of_reach(const SegmentState& state, std::int32_t k, const MeasuredPlane& measured);
+
 /// Of the coplanar pairs, the one with the least cost; of equals the first.
 struct CheapestPair {
   const PairVisitor* visitor = nullptr;
   std::int32_t plane = -1;
   double cost = 0;
 
+  /// Of the k-th plane by R1; only who explains the choice wants those out of reach as well.
+  void consider_by_distance(const SegmentState& state,
+                            std::int32_t k,
+                            const MeasuredPlane& measured,
+                            bool any_angle = false) {
+    if (visitor || !is_out_of_reach(state, k, measured))
+      consider(pair_by_distance(state, k, measured, any_angle));
+  }
   void consider(const Pair& pair) {
     if (visitor) (*visitor)(pair);
     if (!pair.coplanar || (plane >= 0 && pair.cost >= cost)) return;
@@ -62,14 +73,15 @@ std::int32_t choose_partner(const SegmentState& state,
                             const PairVisitor* visitor = nullptr);
 
 /// What lies near what at one moment: the planes with points in the cells around each point.
+/// Not to outlive the state.
 struct Neighbourhood {
   explicit Neighbourhood(const SegmentState& state)
-      : grid(make_cell_grid(state.octree, state.options.noise.neighbour_levels)),
+      : grid(state.neighbour_cells()),
         planes(planes_near_cells(grid, state.plane_of, state.planes.size())),
         plane_count(static_cast<std::int32_t>(state.planes.size())) {}
   std::span<const std::int32_t> near(std::uint32_t i) const { return planes.near(grid.cell_of[i]); }
 
-  CellGrid grid;
+  const CellGrid& grid;  // the state's
   CellPlanes planes;
   std::int32_t plane_count = 0;
 };

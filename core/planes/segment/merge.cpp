@@ -53,6 +53,16 @@ Pair pair_by_distance(const SegmentState& state,
   return {k, terms, terms.passes(), terms.cost()};
 }
 
+bool is_out_of_reach(const SegmentState& state, std::int32_t k, const MeasuredPlane& measured) {
+  const r1_merge_by_distance::Options& options = state.options.r1_merge_by_distance;
+  const GrowingPlane& plane = state.planes[k];
+  const double gap_m = gap_between(plane.bounds, measured.bounds);
+  if (gap_m <= options.near_m) return false;
+  if (measured.sigma_ang < plane.sigma_ang)
+    return gap_m > max_gap_m(plane.sigma_ang, state.tau(plane.fit.centroid), options);
+  return gap_m > max_gap_m(measured.sigma_ang, measured.tau_m, options);
+}
+
 std::optional<Pair> compare(const SegmentState& state,
                             std::int32_t k,
                             const Candidate& candidate,
@@ -73,7 +83,9 @@ std::int32_t choose_partner(const SegmentState& state,
                             const PairVisitor* visitor) {
   const MeasuredPlane measured = state.measured(candidate);
   CheapestPair best{visitor};
+  const bool skips = !visitor && state.options.r1_merge_by_distance.on;
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
+    if (skips && is_out_of_reach(state, k, measured)) continue;
     if (const std::optional<Pair> pair = compare(state, k, candidate, measured))
       best.consider(*pair);
     if (best.plane >= 0 && state.options.merge_partner == MergePartner::first) break;

@@ -4,9 +4,11 @@
 // planes and nodes. Internal to core/planes/segment and to what replays and explains it.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/planes/segment/cells.hpp"
 #include "core/planes/segment/criteria.hpp"
 #include "core/planes/segment/segment.hpp"
 
@@ -26,7 +28,14 @@ struct SegmentState {
   std::vector<std::int32_t> plane_of_pixel = {};  // R11: per pixel, -1 none; without it empty
   std::vector<std::int32_t> minor = {};           // R10: planes that it dropped
   SegmentCounts counts = {};
+  mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
 
+  /// The grid of options.noise.neighbour_levels: where points are does not change.
+  const CellGrid& neighbour_cells() const {
+    if (!cells)
+      cells = std::make_shared<CellGrid>(make_cell_grid(octree, options.noise.neighbour_levels));
+    return *cells;
+  }
   Vec3d point(std::uint32_t i) const { return octree.points[i].cast<double>(); }
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }

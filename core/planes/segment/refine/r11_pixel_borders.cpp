@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/planes/segment/state.hpp"
 
@@ -11,7 +12,8 @@ namespace {
 constexpr int kTile = 32;  // [px]
 constexpr int kMostReach_px = 20;
 
-/// Sums over any rectangle of a part of the image, in four reads.
+/// Sums over any rectangle of a part of the image, in four reads. Whole numbers: sums that wrap
+/// around still differ by what they should.
 template <typename T>
 class BoxSums {
  public:
@@ -20,11 +22,17 @@ class BoxSums {
   void fill(const Rect& rect, const Value& value) {
     rect_ = rect;
     stride_ = rect.width() + 1;
-    sums_.assign(static_cast<std::size_t>(stride_) * (rect.height() + 1), T{});
-    for (int y = rect.y0; y < rect.y1; ++y)
-      for (int x = rect.x0; x < rect.x1; ++x)
-        sums_[at(x + 1, y + 1)] =
-            value(x, y) + sums_[at(x, y + 1)] + sums_[at(x + 1, y)] - sums_[at(x, y)];
+    sums_.resize(static_cast<std::size_t>(stride_) * (rect.height() + 1));
+    std::fill_n(sums_.begin(), stride_, T{});
+    T* above = sums_.data();
+    for (int y = rect.y0; y < rect.y1; ++y, above += stride_) {
+      T* sums = above + stride_;
+      T row = sums[0] = 0;
+      for (int x = 0; x < rect.width(); ++x) {
+        row += value(rect.x0 + x, y);
+        sums[x + 1] = above[x + 1] + row;
+      }
+    }
   }
   T of(const Rect& r) const {
     return sums_[at(r.x1, r.y1)] - sums_[at(r.x0, r.y1)] - sums_[at(r.x1, r.y0)] +
@@ -40,6 +48,19 @@ class BoxSums {
   std::vector<T> sums_;
 };
 
+/// How many measurements there are, and the sum of their distances from a plane, in one number to
+/// be added up: [um] times 2^24, and the count.
+struct Tally {
+  static constexpr std::int64_t kShift = 24;
+  static std::int64_t of_one(double distance_m) {
+    return (static_cast<std::int64_t>(distance_m * 1e6) << kShift) + 1;
+  }
+  static int count(std::int64_t sum) {
+    return static_cast<int>(sum & ((std::int64_t{1} << kShift) - 1));
+  }
+  static double distance_m(std::int64_t sum) { return 1e-6 * static_cast<double>(sum >> kShift); }
+};
+
 class Borders {
  public:
   Borders(const SegmentState& state, const Options& options)
@@ -50,13 +71,63 @@ class Borders {
 
   std::vector<std::int32_t> give_pixels() {
     std::vector<std::int32_t> result = plane_;
-    for (int y = 0; y < pixels_.height; y += kTile)
-      for (int x = 0; x < pixels_.width; x += kTile)
-        give_tile(pixels_.around({x, y, x + kTile, y + kTile}, 0), result);
+    const int columns = (pixels_.width + kTile - 1) / kTile;
+    const int rows = (pixels_.height + kTile - 1) / kTile;
+    const auto tile_at = [&](int column, int row) {
+      return pixels_.around({column * kTile, row * kTile, (column + 1) * kTile, (row + 1) * kTile},
+                            0);
+    };
+    std::vector<Held> held;  // per tile
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column)
+        held.push_back(held_by(tile_at(column, row)));
+    static_assert(kMostReach_px <= kTile);  // so that no planes but those of its neighbours matter
+    std::vector<Part> candidates;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        candidates.clear();
+        for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
+          for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
+            for (const Part& part : held[r * columns + c].parts) add(part, candidates);
+        std::ranges::sort(candidates, {}, &Part::plane);
+        if (candidates.size() > 1 || held[row * columns + column].has_open)
+          give_tile(tile_at(column, row), candidates, result);
+      }
     return result;
   }
 
  private:
+  /// A plane, and the rectangle around its pixels in some part of the image.
+  struct Part {
+    std::int32_t plane = -1;
+    Rect around;
+  };
+  static void add(const Part& part, std::vector<Part>& parts) {
+    const auto found = std::ranges::find(parts, part.plane, &Part::plane);
+    if (found == parts.end()) return parts.push_back(part);
+    Rect& rect = found->around;
+    rect = {std::min(rect.x0, part.around.x0), std::min(rect.y0, part.around.y0),
+            std::max(rect.x1, part.around.x1), std::max(rect.y1, part.around.y1)};
+  }
+
+  /// What a tile's pixels are on.
+  struct Held {
+    std::vector<Part> parts;
+    bool has_open = false;  // pixels of no plane
+  };
+  Held held_by(const Rect& tile) const {
+    Held held;
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1;) {
+        const int begin = x;
+        const std::int32_t k = plane_[pixels_.at(x, y)];
+        for (; x < tile.x1 && plane_[pixels_.at(x, y)] == k; ++x)
+          held.has_open = held.has_open || (k < 0 && pixels_.has(pixels_.at(x, y)));
+        if (k >= 0) add({k, {begin, y, x, y + 1}}, held.parts);
+      }
+    return held;
+  }
+
   /// What one pixel is to any plane.
   struct Measured {
     Vec3d point = Vec3d::Zero();
@@ -74,24 +145,10 @@ class Borders {
     return m;
   }
 
-  /// Planes around the tile, ascending; none where its pixels have no choice.
-  std::vector<std::int32_t> candidates(const Rect& tile, const Rect& reached) const {
-    std::vector<std::int32_t> planes;
-    for (int y = reached.y0; y < reached.y1; ++y)
-      for (int x = reached.x0; x < reached.x1; ++x)
-        if (const std::int32_t k = plane_[pixels_.at(x, y)];
-            k >= 0 && (planes.empty() || planes.back() != k))
-          planes.push_back(k);
-    std::ranges::sort(planes);
-    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
-    if (planes.size() > 1) return planes;
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x)
-        if (const std::size_t i = pixels_.at(x, y); pixels_.has(i) && plane_[i] < 0) return planes;
-    return {};
-  }
-
-  void give_tile(const Rect& tile, std::vector<std::int32_t>& result) {
+  /// `candidates`: the planes that may be in reach of the tile's pixels.
+  void give_tile(const Rect& tile,
+                 std::span<const Part> candidates,
+                 std::vector<std::int32_t>& result) {
     const int half = options_.window_px / 2;
     near_ = pixels_.around(tile, half);
     known_.assign(static_cast<std::size_t>(near_.width()) * near_.height(), {});
@@ -103,38 +160,49 @@ class Borders {
       farthest_px = std::max(farthest_px, known(x, y).reach_px);
       return 1;
     });
-    const Rect reached = pixels_.around(tile, farthest_px);
+    any_.fill(pixels_.around(tile, farthest_px),
+              [&](int x, int y) { return plane_[pixels_.at(x, y)] >= 0 ? 1 : 0; });
     least_.assign(static_cast<std::size_t>(kTile) * kTile, std::numeric_limits<double>::infinity());
-    for (const std::int32_t k : candidates(tile, reached)) {
-      own_.fill(reached, [&](int x, int y) { return plane_[pixels_.at(x, y)] == k ? 1 : 0; });
-      give_pixels_to(k, tile, result);
+    for (const Part& candidate : candidates) {
+      const Rect reach = pixels_.around(candidate.around, farthest_px);
+      const Rect part{std::max(tile.x0, reach.x0), std::max(tile.y0, reach.y0),
+                      std::min(tile.x1, reach.x1), std::min(tile.y1, reach.y1)};
+      if (part.x0 >= part.x1 || part.y0 >= part.y1) continue;
+      own_.fill(pixels_.around(part, farthest_px),
+                [&](int x, int y) { return plane_[pixels_.at(x, y)] == candidate.plane ? 1 : 0; });
+      give_pixels_to(candidate.plane, tile, part, result);
     }
   }
 
   /// Those that lie on the plane better than on the planes before it.
-  void give_pixels_to(std::int32_t k, const Rect& tile, std::vector<std::int32_t>& result) {
+  /// `part`: the rectangle of the tile that is within reach of it.
+  void give_pixels_to(std::int32_t k,
+                      const Rect& tile,
+                      const Rect& part,
+                      std::vector<std::int32_t>& result) {
     const PlaneFit& fit = state_.planes[k].fit;
     // Signed distances of what may lie on the plane: noise averages away, a slope does not.
-    counted_.fill(near_, [&](int x, int y) {
+    off_.fill(pixels_.around(part, options_.window_px / 2), [&](int x, int y) -> std::int64_t {
       Measured& m = known(x, y);
-      m.distance_m = m.tau > 0 ? fit.distance_m(m.point) : 0;
-      return m.tau > 0 && std::abs(m.distance_m) <= 2 * m.tau ? 1 : 0;
+      if (m.tau <= 0) return 0;
+      m.distance_m = fit.distance_m(m.point);
+      if (std::abs(m.distance_m) > 2 * m.tau) return 0;
+      return Tally::of_one(std::clamp(m.distance_m, -m.tau, m.tau));
     });
-    distances_.fill(near_, [&](int x, int y) {
-      const Measured& m = known(x, y);
-      return std::abs(m.distance_m) <= 2 * m.tau ? std::clamp(m.distance_m, -m.tau, m.tau) : 0;
-    });
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x) {
+    for (int y = part.y0; y < part.y1; ++y)
+      for (int x = part.x0; x < part.x1; ++x) {
         const std::size_t i = pixels_.at(x, y);
         const Measured& m = known(x, y);
         const Rect pixel{x, y, x + 1, y + 1};
         if (!pixels_.has(i)) continue;
-        if (plane_[i] != k && (std::abs(m.distance_m) > options_.taus * m.tau ||
-                               own_.of(pixels_.around(pixel, m.reach_px)) == 0))
-          continue;
+        const bool is_own = plane_[i] == k;
+        if (!is_own && std::abs(m.distance_m) > options_.taus * m.tau) continue;
+        const Rect in_reach = pixels_.around(pixel, m.reach_px);
+        const int own = own_.of(in_reach);
+        if (is_own ? own == any_.of(in_reach) : own == 0) continue;  // no other, or not this one
         const Rect window = pixels_.around(pixel, options_.window_px / 2);
-        const double off_m = std::abs(distances_.of(window)) / std::max(1, counted_.of(window));
+        const std::int64_t off = off_.of(window);
+        const double off_m = std::abs(Tally::distance_m(off)) / std::max(1, Tally::count(off));
         const double company = static_cast<double>(own_.of(window)) / all_.of(window);
         const double cost = off_m / m.tau - options_.company_taus * company;
         double& best = least_[static_cast<std::size_t>(y - tile.y0) * kTile + (x - tile.x0)];
@@ -156,9 +224,9 @@ class Borders {
   // Of one tile.
   Rect near_;  // it and the windows of its pixels
   std::vector<Measured> known_;
-  std::vector<double> least_;  // cost of the best plane so far
-  BoxSums<int> all_, own_, counted_;
-  BoxSums<double> distances_;
+  std::vector<double> least_;     // cost of the best plane so far
+  BoxSums<int> all_, any_, own_;  // with a measurement, of any plane, of the one in question
+  BoxSums<std::int64_t> off_;
 };
 
 /// A point goes where most of its pixels went; where as many stayed, it stays.

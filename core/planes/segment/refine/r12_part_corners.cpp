@@ -19,7 +19,17 @@ constexpr std::size_t kSamples = 1500;    // of them that are looked at, about
 constexpr int kStarts = 8;                // directions of the line that a fit begins with
 constexpr int kRounds = 12;
 
-using Pixels = std::vector<PixelGrid::Seen>;
+/// A pixel and the row of the image that it is in.
+struct Pixel {
+  PixelGrid::Seen seen;
+  int row = 0;
+};
+using Pixels = std::vector<Pixel>;  // row by row, from left to right
+
+/// A row's pixels: a line in the picture leaves those on either side of it standing together.
+struct Row {
+  std::uint32_t begin = 0, end = 0;
+};
 
 /// What is measured of a plane, parted by edge . ray > 0.
 struct Sides {
@@ -32,7 +42,17 @@ struct Sides {
 class Corner {
  public:
   Corner(const Pixels& pixels, const Options& options) : pixels_(pixels), options_(options) {
-    for (const auto& [ray, w] : pixels) {
+    InverseSums of_row;
+    before_.reserve(pixels.size() + 1);
+    for (std::uint32_t i = 0; i < pixels.size(); ++i) {
+      const auto& [ray, w] = pixels[i].seen;
+      if (i == 0 || pixels[i].row != pixels[i - 1].row) {
+        rows_.push_back({i, i});
+        of_row = {};
+      }
+      ++rows_.back().end;
+      before_.push_back(of_row);
+      of_row.add(ray, w);
       all_.add(ray, w);
       middle_ += ray;
     }
@@ -60,8 +80,7 @@ class Corner {
   /// Nothing where one side has too few pixels.
   std::optional<Sides> part(const Vec3d& edge) const {
     Sides sides{.edge = edge, .second = all_};
-    for (const auto& [ray, w] : pixels_)
-      if (edge.dot(ray) > 0) sides.first.add(ray, w);
+    for (const Row& row : rows_) add_first_side(edge, row, sides.first);
     sides.second -= sides.first;
     const int least = std::min(sides.first.count, sides.second.count);
     if (least < std::max(4.0, options_.least_share * all_.count)) return std::nullopt;
@@ -71,6 +90,30 @@ class Corner {
       sides.squares += std::pow(sums->rms_about(fit->w_of_ray), 2) * sums->count;
     }
     return sides;
+  }
+
+  /// Adds the row's pixels with edge . ray > 0: all, none, or those before or from some pixel on.
+  void add_first_side(const Vec3d& edge, const Row& row, InverseSums& sums) const {
+    const auto is_first = [&](std::uint32_t i) { return edge.dot(pixels_[i].seen.ray) > 0; };
+    const bool at_begin = is_first(row.begin);
+    std::uint32_t same = row.begin, other = row.end - 1;  // on the side of the first, and not
+    if (is_first(other) == at_begin) {
+      same = other;
+    } else {
+      while (other - same > 1) {
+        const std::uint32_t middle = same + (other - same) / 2;
+        (is_first(middle) == at_begin ? same : other) = middle;
+      }
+    }
+    InverseSums head = before_[same];
+    head.add(pixels_[same].seen.ray, pixels_[same].seen.w);
+    if (at_begin) {
+      sums += head;
+    } else if (same + 1 < row.end) {
+      InverseSums tail = before_[row.end - 1];
+      tail.add(pixels_[row.end - 1].seen.ray, pixels_[row.end - 1].seen.w);
+      sums += tail -= head;
+    }
   }
 
   /// Fits a plane to either side of the line, takes the line in which these meet, and so on.
@@ -89,6 +132,8 @@ class Corner {
 
   const Pixels& pixels_;
   const Options& options_;
+  std::vector<Row> rows_;
+  std::vector<InverseSums> before_;  // per pixel: of those before it in its row
   InverseSums all_;
   Vec3d middle_ = Vec3d::Zero();
 };
@@ -115,7 +160,7 @@ std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
       const std::size_t i = grid.at(x, y);
       const std::int32_t k = plane[i];
       if (k >= 0 && y % every[k].rows == 0 && x % every[k].columns == 0)
-        all[k].push_back(grid.seen(i, state.sensor));
+        all[k].push_back({grid.seen(i, state.sensor), y});
     }
   return all;
 }
@@ -132,7 +177,7 @@ Halves halve(const SegmentState& state,
              std::span<const std::uint32_t> points) {
   Halves halves;
   for (const auto& pixel : pixels)
-    (edge.dot(pixel.ray) > 0 ? halves.first_pixels : halves.second_pixels).push_back(pixel);
+    (edge.dot(pixel.seen.ray) > 0 ? halves.first_pixels : halves.second_pixels).push_back(pixel);
   for (const std::uint32_t i : points)
     (edge.dot(state.point(i) - state.sensor) > 0 ? halves.first : halves.second).push_back(i);
   if (halves.first.size() < halves.second.size()) {

@@ -6,6 +6,10 @@
 
 namespace planescope::planes {
 
+double max_gap_m(double sigma_ang, double tau_m, const r1_merge_by_distance::Options& options) {
+  return std::max(options.near_m, tau_m / (options.gap_sigmas * std::max(sigma_ang, 1e-9)));
+}
+
 DistanceTerms distance_terms(const MeasuredPlane& a,
                              const MeasuredPlane& b,
                              const r1_merge_by_distance::Options& options) {
@@ -19,8 +23,7 @@ DistanceTerms distance_terms(const MeasuredPlane& a,
   const double max_lateral2 = options.max_lateral_m * options.max_lateral_m;
   DistanceTerms terms;
   terms.gap_m = gap_between(a.bounds, b.bounds);
-  terms.max_gap_m = std::max(options.near_m,
-                             other.tau_m / (options.gap_sigmas * std::max(other.sigma_ang, 1e-9)));
+  terms.max_gap_m = max_gap_m(other.sigma_ang, other.tau_m, options);
   terms.angle_deg = kDeg * std::acos(std::min(1.0, std::abs(n.dot(other.fit.normal))));
   terms.max_angle_deg = terms.gap_m <= options.near_m
                             ? options.max_angle_deg + options.angle_sigmas * kDeg * other.sigma_ang

@@ -57,7 +57,7 @@ std::int32_t choose_partner_of_weak(const SegmentState& state,
   CheapestPair best{visitor};
   const auto consider = [&](std::int32_t k, bool any_angle) {
     if (state.planes[k].label == candidate.label)
-      best.consider(pair_by_distance(state, k, measured, any_angle));
+      best.consider_by_distance(state, k, measured, any_angle);
   };
   std::set<std::int32_t> near;
   const OctreeNode& node = state.octree.nodes[candidate.node];

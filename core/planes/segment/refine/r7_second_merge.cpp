@@ -26,35 +26,58 @@ PointsOf points_of_planes(const SegmentState& state) {
   return points_of;
 }
 
-/// Merges the smallest plane that has a partner; false: none has.
-bool merge_one(SegmentState& state,
-               std::span<const std::int32_t> smallest_first,
-               PointsOf& points_of) {
-  for (std::size_t i = 0; i < smallest_first.size(); ++i) {
-    const std::int32_t plane = smallest_first[i];
-    if (!state.planes[plane].alive) continue;
-    const std::int32_t partner =
-        choose_partner_of_plane(state, plane, smallest_first.subspan(i + 1));
-    if (partner < 0) continue;
-    if (points_of.empty()) points_of = points_of_planes(state);
-    merge_into(state, plane, partner, points_of);
-    return true;
+/// Merges the smallest plane that has a partner, and again, until none has. A merge changes one
+/// plane: those before it that had no partner are only asked about that one.
+class SmallestFirst {
+ public:
+  explicit SmallestFirst(SegmentState& state) : state_(state), order_(state.planes.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](auto a, auto b) { return count(a) < count(b); });
   }
-  return false;
-}
+
+  void merge_all() {
+    for (std::size_t i = 0; i < order_.size();) {
+      const std::int32_t plane = order_[i];
+      std::span<const std::int32_t> larger = std::span(order_).subspan(i + 1);
+      if (i < asked_) larger = {&grown_, 1};
+      std::int32_t into = -1;
+      if (state_.planes[plane].alive) into = choose_partner_of_plane(state_, plane, larger);
+      if (into < 0) {
+        ++i;
+        continue;
+      }
+      if (points_of_.empty()) points_of_ = points_of_planes(state_);
+      merge_into(state_, plane, into, points_of_);
+      grown_ = into;
+      asked_ = std::max(asked_, i);
+      move_up(into);
+      i = 0;
+    }
+  }
+
+ private:
+  double count(std::int32_t plane) const { return state_.planes[plane].moments.count; }
+
+  /// To its place among the larger ones; of equals it stays the first.
+  void move_up(std::int32_t plane) {
+    const auto from = std::ranges::find(order_, plane);
+    const auto to = std::find_if(from + 1, order_.end(),
+                                 [&](std::int32_t k) { return count(k) >= count(plane); });
+    std::rotate(from, from + 1, to);
+  }
+
+  SegmentState& state_;
+  std::vector<std::int32_t> order_;  // planes, ascending by size
+  std::size_t asked_ = 0;            // so many of these have no partner but perhaps ...
+  std::int32_t grown_ = -1;          // ... this one
+  PointsOf points_of_;               // from the first merge on
+};
 
 }  // namespace
 
 void run(SegmentState& state, const Options& options) {
-  if (!options.on) return;
-  std::vector<std::int32_t> smallest_first(state.planes.size());
-  std::iota(smallest_first.begin(), smallest_first.end(), 0);
-  PointsOf points_of;  // from the first merge on
-  do {
-    std::stable_sort(smallest_first.begin(), smallest_first.end(), [&](auto a, auto b) {
-      return state.planes[a].moments.count < state.planes[b].moments.count;
-    });
-  } while (merge_one(state, smallest_first, points_of));
+  if (options.on) SmallestFirst(state).merge_all();
 }
 
 }  // namespace r7_second_merge
@@ -68,7 +91,7 @@ std::int32_t choose_partner_of_plane(const SegmentState& state,
   CheapestPair best{visitor};
   for (const std::int32_t k : larger)
     if (state.planes[k].alive && state.planes[k].label == small.label)
-      best.consider(pair_by_distance(state, k, measured));
+      best.consider_by_distance(state, k, measured);
   return best.plane;
 }
 

@@ -89,7 +89,19 @@ class Sheets {
         find_stretches(pixels_.around({x, y, x + kTile, y + kTile}, 0));
   }
 
+  bool has_one_plane(const Rect& rect) const {
+    std::int32_t only = -1;
+    for (int y = rect.y0; y < rect.y1; ++y)
+      for (int x = rect.x0; x < rect.x1; ++x) {
+        const std::int32_t k = plane_[pixels_.at(x, y)];
+        if (k >= 0 && only >= 0 && k != only) return false;
+        only = std::max(only, k);
+      }
+    return true;
+  }
+
   void find_stretches(const Rect& tile) {
+    if (has_one_plane(pixels_.around({tile.x0, tile.y0, tile.x1 + 2, tile.y1 + 2}, 0))) return;
     contacts_.clear();
     // Two pixels apart as well, over what was not measured between.
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})

@@ -1,8 +1,10 @@
 #include "core/planes/segment/refine/split_disconnected.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,11 +18,103 @@ namespace {
 
 constexpr double kMaxCells = 1000;  // along an axis: a bound on memory
 
+/// What was measured, by the direction in which it was seen.
+class Rays {
+ public:
+  struct Ray {
+    Vec3f end;
+    std::int32_t point = -1;  // Morton position; -1 of what lies beyond the crop
+  };
+  explicit Rays(const SegmentState& state);
+
+  /// Calls visit(ray) for all that may have been seen through the convex region with
+  /// these corners, and for some more.
+  template <typename Visit>
+  void visit_through(std::span<const Vec3d> corners, const Visit& visit) const {
+    const auto visit_tile = [&](std::size_t tile) {
+      for (std::uint32_t k = first_[tile]; k < first_[tile + 1]; ++k) visit(rays_[k]);
+    };
+    Tile low{kTiles - 1, kTiles - 1}, high{0, 0};
+    for (const Vec3d& corner : corners) {
+      const std::optional<Tile> tile = tile_of(corner);
+      if (!tile) low = {0, 0}, high = {kTiles - 1, kTiles - 1};
+      for (int axis = 0; tile && axis < 2; ++axis) {  // and one more, for rounding
+        low[axis] = std::min(low[axis], std::max(0, (*tile)[axis] - 1));
+        high[axis] = std::max(high[axis], std::min(kTiles - 1, (*tile)[axis] + 1));
+      }
+    }
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) visit_tile(static_cast<std::size_t>(y) * kTiles + x);
+    visit_tile(kAside);
+  }
+
+ private:
+  static constexpr int kTiles = 64;
+  static constexpr std::size_t kAside = kTiles * kTiles;
+  using Tile = std::array<int, 2>;
+
+  /// Where the ray meets a plane before the sensor; nothing where it is far from its axis.
+  std::optional<Vec2d> picture_of(const Vec3d& p) const {
+    const Vec3d ray = p - sensor_;
+    const double ahead = axis_.dot(ray);
+    if (!(ahead > 0.2 * ray.norm())) return std::nullopt;
+    return Vec2d(basis_.u.dot(ray) / ahead, basis_.v.dot(ray) / ahead);
+  }
+  std::optional<Tile> tile_of(const Vec3d& p) const {
+    const std::optional<Vec2d> at = picture_of(p);
+    if (!at) return std::nullopt;
+    const Vec2d place = ((*at - low_).array() * scale_.array()).cwiseMax(0).cwiseMin(kTiles - 1);
+    return Tile{static_cast<int>(place.x()), static_cast<int>(place.y())};
+  }
+
+  Vec3d sensor_, axis_;
+  PlaneBasis basis_;
+  Vec2d low_ = Vec2d::Constant(INFINITY), scale_ = Vec2d::Zero();
+  std::vector<std::uint32_t> first_;  // per tile, and of what is aside: CSR
+  std::vector<Ray> rays_;
+};
+
+Rays::Rays(const SegmentState& state) : sensor_(state.sensor) {
+  std::vector<Ray> all;
+  all.reserve(state.octree.points.size() + state.more.beyond.size());
+  for (const Vec3f& p : state.octree.points)
+    all.push_back({p, static_cast<std::int32_t>(all.size())});
+  for (const Vec3f& p : state.more.beyond) all.push_back({p});
+  Vec3d sum = Vec3d::Zero();
+  for (const Ray& ray : all) sum += (ray.end.cast<double>() - sensor_).normalized();
+  axis_ = sum.norm() > 0 ? Vec3d(sum.normalized()) : Vec3d::UnitX();
+  basis_ = plane_basis(axis_);
+  Vec2d high = -low_;
+  for (const Ray& ray : all)
+    if (const std::optional<Vec2d> at = picture_of(ray.end.cast<double>())) {
+      low_ = low_.cwiseMin(*at);
+      high = high.cwiseMax(*at);
+    }
+  for (int axis = 0; axis < 2; ++axis)
+    scale_[axis] = high[axis] > low_[axis] ? kTiles / (high[axis] - low_[axis]) : 0;
+  std::vector<std::size_t> tile;
+  tile.reserve(all.size());
+  first_.assign(kAside + 2, 0);
+  for (const Ray& ray : all) {
+    const std::optional<Tile> at = tile_of(ray.end.cast<double>());
+    tile.push_back(at ? static_cast<std::size_t>((*at)[1]) * kTiles + (*at)[0] : kAside);
+    ++first_[tile.back() + 1];
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  rays_.resize(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) rays_[next[tile[i]]++] = all[i];
+}
+
 /// Where the sensor's rays passed through a plane, within the bounds of its points.
 class Sight {
  public:
-  /// `spacing_m`: of the points.
-  Sight(const SegmentState& state, std::int32_t plane, double spacing_m);
+  /// `points`: the plane's, at a distance of `spacing_m` from each other.
+  Sight(const SegmentState& state,
+        std::int32_t plane,
+        std::span<const std::uint32_t> points,
+        const Rays& rays,
+        double spacing_m);
   /// Did rays pass through most of the gap between two parts of the plane, where they are nearest?
   /// A gap that something hides is not open, nor one without measurements.
   bool is_open_between(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
@@ -41,14 +135,17 @@ class Sight {
   std::vector<std::uint8_t> passed_;  // per cell: rays did
 };
 
-Sight::Sight(const SegmentState& state, std::int32_t plane, double spacing_m)
+Sight::Sight(const SegmentState& state,
+             std::int32_t plane,
+             std::span<const std::uint32_t> points,
+             const Rays& rays,
+             double spacing_m)
     : state_(state), options_(state.options.split_disconnected), fit_(state.planes[plane].fit) {
   u_ = fit_.normal.unitOrthogonal();
   v_ = fit_.normal.cross(u_);
   low_ = Vec2d::Constant(INFINITY);
   Vec2d high = -low_;
-  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i) {
-    if (state.plane_of[i] != plane) continue;
+  for (const std::uint32_t i : points) {
     const Vec2d p = on_plane(state.point(i));
     low_ = low_.cwiseMin(p);
     high = high.cwiseMax(p);
@@ -58,17 +155,21 @@ Sight::Sight(const SegmentState& state, std::int32_t plane, double spacing_m)
   columns_ = static_cast<int>(size.x() / cell_m_) + 1;
   rows_ = static_cast<int>(size.y() / cell_m_) + 1;
   passed_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
-  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
-    if (state.plane_of[i] != plane) mark(state.point(i));
-  for (const Vec3f& p : state.more.beyond) mark(p.cast<double>());
+  std::array<Vec3d, 4> corners;
+  for (int k = 0; k < 4; ++k)
+    corners[k] = fit_.offset_m() * fit_.normal + (low_.x() + (k % 2) * columns_ * cell_m_) * u_ +
+                 (low_.y() + (k / 2) * rows_ * cell_m_) * v_;
+  rays.visit_through(corners, [&](const Rays::Ray& ray) {
+    if (ray.point < 0 || state.plane_of[ray.point] != plane) mark(ray.end.cast<double>());
+  });
 }
 
 std::optional<Vec3d> Sight::passed_at(const Vec3d& measured) const {
   const double point_m = fit_.distance_m(measured);
-  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * state_.tau(measured)))
-    return std::nullopt;
   const double sensor_m = fit_.distance_m(state_.sensor);
   if (sensor_m * point_m >= 0) return std::nullopt;  // before the plane
+  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * state_.tau(measured)))
+    return std::nullopt;
   return state_.sensor + sensor_m / (sensor_m - point_m) * (measured - state_.sensor);
 }
 
@@ -123,11 +224,14 @@ using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
 /// Finds the parts of one plane after the other.
 class PartFinder {
  public:
-  PartFinder(const Octree& octree, double gap_m)
-      : octree_(octree),
+  PartFinder(const SegmentState& state, double gap_m)
+      : octree_(state.octree),
         gap_m_(gap_m),
-        levels_(levels_of(octree.cube, gap_m)),
-        grid_(make_cell_grid(octree, levels_)),
+        levels_(levels_of(octree_.cube, gap_m)),
+        own_grid_(levels_ == state.options.noise.neighbour_levels
+                      ? CellGrid{}
+                      : make_cell_grid(octree_, levels_)),
+        grid_(own_grid_.starts.empty() ? state.neighbour_cells() : own_grid_),
         cell_of_(grid_.size(), -1) {}
 
   /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
@@ -231,7 +335,8 @@ class PartFinder {
   const Octree& octree_;
   const double gap_m_;
   const int levels_;
-  const CellGrid grid_;
+  const CellGrid own_grid_;  // where the refinements' common one is of other cells
+  const CellGrid& grid_;
   std::vector<Clump> clumps_;
   std::vector<Cell> cells_;            // of the plane
   std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
@@ -245,9 +350,11 @@ bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
 
 /// Joins the parts between which the sensor did not look through the plane: what hides the gap may
 /// hide a connection. Without rays nothing is known to hide anything. Parts too small for planes of
-/// their own stay with the first.
+/// their own stay with the first. `points`: all of the plane.
 std::vector<Part> parts_seen_apart(const SegmentState& state,
                                    std::int32_t plane,
+                                   std::span<const std::uint32_t> points,
+                                   std::optional<Rays>& rays,
                                    double spacing_m,
                                    std::vector<Part> parts) {
   const auto scraps = std::stable_partition(parts.begin() + 1, parts.end(), [&](const Part& part) {
@@ -257,7 +364,8 @@ std::vector<Part> parts_seen_apart(const SegmentState& state,
   DisjointSets sets(parts.size());
   for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
   if (count > 1 && state.more.rays) {
-    const Sight sight(state, plane, spacing_m);
+    if (!rays) rays.emplace(state);
+    const Sight sight(state, plane, points, *rays, spacing_m);
     for (std::uint32_t a = 0; a < count; ++a)
       for (std::uint32_t b = a + 1; b < count; ++b)
         if (sets.root(a) != sets.root(b) && !sight.is_open_between(parts[a], parts[b]))
@@ -292,9 +400,10 @@ void run(SegmentState& state, const Options& options) {
   const auto least = static_cast<std::size_t>(std::max(3, state.options.theta_n_in));
   const bool seen = options.rule == SplitRule::seen;
   const double spacing_m = std::sqrt(typical_area_per_point(state));
-  PartFinder finder(state.octree, seen ? std::max(options.gap_m, options.gap_spacings * spacing_m)
-                                       : options.gap_m);
+  PartFinder finder(
+      state, seen ? std::max(options.gap_m, options.gap_spacings * spacing_m) : options.gap_m);
   const PlanePoints members = points_by_plane(state);
+  std::optional<Rays> rays;  // from the first plane in several parts on
   const auto founded = static_cast<std::int32_t>(state.planes.size());
   for (std::int32_t plane = 0; plane < founded; ++plane) {
     if (!state.planes[plane].alive) continue;
@@ -303,7 +412,8 @@ void run(SegmentState& state, const Options& options) {
     // The largest keeps the plane, the others found their own.
     std::stable_sort(parts.begin(), parts.end(),
                      [](const Part& a, const Part& b) { return a.size() > b.size(); });
-    if (seen) parts = parts_seen_apart(state, plane, spacing_m, std::move(parts));
+    if (seen)
+      parts = parts_seen_apart(state, plane, members.of(plane), rays, spacing_m, std::move(parts));
     for (std::size_t p = 1; p < parts.size(); ++p) {
       const std::int32_t part = found_part(state, kStage, plane, parts[p]);
       if (parts[p].size() < least) drop(state, part, parts[p]);
