@@ -23,8 +23,7 @@ void assign(SegmentState& state, std::uint32_t i, const PlaneChoice& choice) {
 
 Reach reach_of(const SegmentState& state, std::uint32_t i, LeftoverRule rule) {
   if (rule == LeftoverRule::first) return {state.options.leftover_distance_m, 0};
-  const double range = state.range(state.point(i));
-  return {state.noise.tau(range), state.noise.other_label_penalty(range)};
+  return state.reach(i);
 }
 
 PointTerms point_terms(const SegmentState& state,

@@ -1,11 +1,14 @@
 #include "core/planes/segment/cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "core/model/morton.hpp"
 #include "core/planes/cloud/key_numbers.hpp"
 
 namespace planescope::planes {
+
 double cell_edge_m(const Octree& octree, int levels) {
   const int depth = octree.cube.max_depth - std::min(levels, octree.cube.max_depth);
   return octree.cube.edge_m / static_cast<double>(1u << depth);
@@ -21,33 +24,88 @@ std::vector<std::uint32_t> cell_starts(const Octree& octree, int levels) {
   return starts;
 }
 
+namespace {
+
+/// Cells by their place: in an array over the box around them where that is not much larger than
+/// they are many, in a hash elsewhere.
+class CellIndex {
+ public:
+  using Place = std::array<std::int32_t, 3>;
+
+  explicit CellIndex(const std::vector<Place>& cells) : hashed_(0) {
+    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    low_ = {kMost, kMost, kMost};
+    Place high{0, 0, 0};
+    for (const Place& cell : cells)
+      for (int axis = 0; axis < 3; ++axis) {
+        low_[axis] = std::min(low_[axis], cell[axis]);
+        high[axis] = std::max(high[axis], cell[axis]);
+      }
+    double volume = 1;
+    for (int axis = 0; axis < 3; ++axis) {  // with a margin, where nothing is
+      --low_[axis];
+      size_[axis] = cells.empty() ? 0 : high[axis] - low_[axis] + 2;
+      volume *= size_[axis];
+    }
+    if (volume <= 4096 + 64 * static_cast<double>(cells.size()))
+      dense_.assign(static_cast<std::size_t>(volume), KeyNumbers::kNone);
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+      if (dense_.empty())
+        hashed_.find_or_add(key(cells[c]));
+      else
+        dense_[at(cells[c])] = c;
+    }
+  }
+  /// Of a cell, or of one beside it; KeyNumbers::kNone where it is empty.
+  std::uint32_t find(const Place& cell) const {
+    return dense_.empty() ? hashed_.find(key(cell)) : dense_[at(cell)];
+  }
+
+ private:
+  std::size_t at(const Place& cell) const {
+    return (static_cast<std::size_t>(cell[2] - low_[2]) * size_[1] + (cell[1] - low_[1])) *
+               size_[0] +
+           (cell[0] - low_[0]);
+  }
+  std::uint64_t key(const Place& cell) const {
+    constexpr int kBits = 21;
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      key = key << kBits | static_cast<std::uint64_t>(cell[axis] - low_[axis]);
+    return key;
+  }
+
+  Place low_{}, size_{};
+  std::vector<std::uint32_t> dense_;
+  KeyNumbers hashed_;
+};
+
+}  // namespace
+
 CellGrid make_cell_grid(const Octree& octree, int levels) {
-  const int up = std::min(levels, octree.cube.max_depth);
-  const int shift = 3 * up;
-  const std::int64_t cells_per_edge = std::int64_t{1} << (octree.cube.max_depth - up);
+  const int shift = 3 * std::min(levels, octree.cube.max_depth);
   CellGrid grid;
   grid.starts = cell_starts(octree, levels);
   grid.cell_of.resize(octree.keys.size());
-  KeyNumbers cells(grid.size());  // codes differ, so that each cell gets its own number
+  std::vector<CellIndex::Place> cells;
+  cells.reserve(grid.size());
   for (std::uint32_t c = 0; c < grid.size(); ++c) {
-    cells.find_or_add(octree.keys[grid.starts[c]] >> shift);
+    const auto cell = morton_cell(octree.keys[grid.starts[c]] >> shift);
+    cells.push_back({static_cast<std::int32_t>(cell[0]), static_cast<std::int32_t>(cell[1]),
+                     static_cast<std::int32_t>(cell[2])});
     std::fill(grid.cell_of.begin() + grid.starts[c], grid.cell_of.begin() + grid.starts[c + 1], c);
   }
+  const CellIndex index(cells);
   grid.neighbour_first.reserve(grid.size() + 1);
   grid.neighbours.reserve(grid.size() * 12);
   grid.neighbour_first.push_back(0);
-  for (std::uint32_t c = 0; c < grid.size(); ++c) {
-    const auto cell = morton_cell(octree.keys[grid.starts[c]] >> shift);
+  for (const auto& [x, y, z] : cells) {
     for (int dz = -1; dz <= 1; ++dz)
       for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const std::int64_t x = cell[0] + dx, y = cell[1] + dy, z = cell[2] + dz;
-          if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= cells_per_edge) continue;
-          const std::uint32_t found =
-              cells.find(morton_code(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                                     static_cast<std::uint32_t>(z)));
-          if (found != KeyNumbers::kNone) grid.neighbours.push_back(found);
-        }
+        for (int dx = -1; dx <= 1; ++dx)
+          if (const std::uint32_t found = index.find({x + dx, y + dy, z + dz});
+              found != KeyNumbers::kNone)
+            grid.neighbours.push_back(found);
     grid.neighbour_first.push_back(static_cast<std::uint32_t>(grid.neighbours.size()));
   }
   return grid;

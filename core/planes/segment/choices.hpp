@@ -100,12 +100,7 @@ std::int32_t choose_partner_of_plane(const SegmentState& state,
                                      std::span<const std::int32_t> larger,
                                      const PairVisitor* visitor = nullptr);
 
-/// How far from a plane a point may lie to go to it, and by how much nearer a plane of the other
-/// label must be: leftover_distance_m and nothing by the rule `first`, else tau and some sigma.
-struct Reach {
-  double limit_m = 0;
-  double penalty_m = 0;
-};
+/// By the rule.
 Reach reach_of(const SegmentState& state, std::uint32_t i, LeftoverRule rule);
 
 /// A point compared with a plane.

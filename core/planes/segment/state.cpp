@@ -49,6 +49,14 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
   return state;
 }
 
+void SegmentState::measure_reaches() const {
+  reaches.reserve(octree.points.size());
+  for (std::uint32_t i = 0; i < octree.points.size(); ++i) {
+    const double range_m = range(point(i));
+    reaches.push_back({noise.tau(range_m), noise.other_label_penalty(range_m)});
+  }
+}
+
 void visit_node(SegmentState& state, std::int32_t node) {
   log(state, {.type = EventType::visit, .node = node});
   ++state.counts.nodes_visited;

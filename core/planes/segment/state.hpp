@@ -14,6 +14,13 @@
 
 namespace planescope::planes {
 
+/// How far from a plane a point may lie to go to it, and by how much nearer a plane of the other
+/// label must be: leftover_distance_m and nothing by the rule `first`, else tau and some sigma.
+struct Reach {
+  double limit_m = 0;
+  double penalty_m = 0;
+};
+
 struct SegmentState {
   const SegmentOptions& options;
   Vec3d sensor;
@@ -29,6 +36,7 @@ struct SegmentState {
   std::vector<std::int32_t> minor = {};           // R10: planes that it dropped
   SegmentCounts counts = {};
   mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
+  mutable std::vector<Reach> reaches = {};             // likewise
 
   /// The grid of options.noise.neighbour_levels: where points are does not change.
   const CellGrid& neighbour_cells() const {
@@ -36,6 +44,12 @@ struct SegmentState {
       cells = std::make_shared<CellGrid>(make_cell_grid(octree, options.noise.neighbour_levels));
     return *cells;
   }
+  /// Of each point, by its tau: the noise is measured before the first is asked for.
+  const Reach& reach(std::uint32_t i) const {
+    if (reaches.empty()) measure_reaches();
+    return reaches[i];
+  }
+  void measure_reaches() const;
   Vec3d point(std::uint32_t i) const { return octree.points[i].cast<double>(); }
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }

@@ -82,7 +82,7 @@ Evidence evidence_for(const SegmentState& state,
   evidence.points = points.size();
   for (const std::uint32_t i : points) {
     const Vec3d p = state.point(i);
-    const double tau = state.tau(p);
+    const double tau = state.reach(i).limit_m;
     const auto explains = [&](std::int32_t k) {
       const GrowingPlane& other = state.planes[k];
       const double reach = other.label == own.label ? tau : options.other_label_tau * tau;

@@ -15,7 +15,7 @@ void run(SegmentState& state, const Options& options) {
     const std::int32_t own = state.plane_of[i];
     if (own < 0) continue;
     const Vec3d p = state.point(i);
-    const double tau = state.tau(p);
+    const double tau = state.reach(i).limit_m;
     state.octree.add_point(all[own], i);
     const auto near = around.near(i);
     const bool shared = std::any_of(near.begin(), near.end(), [&](std::int32_t k) {

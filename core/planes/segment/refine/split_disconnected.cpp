@@ -236,11 +236,10 @@ class PartFinder {
 
   /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
   std::vector<Part> parts_of(std::span<const std::uint32_t> points) {
-    DisjointSets sets(points.size());
-    gather(points, sets);
+    gather(points);
+    DisjointSets sets(clumps_.size());
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-      link(points, cells_[c], cells_[c], sets);
-      cells_[c].whole = is_whole(cells_[c], sets);
+      link_within(points, cells_[c], sets);
       cell_of_[cells_[c].number] = static_cast<std::int32_t>(c);
       const std::uint32_t number = cells_[c].number;
       for (std::uint32_t n = grid_.neighbour_first[number]; n < grid_.neighbour_first[number + 1];
@@ -269,7 +268,7 @@ class PartFinder {
     return std::clamp(static_cast<int>(std::ceil(std::log2(gap_m / leaf))), 0, cube.max_depth);
   }
 
-  void gather(std::span<const std::uint32_t> points, DisjointSets& sets) {
+  void gather(std::span<const std::uint32_t> points) {
     constexpr int kClumpLevels = 2;  // a quarter of a cell: its diagonal is less than the gap
     const int shift = 3 * (levels_ - kClumpLevels);
     cells_.clear();
@@ -286,29 +285,39 @@ class PartFinder {
         ++cells_.back().end;
         clump = now;
       }
-      sets.join(clumps_.back().begin, k);
       clumps_.back().end = k + 1;
     }
   }
 
-  bool is_whole(const Cell& cell, DisjointSets& sets) const {
-    for (std::uint32_t c = cell.begin; c < cell.end; ++c)
-      if (sets.root(clumps_[c].begin) != sets.root(clumps_[cell.begin].begin)) return false;
-    return true;
+  void link_within(std::span<const std::uint32_t> points, Cell& cell, DisjointSets& sets) const {
+    std::uint32_t apart = 0;  // sets among the clumps so far
+    for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+      ++apart;
+      for (std::uint32_t j = i; j-- > cell.begin && apart > 1;)
+        if (join(points, i, j, sets)) --apart;
+    }
+    cell.whole = apart == 1;
   }
 
   void link(std::span<const std::uint32_t> points,
             const Cell& a,
             const Cell& b,
             DisjointSets& sets) const {
-    if (a.whole && b.whole &&
-        sets.root(clumps_[a.begin].begin) == sets.root(clumps_[b.begin].begin))
-      return;
+    const bool both_whole = a.whole && b.whole;
+    if (both_whole && sets.root(a.begin) == sets.root(b.begin)) return;
     for (std::uint32_t i = a.begin; i < a.end; ++i)
       for (std::uint32_t j = b.begin; j < b.end; ++j)
-        if (sets.root(clumps_[i].begin) != sets.root(clumps_[j].begin) &&
-            touch(points, clumps_[i], clumps_[j]))
-          sets.join(clumps_[i].begin, clumps_[j].begin);
+        if (join(points, i, j, sets) && both_whole) return;
+  }
+
+  /// Joins two clumps that touch; false where they do not, or were joined before.
+  bool join(std::span<const std::uint32_t> points,
+            std::uint32_t i,
+            std::uint32_t j,
+            DisjointSets& sets) const {
+    if (sets.root(i) == sets.root(j) || !touch(points, clumps_[i], clumps_[j])) return false;
+    sets.join(i, j);
+    return true;
   }
 
   bool touch(std::span<const std::uint32_t> points, const Clump& a, const Clump& b) const {
@@ -318,16 +327,17 @@ class PartFinder {
     return false;
   }
 
-  static std::vector<Part> parts_in(std::span<const std::uint32_t> points, DisjointSets& sets) {
+  std::vector<Part> parts_in(std::span<const std::uint32_t> points, DisjointSets& sets) const {
     std::vector<Part> parts;
-    std::vector<std::uint32_t> number(points.size());
-    for (std::uint32_t k = 0; k < points.size(); ++k) {
-      const std::uint32_t root = sets.root(k);
-      if (root == k) {
-        number[k] = static_cast<std::uint32_t>(parts.size());
+    std::vector<std::uint32_t> number(clumps_.size());
+    for (std::uint32_t c = 0; c < clumps_.size(); ++c) {
+      const std::uint32_t root = sets.root(c);
+      if (root == c) {
+        number[c] = static_cast<std::uint32_t>(parts.size());
         parts.emplace_back();
       }
-      parts[number[root]].push_back(points[k]);
+      Part& part = parts[number[root]];
+      part.insert(part.end(), points.begin() + clumps_[c].begin, points.begin() + clumps_[c].end);
     }
     return parts;
   }
