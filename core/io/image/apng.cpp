@@ -1,17 +1,14 @@
-// PNG, third edition (W3C 2025), with its chunks acTL, fcTL and fdAT.
+// Its chunks acTL, fcTL and fdAT make an animation of a PNG.
 
 #include "core/io/image/apng.hpp"
 
-#include <zlib.h>
-
-#include <array>
 #include <cassert>
 #include <cstdlib>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "core/model/error.hpp"
+#include "core/io/image/png_chunks.hpp"
 
 namespace planescope::io {
 namespace {
@@ -19,30 +16,15 @@ namespace {
 using Bytes = std::vector<unsigned char>;
 
 constexpr int kChannels = 3;
-constexpr int kLevel = 6;
-constexpr int kFilters = 5;  // none, sub, up, average, Paeth
+constexpr int kSmallLevel = 6;
 
-void append_32(Bytes& bytes, std::uint32_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8)
-    bytes.push_back(static_cast<unsigned char>(value >> shift));
-}
-void append_16(Bytes& bytes, int value) {
-  bytes.push_back(static_cast<unsigned char>(value >> 8));
-  bytes.push_back(static_cast<unsigned char>(value));
-}
-
-void write(std::ostream& out, const Bytes& bytes) {
-  out.write(reinterpret_cast<const char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-}
+enum Filter { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
 
 void write_chunk(std::ostream& out, std::string_view type, const Bytes& content) {
   Bytes chunk;
-  append_32(chunk, static_cast<std::uint32_t>(content.size()));
-  chunk.insert(chunk.end(), type.begin(), type.end());
-  chunk.insert(chunk.end(), content.begin(), content.end());
-  append_32(chunk, static_cast<std::uint32_t>(crc32_z(0, chunk.data() + 4, chunk.size() - 4)));
-  write(out, chunk);
+  append_chunk(chunk, type, content);
+  out.write(reinterpret_cast<const char*>(chunk.data()),
+            static_cast<std::streamsize>(chunk.size()));
 }
 
 int paeth(int left, int up, int corner) {
@@ -53,18 +35,35 @@ int paeth(int left, int up, int corner) {
   return by_up <= by_corner ? up : corner;
 }
 
-/// A row as it differs from what the filter foretells.
+/// A row as it differs from what the filter foretells. `above`: zeros where there is none.
+template <typename Foretell>
+void filter_by(const unsigned char* row,
+               const unsigned char* above,
+               std::span<unsigned char> filtered,
+               const Foretell& foretell) {
+  const auto set = [&](std::size_t i, int left, int corner) {
+    filtered[i] = static_cast<unsigned char>(row[i] - foretell(left, above[i], corner));
+  };
+  for (std::size_t i = 0; i < kChannels; ++i) set(i, 0, 0);
+  for (std::size_t i = kChannels; i < filtered.size(); ++i)
+    set(i, row[i - kChannels], above[i - kChannels]);
+}
+
 void filter_row(int filter,
-                std::span<const unsigned char> row,
-                std::span<const unsigned char> above,  // empty: there is none
+                const unsigned char* row,
+                const unsigned char* above,
                 std::span<unsigned char> filtered) {
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    const int left = i >= kChannels ? row[i - kChannels] : 0;
-    const int up = above.empty() ? 0 : above[i];
-    const int corner = i >= kChannels && !above.empty() ? above[i - kChannels] : 0;
-    const std::array<int, kFilters> foretold = {0, left, up, (left + up) / 2,
-                                                paeth(left, up, corner)};
-    filtered[i] = static_cast<unsigned char>(row[i] - foretold[static_cast<std::size_t>(filter)]);
+  switch (filter) {
+    case kNone:
+      return filter_by(row, above, filtered, [](int, int, int) { return 0; });
+    case kSub:
+      return filter_by(row, above, filtered, [](int left, int, int) { return left; });
+    case kUp:
+      return filter_by(row, above, filtered, [](int, int up, int) { return up; });
+    case kAverage:
+      return filter_by(row, above, filtered, [](int left, int up, int) { return (left + up) / 2; });
+    default:
+      return filter_by(row, above, filtered, paeth);
   }
 }
 
@@ -79,9 +78,10 @@ Bytes filtered_rows(const Image8& image) {
   const std::size_t stride = static_cast<std::size_t>(image.width) * kChannels;
   Bytes result;
   Bytes candidate(stride), best(stride);
+  const Bytes nothing(stride, 0);
   for (int y = 0; y < image.height; ++y) {
-    const std::span row(image.data.data() + y * stride, stride);
-    const std::span above = y > 0 ? std::span(row.data() - stride, stride) : row.first(0);
+    const unsigned char* row = image.data.data() + y * stride;
+    const unsigned char* above = y > 0 ? row - stride : nothing.data();
     int best_filter = -1;
     long least = 0;
     for (int filter = 0; filter < kFilters; ++filter) {
@@ -98,15 +98,6 @@ Bytes filtered_rows(const Image8& image) {
   return result;
 }
 
-Bytes compressed(const Bytes& bytes) {
-  uLongf size = compressBound(bytes.size());
-  Bytes result(size);
-  if (compress2(result.data(), &size, bytes.data(), bytes.size(), kLevel) != Z_OK)
-    throw Error("an animation's frame cannot be compressed: out of memory");
-  result.resize(size);
-  return result;
-}
-
 }  // namespace
 
 ApngWriter::ApngWriter(std::ostream& out, int width, int height, int frames, int frames_per_second)
@@ -116,13 +107,9 @@ ApngWriter::ApngWriter(std::ostream& out, int width, int height, int frames, int
       frames_(frames),
       frames_per_second_(frames_per_second) {
   assert(width > 0 && height > 0 && frames > 0 && frames_per_second > 0);
-  write(out_, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'});
-  Bytes header;
-  append_32(header, static_cast<std::uint32_t>(width));
-  append_32(header, static_cast<std::uint32_t>(height));
-  for (const int value : {8, 2, 0, 0, 0})  // bits, RGB, the only compression and filters, no Adam7
-    header.push_back(static_cast<unsigned char>(value));
-  write_chunk(out_, "IHDR", header);
+  const Bytes start = png_start(width, height, 8, PngColor::rgb);
+  out_.write(reinterpret_cast<const char*>(start.data()),
+             static_cast<std::streamsize>(start.size()));
   Bytes control;
   append_32(control, static_cast<std::uint32_t>(frames));
   append_32(control, 0);  // again and again
@@ -142,7 +129,7 @@ void ApngWriter::add(const Image8& image) {
   append_16(control, frames_per_second_);
   append_16(control, 0);  // left as it is, and drawn over
   write_chunk(out_, "fcTL", control);
-  const Bytes pixels = compressed(filtered_rows(image));
+  const Bytes pixels = deflated(filtered_rows(image), kSmallLevel);
   if (added_++ == 0) return write_chunk(out_, "IDAT", pixels);
   Bytes content;
   append_32(content, sequence_++);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/io/image/png_chunks.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/read_limit.hpp"
@@ -218,73 +219,40 @@ Image8 read_png_rgb(const std::filesystem::path& path) {
 
 namespace {
 
-/// As Decoder: everything with a destructor lives outside the step.
-struct Encoder {
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-  const unsigned char* pixels = nullptr;
-  std::size_t row_bytes = 0;
-  int width = 0, height = 0, bits = 0, color_type = 0;
-  std::vector<unsigned char> out;
-  bool out_of_memory = false;
+constexpr unsigned char kFilterSub = 1;  // of each byte that of the pixel before: cheap, and helps
+constexpr int kQuickLevel = 1;           // files are little larger
 
-  ~Encoder() { png_destroy_write_struct(&png, &info); }
-};
-
-void on_write_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
-void on_write_warning(png_structp, png_const_charp) {}
-void on_flush(png_structp) {}
-
-void on_write(png_structp png, png_bytep bytes, png_size_t count) {
-  auto* encoder = static_cast<Encoder*>(png_get_io_ptr(png));
-  try {
-    encoder->out.insert(encoder->out.end(), bytes, bytes + count);
-  } catch (const std::bad_alloc&) {
-    encoder->out_of_memory = true;
-  }
-  if (encoder->out_of_memory) png_error(png, "out of memory");
-}
-
-bool write_all(Encoder& encoder) {
-  if (setjmp(png_jmpbuf(encoder.png))) return false;
-  png_set_write_fn(encoder.png, &encoder, on_write, on_flush);
-  // Level 1 with one cheap filter: several times quicker than the defaults, little larger.
-  png_set_compression_level(encoder.png, 1);
-  png_set_filter(encoder.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-  png_set_IHDR(encoder.png, encoder.info, static_cast<png_uint_32>(encoder.width),
-               static_cast<png_uint_32>(encoder.height), encoder.bits, encoder.color_type,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_write_info(encoder.png, encoder.info);
-  if (encoder.bits == 16 && std::endian::native == std::endian::little) png_set_swap(encoder.png);
-  for (int y = 0; y < encoder.height; ++y) {
-    png_write_row(encoder.png, encoder.pixels + y * encoder.row_bytes);
-  }
-  png_write_end(encoder.png, encoder.info);
-  return true;
+/// As PNG has it in the file: 16 bits with the high byte first.
+unsigned char byte_of(const Image8& image, std::size_t i) { return image.data[i]; }
+unsigned char byte_of(const Image16& image, std::size_t i) {
+  return static_cast<unsigned char>(i % 2 == 0 ? image.data[i / 2] >> 8 : image.data[i / 2]);
 }
 
 template <typename T>
 std::vector<unsigned char> encode(const Image<T>& image) {
-  assert(!image.empty());
   const int channels = image.channels;
+  assert(!image.empty());
   assert(channels == 1 || (sizeof(T) == 1 && (channels == 3 || channels == 4)));
-  Encoder encoder;
-  encoder.pixels = reinterpret_cast<const unsigned char*>(image.data.data());
-  encoder.row_bytes = sizeof(T) * image.width * channels;
-  encoder.width = image.width;
-  encoder.height = image.height;
-  encoder.bits = 8 * sizeof(T);
-  encoder.color_type = channels == 1   ? PNG_COLOR_TYPE_GRAY
-                       : channels == 3 ? PNG_COLOR_TYPE_RGB
-                                       : PNG_COLOR_TYPE_RGB_ALPHA;
-  encoder.png =
-      png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_write_error, on_write_warning);
-  if (encoder.png) encoder.info = png_create_info_struct(encoder.png);
-  if (!encoder.info || !write_all(encoder)) {
-    throw Error("an image of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
-                " pixels cannot be encoded as PNG");
+  const std::size_t pixel_bytes = sizeof(T) * static_cast<std::size_t>(channels);
+  const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(image.width);
+  std::vector<unsigned char> rows((row_bytes + 1) * static_cast<std::size_t>(image.height));
+  for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
+    unsigned char* row = rows.data() + y * (row_bytes + 1);
+    const std::size_t first = y * row_bytes;
+    *row++ = kFilterSub;
+    for (std::size_t i = 0; i < pixel_bytes; ++i) row[i] = byte_of(image, first + i);
+    for (std::size_t i = pixel_bytes; i < row_bytes; ++i)
+      row[i] = static_cast<unsigned char>(byte_of(image, first + i) -
+                                          byte_of(image, first + i - pixel_bytes));
   }
-  return std::move(encoder.out);
+  const PngColor color = channels == 1   ? PngColor::grey
+                         : channels == 3 ? PngColor::rgb
+                                         : PngColor::rgba;
+  std::vector<unsigned char> out =
+      png_start(image.width, image.height, 8 * static_cast<int>(sizeof(T)), color);
+  append_chunk(out, "IDAT", deflated(rows, kQuickLevel));
+  append_chunk(out, "IEND", {});
+  return out;
 }
 
 }  // namespace

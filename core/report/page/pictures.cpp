@@ -47,18 +47,14 @@ std::vector<Span> spans(int source, int target) {
   return result;
 }
 
-/// sums += share * row, shrunk to `columns`.
-void add_row(const std::uint8_t* row,
-             int channels,
-             const std::vector<Span>& columns,
-             double share,
-             std::vector<double>& sums) {
-  double* sum = sums.data();
-  for (const Span& column : columns) {
-    const std::uint8_t* pixel = row + column.first * channels;
-    for (const double part : column.shares)
-      for (int c = 0; c < channels; ++c) sum[c] += share * part * *pixel++;
-    sum += channels;
+/// The mean of the rows of a target row, at the source's width.
+void mean_of_rows(const Image8& image, const Span& rows, std::vector<float>& mean) {
+  std::ranges::fill(mean, 0.0f);
+  int y = rows.first;
+  for (const double part : rows.shares) {
+    const std::uint8_t* row = &image.at(0, y++);
+    const auto share = static_cast<float>(part);
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * static_cast<float>(row[i]);
   }
 }
 
@@ -203,15 +199,20 @@ Image8 shrink(const Image8& image, int max_width) {
   Image8 small(max_width, height, image.channels);
   const std::vector<Span> columns = spans(image.width, max_width);
   const std::vector<Span> rows = spans(image.height, height);
-  std::vector<double> sums(static_cast<std::size_t>(max_width) * image.channels);
+  std::vector<float> mean(static_cast<std::size_t>(image.width) * image.channels);
   for (int y = 0; y < height; ++y) {
-    std::ranges::fill(sums, 0);
-    int row = rows[y].first;
-    for (const double share : rows[y].shares)
-      add_row(&image.at(0, row++), image.channels, columns, share, sums);
-    std::ranges::transform(sums, &small.at(0, y), [](double sum) {
-      return static_cast<std::uint8_t>(std::min(sum + 0.5, 255.0));
-    });
+    mean_of_rows(image, rows[y], mean);
+    std::uint8_t* out = &small.at(0, y);
+    for (const Span& column : columns)
+      for (int c = 0; c < image.channels; ++c) {
+        const float* value = mean.data() + column.first * image.channels + c;
+        float sum = 0.5f;
+        for (const double share : column.shares) {
+          sum += static_cast<float>(share) * *value;
+          value += image.channels;
+        }
+        *out++ = static_cast<std::uint8_t>(std::min(sum, 255.0f));
+      }
   }
   return small;
 }

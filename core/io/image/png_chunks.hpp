@@ -1,0 +1,27 @@
+#pragma once
+
+// What the writers of PNG files share: their parts, and how pixels are packed (PNG, third edition,
+// W3C 2025).
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace planescope::io {
+
+enum class PngColor : unsigned char { grey = 0, rgb = 2, rgba = 6 };
+
+void append_32(std::vector<unsigned char>& bytes, std::uint32_t value);  // big-endian
+void append_16(std::vector<unsigned char>& bytes, int value);
+
+/// What every PNG begins with: signature and IHDR.
+std::vector<unsigned char> png_start(int width, int height, int bits, PngColor color);
+void append_chunk(std::vector<unsigned char>& out,
+                  std::string_view type,
+                  std::span<const unsigned char> content);
+
+/// A zlib stream; `level`: 1, quick, to 12, small. The same bytes give the same stream.
+std::vector<unsigned char> deflated(std::span<const unsigned char> bytes, int level);
+
+}  // namespace planescope::io
