@@ -23,6 +23,8 @@ struct Intrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // [px]
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};  // k1 k2 p1 p2 k3
+
+  bool operator==(const Intrinsics&) const = default;
 };
 
 /// How far to trust a direction of gravity, best first. `none`: it is not known, and no point and

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <string>
 
 #include "core/model/error.hpp"
@@ -86,12 +87,21 @@ Vec2d ray_to_pixel(const Intrinsics& k, const Vec2d& ray) {
   return {k.fx * seen.x() + k.cx, k.fy * seen.y() + k.cy};
 }
 
-std::vector<Vec2d> ray_table(const Intrinsics& intrinsics) {
-  std::vector<Vec2d> rays;
-  rays.reserve(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
+RayTable ray_table(const Intrinsics& intrinsics) {
+  static std::mutex mutex;
+  static Intrinsics last;
+  static RayTable table;
+  {
+    const std::lock_guard lock(mutex);
+    if (table && last == intrinsics) return table;
+  }
+  auto rays = std::make_shared<std::vector<Vec2d>>();
+  rays->reserve(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
   for (int v = 0; v < intrinsics.height; ++v)
-    for (int u = 0; u < intrinsics.width; ++u) rays.push_back(pixel_to_ray(intrinsics, u, v));
-  return rays;
+    for (int u = 0; u < intrinsics.width; ++u) rays->push_back(pixel_to_ray(intrinsics, u, v));
+  const std::lock_guard lock(mutex);
+  last = intrinsics;
+  return table = std::move(rays);
 }
 
 }  // namespace planescope::planes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/model/frame.hpp"
@@ -23,7 +24,9 @@ Vec2d pixel_to_ray(const Intrinsics& intrinsics, double u, double v);
 /// The pixel where the ray (x, y, 1) lands; the inverse of pixel_to_ray.
 Vec2d ray_to_pixel(const Intrinsics& intrinsics, const Vec2d& ray);
 
-/// pixel_to_ray of every pixel centre, row-major: [height * width].
-std::vector<Vec2d> ray_table(const Intrinsics& intrinsics);
+/// pixel_to_ray of every pixel centre, row-major: [height * width]. The last camera's is kept: the
+/// frames of a recording share it.
+using RayTable = std::shared_ptr<const std::vector<Vec2d>>;
+RayTable ray_table(const Intrinsics& intrinsics);
 
 }  // namespace planescope::planes

@@ -83,7 +83,8 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
   std::vector<std::uint8_t> within_range;
   within_range.reserve(depth.pixels());
 
-  const std::vector<Vec2d> rays = ray_table(k);
+  const RayTable table = ray_table(k);
+  const std::vector<Vec2d>& rays = *table;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::uint16_t counts = depth.data[i];
     if (counts == kNoDepth) {

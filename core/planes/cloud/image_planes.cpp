@@ -57,7 +57,8 @@ Patches make_patches(const Frame& frame) {
   patches.across = depth.width / size;
   patches.down = depth.height / size;
   patches.all.resize(static_cast<std::size_t>(patches.across) * patches.down);
-  const std::vector<Vec2d> rays = ray_table(frame.intrinsics);
+  const RayTable table = ray_table(frame.intrinsics);
+  const std::vector<Vec2d>& rays = *table;
   for (int v = 0; v < patches.down * size; ++v)
     for (int u = 0; u < patches.across * size; ++u) {
       const double z = depth.at(u, v) * frame.depth_unit_m;

@@ -82,6 +82,7 @@ class Borders {
       for (int column = 0; column < columns; ++column)
         held.push_back(held_by(tile_at(column, row)));
     static_assert(kMostReach_px <= kTile);  // so that no planes but those of its neighbours matter
+    const int most_px = reach_px(nearest_m());
     std::vector<Part> candidates;
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
@@ -89,9 +90,13 @@ class Borders {
         for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
           for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
             for (const Part& part : held[r * columns + c].parts) add(part, candidates);
+        const Rect tile = tile_at(column, row);
+        std::erase_if(candidates, [&](const Part& part) {
+          return is_empty(within(tile, pixels_.around(part.around, most_px)));
+        });
         std::ranges::sort(candidates, {}, &Part::plane);
         if (candidates.size() > 1 || held[row * columns + column].has_open)
-          give_tile(tile_at(column, row), candidates, result);
+          give_tile(tile, candidates, result);
       }
     return result;
   }
@@ -109,6 +114,11 @@ class Borders {
     rect = {std::min(rect.x0, part.around.x0), std::min(rect.y0, part.around.y0),
             std::max(rect.x1, part.around.x1), std::max(rect.y1, part.around.y1)};
   }
+
+  static Rect within(const Rect& a, const Rect& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+  }
+  static bool is_empty(const Rect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect.y1; }
 
   /// What a tile's pixels are on.
   struct Held {
@@ -140,9 +150,20 @@ class Borders {
     m.point = pixels_.measured[i].cast<double>();
     const double range = state_.range(m.point);
     m.tau = state_.noise.tau(range);
-    const double reach = options_.reach_m * pixels_.focal_px / std::max(range, 0.01);
-    m.reach_px = static_cast<int>(std::clamp<double>(reach, 1, kMostReach_px));
+    m.reach_px = reach_px(range);
     return m;
+  }
+  int reach_px(double range) const {
+    const double reach = options_.reach_m * pixels_.focal_px / std::max(range, 0.01);
+    return static_cast<int>(std::clamp<double>(reach, 1, kMostReach_px));
+  }
+  /// What was measured nearest to the sensor.
+  double nearest_m() const {
+    const Vec3f sensor = state_.sensor.cast<float>();
+    float least = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < pixels_.point.size(); ++i)
+      if (pixels_.has(i)) least = std::min(least, (pixels_.measured[i] - sensor).squaredNorm());
+    return 0.999 * std::sqrt(static_cast<double>(least));  // and somewhat less, for rounding
   }
 
   /// `candidates`: the planes that may be in reach of the tile's pixels.
@@ -164,10 +185,8 @@ class Borders {
               [&](int x, int y) { return plane_[pixels_.at(x, y)] >= 0 ? 1 : 0; });
     least_.assign(static_cast<std::size_t>(kTile) * kTile, std::numeric_limits<double>::infinity());
     for (const Part& candidate : candidates) {
-      const Rect reach = pixels_.around(candidate.around, farthest_px);
-      const Rect part{std::max(tile.x0, reach.x0), std::max(tile.y0, reach.y0),
-                      std::min(tile.x1, reach.x1), std::min(tile.y1, reach.y1)};
-      if (part.x0 >= part.x1 || part.y0 >= part.y1) continue;
+      const Rect part = within(tile, pixels_.around(candidate.around, farthest_px));
+      if (is_empty(part)) continue;
       own_.fill(pixels_.around(part, farthest_px),
                 [&](int x, int y) { return plane_[pixels_.at(x, y)] == candidate.plane ? 1 : 0; });
       give_pixels_to(candidate.plane, tile, part, result);
