@@ -137,7 +137,9 @@ std::optional<Row> score_prediction(const OpenInput& input, int index, const Eva
 /// Prints the metrics of each frame that has ground truth, and their mean. Throws Error if none
 /// has, or the predictions lack one of them. Returns the exit code.
 int run_eval(const EvalArgs& args, std::stop_token stop) {
-  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  InputArgs depth_alone = args.input;
+  depth_alone.recording.color = false;
+  const std::vector<OpenInput> inputs = open_inputs(depth_alone);
   const bool predicted = !args.prediction.empty();
   if (predicted && inputs.size() != 1)
     throw Error(

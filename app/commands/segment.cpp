@@ -86,7 +86,9 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
   StagedOutput output(args.out);
-  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  InputArgs depth_alone = args.input;
+  depth_alone.recording.color = false;
+  const std::vector<OpenInput> inputs = open_inputs(depth_alone);
   const OpenInput& input = inputs.front();
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 

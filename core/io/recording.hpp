@@ -18,6 +18,8 @@ struct RecordingOptions {
   /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
   /// long as another one is whole.
   bool damaged_frames_later = false;
+  /// Off: depth alone, for who does not look at colour; frames come without it, and quicker.
+  bool color = true;
 };
 
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.

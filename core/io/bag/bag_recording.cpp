@@ -96,6 +96,7 @@ class BagRecording : public Recording {
   BagLayout layout_;
   RecordingInfo info_;
   Sidecar sidecar_;
+  bool reads_color_ = true;
   bool unit_is_given_ = false;  // by option or sidecar: wins over what single frames say
   Intrinsics color_intrinsics_;
   std::vector<MessageRef> depth_;
@@ -145,6 +146,7 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
   info_.format = layout_.format;
   info_.device = layout_.device;
   info_.warnings = bag_.warnings();
+  reads_color_ = options.color;
   unit_is_given_ = options.depth_unit_m || sidecar_.depth_unit_m;
   depth_ = bag_.messages(layout_.depth);
   order_by_stamp();
@@ -295,7 +297,7 @@ const MessageRef* BagRecording::nearest_color(const MessageRef& depth, double st
 }
 
 void BagRecording::add_color(const MessageRef& depth, Frame& frame) const {
-  const MessageRef* color = nearest_color(depth, frame.timestamp_s);
+  const MessageRef* color = reads_color_ ? nearest_color(depth, frame.timestamp_s) : nullptr;
   if (!color) return;
   frame.color = parse_message(bag_, *color, layout_.color, [&](Bytes bytes) {
     return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);

@@ -42,13 +42,13 @@ class FolderRecording : public Recording {
   std::map<int, std::string> damaged_;  // frame, and what is wrong with it
   RecordingInfo info_;
   Sidecar sidecar_;
-  bool color_aligned_ = false;
+  bool reads_color_ = true, color_aligned_ = false;
   Intrinsics color_intrinsics_;
   Pose T_color_depth_ = Pose::Identity();
 };
 
 FolderRecording::FolderRecording(const fs::path& path, const RecordingOptions& options)
-    : sidecar_(read_sidecar(path)) {
+    : sidecar_(read_sidecar(path)), reads_color_(options.color) {
   info_.path = path;
   find_images(path);
   info_.warnings = layout_.warnings;
@@ -201,7 +201,7 @@ Frame FolderRecording::frame(int i) const {
   frame.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
   frame.depth_unit_m = info_.depth_unit_m;
   frame.intrinsics = info_.intrinsics;
-  if (!layout_.color[i].empty()) {
+  if (reads_color_ && !layout_.color[i].empty()) {
     frame.color = read_picture(layout_.color[i]);
     frame.color_aligned = color_aligned_ && frame.color.width == frame.depth.width &&
                           frame.color.height == frame.depth.height;

@@ -121,8 +121,8 @@ class Sight {
 
  private:
   Vec2d on_plane(const Vec3d& p) const { return {u_.dot(p), v_.dot(p)}; }
-  std::optional<Vec3d> passed_at(const Vec3d& measured) const;
-  void mark(const Vec3d& measured);
+  std::optional<Vec3d> passed_at(const Rays::Ray& ray) const;
+  void mark(const Rays::Ray& ray);
   bool is_open_at(const Vec3d& p) const;
 
   const SegmentState& state_;
@@ -160,21 +160,24 @@ Sight::Sight(const SegmentState& state,
     corners[k] = fit_.offset_m() * fit_.normal + (low_.x() + (k % 2) * columns_ * cell_m_) * u_ +
                  (low_.y() + (k / 2) * rows_ * cell_m_) * v_;
   rays.visit_through(corners, [&](const Rays::Ray& ray) {
-    if (ray.point < 0 || state.plane_of[ray.point] != plane) mark(ray.end.cast<double>());
+    if (ray.point < 0 || state.plane_of[ray.point] != plane) mark(ray);
   });
 }
 
-std::optional<Vec3d> Sight::passed_at(const Vec3d& measured) const {
+std::optional<Vec3d> Sight::passed_at(const Rays::Ray& ray) const {
+  const Vec3d measured = ray.end.cast<double>();
   const double point_m = fit_.distance_m(measured);
   const double sensor_m = fit_.distance_m(state_.sensor);
   if (sensor_m * point_m >= 0) return std::nullopt;  // before the plane
-  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * state_.tau(measured)))
+  const double tau_m = ray.point >= 0 ? state_.reach(static_cast<std::uint32_t>(ray.point)).limit_m
+                                      : state_.tau(measured);
+  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * tau_m))
     return std::nullopt;
   return state_.sensor + sensor_m / (sensor_m - point_m) * (measured - state_.sensor);
 }
 
-void Sight::mark(const Vec3d& measured) {
-  const std::optional<Vec3d> passed = passed_at(measured);
+void Sight::mark(const Rays::Ray& ray) {
+  const std::optional<Vec3d> passed = passed_at(ray);
   if (!passed) return;
   const Vec2d at = (on_plane(*passed) - low_) / cell_m_;
   if (at.x() < 0 || at.y() < 0 || at.x() >= columns_ || at.y() >= rows_) return;
