@@ -51,30 +51,23 @@ class CellIndex {
       dense_.assign(static_cast<std::size_t>(volume), KeyNumbers::kNone);
     for (std::uint32_t c = 0; c < cells.size(); ++c) {
       if (dense_.empty())
-        hashed_.find_or_add(key(cells[c]));
+        hashed_.find_or_add(at(cells[c]));
       else
         dense_[at(cells[c])] = c;
     }
   }
   /// Of a cell, or of one beside it; KeyNumbers::kNone where it is empty.
   std::uint32_t find(const Place& cell) const {
-    return dense_.empty() ? hashed_.find(key(cell)) : dense_[at(cell)];
+    return dense_.empty() ? hashed_.find(at(cell)) : dense_[at(cell)];
   }
 
  private:
-  std::size_t at(const Place& cell) const {
-    return (static_cast<std::size_t>(cell[2] - low_[2]) * size_[1] + (cell[1] - low_[1])) *
+  /// In an array over the box: three edges of 21 bits and a little fit.
+  std::uint64_t at(const Place& cell) const {
+    return (static_cast<std::uint64_t>(cell[2] - low_[2]) * size_[1] + (cell[1] - low_[1])) *
                size_[0] +
            (cell[0] - low_[0]);
   }
-  std::uint64_t key(const Place& cell) const {
-    constexpr int kBits = 21;
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      key = key << kBits | static_cast<std::uint64_t>(cell[axis] - low_[axis]);
-    return key;
-  }
-
   Place low_{}, size_{};
   std::vector<std::uint32_t> dense_;
   KeyNumbers hashed_;

@@ -12,8 +12,8 @@ namespace {
 constexpr int kTile = 32;  // [px]
 constexpr int kMostReach_px = 20;
 
-/// Sums over any rectangle of a part of the image, in four reads. Whole numbers: sums that wrap
-/// around still differ by what they should.
+/// Sums over any rectangle of a part of the image, in four reads. Of whole numbers, so that it
+/// does not matter in which order they are added.
 template <typename T>
 class BoxSums {
  public:
@@ -95,8 +95,8 @@ class Borders {
           return is_empty(within(tile, pixels_.around(part.around, most_px)));
         });
         std::ranges::sort(candidates, {}, &Part::plane);
-        if (candidates.size() > 1 || held[row * columns + column].has_open)
-          give_tile(tile, candidates, result);
+        const bool has_open = held[row * columns + column].has_open;
+        if (candidates.size() > (has_open ? 0u : 1u)) give_tile(tile, candidates, result);
       }
     return result;
   }

@@ -27,8 +27,8 @@ class Rays {
   };
   explicit Rays(const SegmentState& state);
 
-  /// Calls visit(ray) for all that may have been seen through the convex region with
-  /// these corners, and for some more.
+  /// Calls visit(ray) for all that may have been seen through the convex region with these
+  /// corners, and for some more.
   template <typename Visit>
   void visit_through(std::span<const Vec3d> corners, const Visit& visit) const {
     const auto visit_tile = [&](std::size_t tile) {
@@ -62,7 +62,7 @@ class Rays {
   }
   std::optional<Tile> tile_of(const Vec3d& p) const {
     const std::optional<Vec2d> at = picture_of(p);
-    if (!at) return std::nullopt;
+    if (!at || !low_.allFinite()) return std::nullopt;
     const Vec2d place = ((*at - low_).array() * scale_.array()).cwiseMax(0).cwiseMin(kTiles - 1);
     return Tile{static_cast<int>(place.x()), static_cast<int>(place.y())};
   }

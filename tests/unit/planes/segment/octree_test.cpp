@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/model/morton.hpp"
+#include "core/model/random.hpp"
 #include "core/planes/segment/cells.hpp"
 #include "support/scenes.hpp"
 
@@ -101,6 +102,39 @@ TEST(Cells, NeighbourhoodsHoldThePlanesOfTouchingCells) {
   };
   EXPECT_EQ(at(grid.cell_of[0]), (std::vector<std::int32_t>{0, 1}));
   EXPECT_EQ(at(grid.cell_of[2]), (std::vector<std::int32_t>{2}));
+}
+
+/// Cells that stand close and cells far apart are looked up differently.
+TEST(Cells, NeighboursAreTheCellsThatTouch) {
+  for (const int max_depth : {5, 21}) {
+    Cube cube;
+    cube.max_depth = max_depth;
+    cube.edge_m = 0.02 * (1 << max_depth);
+    cube.min_corner = Vec3d::Zero();
+    Random random(7);
+    std::vector<Vec3f> points;
+    for (int i = 0; i < 300; ++i) {  // about the cube's corners, where few cells have neighbours
+      const auto coordinate = [&] {
+        const double in_corner = random.uniform(0, 0.12);
+        return random.integer(0, 1) == 0 ? in_corner : cube.edge_m - 0.001 - in_corner;
+      };
+      points.push_back(Vec3d(coordinate(), coordinate(), coordinate()).cast<float>());
+    }
+    const Octree octree = build_octree(points, std::vector<Label>(points.size(), Label::h), cube);
+    const CellGrid grid = make_cell_grid(octree, 0);
+    for (std::uint32_t a = 0; a < grid.size(); ++a) {
+      const auto place = [&](std::uint32_t c) {
+        const auto cell = morton_cell(octree.keys[grid.starts[c]]);
+        return Vec3d(cell[0], cell[1], cell[2]);
+      };
+      std::set<std::uint32_t> touching;
+      for (std::uint32_t b = 0; b < grid.size(); ++b)
+        if ((place(a) - place(b)).cwiseAbs().maxCoeff() <= 1) touching.insert(b);
+      EXPECT_EQ(std::set<std::uint32_t>(grid.neighbours.begin() + grid.neighbour_first[a],
+                                        grid.neighbours.begin() + grid.neighbour_first[a + 1]),
+                touching);
+    }
+  }
 }
 
 }  // namespace
