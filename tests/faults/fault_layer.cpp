@@ -70,7 +70,8 @@ const char* text_of(const char* name) {
 }
 
 int add_caller(dl_phdr_info* info, std::size_t, void*) {
-  constexpr const char* kLibraries[] = {"libpng", "libzip", "libz.", "liblz4", "libjpeg", "libbz2"};
+  constexpr const char* kLibraries[] = {"libpng", "libdeflate", "libzip", "libz.",
+                                        "liblz4", "libjpeg",    "libbz2"};
   bool counts = g_faults.caller_count == 0;
   for (const char* name : kLibraries) counts |= std::strstr(info->dlpi_name, name) != nullptr;
   if (!counts || g_faults.caller_count == static_cast<int>(std::size(g_faults.callers))) return 0;
