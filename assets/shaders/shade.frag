@@ -13,11 +13,11 @@ const vec2 kRing[8] = vec2[8](vec2(1, 0), vec2(0.7071, 0.7071), vec2(0, 1), vec2
                               vec2(-1, 0), vec2(-0.7071, -0.7071), vec2(0, -1),
                               vec2(0.7071, -0.7071));
 
-// Proportional to 1 / distance, so that a step counts in proportion to where it is.
-float nearness(float d) {
+// log2 of the distance, so that a step counts in proportion to where it is.
+float log_distance(float d) {
   float ndc = 2.0 * d - 1.0;
-  if (orthographic) return 1.0 / max(abs((ndc - proj[3][2]) / proj[2][2]), 1e-6);
-  return abs(ndc + proj[2][2]);
+  float z = orthographic ? (ndc - proj[3][2]) / -proj[2][2] : proj[3][2] / (ndc + proj[2][2]);
+  return log2(max(abs(z), 1e-6));
 }
 
 void main() {
@@ -25,13 +25,12 @@ void main() {
   float d = texelFetch(depth, at, 0).r;
   if (d >= 1.0) discard;
   ivec2 last = textureSize(depth, 0) - 1;
-  float here = 1.0 / max(nearness(d), 1e-9);
-  float before = 0.0;  // sum of log2 of the ratios of distances, each up to 0.015
+  float here = log_distance(d);
+  float before = 0.0;
   for (int i = 0; i < 8; ++i) {
     ivec2 there = clamp(at + ivec2(round(kRing[i] * radius_px)), ivec2(0), last);
     float dn = texelFetch(depth, there, 0).r;
-    float farther = clamp(nearness(dn) * here - 1.0, 0.0, 0.0106);
-    if (dn < 1.0) before += min(farther * (1.442695 - 0.721348 * farther), 0.015);
+    if (dn < 1.0) before += min(max(0.0, here - log_distance(dn)), 0.015);
   }
   color = vec4(vec3(max(exp(-strength * before / 8.0), 0.3)), 1.0);
 }
