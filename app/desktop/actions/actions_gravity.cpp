@@ -68,8 +68,9 @@ ClickedSurface surface_at_voxel(const State& state, int voxel) {
   return surface_of_plane(state, plane);
 }
 
-int number_after(const std::string& action, const std::string& text, const char* word, int most) {
-  return whole_argument(action, text.substr(std::string(word).size()), 0, most);
+int number_after(
+    const std::string& action, const std::string& text, const char* word, int least, int most) {
+  return whole_argument(action, text.substr(std::string(word).size()), least, most);
 }
 
 /// What the argument means. Throws Error with a phrase why there is no surface.
@@ -79,11 +80,11 @@ ClickedSurface clicked_surface(const State& state,
   const debug::Subject& subject = *state.run()->subject;
   if (text == "nothing") throw Error("nothing was measured there");
   if (text.starts_with("voxel "))
-    return surface_at_voxel(
-        state, number_after(action, text, "voxel ", static_cast<int>(subject.voxel_count()) - 1));
+    return surface_at_voxel(state, number_after(action, text, "voxel ", 0,
+                                                static_cast<int>(subject.voxel_count()) - 1));
   if (text.starts_with("plane "))
     return surface_of_plane(
-        state, number_after(action, text, "plane ", state.run()->timeline.plane_count()) - 1);
+        state, number_after(action, text, "plane ", 1, state.run()->timeline.plane_count()) - 1);
   const std::vector<double> uv = numbers_argument(action, text, 2);
   const Image16& depth = subject.frame.depth;
   if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");

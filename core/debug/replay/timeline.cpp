@@ -1,6 +1,7 @@
 #include "core/debug/replay/timeline.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 
 namespace planescope::debug {
@@ -11,6 +12,7 @@ template <typename Change>
 std::span<const Change> row(const std::vector<Change>& changes,
                             const std::vector<std::uint32_t>& first,
                             std::int32_t index) {
+  assert(index >= 0 && static_cast<std::size_t>(index) + 1 < first.size());
   return {changes.data() + first[index], changes.data() + first[index + 1]};
 }
 
