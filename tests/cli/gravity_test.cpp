@@ -230,7 +230,8 @@ TEST(GravityPicked, IsWhatEveryCommandGoesBy) {
   EXPECT_EQ(gravity["direction"], (Json{0, 0.8, 0.6}));
   EXPECT_EQ(gravity["note"], "picked: a floor of 1.00 m2");
   ASSERT_EQ(run(report_args({dir / "rec"}, dir / "report", {"--no-pictures"})).code, 0);
-  for (const Json& frame : read_report(dir / "report")["recordings"][0]["frames"])
+  const Json report = read_report(dir / "report");
+  for (const Json& frame : report["recordings"][0]["frames"])
     EXPECT_EQ(frame["gravity"]["source"], "picked");
 
   // What is said on the command line goes before it.
