@@ -20,11 +20,15 @@ constexpr int kSmallLevel = 6;
 
 enum Filter { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
 
+void write(std::ostream& out, const Bytes& bytes) {
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+}
+
 void write_chunk(std::ostream& out, std::string_view type, const Bytes& content) {
   Bytes chunk;
   append_chunk(chunk, type, content);
-  out.write(reinterpret_cast<const char*>(chunk.data()),
-            static_cast<std::streamsize>(chunk.size()));
+  write(out, chunk);
 }
 
 int paeth(int left, int up, int corner) {
@@ -107,9 +111,7 @@ ApngWriter::ApngWriter(std::ostream& out, int width, int height, int frames, int
       frames_(frames),
       frames_per_second_(frames_per_second) {
   assert(width > 0 && height > 0 && frames > 0 && frames_per_second > 0);
-  const Bytes start = png_start(width, height, 8, PngColor::rgb);
-  out_.write(reinterpret_cast<const char*>(start.data()),
-             static_cast<std::streamsize>(start.size()));
+  write(out_, png_start(width, height, 8, PngColor::rgb));
   Bytes control;
   append_32(control, static_cast<std::uint32_t>(frames));
   append_32(control, 0);  // again and again

@@ -43,7 +43,7 @@ class Corner {
  public:
   Corner(const Pixels& pixels, const Options& options) : pixels_(pixels), options_(options) {
     InverseSums of_row;
-    before_.reserve(pixels.size() + 1);
+    up_to_.reserve(pixels.size());
     for (std::uint32_t i = 0; i < pixels.size(); ++i) {
       const auto& [ray, w] = pixels[i].seen;
       if (i == 0 || pixels[i].row != pixels[i - 1].row) {
@@ -51,8 +51,8 @@ class Corner {
         of_row = {};
       }
       ++rows_.back().end;
-      before_.push_back(of_row);
       of_row.add(ray, w);
+      up_to_.push_back(of_row);
       all_.add(ray, w);
       middle_ += ray;
     }
@@ -105,14 +105,11 @@ class Corner {
         (is_first(middle) == at_begin ? same : other) = middle;
       }
     }
-    InverseSums head = before_[same];
-    head.add(pixels_[same].seen.ray, pixels_[same].seen.w);
     if (at_begin) {
-      sums += head;
+      sums += up_to_[same];
     } else if (same + 1 < row.end) {
-      InverseSums tail = before_[row.end - 1];
-      tail.add(pixels_[row.end - 1].seen.ray, pixels_[row.end - 1].seen.w);
-      sums += tail -= head;
+      InverseSums tail = up_to_[row.end - 1];
+      sums += tail -= up_to_[same];
     }
   }
 
@@ -133,7 +130,7 @@ class Corner {
   const Pixels& pixels_;
   const Options& options_;
   std::vector<Row> rows_;
-  std::vector<InverseSums> before_;  // per pixel: of those before it in its row
+  std::vector<InverseSums> up_to_;  // per pixel: of its row, from the first to it
   InverseSums all_;
   Vec3d middle_ = Vec3d::Zero();
 };
