@@ -8,27 +8,10 @@
 
 namespace planescope::planes {
 
-double NoiseModel::sigma(double range) const {
-  if (!estimated) return 0;
-  return by_range ? growth_per_m * range * range : constant_m;
-}
-
 double NoiseModel::theta_rms(double range) const {
   if (!estimated) return options.fixed_rms_m;
   const double sigmas = of_spreads ? of_spread_options.theta_rms_sigmas : options.theta_rms_sigmas;
   return limited(sigmas * sigma(range), options.theta_rms_min_m, options.theta_rms_max_m, range);
-}
-
-double NoiseModel::tau(double range) const {
-  if (!estimated) return options.fixed_tau_m;
-  const double sigmas = of_spreads ? of_spread_options.tau_sigmas : options.tau_sigmas;
-  return limited(sigmas * sigma(range), options.tau_min_m, options.tau_max_m, range);
-}
-
-double NoiseModel::limited(double value, double least, double greatest, double range) const {
-  const double ratio = range / options.limits_range_m;
-  if (by_range) greatest *= std::max(1.0, ratio * ratio);
-  return std::min(std::max(value, least), std::max(least, greatest));
 }
 
 void fit_noise(NoiseModel& model, std::vector<NoiseSample> samples, bool by_range) {

@@ -3,6 +3,7 @@
 // How noisy the points are, and the thresholds that follow: theta_rms for Criterion 3 and tau for
 // every "does this point lie on that plane" of the refinements.
 
+#include <algorithm>
 #include <vector>
 
 #include "core/model/types.hpp"
@@ -22,16 +23,27 @@ struct NoiseModel {
   double constant_m = 0;    // [m]
   double growth_per_m = 0;  // [m per m^2]
 
-  double sigma(double range) const;      // [m]; 0 where not estimated
+  double sigma(double range) const {  // [m]; 0 where not estimated
+    if (!estimated) return 0;
+    return by_range ? growth_per_m * range * range : constant_m;
+  }
   double theta_rms(double range) const;  // [m]
-  double tau(double range) const;        // [m]
+  double tau(double range) const {       // [m]
+    if (!estimated) return options.fixed_tau_m;
+    const double sigmas = of_spreads ? of_spread_options.tau_sigmas : options.tau_sigmas;
+    return limited(sigmas * sigma(range), options.tau_min_m, options.tau_max_m, range);
+  }
   /// By how much nearer a plane of the other label must be, for a point to go to it [m].
   double other_label_penalty(double range) const {
     return options.other_label_sigmas * sigma(range);
   }
 
  private:
-  double limited(double value, double least, double greatest, double range) const;
+  double limited(double value, double least, double greatest, double range) const {
+    const double ratio = range / options.limits_range_m;
+    if (by_range) greatest *= std::max(1.0, ratio * ratio);
+    return std::min(std::max(value, least), std::max(least, greatest));
+  }
 };
 
 /// One cell's residual noise and where it is.
