@@ -21,43 +21,49 @@ struct InversePlane {
 
 /// Sums for the least-squares fit; additive.
 struct InverseSums {
-  Mat3d rr = Mat3d::Zero();  // ray ray^T
-  Vec3d rw = Vec3d::Zero();
-  double ww = 0;
   int count = 0;
 
   void add(const Vec3d& ray, double w) {
-    rr += ray * ray.transpose();
-    rw += ray * w;
-    ww += w * w;
+    const double x = ray.x(), y = ray.y(), z = ray.z();
+    const double products[kSums] = {x * x, x * y, x * z, y * y, y * z,
+                                    z * z, x * w, y * w, z * w, w * w};
+    for (int i = 0; i < kSums; ++i) sums_[i] += products[i];
     ++count;
   }
   InverseSums& operator+=(const InverseSums& other) {
-    rr += other.rr;
-    rw += other.rw;
-    ww += other.ww;
+    for (int i = 0; i < kSums; ++i) sums_[i] += other.sums_[i];
     count += other.count;
     return *this;
   }
   InverseSums& operator-=(const InverseSums& other) {
-    rr -= other.rr;
-    rw -= other.rw;
-    ww -= other.ww;
+    for (int i = 0; i < kSums; ++i) sums_[i] -= other.sums_[i];
     count -= other.count;
     return *this;
   }
+  Mat3d rr() const {  // ray ray^T
+    Mat3d rr;
+    rr << sums_[0], sums_[1], sums_[2], sums_[1], sums_[3], sums_[4], sums_[2], sums_[4], sums_[5];
+    return rr;
+  }
+  Vec3d rw() const { return {sums_[6], sums_[7], sums_[8]}; }  // ray w
+  double ww() const { return sums_[9]; }
+
   InversePlane fit() const {
     InversePlane plane;
-    plane.w_of_ray = rr.ldlt().solve(rw);
-    const double squares = ww - plane.w_of_ray.dot(rw);
+    plane.w_of_ray = rr().ldlt().solve(rw());
+    const double squares = ww() - plane.w_of_ray.dot(rw());
     plane.rms = std::sqrt(std::max(0.0, squares) / std::max(1, count - 3));
     return plane;
   }
   /// RMS of w about any plane [1/m].
   double rms_about(const Vec3d& w_of_ray) const {
-    const double squares = ww - 2 * w_of_ray.dot(rw) + w_of_ray.dot(rr * w_of_ray);
+    const double squares = ww() - 2 * w_of_ray.dot(rw()) + w_of_ray.dot(rr() * w_of_ray);
     return std::sqrt(std::max(0.0, squares) / std::max(1, count));
   }
+
+ private:
+  static constexpr int kSums = 10;
+  double sums_[kSums] = {};  // of the products of x, y, z and w with those from them on, w w last
 };
 
 }  // namespace planescope

@@ -31,8 +31,8 @@ constexpr double kFullWeightDepth_m = 2;  // beyond, a patch's area counts no mo
 
 /// Of inverse depth: rays have z = 1.
 struct Sums : InverseSums {
-  Vec3d mean_ray() const { return rr.col(2) / count; }
-  double mean_w() const { return rw[2] / count; }
+  Vec3d mean_ray() const { return rr().col(2) / count; }
+  double mean_w() const { return rw()[2] / count; }
 };
 
 struct Patch {
@@ -59,14 +59,19 @@ Patches make_patches(const Frame& frame) {
   patches.all.resize(static_cast<std::size_t>(patches.across) * patches.down);
   const RayTable table = ray_table(frame.intrinsics);
   const std::vector<Vec2d>& rays = *table;
-  for (int v = 0; v < patches.down * size; ++v)
-    for (int u = 0; u < patches.across * size; ++u) {
-      const double z = depth.at(u, v) * frame.depth_unit_m;
-      const Vec2d& ray = rays[static_cast<std::size_t>(v) * depth.width + u];
-      if (z <= 0 || z > kMaxDepth_m || !ray.allFinite()) continue;
-      patches.all[static_cast<std::size_t>(v / size) * patches.across + u / size].sums.add(
-          {ray.x(), ray.y(), 1}, 1 / z);
-    }
+  for (std::size_t p = 0; p < patches.all.size(); ++p) {
+    const int left = static_cast<int>(p) % patches.across * size;
+    const int above = static_cast<int>(p) / patches.across * size;
+    Sums sums;
+    for (int v = above; v < above + size; ++v)
+      for (int u = left; u < left + size; ++u) {
+        const double z = depth.at(u, v) * frame.depth_unit_m;
+        const Vec2d& ray = rays[static_cast<std::size_t>(v) * depth.width + u];
+        if (z <= 0 || z > kMaxDepth_m || !ray.allFinite()) continue;
+        sums.add({ray.x(), ray.y(), 1}, 1 / z);
+      }
+    patches.all[p].sums = sums;
+  }
   std::vector<double> roughness;
   for (Patch& patch : patches.all) {
     if (patch.sums.count < kMinFill * size * size) continue;
@@ -240,7 +245,7 @@ class PlaneSearch {
     plane.nearest_m = 1 / nearest_w;
     // Covariance of (a, b, c), less the part along itself, which is distance and not direction.
     const double sigma = std::max(patches_.noise, plane_fit.rms) * kNoiseLength_px;
-    const Mat3d covariance = sums.rr.ldlt().solve(Mat3d::Identity()) * (sigma * sigma);
+    const Mat3d covariance = sums.rr().ldlt().solve(Mat3d::Identity()) * (sigma * sigma);
     const Mat3d across = Mat3d::Identity() - plane.normal * plane.normal.transpose();
     const double radians =
         std::sqrt((across * covariance * across).trace()) / plane_fit.w_of_ray.norm();

@@ -39,7 +39,7 @@ struct Picture {
     const double rms = plane.fit().rms;
     const Mat6d full = quadric.selfadjointView<Eigen::Lower>();
     const Vec6d bent = full.ldlt().solve(quadric_w);
-    const double squares = std::max(0.0, plane.ww - bent.dot(quadric_w));
+    const double squares = std::max(0.0, plane.ww() - bent.dot(quadric_w));
     const double rms_bent = std::sqrt(squares / std::max(1, plane.count - 3));
     return pixels * std::pow(std::min(1.0, pixels / std::max(1.0, hull_px)), options.ragged) *
            std::pow(rms > 0 ? std::min(1.0, rms_bent / rms) : 1, options.curved) *

@@ -51,10 +51,18 @@ class Sheets {
         sums_(state.planes.size()),
         points_(state.planes.size()) {
     seen_.resize(plane_.size());
-    for (std::size_t i = 0; i < plane_.size(); ++i) {
-      if (plane_[i] < 0) continue;
-      seen_[i] = pixels_.seen(i, state.sensor);
-      sums_[plane_[i]].add(seen_[i].ray, seen_[i].w);
+    for (std::size_t i = 0; i < plane_.size();) {
+      const std::int32_t k = plane_[i];
+      if (k < 0) {
+        ++i;
+        continue;
+      }
+      InverseSums sums = sums_[k];  // of a row's pixels at a time, in registers
+      for (; i < plane_.size() && plane_[i] == k; ++i) {
+        seen_[i] = pixels_.seen(i, state.sensor);
+        sums.add(seen_[i].ray, seen_[i].w);
+      }
+      sums_[k] = sums;
     }
     for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
       if (state.plane_of[i] >= 0) points_[state.plane_of[i]].push_back(i);
