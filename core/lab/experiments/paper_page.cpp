@@ -1,4 +1,4 @@
-// index.html of `planescope-lab bench paper`, from assets/report/paper_page.mustache.
+// index.html of `planescope-lab bench paper`, from assets/report/results_page.mustache.
 
 #include "core/lab/experiments/paper_page.hpp"
 
@@ -8,36 +8,23 @@
 #include <cmath>
 #include <kainjow/mustache.hpp>
 
-#include "core/lab/bench/table.hpp"
+#include "core/lab/bench/results_page.hpp"
 #include "core/lab/experiments/paper_tables.hpp"
-#include "core/model/error.hpp"
-#include "core/report/page/charts.hpp"
 #include "core/report/page/pictures.hpp"
-
-extern "C" {
-extern const char planescope_asset_report_css[], planescope_asset_report_css_end[];
-extern const char planescope_asset_paper_css[], planescope_asset_paper_css_end[];
-extern const char planescope_asset_paper_page_mustache[],
-    planescope_asset_paper_page_mustache_end[];
-}
 
 namespace planescope::lab {
 namespace {
 
 using Data = kainjow::mustache::data;
 using kainjow::mustache::html_escape;
-
-Data text_or_false(const std::string& text) { return text.empty() ? Data(false) : Data(text); }
+using Facts = std::vector<std::pair<std::string, std::string>>;
 
 // ---- What was run ----
 
-Data record_data(const PaperResults& results, const PaperTimings* timings) {
-  Data rows{Data::type::list};
+Facts record_facts(const PaperResults& results, const PaperTimings* timings) {
+  Facts rows;
   const auto add = [&](const std::string& name, const std::string& html) {
-    Data row;
-    row.set("name", name);
-    row.set("value", html);
-    rows.push_back(row);
+    rows.emplace_back(name, html);
   };
   const report::BuildInfo& build = results.build;
   add("Command", "<pre>" + html_escape(results.command) + "</pre>");
@@ -86,69 +73,6 @@ Data claims_data(const std::vector<Claim>& claims) {
     rows.push_back(row);
   }
   return rows;
-}
-
-// ---- Tables and plots ----
-
-Data table_data(const Table& table) {
-  Data data, columns{Data::type::list}, rows{Data::type::list};
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    Data column;
-    column.set("name", table.columns[c]);
-    column.set("left", c < table.names);
-    columns.push_back(column);
-  }
-  const std::vector<std::vector<bool>> best = best_cells(table);
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    const std::vector<std::string>& row = table.rows[r];
-    std::string cells;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string text = html_escape(row[c]);
-      if (c == 0)
-        cells += "<th scope=\"row\">" + text + "</th>";
-      else if (c < table.names)
-        cells += "<td class=\"name\">" + text + "</td>";
-      else
-        cells += best[r][c] ? "<td><strong>" + text + "</strong></td>" : "<td>" + text + "</td>";
-    }
-    Data line;
-    line.set("cells", cells);
-    // A line between groups of rows that begin alike.
-    line.set("first", table.names > 1 && r > 0 && row[0] != table.rows[r - 1][0]);
-    rows.push_back(line);
-  }
-  data.set("title", table.title);
-  data.set("note", text_or_false(table.note));
-  data.set("columns", columns);
-  data.set("rows", rows);
-  return data;
-}
-
-struct Chapter {
-  std::string id, name, intro;
-  std::vector<PaperPlot> plots;
-  std::vector<Table> tables;
-
-  bool empty() const { return plots.empty() && tables.empty(); }
-};
-
-Data chapter_data(const Chapter& chapter) {
-  Data data, plots{Data::type::list}, tables{Data::type::list};
-  for (const PaperPlot& plot : chapter.plots) {
-    Data entry;
-    entry.set("title", plot.title);
-    entry.set("svg", plot.svg);
-    entry.set("note", plot.note);
-    plots.push_back(entry);
-  }
-  for (const Table& table : chapter.tables) tables.push_back(table_data(table));
-  data.set("id", chapter.id);
-  data.set("name", chapter.name);
-  data.set("intro", text_or_false(chapter.intro));
-  data.set("has_plots", !chapter.plots.empty());
-  data.set("plots", plots);
-  data.set("tables", tables);
-  return data;
 }
 
 std::vector<Chapter> chapters(const PaperResults& results, const PaperTimings* timings) {
@@ -241,50 +165,35 @@ Data figure_data(const PaperFigure& figure) {
   return data;
 }
 
-Data section_data(const std::string& id, const std::string& name) {
-  Data data;
-  data.set("id", id);
-  data.set("name", name);
-  return data;
-}
-
-std::string css() {
-  return std::string(planescope_asset_report_css, planescope_asset_report_css_end) +
-         std::string(planescope_asset_paper_css, planescope_asset_paper_css_end) +
-         report::line_chart_style();
-}
-
 }  // namespace
 
 std::string paper_page(const PaperResults& results,
                        const PaperTimings* timings,
                        std::span<const PaperFigure> figures) {
   const std::vector<Claim> all_claims = claims(results);
-  Data page, sections{Data::type::list}, chapter_list{Data::type::list},
-      figure_list{Data::type::list};
-  if (!all_claims.empty()) sections.push_back(section_data("claims", "What is claimed"));
-  for (const Chapter& chapter : chapters(results, timings)) {
-    sections.push_back(section_data(chapter.id, chapter.name));
-    chapter_list.push_back(chapter_data(chapter));
-  }
+  Facts before, after;
+  if (!all_claims.empty()) before.emplace_back("claims", "What is claimed");
+  Data figure_list{Data::type::list}, more;
   for (const PaperFigure& figure : figures) {
     if (figure.pictures.empty()) continue;
-    sections.push_back(section_data(figure.id, figure.title));
+    after.emplace_back(figure.id, figure.title);
     figure_list.push_back(figure_data(figure));
   }
-  page.set("css", css());
-  page.set("version", results.build.version);
-  page.set("lead", lead(all_claims, results));
-  page.set("sections", sections);
-  page.set("record", record_data(results, timings));
-  page.set("has_claims", !all_claims.empty());
-  page.set("claims", claims_data(all_claims));
-  page.set("chapters", chapter_list);
-  page.set("figures", figure_list);
-  kainjow::mustache::mustache layout(
-      std::string(planescope_asset_paper_page_mustache, planescope_asset_paper_page_mustache_end));
-  if (!layout.is_valid()) throw Error("paper page template: " + layout.error_message());
-  return layout.render(page);
+  more.set("has_claims", !all_claims.empty());
+  more.set("claims", claims_data(all_claims));
+  more.set("figures", figure_list);
+  const ResultsPage page = {
+      .title = "The paper\u2019s experiments",
+      .brand = "planescope-lab bench paper",
+      .lead = lead(all_claims, results),
+      .version = results.build.version,
+      .footer =
+          "After Sun et al. 2023, &ldquo;Multi-Resolution Planar Region Extraction for Uneven "
+          "Terrains&rdquo;. The same figures stand in <code>paper.json</code> and "
+          "<code>paper.md</code> beside this page, the pictures at full size as PNG.",
+      .facts = record_facts(results, timings),
+      .chapters = chapters(results, timings)};
+  return results_page(page, more, before, after);
 }
 
 }  // namespace planescope::lab

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lab/bench/results_page.hpp"
 #include "core/lab/experiments/results.hpp"
 
 namespace planescope::lab {
@@ -31,17 +32,10 @@ std::string paper_page(const PaperResults& results,
                        const PaperTimings* timings,
                        std::span<const PaperFigure> figures);
 
-/// One of its plots.
-struct PaperPlot {
-  std::string title;
-  std::string note;
-  std::string svg;
-};
-
 /// Measures against noise on the stairs of 8192 points, ours beside the printed curve and the
 /// rivals.
-std::vector<PaperPlot> noise_plots(const PaperResults& results);
+std::vector<Plot> noise_plots(const PaperResults& results);
 /// Mean IoU of every method on every set, clouds and depth images.
-std::vector<PaperPlot> set_plots(const PaperResults& results);
+std::vector<Plot> set_plots(const PaperResults& results);
 
 }  // namespace planescope::lab

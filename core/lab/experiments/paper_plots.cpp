@@ -144,7 +144,7 @@ report::BarChart set_chart(const PaperResults& results,
 
 }  // namespace
 
-std::vector<PaperPlot> noise_plots(const PaperResults& results) {
+std::vector<Plot> noise_plots(const PaperResults& results) {
   if (noise_of_stairs(results).empty()) return {};
   report::LineChart alpha = noise_chart(results, "Angle error alpha against noise, degrees",
                                         &planes::Metrics::alpha_deg, &PrintedCell::alpha_deg);
@@ -157,7 +157,7 @@ std::vector<PaperPlot> noise_plots(const PaperResults& results) {
       noise_chart(results, "Mean IoU against noise, per cent", &planes::Metrics::mean_iou, nullptr);
   alpha.log_from = r_m.log_from = kLeastShown;
   r_p.log_from = 50;
-  std::vector<PaperPlot> plots = {
+  std::vector<Plot> plots = {
       {"\u03b1 [\u00b0]", "Mean angle to the true normals: lower is better. Less stands at 0.005.",
        report::line_chart(alpha)},
       {"r_p [%]", "Planes found of planes there: 100 is right.", report::line_chart(r_p)},
@@ -169,9 +169,9 @@ std::vector<PaperPlot> noise_plots(const PaperResults& results) {
   return plots;
 }
 
-std::vector<PaperPlot> set_plots(const PaperResults& results) {
+std::vector<Plot> set_plots(const PaperResults& results) {
   constexpr std::size_t kMostGroups = 6;  // as many names as fit side by side
-  std::vector<PaperPlot> plots;
+  std::vector<Plot> plots;
   for (const bool clouds : {true, false}) {
     const std::vector<CellKey> frames = frames_of(results, clouds);
     const std::size_t parts = (frames.size() + kMostGroups - 1) / kMostGroups;
