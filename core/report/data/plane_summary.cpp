@@ -93,7 +93,7 @@ std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, do
       members[static_cast<std::size_t>(result.plane_of[i]) - 1].push_back(
           static_cast<std::uint32_t>(i));
 
-  const double cell_m = voxel_size_m > 0 ? voxel_size_m : 0.02;
+  const double cell_m = cell_size_m(voxel_size_m);
   std::vector<PlaneSummary> summaries(n);
   for (std::size_t k = 0; k < n; ++k) {
     const planes::PlaneRegion& plane = result.segmentation.planes[k];

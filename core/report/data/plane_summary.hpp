@@ -29,6 +29,9 @@ struct PlaneSummary {
                             // where the normal points
 };
 
+/// Of the grid in a plane that tells what it covers [m].
+inline double cell_size_m(double voxel_size_m) { return voxel_size_m > 0 ? voxel_size_m : 0.02; }
+
 /// One entry per plane, by id - 1.
 std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m);
 

@@ -10,6 +10,7 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_json.hpp"
@@ -77,6 +78,25 @@ Json counts_json(const planes::FrameResult& result, bool ours) {
   return json;
 }
 
+Json outline_json(const planes::Outline& outline) {
+  const auto ring_json = [&](const planes::PolygonRing& ring) {
+    Json corners = Json::array();
+    for (const Vec2d& corner : ring) corners.push_back(vector_json(outline.world(corner)));
+    return corners;
+  };
+  const auto rings_json = [&](const std::vector<planes::PolygonRing>& rings) {
+    Json all = Json::array();
+    for (const planes::PolygonRing& ring : rings) all.push_back(ring_json(ring));
+    return all;
+  };
+  Json parts = Json::array();
+  for (const planes::Outline::Part& part : outline.parts)
+    parts.push_back({{"outer", ring_json(part.outer)},
+                     {"holes", rings_json(part.holes)},
+                     {"unknown", rings_json(part.unknown)}});
+  return parts;
+}
+
 // The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
 Json noise_json(const planes::NoiseModel& noise) {
   Json json;
@@ -127,7 +147,7 @@ std::string planes_json(const Frame& frame,
                         const planes::FrameResult& result,
                         const planes::PipelineOptions& options) {
   Json json;
-  json["schema"] = "planescope.planes/1";
+  json["schema"] = "planescope.planes/2";
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
@@ -137,6 +157,8 @@ std::string planes_json(const Frame& frame,
   json["counts"] = counts_json(result, ours);
   if (ours) json["noise"] = noise_json(result.segmentation.noise);
   json["planes"] = Json::array();
+  const std::vector<planes::Outline> outlines =
+      planes::outlines_of(frame, result, cell_size_m(options.cloud.voxel_size_m));
   for (const PlaneSummary& s : summarize_planes(result, options.cloud.voxel_size_m)) {
     Json plane;
     plane["id"] = s.id;
@@ -150,6 +172,7 @@ std::string planes_json(const Frame& frame,
     plane["area_m2"] = rounded(s.area_m2);
     plane["hull"] = Json::array();
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
+    plane["outline"] = outline_json(outlines[static_cast<std::size_t>(s.id) - 1]);
     json["planes"].push_back(plane);
   }
   if (!result.from_cloud && ours) {

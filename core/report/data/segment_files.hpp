@@ -14,7 +14,7 @@ namespace planescope::report {
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
-/// schema "planescope.planes/1".
+/// schema "planescope.planes/2".
 std::string planes_json(const Frame& frame,
                         const planes::FrameResult& result,
                         const planes::PipelineOptions& options);

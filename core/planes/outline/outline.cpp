@@ -1,0 +1,381 @@
+#include "core/planes/outline/outline.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+
+#include "core/planes/cloud/camera.hpp"
+#include "core/planes/outline/rings.hpp"
+
+namespace planescope::planes {
+namespace {
+
+/// Regions of pixels or cells, and what lies between them.
+struct LabelImage {
+  int width = 0, height = 0;
+  std::vector<std::int32_t> labels;  // plane id, 0 none
+
+  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+};
+
+/// Does a pixel without the plane's label show that something else is there?
+using IsForeign = std::function<bool(std::size_t pixel, std::int32_t plane)>;
+
+/// A ring on its plane; empty where that cannot be.
+using OntoPlane = std::function<PolygonRing(const Ring&)>;
+
+class Hole {
+ public:
+  Hole(const Ring& ring, const LabelImage& image, const IsForeign& is_foreign)
+      : runs_(pixels_inside(ring)) {
+    for (const PixelRun& run : runs_)
+      for (int x = run.x0; x < run.x1; ++x) {
+        const std::size_t i = image.at(x, run.y);
+        if (image.labels[i] == ring.label) continue;
+        if (image.labels[i] > 0)
+          others_ = true, ++foreign_;
+        else if (is_foreign(i, ring.label))
+          ++foreign_;
+      }
+  }
+  bool was_seen(const OutlineOptions& options) const { return foreign_ >= options.least_seen_px; }
+  /// Of other planes: what they have they keep.
+  bool has_others() const { return others_; }
+  void fill(std::int32_t plane, LabelImage& image) const {
+    for (const PixelRun& run : runs_)
+      for (int x = run.x0; x < run.x1; ++x) image.labels[image.at(x, run.y)] = plane;
+  }
+
+ private:
+  std::vector<PixelRun> runs_;
+  int foreign_ = 0;
+  bool others_ = false;
+};
+
+/// Holes that are small and where nothing else was seen go to the plane about them.
+void close_gaps(LabelImage& image,
+                const IsForeign& is_foreign,
+                const OntoPlane& onto_plane,
+                const OutlineOptions& options) {
+  for (const Ring& ring : trace_rings(image.labels, image.width, image.height)) {
+    if (!ring.hole) continue;
+    const Hole hole(ring, image, is_foreign);
+    if (hole.was_seen(options) || hole.has_others()) continue;
+    const PolygonRing on_plane = onto_plane(ring);
+    if (!on_plane.empty() && std::abs(polygon_area(on_plane)) <= options.gap_m * options.gap_m)
+      hole.fill(ring.label, image);
+  }
+}
+
+struct Before {
+  bool operator()(const Vec2d& a, const Vec2d& b) const {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  }
+};
+using Corners = std::set<Vec2d, Before>;
+
+/// With fewer corners. Simplifying may take a hole out of its polygon, or let two polygons overlap:
+/// then it is done with more care, and what has come to overlap becomes one.
+Polygons simplified_soundly(const Polygons& exact, double tolerance_m) {
+  constexpr int kTries = 3;
+  Polygons simple = simplified(exact, tolerance_m);
+  if (is_valid(simple)) return simple;
+  Polygons all;
+  for (const Polygon& polygon : exact) {
+    simple = {polygon};
+    double finer_m = tolerance_m;
+    for (int k = 0; k < kTries; ++k, finer_m /= 2)
+      if (Polygons found = simplified({polygon}, finer_m); is_valid(found)) {
+        simple = std::move(found);
+        break;
+      }
+    all = united(all, simple);
+  }
+  return all;
+}
+
+/// `rings`: of one plane; `on_plane`: what they are there.
+void add_parts(std::span<const Ring> rings,
+               std::span<PolygonRing> on_plane,
+               const LabelImage& image,
+               const IsForeign& is_foreign,
+               const OutlineOptions& options,
+               Outline& outline) {
+  const double least_hole_m2 = options.tolerance_m * options.tolerance_m;
+  std::map<std::int32_t, Polygon> parts;  // by number: the outer ring comes first
+  Corners unknown;                        // of the holes where nothing was seen
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    const double area_m2 = std::abs(polygon_area(on_plane[r]));
+    if (area_m2 < (rings[r].hole ? least_hole_m2 : options.least_m2)) continue;
+    if (!rings[r].hole) {
+      parts[rings[r].part].outer = std::move(on_plane[r]);
+    } else if (const auto part = parts.find(rings[r].part); part != parts.end()) {
+      if (!Hole(rings[r], image, is_foreign).was_seen(options))
+        unknown.insert(on_plane[r].begin(), on_plane[r].end());
+      part->second.holes.push_back(std::move(on_plane[r]));
+    }
+  }
+  Polygons exact;
+  for (auto& [number, polygon] : parts) exact.push_back(std::move(polygon));
+  for (Polygon& polygon : simplified_soundly(exact, options.tolerance_m)) {
+    if (area(polygon) < options.least_m2) continue;
+    outline.area_m2 += area(polygon);
+    Outline::Part& part = outline.parts.emplace_back();
+    part.outer = std::move(polygon.outer);
+    for (PolygonRing& hole : polygon.holes) {
+      // Simplifying leaves corners out and makes none.
+      const bool is_unknown =
+          std::ranges::any_of(hole, [&](const Vec2d& p) { return unknown.contains(p); });
+      (is_unknown ? part.unknown : part.holes).push_back(std::move(hole));
+    }
+  }
+}
+
+// ---- Pixels of a depth image ----
+
+/// Corners of pixels, along their rays, on a plane through what these pixels measured.
+class PixelsOnPlane {
+ public:
+  PixelsOnPlane(const Frame& frame, const Cloud& cloud) : frame_(frame), cloud_(cloud) {}
+
+  void look_at(const Outline& outline, double nearest_m, double farthest_m) {
+    outline_ = &outline;
+    normal_ = outline.basis.u.cross(outline.basis.v);
+    nearest_m_ = nearest_m;
+    farthest_m_ = farthest_m;
+  }
+  /// Empty where the ring's rays do not meet the plane about where its pixels are.
+  PolygonRing operator()(const Ring& ring) const {
+    constexpr double kSlack = 1.25;
+    const Vec3d sensor = cloud_.T_world_sensor.translation();
+    const double height = normal_.dot(outline_->origin - sensor);
+    PolygonRing on_plane;
+    on_plane.reserve(ring.corners.size());
+    for (const Corner& corner : ring.corners) {
+      const Vec2d pixel = corner.place() - Vec2d(0.5, 0.5);
+      const Vec2d ray = pixel_to_ray(frame_.intrinsics, pixel.x(), pixel.y());
+      const Vec3d along = cloud_.T_world_sensor.linear() * Vec3d(ray.x(), ray.y(), 1);
+      const double z = height / normal_.dot(along);
+      if (!(z >= nearest_m_ / kSlack && z <= farthest_m_ * kSlack)) return {};
+      const Vec3d at = sensor + z * along - outline_->origin;
+      on_plane.emplace_back(outline_->basis.u.dot(at), outline_->basis.v.dot(at));
+    }
+    return on_plane;
+  }
+
+ private:
+  const Frame& frame_;
+  const Cloud& cloud_;
+  const Outline* outline_ = nullptr;
+  Vec3d normal_;
+  double nearest_m_ = 0, farthest_m_ = 0;  // depths of the plane's pixels
+};
+
+// ---- Cells of a grid on the plane ----
+
+/// A grid about points on a plane, with a margin where none are.
+class CellImage {
+ public:
+  CellImage(std::span<const Vec2d> points, double cell_m, int margin) : cell_m_(cell_m) {
+    Vec2d high = low_ = points[0];
+    for (const Vec2d& p : points) low_ = low_.cwiseMin(p), high = high.cwiseMax(p);
+    low_ -= Vec2d::Constant(margin * cell_m);
+    image_.width = static_cast<int>((high.x() - low_.x()) / cell_m) + 1 + margin;
+    image_.height = static_cast<int>((high.y() - low_.y()) / cell_m) + 1 + margin;
+    image_.labels.assign(static_cast<std::size_t>(image_.width) * image_.height, 0);
+    for (const Vec2d& p : points) {
+      const Vec2d at = (p - low_) / cell_m;
+      std::int32_t& cell =
+          image_.labels[image_.at(static_cast<int>(at.x()), static_cast<int>(at.y()))];
+      marked_ += cell == 0;
+      cell = 1;
+    }
+  }
+  int marked() const { return marked_; }
+  LabelImage& image() { return image_; }
+  PolygonRing on_plane(const Ring& ring) const {
+    PolygonRing on_plane;
+    for (const Corner& corner : ring.corners)
+      on_plane.emplace_back(low_ + cell_m_ * corner.place());
+    return on_plane;
+  }
+
+  /// Closes gaps of up to 2 * radius cells; the margin must be as wide.
+  void close(int radius) {
+    for (int round = 0; round < radius; ++round) spread(1);
+    for (int round = 0; round < radius; ++round) spread(0);
+  }
+
+ private:
+  void spread(std::int32_t value) {  // to the eight cells around
+    const std::vector<std::int32_t> before = image_.labels;
+    for (int y = 1; y + 1 < image_.height; ++y)
+      for (int x = 1; x + 1 < image_.width; ++x) {
+        bool near = false;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) near |= before[image_.at(x + dx, y + dy)] == value;
+        if (near) image_.labels[image_.at(x, y)] = value;
+      }
+  }
+  double cell_m_;
+  Vec2d low_;
+  LabelImage image_;
+  int marked_ = 0;
+};
+
+/// `points`: the plane's, on it.
+void add_cells(std::span<const Vec2d> points,
+               double cell_m,
+               const OutlineOptions& options,
+               Outline& outline) {
+  constexpr double kMostCells = 4096;  // along an axis: a bound on memory
+  constexpr double kFull = 4;          // points in a cell that few others like it are empty
+  constexpr int kMostRadius = 4;
+  if (points.empty()) return;
+  Vec2d low = points[0], high = points[0];
+  for (const Vec2d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  cell_m = std::max(cell_m, (high - low).maxCoeff() / kMostCells);
+  // What is seldom hit is no gap: half of the cells in which there are enough points.
+  int radius = 0;
+  while (radius < kMostRadius &&
+         static_cast<double>(points.size()) <
+             kFull * CellImage(points, cell_m * (2 * radius + 1), 0).marked())
+    ++radius;
+  CellImage cells(points, cell_m, radius + 2);
+  cells.close(radius);
+  const OntoPlane onto_plane = [&](const Ring& ring) { return cells.on_plane(ring); };
+  const IsForeign none = [](std::size_t, std::int32_t) { return false; };
+  LabelImage& image = cells.image();
+  close_gaps(image, none, onto_plane, options);
+  const std::vector<Ring> rings = trace_rings(image.labels, image.width, image.height);
+  std::vector<PolygonRing> on_plane;
+  for (const Ring& ring : rings) on_plane.push_back(onto_plane(ring));
+  add_parts(rings, on_plane, image, none, options, outline);
+}
+
+std::vector<Vec2d> points_on(const Outline& outline, const FrameResult& result, std::int32_t id) {
+  std::vector<Vec2d> points;
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    if (result.plane_of[i] == id) {
+      const Vec3d at = result.cloud.origin + result.cloud.points[i].cast<double>() - outline.origin;
+      points.emplace_back(outline.basis.u.dot(at), outline.basis.v.dot(at));
+    }
+  return points;
+}
+
+// ---- Planes of a frame ----
+
+std::vector<Outline> empty_outlines(const FrameResult& result) {
+  std::vector<Outline> outlines;
+  for (const PlaneRegion& plane : result.segmentation.planes)
+    outlines.push_back({.origin = result.cloud.origin + plane.fit.centroid,
+                        .basis = plane_basis(plane.fit.normal),
+                        .parts = {}});
+  return outlines;
+}
+
+/// Fills in what can be had from pixels; `depth`: per plane, that of its nearest and farthest.
+class OfPixels {
+ public:
+  OfPixels(const Frame& frame, const FrameResult& result, const OutlineOptions& options)
+      : result_(result), options_(options), onto_plane_(frame, result.cloud) {
+    const Cloud& cloud = result.cloud;
+    image_.width = cloud.width, image_.height = cloud.height;
+    image_.labels.assign(static_cast<std::size_t>(cloud.width) * cloud.height, 0);
+    measured_.assign(image_.labels.size(), kNothing);
+    depths_.assign(result.segmentation.planes.size() + 1,
+                   {std::numeric_limits<double>::infinity(), 0.0});
+    const Vec3d ahead = cloud.T_world_sensor.linear().col(2);
+    for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
+      const std::int32_t id = result.plane_of[i];
+      image_.labels[cloud.source[i]] = id;
+      measured_[cloud.source[i]] = i;
+      if (id == 0) continue;
+      const double z = ahead.dot(cloud.points[i].cast<double>() - result.sensor());
+      depths_[id] = {std::min(depths_[id][0], z), std::max(depths_[id][1], z)};
+    }
+  }
+
+  /// Planes that rays graze stay as they are.
+  void add_to(std::vector<Outline>& outlines) {
+    const IsForeign is_foreign = [&](std::size_t pixel, std::int32_t id) {
+      if (measured_[pixel] == kNothing) return false;
+      const Vec3d p = result_.cloud.points[measured_[pixel]].cast<double>();
+      const double tau_m = result_.segmentation.noise.tau((p - result_.sensor()).norm());
+      return std::abs(result_.segmentation.planes[id - 1].fit.distance_m(p)) > 2 * tau_m;
+    };
+    const OntoPlane onto_plane = [&](const Ring& ring) {
+      const auto [nearest_m, farthest_m] = depths_[ring.label];
+      onto_plane_.look_at(outlines[ring.label - 1], nearest_m, farthest_m);
+      return onto_plane_(ring);
+    };
+    close_gaps(image_, is_foreign, onto_plane, options_);
+    std::vector<Ring> rings = trace_rings(image_.labels, image_.width, image_.height);
+    std::ranges::stable_sort(rings, {}, &Ring::label);
+    std::vector<PolygonRing> on_plane;
+    for (auto begin = rings.begin(); begin != rings.end();) {
+      const std::int32_t id = begin->label;
+      const auto end =
+          std::find_if(begin, rings.end(), [&](const Ring& ring) { return ring.label != id; });
+      on_plane.clear();
+      for (auto ring = begin; ring != end; ++ring) on_plane.push_back(onto_plane(*ring));
+      if (std::ranges::any_of(on_plane, &PolygonRing::empty))
+        grazed_.insert(id);
+      else
+        add_parts({begin, end}, on_plane, image_, is_foreign, options_, outlines[id - 1]);
+      begin = end;
+    }
+  }
+  const std::set<std::int32_t>& grazed() const { return grazed_; }
+
+ private:
+  static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
+  const FrameResult& result_;
+  const OutlineOptions& options_;
+  PixelsOnPlane onto_plane_;
+  LabelImage image_;
+  std::vector<std::uint32_t> measured_;        // per pixel: its point
+  std::vector<std::array<double, 2>> depths_;  // per plane id: nearest and farthest [m]
+  std::set<std::int32_t> grazed_;
+};
+
+}  // namespace
+
+Polygons polygons_of(const Outline& outline) {
+  Polygons polygons;
+  for (const Outline::Part& part : outline.parts) {
+    Polygon& polygon = polygons.emplace_back(Polygon{part.outer, part.holes});
+    polygon.holes.insert(polygon.holes.end(), part.unknown.begin(), part.unknown.end());
+  }
+  return polygons;
+}
+
+std::vector<Outline> outlines_of(const Frame& frame,
+                                 const FrameResult& result,
+                                 double cell_m,
+                                 const OutlineOptions& options) {
+  std::vector<Outline> outlines = empty_outlines(result);
+  std::set<std::int32_t> by_cells;
+  if (frame.is_cloud()) {
+    for (std::size_t k = 0; k < outlines.size(); ++k)
+      by_cells.insert(static_cast<std::int32_t>(k) + 1);
+  } else {
+    OfPixels of_pixels(frame, result, options);
+    of_pixels.add_to(outlines);
+    by_cells = of_pixels.grazed();
+  }
+  for (const std::int32_t id : by_cells)
+    add_cells(points_on(outlines[id - 1], result, id), cell_m, options, outlines[id - 1]);
+  for (Outline& outline : outlines)
+    std::ranges::stable_sort(outline.parts, std::ranges::greater{},
+                             [](const Outline::Part& part) { return polygon_area(part.outer); });
+  return outlines;
+}
+
+}  // namespace planescope::planes

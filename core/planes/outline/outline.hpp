@@ -1,0 +1,50 @@
+#pragma once
+
+// What a plane covers: its pixels seen from the sensor, laid onto the plane, with the holes in
+// which something else was seen, and those where nothing was measured.
+
+#include <vector>
+
+#include "core/model/frame.hpp"
+#include "core/model/plane.hpp"
+#include "core/planes/outline/polygons.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+
+namespace planescope::planes {
+
+struct OutlineOptions {
+  double tolerance_m = 0.01;  // no corner of an outline is farther than this from where it was, no
+                              // hole smaller than this squared
+  double gap_m = 0.05;  // holes where nothing else was seen, and smaller than this squared, are
+                        // closed
+  double least_m2 = 0.0004;  // smaller parts are left out
+  int least_seen_px = 3;     // so many pixels that see something else make a hole
+};
+
+/// Coordinates on the plane: origin + x basis.u + y basis.v.
+struct Outline {
+  struct Part {
+    PolygonRing outer;                 // counter-clockwise from where the normal points
+    std::vector<PolygonRing> holes;    // where something else was seen, or through the plane
+    std::vector<PolygonRing> unknown;  // holes where nothing was
+  };
+  Vec3d origin = Vec3d::Zero();  // world [m]
+  PlaneBasis basis;
+  std::vector<Part> parts;  // the largest first
+  double area_m2 = 0;       // without holes and what is unknown
+
+  Vec3d world(const Vec2d& p) const { return origin + p.x() * basis.u + p.y() * basis.v; }
+};
+
+/// The parts as polygons, unknown holes being holes.
+Polygons polygons_of(const Outline& outline);
+
+/// One for each plane, by id - 1. Depth images: from the pixels' edges, along their rays onto the
+/// plane; where these graze it, and of clouds, from the cells of a grid on the plane that hold
+/// points, `cell_m` wide.
+std::vector<Outline> outlines_of(const Frame& frame,
+                                 const FrameResult& result,
+                                 double cell_m,
+                                 const OutlineOptions& options = {});
+
+}  // namespace planescope::planes

@@ -1,0 +1,143 @@
+#include "core/planes/outline/polygons.hpp"
+
+#include <geos_c.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "core/model/error.hpp"
+#include "core/model/plane.hpp"
+
+namespace planescope::planes {
+namespace {
+
+/// One for each call: a handle is not for two threads.
+class Geos {
+ public:
+  Geos() : handle_(GEOS_init_r()) {
+    GEOSContext_setErrorMessageHandler_r(
+        handle_, [](const char* text, void* to) { *static_cast<std::string*>(to) = text; },
+        &message_);
+  }
+  ~Geos() { GEOS_finish_r(handle_); }
+  Geos(const Geos&) = delete;
+  Geos& operator=(const Geos&) = delete;
+
+  struct Free {
+    GEOSContextHandle_t handle = nullptr;
+    void operator()(GEOSGeometry* geometry) const { GEOSGeom_destroy_r(handle, geometry); }
+  };
+  using Geometry = std::unique_ptr<GEOSGeometry, Free>;
+
+  /// Throws Error where GEOS made nothing.
+  template <typename Make, typename... Args>
+  Geometry make(const Make& function, Args... args) const {
+    GEOSGeometry* made = function(handle_, args...);
+    if (!made) throw Error("polygons: " + message_);
+    return {made, Free{handle_}};
+  }
+
+  Geometry of(const Polygons& polygons) const {
+    std::vector<GEOSGeometry*> parts;
+    for (const Polygon& polygon : polygons) parts.push_back(of(polygon).release());
+    return make(GEOSGeom_createCollection_r, static_cast<int>(GEOS_MULTIPOLYGON), parts.data(),
+                static_cast<unsigned>(parts.size()));
+  }
+  Geometry of(const Polygon& polygon) const {
+    Geometry outer = of(polygon.outer);
+    std::vector<GEOSGeometry*> holes;
+    for (const PolygonRing& hole : polygon.holes) holes.push_back(of(hole).release());
+    return make(GEOSGeom_createPolygon_r, outer.release(), holes.data(),
+                static_cast<unsigned>(holes.size()));
+  }
+
+  /// Of whatever has an area.
+  Polygons polygons_of(const GEOSGeometry* geometry) const {
+    Polygons all;
+    add_polygons(geometry, all);
+    return all;
+  }
+
+  bool is_valid(const GEOSGeometry* geometry) const {
+    return GEOSisValid_r(handle_, geometry) == 1;
+  }
+
+ private:
+  Geometry of(const PolygonRing& ring) const {
+    std::vector<double> xy;
+    xy.reserve(2 * ring.size() + 2);
+    for (const Vec2d& p : ring) xy.insert(xy.end(), {p.x(), p.y()});
+    xy.insert(xy.end(), {ring[0].x(), ring[0].y()});
+    GEOSCoordSequence* points = GEOSCoordSeq_copyFromBuffer_r(
+        handle_, xy.data(), static_cast<unsigned>(ring.size() + 1), false, false);
+    return make(GEOSGeom_createLinearRing_r, points);
+  }
+
+  void add_polygons(const GEOSGeometry* geometry, Polygons& all) const {
+    const int type = GEOSGeomTypeId_r(handle_, geometry);
+    if (type == GEOS_POLYGON) {
+      if (GEOSisEmpty_r(handle_, geometry) == 1) return;
+      Polygon& polygon = all.emplace_back();
+      polygon.outer = ring_of(GEOSGetExteriorRing_r(handle_, geometry), true);
+      for (int h = 0; h < GEOSGetNumInteriorRings_r(handle_, geometry); ++h)
+        polygon.holes.push_back(ring_of(GEOSGetInteriorRingN_r(handle_, geometry, h), false));
+    } else if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
+      for (int k = 0; k < GEOSGetNumGeometries_r(handle_, geometry); ++k)
+        add_polygons(GEOSGetGeometryN_r(handle_, geometry, k), all);
+    }
+  }
+
+  PolygonRing ring_of(const GEOSGeometry* line, bool counter_clockwise) const {
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
+    unsigned count = 0;
+    GEOSCoordSeq_getSize_r(handle_, points, &count);
+    std::vector<double> xy(2 * count);
+    GEOSCoordSeq_copyToBuffer_r(handle_, points, xy.data(), false, false);
+    PolygonRing ring;
+    for (unsigned i = 0; i + 1 < count; ++i) ring.emplace_back(xy[2 * i], xy[2 * i + 1]);
+    if ((polygon_area(ring) > 0) != counter_clockwise) std::ranges::reverse(ring);
+    return ring;
+  }
+
+  GEOSContextHandle_t handle_;
+  std::string message_;
+};
+
+template <typename Operation>
+Polygons combined(const Polygons& a, const Polygons& b, const Operation& operation) {
+  const Geos geos;
+  const Geos::Geometry first = geos.of(a), second = geos.of(b);
+  return geos.polygons_of(geos.make(operation, first.get(), second.get()).get());
+}
+
+}  // namespace
+
+double area(const Polygon& polygon) {
+  double sum = polygon_area(polygon.outer);
+  for (const PolygonRing& hole : polygon.holes) sum += polygon_area(hole);
+  return sum;
+}
+
+double area(std::span<const Polygon> polygons) {
+  double sum = 0;
+  for (const Polygon& polygon : polygons) sum += area(polygon);
+  return sum;
+}
+
+Polygons simplified(const Polygons& polygons, double tolerance_m) {
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygons);
+  return geos.polygons_of(
+      geos.make(GEOSTopologyPreserveSimplify_r, given.get(), tolerance_m).get());
+}
+
+Polygons united(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSUnion_r); }
+Polygons common(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSIntersection_r); }
+
+bool is_valid(const Polygons& polygons) {
+  const Geos geos;
+  return geos.is_valid(geos.of(polygons).get());
+}
+
+}  // namespace planescope::planes
