@@ -1,15 +1,20 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
 
 #include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/lab/allocations.hpp"
 #include "app/lab/lab.hpp"
+#include "app/lab/speed_subjects.hpp"
+#include "core/io/open3d/timed_stages.hpp"
 #include "core/lab/bench/speed_page.hpp"
-#include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -19,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kSpeedParts = {"stages", "frames", "scaling", "memory", "start"};
-constexpr std::size_t kMostFrames = 10;  // of each recording, evenly spread
 
 struct BenchSpeedArgs {
   InputArgs input;
@@ -33,54 +37,25 @@ struct BenchSpeedArgs {
   std::vector<std::string> reading_options;  // of it, those that `segment` takes as well
 };
 
-/// A recording that is open for as long as its frames are read again.
-struct OpenSubject {
-  OpenInput input;
-  lab::SpeedSubject subject;
-};
-
-/// Throws Error where none of its frames can be read and tells, or is told, which way is down.
-std::shared_ptr<OpenSubject> read_subject(OpenInput input, const planes::PipelineOptions& options) {
-  const auto open = std::make_shared<OpenSubject>();
-  open->input = std::move(input);
-  const io::Recording& recording = *open->input.recording;
-  lab::SpeedSubject& subject = open->subject;
-  subject.name = fs::absolute(open->input.path / "").parent_path().filename().string();
-  subject.options = options;
-  const std::vector<int>& all = open->input.frames;
-  const std::size_t used = std::min(all.size(), kMostFrames);
-  std::vector<int> numbers;
-  std::string refusal;
-  for (std::size_t i = 0; i < used; ++i) {
-    const int number = all[i * all.size() / used];
-    Frame frame = recording.frame(number);
-    try {
-      const Gravity gravity = planes::resolve_gravity(frame, options.gravity);
-      const planes::Cloud cloud = planes::make_cloud(frame, gravity, options.cloud);
-      if (cloud.counts.kept == 0) throw Error("nothing of it is within range");
-    } catch (const Error& error) {
-      refusal = fmt::format("{}, frame {}: {}", open->input.path.string(), number, error.what());
-      continue;
-    }
-    numbers.push_back(number);
-    subject.frames.push_back(std::move(frame));
+/// A folder of its own below the system's for temporary files, gone with its owner.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "planescope-lab.XXXXXX").string();
+    if (!mkdtemp(name.data())) throw Error(name + ": cannot be made: " + std::strerror(errno));
+    path_ = name;
   }
-  if (subject.frames.empty()) throw Error(refusal);
-  subject.load = [&recording, numbers](std::size_t i) { return recording.frame(numbers[i]); };
-  return open;
-}
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const fs::path& path() const { return path_; }
 
-/// What is measured where no recording is given: the same bytes everywhere, and camera errors.
-std::shared_ptr<OpenSubject> made_subject(const planes::PipelineOptions& options) {
-  const auto made = std::make_shared<OpenSubject>();
-  const lab::EvaluationSet& set = lab::find_evaluation_set("depth_stairs");
-  made->subject.name = "depth_stairs, d435";
-  made->subject.options = options;
-  for (int i = 0; i < std::min(set.frames, static_cast<int>(kMostFrames)); ++i)
-    made->subject.frames.push_back(
-        lab::make_evaluation_frame(set, i, {.errors = lab::DepthErrors::d435}).frame);
-  return made;
-}
+ private:
+  fs::path path_;
+};
 
 class SpeedRun {
  public:
@@ -91,9 +66,9 @@ class SpeedRun {
     check_output_dir(args_.out);
     // What cannot be read or found is told before anything slow starts.
     load_tools();
-    const std::vector<lab::TimedCommand> commands = wanted("start") ? timed_commands() : kNone;
     read_subjects();
-    const lab::ChainSpeed speed = measure(commands);
+    if (wanted("start")) find_commands();
+    const lab::ChainSpeed speed = measure();
     make_output_dir(args_.out);
     const std::string json = lab::speed_json(speed);
     write_file_text(args_.out / "speed.json", json);
@@ -107,8 +82,6 @@ class SpeedRun {
   }
 
  private:
-  static inline const std::vector<lab::TimedCommand> kNone;
-
   bool wanted(const char* part) const { return args_.parts.contains(part); }
   void check_stop() const {
     if (stop_.stop_requested()) throw Cancelled();
@@ -132,23 +105,33 @@ class SpeedRun {
     tools_.rounds = args_.rounds;
     tools_.threads = args_.input.pipeline.threads;
     tools_.most_points = args_.most_points;
+    if (planes::has_ransac()) {  // Open3D is here
+      tools_.open3d_voxels = open3d::voxel_down_sample;
+      tools_.open3d_octree = open3d::pointer_octree;
+    }
     tools_.count_allocations = allocation_counter();
   }
 
-  /// The product itself, which stands beside this program.
-  std::vector<lab::TimedCommand> timed_commands() const {
+  /// Of the product itself, which stands beside this program. Each runs once, so that one which
+  /// fails is told before anything slow starts.
+  void find_commands() {
     const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "planescope";
     if (!fs::exists(program))
       throw Error("part start: " + program.string() +
                   " is missing, expected it beside this program");
-    std::vector<lab::TimedCommand> commands = {
-        {"planescope --version", {program.string(), "--version"}}};
-    for (const fs::path& input : args_.input.inputs) {
-      lab::TimedCommand info{"planescope info " + input.filename().string(),
-                             {program.string(), "info", input.string()}};
-      commands.push_back(std::move(info));
+    commands_ = {{"planescope --version", {program.string(), "--version"}}};
+    scratch_.emplace();
+    for (const auto& open : subjects_) {
+      if (open->input.path.empty()) continue;  // made, not recorded
+      std::vector<std::string> args = {program.string(), "segment", open->input.path.string()};
+      args.insert(args.end(), args_.reading_options.begin(), args_.reading_options.end());
+      for (const std::string& arg :
+           {std::string("--frames"), std::to_string(open->numbers[0]), std::string("--threads"),
+            std::string("1"), std::string("-o"), scratch_->path().string()})
+        args.push_back(arg);
+      commands_.push_back({"planescope segment " + open->subject.name + ", one frame", args});
     }
-    return commands;
+    lab::measure_commands(commands_, 1, [this] { check_stop(); });
   }
 
   void read_subjects() {
@@ -163,7 +146,7 @@ class SpeedRun {
     }
   }
 
-  lab::ChainSpeed measure(const std::vector<lab::TimedCommand>& commands) {
+  lab::ChainSpeed measure() {
     lab::ChainSpeed speed;
     speed.command = args_.command;
     speed.build = report::build_info();
@@ -178,48 +161,39 @@ class SpeedRun {
     }
     if (wanted("stages")) speed.peaks = tools_.peaks = lab::measure_peaks();
 
-    int done = 0;
-    Progress bar("bench speed", static_cast<int>(args_.parts.size() * subjects_.size()));
-    const auto begin_part = [&](const char* part) {
-      tools_.before = [this, part, &bar, &done](const std::string& what) {
-        check_stop();
-        bar.show(done, fmt::format("{}: {}", part, what));
-      };
-    };
+    bar_.emplace("bench speed", static_cast<int>(args_.parts.size() * subjects_.size()));
+    for (const auto& open : subjects_) measure_subject(open->subject, speed);
+    if (begin("scaling")) speed.scaling = lab::measure_scaling(subjects_[0]->subject, tools_);
+    if (begin("start"))
+      speed.commands =
+          lab::measure_commands(commands_, args_.rounds, [this] { tools_.before("planescope"); });
+    bar_.reset();
+    return speed;
+  }
+
+  void measure_subject(const lab::SpeedSubject& subject, lab::ChainSpeed& speed) {
     const auto append = [](auto& rows, auto more) {
       rows.insert(rows.end(), more.begin(), more.end());
     };
-    for (const auto& open : subjects_) {
-      const lab::SpeedSubject& subject = open->subject;
-      if (wanted("stages")) {
-        begin_part("stages");
-        append(speed.stages, lab::measure_stages(subject, tools_));
-        ++done;
-      }
-      if (wanted("frames")) {
-        begin_part("frames");
-        append(speed.methods, lab::measure_methods(subject, tools_));
-        ++done;
-      }
-      if (wanted("memory")) {
-        begin_part("memory");
-        lab::Memory memory = lab::measure_memory(subject, tools_);
-        append(speed.memory.stages, std::move(memory.stages));
-        append(speed.memory.methods, std::move(memory.methods));
-        ++done;
-      }
+    if (begin("stages")) {
+      append(speed.stages, lab::measure_stages(subject, tools_));
+      append(speed.duels, lab::measure_duels(subject, tools_));
     }
-    if (wanted("scaling")) {
-      begin_part("scaling");
-      speed.scaling = lab::measure_scaling(subjects_[0]->subject, tools_);
-      ++done;
+    if (begin("frames")) append(speed.methods, lab::measure_methods(subject, tools_));
+    if (begin("memory")) {
+      append(speed.stage_memory, lab::measure_stage_memory(subject, tools_));
+      append(speed.method_memory, lab::measure_method_memory(subject, tools_));
     }
-    if (wanted("start")) {
-      begin_part("start");
-      speed.commands =
-          lab::measure_commands(commands, args_.rounds, [this] { tools_.before("planescope"); });
-    }
-    return speed;
+  }
+
+  /// Whether the part is wanted; turns from here on are its own.
+  bool begin(const char* part) {
+    if (!wanted(part)) return false;
+    tools_.before = [this, part, number = begun_++](const std::string& what) {
+      check_stop();
+      bar_->show(number, fmt::format("{}: {}", part, what));
+    };
+    return true;
   }
 
   const BenchSpeedArgs& args_;
@@ -227,6 +201,10 @@ class SpeedRun {
   lab::SpeedTools tools_;
   planes::WeightsRecord weights_;
   std::vector<std::shared_ptr<OpenSubject>> subjects_;
+  std::optional<ScratchFolder> scratch_;  // what commands write, while they are timed
+  std::vector<lab::TimedCommand> commands_;
+  std::optional<Progress> bar_;
+  int begun_ = 0;  // parts
 };
 
 /// How fast everything is: speed.json and index.html, and the tables on stdout. Returns 0; throws
@@ -266,7 +244,13 @@ void define_bench_speed(CLI::App* bench, Line& line) {
   add(speed, "--threads", pipeline.threads, "N",
       "The most that scaling is measured with, default all cores; all else takes one")
       ->transform(whole(1, 1024));
-  runs(speed, line, args, run_bench_speed, [args, &line] {
+  runs(speed, line, args, run_bench_speed, [args, speed, &line] {
+    for (const char* name : {"--intrinsics", "--depth-unit", "--instance-field", "--read-limit",
+                             "--gravity", "--max-range", "--voxel"})
+      if (const CLI::Option* option = speed->get_option(name); option->count() > 0) {
+        args->reading_options.emplace_back(name);
+        args->reading_options.push_back(CLI::detail::join(option->results(), ","));
+      }
     expect_gravity(args->input.pipeline, "bench speed");
     if (args->parts.empty()) args->parts = {kSpeedParts.begin(), kSpeedParts.end()};
     args->command = line.text;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,11 @@ struct SpeedTools {
   planes::PcaClassifierOptions pca_options;
   Peaks peaks;
   int rounds = 20;
-  int threads = 1;                     // the most that scaling is measured with
-  int most_points = 1'000'000;         // likewise
+  int threads = 1;              // the most that scaling is measured with
+  int most_points = 1'000'000;  // likewise
+  /// Those of Open3D, ready to run on a frame's points; empty where the program has none.
+  std::function<std::function<void()>(const planes::Cloud&, double)> open3d_voxels;
+  std::function<std::function<void()>(std::span<const Vec3f>, const planes::Cube&)> open3d_octree;
   CountAllocations count_allocations;  // empty: this build cannot count
   /// Called before each turn with what is measured; may throw to stop. Never empty.
   std::function<void(const std::string&)> before;
@@ -56,13 +60,23 @@ struct StageRow {
 /// Every stage on what the stages before it made, one thread, all in turn.
 std::vector<StageRow> measure_stages(const SpeedSubject& subject, const SpeedTools& tools);
 
+struct DuelRow {
+  std::string recording, stage, rival;
+  Times ours_ms = {}, rival_ms = {};
+  double ratio = 0;  // median of rival / ours, side by side
+};
+
+/// The voxel grid against Open3D's, the octree, every node of it made, against Open3D's of
+/// pointers, and PCA normals against nanoflann's neighbours and Eigen's normals; one thread.
+std::vector<DuelRow> measure_duels(const SpeedSubject& subject, const SpeedTools& tools);
+
 struct MethodRow {
   std::string recording, method;
   Times ms = {};
   double ratio = 0;  // median of this / region growing, side by side
   double planes = 0;
   std::optional<Allocations> allocations = {};
-  double peak_mib = 0;  // of the whole process while the frame ran; 0: not known
+  double peak_mib = 0;  // more than the process had resident before the frame; 0: not known
 };
 
 /// A frame in memory to the planes of its pixels, one thread: ours with either profile and either
@@ -70,12 +84,16 @@ struct MethodRow {
 /// 20 px cells, as CAPE does it, is first, and what others are told against.
 std::vector<MethodRow> measure_methods(const SpeedSubject& subject, const SpeedTools& tools);
 
-/// The same stages and methods, once each on a frame that ran twice before: their `allocations`,
-/// and the methods' `peak_mib`. No times.
-struct Memory {
-  std::vector<StageRow> stages;
-  std::vector<MethodRow> methods;
-};
-Memory measure_memory(const SpeedSubject& subject, const SpeedTools& tools);
+// On the subject's first frame, after it ran twice: what is kept from frame to frame is there.
+// Stages and methods with their `allocations`, methods with `peak_mib`; no times.
+std::vector<StageRow> measure_stage_memory(const SpeedSubject& subject, const SpeedTools& tools);
+std::vector<MethodRow> measure_method_memory(const SpeedSubject& subject, const SpeedTools& tools);
+
+// What these share: ours on one thread, and what work allocates the third time, nullopt where the
+// tools cannot count.
+planes::PipelineOptions ours_with(const SpeedSubject& subject, planes::Profile profile);
+std::optional<Allocations> steady_allocations(const SpeedSubject& subject,
+                                              const SpeedTools& tools,
+                                              const std::function<void()>& work);
 
 }  // namespace planescope::lab

@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "core/model/error.hpp"
 
@@ -21,8 +23,22 @@ double in_ms(const timeval& time) {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_usec) * 1e-3;
 }
 
-/// Runs it to its end and returns what it used.
-rusage run_to_end(const TimedCommand& command) {
+/// The most that a child has had resident, looked at every millisecond until it ends. (What wait4
+/// tells begins with what this process has: a child that is spawned starts in its memory.)
+double followed_peak_mib(pid_t child) {
+  double peak_mib = 0;
+  siginfo_t ended{};
+  while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0) {
+    const std::string status = fmt::format("/proc/{}/status", child);
+    peak_mib = std::max(peak_mib, resident_memory(status).peak_mib);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return peak_mib;
+}
+
+/// Runs it to its end and returns what it used; its peak of memory where that is asked for.
+rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   std::vector<char*> args;
   for (const std::string& arg : command.args) args.push_back(const_cast<char*>(arg.c_str()));
   args.push_back(nullptr);
@@ -36,6 +52,7 @@ rusage run_to_end(const TimedCommand& command) {
   posix_spawn_file_actions_destroy(&quiet);
   if (failed != 0)
     throw Error(fmt::format("{}: cannot be started: {}", command.args[0], std::strerror(failed)));
+  if (peak_mib) *peak_mib = followed_peak_mib(child);
   int status = 0;
   rusage used{};
   while (wait4(child, &status, 0, &used) < 0)
@@ -55,11 +72,13 @@ std::vector<CommandRow> measure_commands(std::span<const TimedCommand> commands,
                                          const std::function<void()>& before) {
   std::vector<std::vector<double>> cpu_ms(commands.size());
   std::vector<CommandRow> rows(commands.size());
+  for (std::size_t c = 0; c < commands.size(); ++c) {
+    before();
+    run_to_end(commands[c], &rows[c].peak_mib);  // apart: looking takes time
+  }
   const auto wall_ms = interleaved_ms(commands.size(), rounds, before, [&](std::size_t c, int) {
     const rusage used = run_to_end(commands[c]);
     cpu_ms[c].push_back(in_ms(used.ru_utime) + in_ms(used.ru_stime));
-    rows[c].peak_mib =
-        std::max(rows[c].peak_mib, static_cast<double>(used.ru_maxrss) / 1024);  // from KiB
   });
   for (std::size_t c = 0; c < commands.size(); ++c) {
     rows[c].name = commands[c].name;

@@ -19,7 +19,7 @@ struct TimedCommand {
 struct CommandRow {
   std::string name;
   Times wall_ms = {}, cpu_ms = {};
-  double peak_mib = 0;  // resident, the most of all runs
+  double peak_mib = 0;  // resident, of one run
 };
 
 /// Each command once in every round, in turn. What they print is dropped. Throws Error where one

@@ -30,6 +30,16 @@ std::string to_text(const Machine& machine) {
   return fmt::format("{}, {} cores, {}", machine.cpu, machine.cores, to_string(machine.simd));
 }
 
+ResidentMemory resident_memory(const std::string& status_file) {
+  ResidentMemory memory;
+  std::ifstream status(status_file);
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) memory.now_mib = std::stod(line.substr(6)) / 1024;  // from kB
+    if (line.starts_with("VmHWM:")) memory.peak_mib = std::stod(line.substr(6)) / 1024;
+  }
+  return memory;
+}
+
 namespace {
 
 double now_ms(Clock clock) {

@@ -20,6 +20,12 @@ struct Machine {
 Machine this_machine();
 std::string to_text(const Machine& machine);  // "AMD EPYC 7763, 16 cores, avx2"
 
+/// What a process has resident; zeros where its status file (/proc/self/status) does not tell.
+struct ResidentMemory {
+  double now_mib = 0, peak_mib = 0;
+};
+ResidentMemory resident_memory(const std::string& status_file);
+
 /// Which time counts. CPU time is hardly touched by what else the machine is busy with; the wall's
 /// is what a user waits for, and what threads shorten.
 enum class Clock { wall, thread_cpu, process_cpu };

@@ -31,6 +31,15 @@ SpeedJson stage_json(const StageRow& row) {
           {"ratio", row.ratio}};
 }
 
+SpeedJson duel_json(const DuelRow& row) {
+  return {{"recording", row.recording},
+          {"stage", row.stage},
+          {"rival", row.rival},
+          {"ours_ms", times_json(row.ours_ms)},
+          {"rival_ms", times_json(row.rival_ms)},
+          {"ratio", row.ratio}};
+}
+
 SpeedJson method_json(const MethodRow& row) {
   return {{"recording", row.recording},
           {"method", row.method},
@@ -70,8 +79,10 @@ std::vector<std::string> lines_of(const Rows& rows, const ToJson& to_json) {
 std::string speed_json(const ChainSpeed& speed) {
   SpeedJson facts = run_json("planescope.bench.speed/1", speed.command, speed.build, speed.weights);
   facts["machine"] = machine_json(speed.machine);
-  facts["bytes_per_s"] = speed.peaks.bytes_per_s;
-  facts["flops_per_s"] = speed.peaks.flops_per_s;
+  if (!speed.stages.empty()) {
+    facts["bytes_per_s"] = speed.peaks.bytes_per_s;
+    facts["flops_per_s"] = speed.peaks.flops_per_s;
+  }
   facts["rounds"] = speed.rounds;
   facts["threads"] = speed.threads;
   JsonLines json(facts);
@@ -82,14 +93,15 @@ std::string speed_json(const ChainSpeed& speed) {
                               {"height", subject.height}};
            }));
   json.add("stages", lines_of(speed.stages, stage_json));
+  json.add("stage_rivals", lines_of(speed.duels, duel_json));
   json.add("frames", lines_of(speed.methods, method_json));
   json.add("scaling", lines_of(speed.scaling, scaling_json));
-  json.add("stage_memory", lines_of(speed.memory.stages, [](const StageRow& row) {
+  json.add("stage_memory", lines_of(speed.stage_memory, [](const StageRow& row) {
              return SpeedJson{{"recording", row.recording},
                               {"stage", row.stage},
                               {"allocations", allocations_json(row.allocations)}};
            }));
-  json.add("frame_memory", lines_of(speed.memory.methods, [](const MethodRow& row) {
+  json.add("frame_memory", lines_of(speed.method_memory, [](const MethodRow& row) {
              return SpeedJson{{"recording", row.recording},
                               {"method", row.method},
                               {"allocations", allocations_json(row.allocations)},

@@ -32,13 +32,16 @@ struct ChainSpeed {
 
   // By part; empty where it was not asked for.
   std::vector<StageRow> stages;
+  std::vector<DuelRow> duels;  // of part stages
   std::vector<MethodRow> methods;
   std::vector<Scaling> scaling;
-  Memory memory;
+  std::vector<StageRow> stage_memory;
+  std::vector<MethodRow> method_memory;
   std::vector<CommandRow> commands;
 };
 
 Table stage_table(const ChainSpeed& speed);
+Table duel_table(const ChainSpeed& speed);
 Table method_table(const ChainSpeed& speed);
 Table scaling_table(const Scaling& scaling);
 std::vector<Table> memory_tables(const ChainSpeed& speed);  // stages, methods

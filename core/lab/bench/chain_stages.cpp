@@ -1,22 +1,10 @@
+#include <algorithm>
+
 #include "core/lab/bench/chain_speed.hpp"
 
-#include <algorithm>
-#include <fstream>
-
-#include "core/planes/rivals/ransac.hpp"
-
 namespace planescope::lab {
-namespace {
 
-// ---- Stages ----
-
-struct ChainStage {
-  std::string name;
-  Work work;
-  std::function<void()> run;
-};
-
-planes::PipelineOptions with_profile(const SpeedSubject& subject, planes::Profile profile) {
+planes::PipelineOptions ours_with(const SpeedSubject& subject, planes::Profile profile) {
   planes::PipelineOptions options = subject.options;
   options.method = planes::Method::ours;
   options.segment = planes::profile_options(profile);
@@ -24,13 +12,33 @@ planes::PipelineOptions with_profile(const SpeedSubject& subject, planes::Profil
   return options;
 }
 
+std::optional<Allocations> steady_allocations(const SpeedSubject& subject,
+                                              const SpeedTools& tools,
+                                              const std::function<void()>& work) {
+  constexpr int kBefore = 2;
+  for (int run = 0; run < kBefore; ++run) {
+    tools.before(subject.name);
+    work();
+  }
+  if (tools.count_allocations) return tools.count_allocations(work);
+  return std::nullopt;
+}
+
+namespace {
+
+struct ChainStage {
+  std::string name;
+  Work work;
+  std::function<void()> run;
+};
+
 /// Of frame `i`; what goes into each is computed here. The frames must outlive them.
 std::vector<ChainStage> stages_of(const SpeedSubject& subject,
                                   std::size_t i,
                                   const SpeedTools& tools) {
   const Frame& frame = subject.frames[i];
-  const planes::PipelineOptions paper = with_profile(subject, planes::Profile::paper);
-  const planes::PipelineOptions refined = with_profile(subject, planes::Profile::refined);
+  const planes::PipelineOptions paper = ours_with(subject, planes::Profile::paper);
+  const planes::PipelineOptions refined = ours_with(subject, planes::Profile::refined);
   const auto prepared = std::make_shared<const planes::PreparedFrame>(
       planes::prepare_frame(frame, refined, tools.gcn.get()));
   const planes::Cloud& cloud = prepared->cloud;
@@ -72,50 +80,6 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
   add_segmentation("segmentation refined", refined, true);
   return stages;
 }
-
-// ---- Methods ----
-
-struct ChainMethod {
-  std::string name;
-  planes::PipelineOptions options;
-  const planes::Classifier* classifier = nullptr;
-};
-
-std::vector<ChainMethod> methods_of(const SpeedSubject& subject, const SpeedTools& tools) {
-  const auto rival = [&](planes::Method method) {
-    planes::PipelineOptions options = subject.options;
-    options.method = method;
-    options.threads = 1;
-    return ChainMethod{planes::to_string(method), options, nullptr};
-  };
-  std::vector<ChainMethod> methods = {rival(planes::Method::region_growing)};
-  for (const planes::Profile profile : {planes::Profile::paper, planes::Profile::refined})
-    for (const auto& [name, classifier] :
-         {std::pair("gcn", tools.gcn.get()), std::pair("pca", tools.pca.get())})
-      methods.push_back({std::string("ours, ") + planes::to_string(profile) + ", " + name,
-                         with_profile(subject, profile), classifier});
-  for (const planes::Method method : planes::built_methods()) {
-    const bool on_images = method == planes::Method::pcl_multi_plane;
-    if (method == planes::Method::ours || method == planes::Method::region_growing ||
-        (on_images && subject.frames[0].is_cloud()))
-      continue;
-    methods.push_back(rival(method));
-  }
-  return methods;
-}
-
-// ---- Memory ----
-
-/// The most memory that this process has had resident; since reset_peak(), where the system allows
-/// that. 0: not known.
-double peak_resident_mib() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) / 1024;
-  return 0;
-}
-
-void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 }  // namespace
 
@@ -162,56 +126,14 @@ std::vector<StageRow> measure_stages(const SpeedSubject& subject, const SpeedToo
   return rows;
 }
 
-std::vector<MethodRow> measure_methods(const SpeedSubject& subject, const SpeedTools& tools) {
-  const std::vector<ChainMethod> methods = methods_of(subject, tools);
-  std::vector<std::vector<double>> planes(methods.size());
-  // What Open3D, PCL and CGAL would do on other threads counts as well.
-  const auto ms = interleaved_ms(
-      methods.size(), tools.rounds, [&] { tools.before(subject.name); },
-      [&](std::size_t m, int round) {
-        const Frame& frame =
-            subject.frames[static_cast<std::size_t>(round) % subject.frames.size()];
-        const planes::FrameResult result =
-            planes::run_frame(frame, methods[m].options, methods[m].classifier);
-        planes[m].push_back(static_cast<double>(result.segmentation.planes.size()));
-      },
-      Clock::process_cpu);
-  std::vector<MethodRow> rows;
-  for (std::size_t m = 0; m < methods.size(); ++m)
-    rows.push_back({.recording = subject.name,
-                    .method = methods[m].name,
-                    .ms = times_of(ms[m]),
-                    .ratio = median_ratio(ms[m], ms[0]),
-                    .planes = median(planes[m])});
-  return rows;
-}
-
-Memory measure_memory(const SpeedSubject& subject, const SpeedTools& tools) {
-  constexpr int kBefore = 2;  // what is kept from run to run is there then
-  const auto count = [&](const std::function<void()>& work) -> std::optional<Allocations> {
-    for (int run = 0; run < kBefore; ++run) {
-      tools.before(subject.name);
-      work();
-    }
-    if (tools.count_allocations) return tools.count_allocations(work);
-    return std::nullopt;
-  };
-  Memory memory;
+std::vector<StageRow> measure_stage_memory(const SpeedSubject& subject, const SpeedTools& tools) {
+  std::vector<StageRow> rows;
   for (const ChainStage& stage : stages_of(subject, 0, tools))
-    memory.stages.push_back({.recording = subject.name,
-                             .stage = stage.name,
-                             .work = stage.work,
-                             .allocations = count(stage.run)});
-  for (const ChainMethod& method : methods_of(subject, tools)) {
-    reset_peak();
-    const auto allocations =
-        count([&] { planes::run_frame(subject.frames[0], method.options, method.classifier); });
-    memory.methods.push_back({.recording = subject.name,
-                              .method = method.name,
-                              .allocations = allocations,
-                              .peak_mib = peak_resident_mib()});
-  }
-  return memory;
+    rows.push_back({.recording = subject.name,
+                    .stage = stage.name,
+                    .work = stage.work,
+                    .allocations = steady_allocations(subject, tools, stage.run)});
+  return rows;
 }
 
 }  // namespace planescope::lab
