@@ -51,7 +51,7 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
   if (subject.load)
     stages.push_back(
         {"load", load_work(pixels, frame.color.data.size()), [&subject, i] { subject.load(i); }});
-  if (!frame.gravity && refined.gravity.mode != planes::GravityMode::fixed)
+  if (prepared->gravity.source == GravitySource::estimate)
     stages.push_back({"gravity, estimated", load_work(pixels, 0),
                       [&frame, refined] { planes::resolve_gravity(frame, refined.gravity); }});
   stages.push_back({"cloud", cloud_work(pixels, measured), [&frame, prepared, refined] {

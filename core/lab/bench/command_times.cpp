@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -47,8 +48,17 @@ rusage run_to_end(const TimedCommand& command, double* peak_mib = nullptr) {
   posix_spawn_file_actions_addopen(&quiet, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&quiet, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&quiet, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  // A group and signals of its own: who stops this program with Ctrl+C ends no child half-way,
+  // which would look as if it had failed.
+  posix_spawnattr_t apart;
+  posix_spawnattr_init(&apart);
+  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&apart, &none);
   pid_t child = 0;
-  const int failed = posix_spawn(&child, args[0], &quiet, nullptr, args.data(), environ);
+  const int failed = posix_spawn(&child, args[0], &quiet, &apart, args.data(), environ);
+  posix_spawnattr_destroy(&apart);
   posix_spawn_file_actions_destroy(&quiet);
   if (failed != 0)
     throw Error(fmt::format("{}: cannot be started: {}", command.args[0], std::strerror(failed)));

@@ -209,9 +209,7 @@ Scaling over_images(const SpeedSubject& subject, const SpeedTools& tools) {
         {"paper, gcn", [&] { planes::run_frame(frame, paper, tools.gcn.get()); }},
         {"refined, gcn", [&] { planes::run_frame(frame, refined, tools.gcn.get()); }},
     };
-    const std::size_t pixels = frame.depth.data.size();
-    add_x(scaling, static_cast<double>(pixels) / 1000, runs, rounds_for(pixels / 6, tools.rounds),
-          tools);
+    add_x(scaling, static_cast<double>(frame.depth.pixels()) / 1000, runs, tools.rounds, tools);
   }
   return fitted(std::move(scaling));
 }
