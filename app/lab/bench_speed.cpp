@@ -222,12 +222,13 @@ void define_bench_speed(CLI::App* bench, Line& line) {
       "how times grow, memory, and what it costs to start. Writes speed.json and index.html.");
   const auto args = std::make_shared<BenchSpeedArgs>();
   planes::PipelineOptions& pipeline = args->input.pipeline;
-  add_inputs(speed, args->input,
-             "Bags, folders, .raw, .ply or .pcd files whose frames are timed, ten of each at most; "
-             "without, depth_stairs, a synthetic set with a camera's errors");
+  add_inputs(
+      speed, args->input,
+      "Bags, folders, .raw, .ply or .pcd files whose frames are timed, ten of each at most;\n"
+      "without, depth_stairs, a synthetic set with a camera's errors");
   speed->remove_option(speed->get_option("--labels"));
   add_of_method(speed, pipeline, "--gravity", "auto|X,Y,Z|imu|estimate",
-                "As in planescope segment; likewise:");
+                "Direction in which things fall, as in planescope segment");
   add_of_method(speed, pipeline, "--max-range", "M", "Crop what is farther, default 1.5");
   add_of_method(speed, pipeline, "--voxel", "M", "Edge of the voxel grid, default 0.02");
   add_out(speed, args->out)->required();

@@ -88,12 +88,14 @@ TEST(BenchSpeed, WhatCannotBeMeasuredIsOneLine) {
   write_text(dir / "file", "");
   const std::vector<std::vector<std::string>> cases = {
       {(dir / "empty").string(), "--gravity", "0,1,0"},
-      {(dir / "nowhere").string()},
+      {"--only", "frames", (dir / "nowhere").string()},
       {"--only", "everything"},
       {"--weights", "pca"},
       {"--rounds", "0"},
-      {"-o", (dir / "file").string()},
   };
+  const Ran taken = bench_speed(dir / "file", {});
+  EXPECT_EQ(taken.code, 2);
+  EXPECT_NE(taken.err.find("is not a folder"), std::string::npos) << taken.err;
   for (const auto& more : cases) {
     const Ran ran = bench_speed(dir / "out", more);
     EXPECT_EQ(ran.code, 2) << more[0];

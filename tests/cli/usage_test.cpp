@@ -52,6 +52,12 @@ TEST(Usage, EveryCommandExplainsItself) {
     expect_explained("planescope-lab", {"planescope-lab"}, command);
 }
 
+TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
+  const Ran ran = run({"planescope-lab", "bench", "classifier", "--only", "frames", "/nowhere"});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_NE(ran.err.find("/nowhere: no such file"), std::string::npos) << ran.err;
+}
+
 TEST(Usage, TheVersionIsOneLine) {
   const Ran ran = run({"--version"});
   EXPECT_EQ(ran.code, 0);
