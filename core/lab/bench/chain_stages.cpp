@@ -43,18 +43,21 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
       planes::prepare_frame(frame, refined, tools.gcn.get()));
   const planes::Cloud& cloud = prepared->cloud;
   const planes::VoxelCloud& voxels = prepared->voxels;
-  const std::size_t pixels =
-      frame.is_cloud() ? frame.cloud->points.size() : frame.depth.data.size();
+  const std::size_t frame_bytes = frame.is_cloud()
+                                      ? frame.cloud->points.size() * sizeof(Vec3f)
+                                      : frame.depth.data.size() * sizeof(std::uint16_t);
+  const std::size_t color_bytes =
+      frame.is_cloud() ? frame.cloud->rgb.size() : frame.color.data.size();
   const std::size_t measured = cloud.points.size(), n = voxels.points.size();
 
   std::vector<ChainStage> stages;
   if (subject.load)
     stages.push_back(
-        {"load", load_work(pixels, frame.color.data.size()), [&subject, i] { subject.load(i); }});
+        {"load", load_work(frame_bytes, color_bytes), [&subject, i] { subject.load(i); }});
   if (prepared->gravity.source == GravitySource::estimate)
-    stages.push_back({"gravity, estimated", load_work(pixels, 0),
+    stages.push_back({"gravity, estimated", gravity_work(frame_bytes),
                       [&frame, refined] { planes::resolve_gravity(frame, refined.gravity); }});
-  stages.push_back({"cloud", cloud_work(pixels, measured), [&frame, prepared, refined] {
+  stages.push_back({"cloud", cloud_work(frame_bytes, measured), [&frame, prepared, refined] {
                       planes::make_cloud(frame, prepared->gravity, refined.cloud);
                     }});
   stages.push_back({"voxel grid", voxel_work(measured, cloud.counts.kept, n), [prepared, refined] {

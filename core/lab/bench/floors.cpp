@@ -14,7 +14,7 @@
 namespace planescope::lab {
 namespace {
 
-constexpr double kPoint = 12, kIndex = 4, kByte = 1, kDepth = 2;  // bytes
+constexpr double kPoint = 12, kIndex = 4, kByte = 1;  // bytes
 
 // ---- What the machine can do ----
 
@@ -125,12 +125,14 @@ double real(std::size_t count) { return static_cast<double>(count); }
 
 }  // namespace
 
-Work load_work(std::size_t depth_pixels, std::size_t color_bytes) {
-  return {kDepth * real(depth_pixels) + real(color_bytes), 0};
+Work load_work(std::size_t frame_bytes, std::size_t color_bytes) {
+  return {real(frame_bytes + color_bytes), 0};
 }
 
-Work cloud_work(std::size_t pixels, std::size_t points) {
-  return {kDepth * real(pixels) + (kPoint + kIndex + kByte) * real(points), 17 * real(points)};
+Work gravity_work(std::size_t frame_bytes) { return {real(frame_bytes), 0}; }
+
+Work cloud_work(std::size_t frame_bytes, std::size_t points) {
+  return {real(frame_bytes) + (kPoint + kIndex + kByte) * real(points), 17 * real(points)};
 }
 
 Work voxel_work(std::size_t points, std::size_t kept, std::size_t voxels) {

@@ -31,12 +31,13 @@ struct Floor {
 };
 Floor floor_of(const Work& work, const Peaks& peaks);
 
-// The stages of a frame. `pixels`: of the depth image, 2 bytes each, or points of a cloud; a point
-// has 12 bytes, an index 4, a label or flag 1.
+// The stages of a frame. `frame_bytes`: 2 for each pixel of its depth image, 12 for each point of a
+// cloud. A point has 12 bytes, an index 4, a label or flag 1.
 
-Work load_work(std::size_t depth_pixels, std::size_t color_bytes);  // written
+Work load_work(std::size_t frame_bytes, std::size_t color_bytes);  // written
+Work gravity_work(std::size_t frame_bytes);                        // read
 /// Ray times depth, then turned: 17 for each point.
-Work cloud_work(std::size_t pixels, std::size_t points);
+Work cloud_work(std::size_t frame_bytes, std::size_t points);
 /// Cells and sums of the points, a mean for each voxel: 9 and 3.
 Work voxel_work(std::size_t points, std::size_t kept, std::size_t voxels);
 /// Mean and scatter of the neighbours of each point: 15 each.

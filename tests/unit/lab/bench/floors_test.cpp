@@ -16,9 +16,10 @@ TEST(Floors, AreTheLargerOfTheTimesOfBytesAndSums) {
 }
 
 TEST(Floors, CountWhatGoesInAndWhatComesOut) {
-  EXPECT_EQ(load_work(100, 300).bytes, 500);
-  EXPECT_EQ(cloud_work(100, 10).bytes, 2 * 100 + 17 * 10);
-  EXPECT_EQ(cloud_work(100, 10).flops, 170);
+  EXPECT_EQ(load_work(200, 300).bytes, 500);
+  EXPECT_EQ(gravity_work(200).bytes, 200);
+  EXPECT_EQ(cloud_work(200, 10).bytes, 200 + 17 * 10);
+  EXPECT_EQ(cloud_work(200, 10).flops, 170);
   // 10 measured, of which 8 are kept in 3 voxels.
   EXPECT_EQ(voxel_work(10, 8, 3).bytes, 10 + 8 * 12 + 10 * 4 + 3 * 16);
   EXPECT_EQ(voxel_work(10, 8, 3).flops, 8 * 9 + 3 * 3);
