@@ -47,7 +47,8 @@ void runs(CLI::App* command,
 /// CLI11 does not wrap descriptions: breaks the lines, so that they fit beside the names.
 std::string wrapped(const std::string& text);
 
-/// An option with a value; the values of a list are separated by commas.
+/// An option with a value; the values of a list are one word, separated by commas, and what follows
+/// is no more of them.
 template <typename Value>
 CLI::Option* add(CLI::App* command,
                  const std::string& names,
@@ -57,7 +58,8 @@ CLI::Option* add(CLI::App* command,
   CLI::Option* option = command->add_option(names, value, wrapped(help))->type_name(type);
   if constexpr (CLI::detail::is_mutable_container<Value>::value &&
                 !std::is_same_v<Value, std::string>)
-    option->delimiter(',')->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    option->delimiter(',')->expected(1)->allow_extra_args(false)->multi_option_policy(
+        CLI::MultiOptionPolicy::TakeAll);
   return option;
 }
 /// An option whose text is read by `read`, which may throw Error. Options are read in the order in

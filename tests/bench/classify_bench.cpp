@@ -12,7 +12,6 @@
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/classify/neighbour_grid.hpp"
-#include "timing.hpp"
 
 namespace planescope {
 namespace {
@@ -64,9 +63,9 @@ void neighbours(benchmark::State& state) {
     for (const Simd simd : {Simd::plain, Simd::avx2, Simd::avx512})
       if (simd <= best_simd())
         grid_ms[simd].push_back(
-            milliseconds([&] { benchmark::DoNotOptimize(by_grid(points, simd)); }));
-    nanoflann_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(by_nanoflann(points)); }));
-    pca_ms.push_back(milliseconds([&] { benchmark::DoNotOptimize(pca->classify(points, 1)); }));
+            lab::thread_ms([&] { benchmark::DoNotOptimize(by_grid(points, simd)); }));
+    nanoflann_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(by_nanoflann(points)); }));
+    pca_ms.push_back(lab::thread_ms([&] { benchmark::DoNotOptimize(pca->classify(points, 1)); }));
   }
   state.counters["nanoflann_ms"] = lab::median(nanoflann_ms);
   for (const auto& [simd, ms] : grid_ms) {

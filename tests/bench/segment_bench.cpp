@@ -7,7 +7,6 @@
 
 #include "core/debug/replay/timeline.hpp"
 #include "core/lab/synthetic/stairs.hpp"
-#include "core/model/random.hpp"
 #include "core/planes/segment/segment.hpp"
 #include "support/reference_segment.hpp"
 #include "support/scenes.hpp"
@@ -56,31 +55,6 @@ void plain(benchmark::State& state, planes::Profile profile) {
         reference::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
 }
 
-/// 50,000 points on level tiles, state.range(0) along either side, each some centimetres above or
-/// below its neighbours, seen from above.
-void many_planes(benchmark::State& state) {
-  const int side = static_cast<int>(state.range(0));
-  Random random(3);
-  std::vector<double> heights(static_cast<std::size_t>(side) * side);
-  for (double& height : heights) height = 0.04 * random.integer(0, 49);
-  test::LabelledCloud c;
-  for (int i = 0; i < 50'000; ++i) {
-    const double x = random.uniform(0, side), y = random.uniform(0, side);
-    const double z = heights[static_cast<std::size_t>(y) * side + static_cast<std::size_t>(x)];
-    c.points.emplace_back(5 * x / side, 5 * y / side, z + 0.002 * random.normal());
-    c.labels.push_back(Label::h);
-  }
-  c.cube = test::cube_around(c.points);
-  const planes::SegmentOptions options = planes::profile_options(planes::Profile::refined);
-  planes::Measurements more;
-  more.rays = true;
-  std::size_t planes = 0;
-  for (auto _ : state)
-    planes = planes::segment(c.points, c.labels, c.cube, Vec3d(2.5, 2.5, 4), options, nullptr, more)
-                 .planes.size();
-  state.counters["planes"] = static_cast<double>(planes);
-}
-
 void octree_ours(benchmark::State& state) {
   const test::LabelledCloud& c = staircase();
   for (auto _ : state) benchmark::DoNotOptimize(planes::build_octree(c.points, c.labels, c.cube));
@@ -118,7 +92,6 @@ BENCHMARK_CAPTURE(plain, paper_closest, planes::Profile::paper_closest)
 BENCHMARK_CAPTURE(ours, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(traced, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(plain, refined, planes::Profile::refined)->Unit(benchmark::kMicrosecond);
-BENCHMARK(many_planes)->Arg(2)->Arg(15)->Arg(22)->Unit(benchmark::kMillisecond);
 BENCHMARK(octree_ours)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_ours_divided)->Unit(benchmark::kMicrosecond);
 BENCHMARK(octree_open3d)->Unit(benchmark::kMicrosecond);

@@ -13,7 +13,6 @@
 #include "core/lab/bench/measuring.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "support/render_depth.hpp"
-#include "timing.hpp"
 
 namespace planescope {
 namespace {
@@ -41,9 +40,9 @@ void voxel_grid(benchmark::State& state, const Frame& frame, double max_range_m)
   std::vector<double> ours_ms, open3d_ms;
   for (auto _ : state) {
     ours_ms.push_back(
-        milliseconds([&] { benchmark::DoNotOptimize(planes::voxelize(cloud, kVoxel_m)); }));
+        lab::thread_ms([&] { benchmark::DoNotOptimize(planes::voxelize(cloud, kVoxel_m)); }));
     open3d_ms.push_back(
-        milliseconds([&] { benchmark::DoNotOptimize(theirs.VoxelDownSample(kVoxel_m)); }));
+        lab::thread_ms([&] { benchmark::DoNotOptimize(theirs.VoxelDownSample(kVoxel_m)); }));
   }
   state.counters["points"] = static_cast<double>(cloud.counts.kept);
   state.counters["ours_ms"] = lab::median(ours_ms);

@@ -18,6 +18,7 @@ const std::vector<Words> kLabCommands = {{"bench"},
                                          {"bench", "real"},
                                          {"bench", "classifier"},
                                          {"bench", "desktop"},
+                                         {"bench", "speed"},
                                          {"synth"},
                                          {"synth", "stairs"},
                                          {"synth", "set"},
@@ -49,6 +50,12 @@ TEST(Usage, EveryCommandExplainsItself) {
   for (const Words& command : kCommands) expect_explained("planescope", {}, command);
   for (const Words& command : kLabCommands)
     expect_explained("planescope-lab", {"planescope-lab"}, command);
+}
+
+TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
+  const Ran ran = run({"planescope-lab", "bench", "classifier", "--only", "frames", "/nowhere"});
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_NE(ran.err.find("/nowhere: no such file"), std::string::npos) << ran.err;
 }
 
 TEST(Usage, TheVersionIsOneLine) {

@@ -145,6 +145,11 @@ Axis y_axis(const LineChart& chart) {
   return axis_over(chart.from_zero ? std::fmin(0, range.low) : range.low, range.high);
 }
 
+Axis x_axis(const LineChart& chart) {
+  if (!chart.log_x) return axis_over(chart.x_from, chart.x.back());
+  return log_axis_over(chart.x_from > 0 ? chart.x_from : chart.x.front(), chart.x.back());
+}
+
 /// Path data through the values that are not NaN. The first point is there twice, so that a curve
 /// of one point shows as a dot.
 std::string path_of(const LineChart& chart, const Curve& curve, const Axis& x, const Axis& y) {
@@ -177,7 +182,7 @@ std::string group_name(const std::string& name, double middle) {
 
 std::string line_chart(const LineChart& chart) {
   assert(!chart.x.empty() && !chart.curves.empty());
-  const Axis x = axis_over(chart.x_from, chart.x.back());
+  const Axis x = x_axis(chart);
   const Axis y = y_axis(chart);
   std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart) + mark(chart, x);
   for (std::size_t c = 0; c < chart.curves.size(); ++c) {

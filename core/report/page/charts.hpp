@@ -25,6 +25,7 @@ struct LineChart {
   std::string mark_name = {};         // ... and what it means
   bool from_zero = false;             // else the y axis spans the values alone
   double log_from = 0;  // above 0: a logarithmic y axis from there; smaller values stand there
+  bool log_x = false;   // a logarithmic x axis, from x_from or, where that is 0, from the first x
 };
 
 /// The chart as an SVG element, its names beside the curves' colours.

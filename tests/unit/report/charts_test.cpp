@@ -39,6 +39,13 @@ TEST(LineChart, GoesOnAfterAValueThatIsMissing) {
   EXPECT_EQ(count(svg, "class=\"curve0\""), 1u);
 }
 
+TEST(LineChart, OnALogarithmicAxisEqualFactorsAreEquallyFarApart) {
+  const std::string svg = report::line_chart(
+      {.title = "", .x_name = "", .x = {1, 10, 100}, .curves = {{"a", {1, 2, 3}}}, .log_x = true});
+  for (const char* at : {"cx=\"52.0\"", "cx=\"318.0\"", "cx=\"584.0\"", ">100<"})
+    EXPECT_NE(svg.find(at), std::string::npos) << at;
+}
+
 TEST(LineChart, PutsWhatIsLessThanALogarithmicAxisShowsAtItsBeginning) {
   const auto chart = [](double value) {
     return report::line_chart(

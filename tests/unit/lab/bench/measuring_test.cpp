@@ -12,9 +12,24 @@ TEST(Statistics, TheMedianIsTheMiddleOrTheMeanOfTheMiddleTwo) {
   EXPECT_EQ(median({2, 2, 1, 2}), 2);
 }
 
+TEST(Statistics, OfSeveralRunsTheMiddleAndBothEndsAreTold) {
+  const Times times = times_of({9, 1, 5});
+  EXPECT_EQ(times.median, 5);
+  EXPECT_EQ(times.least, 1);
+  EXPECT_EQ(times.greatest, 9);
+}
+
 TEST(Statistics, RatiosAreTakenBetweenWhatWasMeasuredSideBySide) {
   // Twice as long in every round, though the machine was slow in one of them.
   EXPECT_EQ(median_ratio(std::vector<double>{2, 20, 6}, std::vector<double>{1, 10, 3}), 2);
+}
+
+TEST(Clocks, AreThoseOfTheWallTheThreadAndTheProcess) {
+  for (const Clock clock : {Clock::wall, Clock::thread_cpu, Clock::process_cpu}) {
+    bool ran = false;
+    EXPECT_GE(spent_ms(clock, [&] { ran = true; }), 0) << to_string(clock);
+    EXPECT_TRUE(ran);
+  }
 }
 
 TEST(Interleaved, EveryRoundRunsEachContestantOnceAndTheFirstDoesNotCount) {

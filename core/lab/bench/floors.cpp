@@ -1,0 +1,186 @@
+#include "core/lab/bench/floors.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "core/lab/bench/measuring.hpp"
+
+namespace planescope::lab {
+namespace {
+
+constexpr double kPoint = 12, kIndex = 4, kByte = 1;  // bytes
+
+// ---- What the machine can do ----
+
+double copied_bytes_per_s() {
+  constexpr std::size_t kBytes = std::size_t{64} << 20;  // more than caches hold
+  std::vector<char> from(kBytes, 1), to(kBytes, 0);
+  double best_ms = 1e30;
+  for (int run = 0; run < 8; ++run)
+    best_ms = std::min(best_ms, thread_ms([&] {
+                         std::memcpy(to.data(), from.data(), kBytes);
+                         from[static_cast<std::size_t>(run)] = to[kBytes / 2];  // it was needed
+                       }));
+  return 2.0 * kBytes / (best_ms * 1e-3);
+}
+
+// As many sums side by side as hide the latency of the units, each in a register: s = s * a + b.
+
+constexpr int kChains = 12;
+constexpr long kSteps = 1'000'000;
+constexpr float kFactor = 0.999f, kAddend = 0.001f;  // s stays about 1
+
+#if defined(__x86_64__)
+// By hand: loops of the compiler would not keep all sums in registers.
+__attribute__((target("avx512f"))) float sums_avx512() {
+  const __m512 factor = _mm512_set1_ps(kFactor), addend = _mm512_set1_ps(kAddend);
+  __m512 sums[kChains];
+  for (__m512& sum : sums) sum = addend;
+  for (long step = 0; step < kSteps; ++step)
+    for (__m512& sum : sums) sum = _mm512_add_ps(_mm512_mul_ps(sum, factor), addend);
+  float out[16], all = 0;
+  for (const __m512& sum : sums) {
+    _mm512_storeu_ps(out, sum);
+    all += out[0];
+  }
+  return all;
+}
+
+__attribute__((target("avx2"))) float sums_avx2() {
+  const __m256 factor = _mm256_set1_ps(kFactor), addend = _mm256_set1_ps(kAddend);
+  __m256 sums[kChains];
+  for (__m256& sum : sums) sum = addend;
+  for (long step = 0; step < kSteps; ++step)
+    for (__m256& sum : sums) sum = _mm256_add_ps(_mm256_mul_ps(sum, factor), addend);
+  float out[8], all = 0;
+  for (const __m256& sum : sums) {
+    _mm256_storeu_ps(out, sum);
+    all += out[0];
+  }
+  return all;
+}
+
+float sums_plain() {
+  const __m128 factor = _mm_set1_ps(kFactor), addend = _mm_set1_ps(kAddend);
+  __m128 sums[kChains];
+  for (__m128& sum : sums) sum = addend;
+  for (long step = 0; step < kSteps; ++step)
+    for (__m128& sum : sums) sum = _mm_add_ps(_mm_mul_ps(sum, factor), addend);
+  float all = 0;
+  for (const __m128& sum : sums) all += _mm_cvtss_f32(sum);
+  return all;
+}
+constexpr int kPlainLanes = 4;
+#else
+float sums_plain() {
+  constexpr int kLanes = 4;  // what the compiler makes registers of
+  float sums[kChains * kLanes];
+  for (float& sum : sums) sum = kAddend;
+  for (long step = 0; step < kSteps; ++step)
+    for (float& sum : sums) sum = sum * kFactor + kAddend;
+  float all = 0;
+  for (const float sum : sums) all += sum;
+  return all;
+}
+constexpr int kPlainLanes = 4;
+#endif
+
+double summed_flops_per_s(Simd simd) {
+  float (*sums)() = sums_plain;
+  int lanes = kPlainLanes;
+#if defined(__x86_64__)
+  if (simd == Simd::avx2) sums = sums_avx2, lanes = 8;
+  if (simd == Simd::avx512) sums = sums_avx512, lanes = 16;
+#else
+  static_cast<void>(simd);
+#endif
+  double best_ms = 1e30;
+  volatile float needed = 0;
+  for (int run = 0; run < 8; ++run)
+    best_ms = std::min(best_ms, thread_ms([&] { needed = needed + sums(); }));
+  return 2.0 * kChains * lanes * kSteps / (best_ms * 1e-3);
+}
+
+}  // namespace
+
+Peaks measure_peaks(Simd simd) { return {copied_bytes_per_s(), summed_flops_per_s(simd)}; }
+
+Floor floor_of(const Work& work, const Peaks& peaks) {
+  const double bytes_ms = 1e3 * work.bytes / peaks.bytes_per_s;
+  const double flops_ms = 1e3 * work.flops / peaks.flops_per_s;
+  return {std::max(bytes_ms, flops_ms), bytes_ms >= flops_ms};
+}
+
+// ---- What the stages have to do ----
+
+namespace {
+
+double real(std::size_t count) { return static_cast<double>(count); }
+
+}  // namespace
+
+Work load_work(std::size_t frame_bytes, std::size_t color_bytes) {
+  return {real(frame_bytes + color_bytes), 0};
+}
+
+Work gravity_work(std::size_t frame_bytes) { return {real(frame_bytes), 0}; }
+
+Work cloud_work(std::size_t frame_bytes, std::size_t points) {
+  return {real(frame_bytes) + (kPoint + kIndex + kByte) * real(points), 17 * real(points)};
+}
+
+Work voxel_work(std::size_t points, std::size_t kept, std::size_t voxels) {
+  return {kByte * real(points) + kPoint * real(kept) + kIndex * real(points) +
+              (kPoint + kIndex) * real(voxels),
+          9 * real(kept) + 3 * real(voxels)};
+}
+
+Work pca_work(std::size_t points, int neighbours) {
+  return {(kPoint + kByte + 4) * real(points), 15.0 * neighbours * real(points)};
+}
+
+Work gcn_work(std::size_t points, const planes::NetworkConfig& network) {
+  Work work{(kPoint + kByte + 4) * real(points) + 4 * real(planes::parameter_count(network)), 0};
+  const double supports = network.supports;
+  std::vector<int> head = network.head;
+  head.push_back(2);  // h and v
+  double n = real(points), in = 0, width = 0;
+  for (std::size_t l = 0; l < network.levels.size(); ++l) {
+    if (l > 0) n = std::ceil(n / network.pool_rate);
+    const double neighbours = std::max(0.0, std::min<double>(network.neighbours, n - 1));
+    width = 0;
+    for (const int out : network.levels[l]) {
+      // Centre and supports of every point; the angle with every neighbour, and its product with
+      // the neighbour's feature, which the surface convolution has not.
+      work.flops += 2 * n * in * (supports + 1) * out;
+      work.flops += n * neighbours * supports * out * (in > 0 ? 6 : 5);
+      in = out;
+      width += out;
+    }
+    // The head's first matrix times a level's features: once for each point of the level.
+    work.flops += 2 * n * width * head.front();
+  }
+  if (network.global_feature) work.flops += 2 * in * head.front();
+  for (std::size_t h = 1; h < head.size(); ++h)
+    work.flops += 2 * real(points) * head[h - 1] * head[h];
+  return work;
+}
+
+Work octree_work(std::size_t points) {
+  const double in = kPoint + kByte, out = 8 + kIndex + kPoint + kByte + kIndex;
+  return {(in + out) * real(points), 6 * real(points)};
+}
+
+Work segment_work(std::size_t points, std::size_t pixel_points, bool reads_pixels) {
+  return {(kPoint + kByte + kIndex) * real(points) +
+              (kIndex + (reads_pixels ? kPoint : 0)) * real(pixel_points),
+          15 * real(points)};
+}
+
+}  // namespace planescope::lab

@@ -1,0 +1,41 @@
+#pragma once
+
+// How times grow: with points, planes, voxels, the size of the image, and threads.
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/lab/bench/chain_speed.hpp"
+
+namespace planescope::lab {
+
+struct ScalingCurve {
+  std::string name;
+  std::vector<double> ms;  // median, by x
+  double exponent = 0;     // NaN: too few x to fit one
+};
+
+struct Scaling {
+  std::string id;  // points, planes, voxels, images, threads
+  std::string title, x_name, note;
+  Clock clock = Clock::thread_cpu;
+  std::vector<double> x = {};  // ascending
+  std::vector<ScalingCurve> curves = {};
+};
+
+/// The e of y = c x^e, by least squares of log y over log x; NaN where there are less than two
+/// different x. All values above 0.
+double fitted_exponent(std::span<const double> x, std::span<const double> y);
+
+/// The frame with edges `scale` times as long, by the nearest pixel, without colour; the camera
+/// sees as much as before.
+Frame scaled_frame(const Frame& frame, double scale);
+
+/// Points: a staircase. Planes: tiles of 50,000 points (both: as many as
+/// the tools allow). Voxels and image sizes: the subject's first
+/// frame; of a cloud no image sizes. Threads: all of its frames.
+std::vector<Scaling> measure_scaling(const SpeedSubject& subject, const SpeedTools& tools);
+
+}  // namespace planescope::lab
