@@ -147,6 +147,13 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
   if (pixel[0] == kNothing) return;
   constexpr float kShare = 1.0f / kSamples;
   const std::size_t at = static_cast<std::size_t>(y) * layer.width + x;
+  layer.distances[at] = distance_of(pixel[0]);
+  if (pixel.front() == pixel.back()) {
+    const Splat& splat = splats[index_of(pixel[0])];
+    layer.parts.push_back({splat.point, shade_at(splat, x, y)});
+    layer.counts[at] = 1;
+    return;
+  }
   float share = 0;
   for (int s = 0; s < kSamples; ++s) {
     if (pixel[s] == kNothing) {
@@ -161,7 +168,6 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
     }
     layer.parts.back().share += share;
   }
-  layer.distances[at] = distance_of(pixel[0]);
 }
 
 /// shade.frag: eye-dome lighting.
@@ -194,17 +200,21 @@ std::vector<float> lights(const SplatLayer& layer, const View& view) {
   std::vector<float> before(width);
   for (int y = 0; y < height; ++y) {
     const float* here = &logs[stride * (y + straight) + straight];
+    const auto is_point = [](float log) { return log < kNowhere; };
+    const auto begin = static_cast<int>(std::find_if(here, here + width, is_point) - here);
+    int end = width;
+    while (end > begin && !is_point(here[end - 1])) --end;
     std::ranges::fill(before, 0.0f);
     for (const auto& [dx, dy] : ring) {
       const float* there = here + dy * static_cast<std::ptrdiff_t>(stride) + dx;
-      for (int x = 0; x < width; ++x) {
+      for (int x = begin; x < end; ++x) {
         float step = here[x] - there[x];
         step = step > 0.0f ? step : 0.0f;
         before[x] += step < 0.015f ? step : 0.015f;
       }
     }
     float* light = &result[static_cast<std::size_t>(y) * width];
-    for (int x = 0; x < width; ++x)
+    for (int x = begin; x < end; ++x)
       if (before[x] > 0 && here[x] < kNowhere)
         light[x] = std::max(std::exp(-60.0f * before[x] / 8), 0.3f);
   }

@@ -34,8 +34,9 @@ report::ReportPicture keep(const Image8& image,
   picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
   io::write_png(job.dir / "pictures" / (name + ".png"), image);
   const auto copy = [&](const char* ending, int width) {
+    const Image8 small = image.width > width ? report::shrink(image, width) : Image8();
     write_file_bytes(job.dir / "report" / (name + ending),
-                     report::encode_jpeg(report::shrink(image, width), kJpegQuality));
+                     report::encode_jpeg(small.empty() ? image : small, kJpegQuality));
   };
   copy(".jpg", job.copy_width);
   copy(".small.jpg", kThumbnailWidth);
