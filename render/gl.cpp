@@ -228,6 +228,25 @@ void SceneTarget::resize(int new_width, int new_height) {
   height = new_height;
 }
 
+void PictureTarget::resize(int new_width, int new_height) {
+  if (new_width == width && new_height == height) return;
+  check_size(new_width, new_height);
+  width = 0;
+  depth = texture(GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, new_width, new_height);
+  color = texture(GL_RGBA8, GL_RGBA, new_width, new_height);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  box_depth = storage(0, GL_DEPTH_COMPONENT24, new_width, new_height);
+  scene = framebuffer({});
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color, 0);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth, 0);
+  check_complete("picture", new_width, new_height);
+  boxes = framebuffer({{GL_DEPTH_ATTACHMENT, box_depth}});
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color, 0);
+  check_complete("picture", new_width, new_height);
+  width = new_width;
+  height = new_height;
+}
+
 void IdTarget::resize(int new_width, int new_height) {
   if (new_width == width && new_height == height) return;
   check_size(new_width, new_height);

@@ -118,6 +118,18 @@ struct SceneTarget {
   void resize(int new_width, int new_height);
 };
 
+/// For pictures whose points are drawn on the CPU (splats.hpp): one sample a pixel, as lines and
+/// outlines have soft edges of their own.
+struct PictureTarget {
+  int width = 0, height = 0;
+  GlTexture color, depth;  // of the points, to be drawn over
+  GlRenderbuffer box_depth;
+  GlFramebuffer scene;  // color + depth
+  GlFramebuffer boxes;  // color + box_depth
+
+  void resize(int new_width, int new_height);
+};
+
 struct IdTarget {
   int width = 0, height = 0;
   GlRenderbuffer ids, depth;

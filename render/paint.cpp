@@ -43,10 +43,16 @@ bool on_hatch(int x, int y, int spacing_px) { return (x + y) % spacing_px < spac
 
 Image8 enlarge(const Image8& image, int factor) {
   Image8 large(image.width * factor, image.height * factor, image.channels);
-  for (int y = 0; y < large.height; ++y)
-    for (int x = 0; x < large.width; ++x)
-      for (int c = 0; c < image.channels; ++c)
-        large.at(x, y, c) = image.at(x / factor, y / factor, c);
+  const std::size_t row_bytes = static_cast<std::size_t>(large.width) * large.channels;
+  for (int y = 0; y < image.height; ++y) {
+    std::uint8_t* const first = &large.at(0, y * factor);
+    std::uint8_t* out = first;
+    for (int x = 0; x < image.width; ++x)
+      for (int copy = 0; copy < factor; ++copy)
+        for (int c = 0; c < image.channels; ++c) *out++ = image.at(x, y, c);
+    for (int copy = 1; copy < factor; ++copy)
+      std::copy_n(first, row_bytes, first + copy * row_bytes);
+  }
   return large;
 }
 

@@ -9,6 +9,7 @@
 #include "render/overlay_passes.hpp"
 #include "render/palette.hpp"
 #include "render/passes.hpp"
+#include "render/splats.hpp"
 #include "render/view.hpp"
 
 PLANESCOPE_ASSET_DECLARE(background_frag);
@@ -89,6 +90,10 @@ std::vector<const DrawPolygon*> back_to_front(const std::vector<DrawPolygon>& po
   return sorted;
 }
 
+bool same_view(const View& a, const View& b) {
+  return a.view == b.view && a.proj == b.proj && a.width == b.width && a.height == b.height;
+}
+
 bool is_solid(const DrawBox& box) { return box.style != BoxStyle::outline; }
 
 // Polygons lie over the splats of their own points, which stand out by half their size and noise.
@@ -103,6 +108,7 @@ float polygon_bias_m(const DrawList& list) {
 struct Renderer::State {
   SceneTarget fine = SceneTarget(4);
   SceneTarget quick = SceneTarget(0);
+  PictureTarget picture;
   IdTarget id_target;
   GlProgram background;
   GlProgram shade;
@@ -113,6 +119,10 @@ struct Renderer::State {
   PolygonPass polygons;
   ShapePass shapes;
   TextPass texts;
+  // The points drawn last: pictures of one frame often differ in their colours alone.
+  SplatLayer layer;
+  std::vector<DrawPoints> layer_points;
+  View layer_view;
 
   State()
       : background(make_program(
@@ -124,10 +134,11 @@ struct Renderer::State {
   void draw_background(const View& view, const ThemeColors& theme);
   void draw_points(const DrawList& list, const View& view);
   void shade_points(const SceneTarget& target, const View& view);
-  void draw_boxes(const DrawList& list,
-                  const SceneTarget& target,
-                  const View& view,
-                  const ThemeColors& theme);
+  void show_points(const DrawList& list, const View& view, const ThemeColors& theme);
+  void draw_boxes(
+      const DrawList& list, GLuint scene, GLuint boxes, const View& view, const ThemeColors& theme);
+  void draw_over_points(
+      const DrawList& list, GLuint scene, GLuint boxes, const View& view, const ThemeColors& theme);
   void draw_polygons(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_lines(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
@@ -146,6 +157,27 @@ void Renderer::State::draw_points(const DrawList& list, const View& view) {
   glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // soft edges whatever the order
   points.draw(list.points, view, Output::color);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+}
+
+// Into `picture`.
+void Renderer::State::show_points(const DrawList& list,
+                                  const View& view,
+                                  const ThemeColors& theme) {
+  const bool is_there =
+      layer.width > 0 && same_view(view, layer_view) && same_shapes(list.points, layer_points);
+  if (!is_there) {
+    layer = splat(list.points, view);
+    layer_points = list.points;
+    layer_view = view;
+    glBindTexture(GL_TEXTURE_2D, picture.depth);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, view.width, view.height, GL_DEPTH_COMPONENT,
+                    GL_UNSIGNED_INT, depths(layer, view).data());
+  }
+  const Image8 image = paint(layer, list.points, theme);
+  glBindTexture(GL_TEXTURE_2D, picture.color);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, view.width, view.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                  image.data.data());
+  glBindTexture(GL_TEXTURE_2D, 0);
 }
 
 void Renderer::State::shade_points(const SceneTarget& target, const View& view) {
@@ -173,7 +205,8 @@ void Renderer::State::shade_points(const SceneTarget& target, const View& view) 
 // Solid boxes hide one another, so that many of them stay readable, but not the points in them: of
 // each pixel only the nearest face tints what lies behind. Outlines alone hide nothing.
 void Renderer::State::draw_boxes(const DrawList& list,
-                                 const SceneTarget& target,
+                                 GLuint scene,
+                                 GLuint box_scene,
                                  const View& view,
                                  const ThemeColors& theme) {
   std::vector<Segment> solid_edges;
@@ -182,8 +215,8 @@ void Renderer::State::draw_boxes(const DrawList& list,
     append_edges(box, view, is_solid(box) ? solid_edges : open_edges);
   }
   if (!solid_edges.empty()) {
-    copy(target.scene, target.boxes, view.width, view.height, GL_DEPTH_BUFFER_BIT);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.boxes);
+    copy(scene, box_scene, view.width, view.height, GL_DEPTH_BUFFER_BIT);
+    glBindFramebuffer(GL_FRAMEBUFFER, box_scene);
     const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view.width, view.height));
     const float face_alpha = 0.30f;
     glDepthMask(GL_TRUE);
@@ -193,7 +226,7 @@ void Renderer::State::draw_boxes(const DrawList& list,
     glDepthMask(GL_FALSE);
     boxes.draw(list.boxes, view, face_alpha, hatch_period_px, Output::color);
     segments.draw(solid_edges, view, theme.halo, Output::color);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+    glBindFramebuffer(GL_FRAMEBUFFER, scene);
   }
   segments.draw(open_edges, view, theme.halo, Output::color);
 }
@@ -230,6 +263,22 @@ void Renderer::State::draw_lines(const DrawList& list, const View& view, const T
   segments.draw(all, view, theme.halo, Output::color);
 }
 
+// What is seen through hides nothing.
+void Renderer::State::draw_over_points(const DrawList& list,
+                                       GLuint scene,
+                                       GLuint box_scene,
+                                       const View& view,
+                                       const ThemeColors& theme) {
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  draw_boxes(list, scene, box_scene, view, theme);
+  draw_polygons(list, view, theme);
+  draw_lines(list, view, theme);
+  glDepthMask(GL_TRUE);
+}
+
 void Renderer::State::draw_overlay(const DrawList& list,
                                    const View& view,
                                    const ThemeColors& theme) {
@@ -262,13 +311,7 @@ std::uint32_t Renderer::draw(
   state_->draw_points(list, view);
   state_->shade_points(target, view);
 
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glDepthMask(GL_FALSE);  // what is seen through hides nothing
-  state_->draw_boxes(list, target, view, colors);
-  state_->draw_polygons(list, view, colors);
-  state_->draw_lines(list, view, colors);
-  glDepthMask(GL_TRUE);
+  state_->draw_over_points(list, target.scene, target.boxes, view, colors);
   copy(target.scene, target.resolved, width, height, GL_COLOR_BUFFER_BIT);
 
   glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
@@ -280,9 +323,19 @@ std::uint32_t Renderer::draw(
 
 Image8 Renderer::render(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
+  const ThemeColors& colors = theme_colors(theme);
+  PictureTarget& target = state_->picture;
   const RestoredBindings restored;
-  draw(list, camera, width, height, theme);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, state_->fine.resolved);
+  target.resize(width, height);
+  const View view = make_view(camera, width, height);
+
+  glViewport(0, 0, width, height);
+  state_->show_points(list, view, colors);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+  state_->draw_over_points(list, target.scene, target.boxes, view, colors);
+  glDisable(GL_DEPTH_TEST);
+  state_->draw_overlay(list, view, colors);
+  check_gl("drawing a picture");
   Image8 image = read_picture(width, height);
   check_gl("reading a picture back");
   return image;

@@ -21,13 +21,14 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// RGB picture, row 0 at the top, antialiased (4 samples). Same input, same renderer: same
-  /// pixels.
+  /// RGB picture, row 0 at the top, antialiased: points, drawn on the CPU (splats.hpp), with 4
+  /// samples, all else by soft edges. Same input, same renderer: same pixels. Quicker where only
+  /// colours of points differ from the picture before.
   Image8 render(const DrawList& list, const Camera& camera, int width, int height, Theme theme);
 
-  /// The same picture left on the GPU, for a window: a GL texture of exactly width x height,
-  /// opaque, row 0 at the bottom (draw it upside down). The renderer's own, valid until it draws
-  /// again.
+  /// The same left on the GPU, drawn there alone with 4 samples, for a window: a GL texture of
+  /// exactly width x height, opaque, row 0 at the bottom (draw it upside down). The renderer's own,
+  /// valid until it draws again.
   std::uint32_t draw(const DrawList& list,
                      const Camera& camera,
                      int width,

@@ -42,20 +42,38 @@ void draw_outlines(Image8& image,
                    int factor,
                    int width_px,
                    std::span<const int> color_of_plane) {
-  const auto id_at = [&](int x, int y) {
-    x = std::clamp(x, 0, image.width - 1);
-    y = std::clamp(y, 0, image.height - 1);
-    return regions.at(x / factor, y / factor);
+  const auto region_at = [&](int x, int y) {
+    return regions.at(std::clamp(x, 0, regions.width - 1), std::clamp(y, 0, regions.height - 1));
   };
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::int32_t id = id_at(x, y);
-      if (id <= 0) continue;
-      bool edge = false;
-      for (int d = 1; d <= width_px && !edge; ++d)
-        edge = id_at(x - d, y) != id || id_at(x + d, y) != id || id_at(x, y - d) != id ||
-               id_at(x, y + d) != id;
-      if (edge) blend_pixel(image, x, y, mix(color_of(id, color_of_plane), kOutlineShade, 0.2));
+  // Pixels of the picture look for another region as far as this, in pixels of the regions.
+  const int reach = (width_px + factor - 1) / factor;
+  const auto is_inside = [&](int column, int row, std::int32_t id) {
+    for (int d = 1; d <= reach; ++d)
+      if (region_at(column - d, row) != id || region_at(column + d, row) != id ||
+          region_at(column, row - d) != id || region_at(column, row + d) != id)
+        return false;
+    return true;
+  };
+  const auto is_edge = [&](int x, int y, std::int32_t id) {
+    const auto id_at = [&](int column, int row) {
+      column = std::clamp(column, 0, image.width - 1);
+      row = std::clamp(row, 0, image.height - 1);
+      return regions.at(column / factor, row / factor);
+    };
+    for (int d = 1; d <= width_px; ++d)
+      if (id_at(x - d, y) != id || id_at(x + d, y) != id || id_at(x, y - d) != id ||
+          id_at(x, y + d) != id)
+        return true;
+    return false;
+  };
+  for (int row = 0; row < regions.height; ++row) {
+    for (int column = 0; column < regions.width; ++column) {
+      const std::int32_t id = regions.at(column, row);
+      if (id <= 0 || is_inside(column, row, id)) continue;
+      const Rgba color = mix(color_of(id, color_of_plane), kOutlineShade, 0.2);
+      for (int y = row * factor; y < (row + 1) * factor; ++y)
+        for (int x = column * factor; x < (column + 1) * factor; ++x)
+          if (is_edge(x, y, id)) blend_pixel(image, x, y, color);
     }
   }
 }
@@ -89,13 +107,14 @@ Image8 image_overlay(const Frame& frame,
                      std::span<const int> color_of_plane) {
   const Ground below = ground_of(frame, result);
   const int factor = enlargement(below.image.width);
-  Image8 image = enlarge(below.image, factor);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::int32_t id = below.regions.at(x / factor, y / factor);
-      if (id > 0) blend_pixel(image, x, y, color_of(id, color_of_plane), kTint);
+  Image8 tinted = below.image;
+  for (int y = 0; y < tinted.height; ++y) {
+    for (int x = 0; x < tinted.width; ++x) {
+      const std::int32_t id = below.regions.at(x, y);
+      if (id > 0) blend_pixel(tinted, x, y, color_of(id, color_of_plane), kTint);
     }
   }
+  Image8 image = enlarge(tinted, factor);
   const RegionImage smooth = smooth_regions(below.regions);
   draw_outlines(image, smooth, factor, 2, color_of_plane);
   draw_ids(image, smooth, factor, result.segmentation.planes.size(), color_of_plane);
@@ -142,11 +161,17 @@ Ramp ramp_of(const Frame& frame, double max_range_m) {
   return ramp;
 }
 
-Rgba pixel_color(
-    std::uint16_t count, const Frame& frame, const Ramp& ramp, double max_range_m, int x, int y) {
-  if (!measured(count)) return on_hatch(x, y, kHatchSpacing) ? kHatch : kNotMeasured;
-  const double depth_m = count * frame.depth_unit_m;
-  return depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
+/// Of each count that a depth image can hold; those not measured are hatched.
+std::vector<Rgba> colors_of_counts(const Frame& frame, const Ramp& ramp, double max_range_m) {
+  std::vector<Rgba> colors(65536, kNotMeasured);
+  std::vector<bool> is_there(colors.size());
+  for (const std::uint16_t count : frame.depth.data) is_there[count] = measured(count);
+  for (std::size_t count = 0; count < colors.size(); ++count) {
+    if (!is_there[count]) continue;
+    const double depth_m = static_cast<double>(count) * frame.depth_unit_m;
+    colors[count] = depth_m > max_range_m ? kBeyond : ramp.color(depth_m);
+  }
+  return colors;
 }
 
 /// A round step that gives between 4 and 8 marks.
@@ -201,11 +226,18 @@ Image8 image_depth(const Frame& frame, double max_range_m) {
   const int width = frame.depth.width * factor, height = frame.depth.height * factor;
   const Ramp ramp = ramp_of(frame, max_range_m);
   Image8 image(width + kBarRoom, height + kNoteRoom, 3, 255);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      blend_pixel(
-          image, x, y,
-          pixel_color(frame.depth.at(x / factor, y / factor), frame, ramp, max_range_m, x, y));
+  const std::vector<Rgba> colors = colors_of_counts(frame, ramp, max_range_m);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const std::uint16_t count = frame.depth.at(x / factor, y / factor);
+      const bool hatch = !measured(count) && on_hatch(x, y, kHatchSpacing);
+      const Rgba color = hatch ? kHatch : colors[count];
+      std::uint8_t* pixel = &image.at(x, y);
+      pixel[0] = color.r;
+      pixel[1] = color.g;
+      pixel[2] = color.b;
+    }
+  }
   draw_bar(image, width + 18, 16, height - 32, ramp);
   draw_notes(image, image.height, max_range_m);
   return image;

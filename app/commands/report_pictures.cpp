@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
@@ -32,8 +34,9 @@ report::ReportPicture keep(const Image8& image,
   picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
   io::write_png(job.dir / "pictures" / (name + ".png"), image);
   const auto copy = [&](const char* ending, int width) {
+    const Image8 small = image.width > width ? report::shrink(image, width) : Image8();
     write_file_bytes(job.dir / "report" / (name + ending),
-                     report::encode_jpeg(report::shrink(image, width), kJpegQuality));
+                     report::encode_jpeg(small.empty() ? image : small, kJpegQuality));
   };
   copy(".jpg", job.copy_width);
   copy(".small.jpg", kThumbnailWidth);
@@ -134,17 +137,20 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
          "where "
          "it is sure.");
   }
-  if (job.method == planes::Method::ours)
+  draw(render::scene_planes(result, color_of_plane), "planes", "Final planes",
+       fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
+  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
+       fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
+  // Drawn last, as its marks are points more: the others show the same ones. Told before them.
+  if (job.method == planes::Method::ours) {
     draw(render::scene_cases(result), "cases", "Octree nodes by case",
          fmt::format(
              "The octree's nodes as boxes: {} of case I, {} of case II, {} of case III, {} of "
              "case IV.",
              counts.nodes_per_case[1], counts.nodes_per_case[2], counts.nodes_per_case[3],
              counts.nodes_per_case[4]));
-  draw(render::scene_planes(result, color_of_plane), "planes", "Final planes",
-       fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
-  draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
-       fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));
+    std::rotate(pictures.end() - 3, pictures.end() - 1, pictures.end());
+  }
   return pictures;
 }
 

@@ -66,18 +66,35 @@ struct Texture : GlTest {
   }
 };
 
+// A picture's points are drawn on the CPU (splats.hpp), a window's by GL.
 TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
   DrawList list;
   list.boxes = {
       {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
   list.title = "Box";
+  list.points.resize(1);
+  list.points[0].size_m = 0.05f;
+  list.points[0].max_px = 30;
+  for (int k = 0; k < 200; ++k) {
+    const auto turn = static_cast<float>(k) / 10;
+    list.points[0].positions.emplace_back(0.2f * std::sin(turn), 0.4f * std::cos(turn),
+                                          0.004f * static_cast<float>(k) - 0.4f);
+    list.points[0].colors.push_back({static_cast<std::uint8_t>(k), 120, 40});
+  }
   const Image8 picture = render(list, front_camera(), Theme::dark);
   const auto id = renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark);
   const Image8 texture = pixels_of(id, kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
-      for (int c = 0; c < 3; ++c)
-        ASSERT_EQ(texture.at(x, kHeight - 1 - y, c), picture.at(x, y, c)) << x << " " << y;
+  double sum = 0;
+  int differing = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const int off = std::abs(texture.at(x, kHeight - 1 - y) - picture.at(x, y));
+      sum += off;
+      differing += off > 2;
+    }
+  }
+  EXPECT_LT(sum / (kWidth * kHeight), 1);
+  EXPECT_LT(differing, kWidth * kHeight / 20);
 }
 
 TEST_F(Texture, OfADrawingFollowsItsSize) {
