@@ -9,15 +9,11 @@
 #include <span>
 #include <vector>
 
+#include "render/tiles.hpp"
+
 namespace planescope::desktop {
 
-/// Pixels from the top left of the window; the second corner is no longer of it.
-struct Part {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-
-  bool empty() const { return x0 >= x1 || y0 >= y1; }
-  bool operator==(const Part&) const = default;
-};
+using render::Part;
 
 class Damage {
  public:
@@ -27,11 +23,10 @@ class Damage {
   std::vector<Part> next(const ImDrawData& frame,
                          const std::function<std::uint64_t(ImTextureID)>& version);
   /// The frame before is lost.
-  void forget() { tiles_.clear(); }
+  void forget() { tiles_ = {}; }
 
  private:
-  int width_ = 0, height_ = 0;
-  std::vector<std::uint64_t> tiles_;  // hashes of what is drawn into each, row by row
+  render::Tiles tiles_;
 };
 
 /// Into `cut`, which is empty: what `frame` draws within the parts, and nothing outside them. Where

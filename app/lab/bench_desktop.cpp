@@ -88,17 +88,17 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
     Progress progress("bench desktop", 2 * args.steps + kTicks);
     const int steps = run->steps();
     const int first = std::max(0, steps / 2 - args.steps / 2);
-    for (int i = 0; i < args.steps; ++i) {  // neighbouring steps, then all over the trace
+    const auto go_to = [&](int i, const char* what, int step, Times& times) {
       if (stop.stop_requested()) throw Cancelled();
-      progress.show(2 * i, "scrub");
-      const int next = std::min(steps, first + i);
-      window.shell().perform({"step.goto", std::to_string(next)});
-      time_frame(window, scrub);
+      progress.show(i, what);
+      window.shell().perform({"step.goto", std::to_string(step)});
+      time_frame(window, times);
       time_whole_frame(nothing, empty);
-      const int far = static_cast<int>(static_cast<std::int64_t>(i) * 7919 % (steps + 1));
-      window.shell().perform({"step.goto", std::to_string(far)});
-      time_frame(window, jump);
-      time_whole_frame(nothing, empty);
+    };
+    for (int i = 0; i < args.steps; ++i) go_to(i, "scrub", std::min(steps, first + i), scrub);
+    for (int i = 0; i < args.steps; ++i) {
+      const auto far = static_cast<std::int64_t>(i) * 7919 % (steps + 1);
+      go_to(args.steps + i, "jump", static_cast<int>(far), jump);
     }
     const auto before = window.shell().state().document.options.segment.theta_n_out;
     for (int i = 0; i < kTicks; ++i) {
