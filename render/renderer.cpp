@@ -133,7 +133,7 @@ std::vector<Part> Sheet::turn_to(const DrawList& list,
   std::uint64_t from = hashed(hashed_bytes(1, view.view), static_cast<std::uint64_t>(theme));
   from = hashed(hashed_bytes(from, view.proj), view.orthographic);
   from = hashed(hashed(from, static_cast<std::uint64_t>(view.width)),
-               static_cast<std::uint64_t>(view.height));
+                static_cast<std::uint64_t>(view.height));
   const Tiles before = std::exchange(tiles, {});
   // While the camera moves, nothing is compared.
   if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};

@@ -29,9 +29,8 @@ std::vector<Part> at_most(std::vector<Part> parts, std::size_t count) {
       return around(part, least).pixels() - part.pixels();
     };
     const auto host =
-        std::min_element(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
-          return growth(a) < growth(b);
-        });
+        std::min_element(parts.begin(), parts.end(),
+                         [&](const Part& a, const Part& b) { return growth(a) < growth(b); });
     *host = around(*host, least);
   }
   return parts;

@@ -56,8 +56,7 @@ void each_triangle(const ImDrawList& list, const ImDrawCmd& command, Visit visit
 
 std::vector<Part> Damage::next(const ImDrawData& frame,
                                const std::function<std::uint64_t(ImTextureID)>& version) {
-  render::Tiles tiles(static_cast<int>(frame.DisplaySize.x),
-                      static_cast<int>(frame.DisplaySize.y));
+  render::Tiles tiles(static_cast<int>(frame.DisplaySize.x), static_cast<int>(frame.DisplaySize.y));
   each_command(frame, [&](const ImDrawList& list, const ImDrawCmd& command, const Part& room) {
     const std::uint64_t texture = reinterpret_cast<std::uintptr_t>(command.GetTexID());
     const std::uint64_t start =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -107,7 +108,12 @@ int run_bench_desktop(const BenchDesktopArgs& args, std::stop_token stop) {
       const auto shown = window.shell().state().results.current;
       const auto start = Clock::now();
       window.shell().perform({"option.drag", fmt::format("theta_n_out={}", before + 1 + (i % 2))});
-      while (window.shell().state().results.current == shown) window.draw_frame();
+      while (window.shell().state().results.current == shown) {
+        // As on a display, the window rests while there is nothing new to show.
+        if (!window.shell().needs_frame())
+          std::this_thread::sleep_for(std::chrono::microseconds(200));
+        window.draw_frame();
+      }
       window.finish();
       tick.add(start);
     }
