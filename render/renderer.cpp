@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "render/gl.hpp"
 #include "render/overlay.hpp"
 #include "render/overlay_passes.hpp"
 #include "render/palette.hpp"
 #include "render/passes.hpp"
+#include "render/scene_tiles.hpp"
 #include "render/splats.hpp"
 #include "render/view.hpp"
 
@@ -51,13 +53,21 @@ class RestoredBindings {
   GLint viewport_[4] = {};
 };
 
-void copy(GLuint from, GLuint to, int width, int height, GLbitfield what) {
+/// GL counts rows from the bottom.
+int bottom_of(const Part& part, const View& view) { return view.height - part.y1; }
+
+/// The scissor test, which keeps to the part elsewhere, is off for it: a whole rectangle is copied
+/// bit by bit, but one that is cut off may be drawn, with depths that come out rounded.
+void copy(GLuint from, GLuint to, const Part& part, const View& view, GLbitfield what) {
+  const int bottom = bottom_of(part, view), top = view.height - part.y0;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, from);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
-  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, what, GL_NEAREST);
+  const bool in_part = glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
+  glDisable(GL_SCISSOR_TEST);
+  glBlitFramebuffer(part.x0, bottom, part.x1, top, part.x0, bottom, part.x1, top, what, GL_NEAREST);
+  if (in_part) glEnable(GL_SCISSOR_TEST);
 }
 
-// GL counts rows from the bottom.
 template <typename T>
 void flip_rows(Image<T>& image) {
   const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
@@ -103,11 +113,47 @@ float polygon_bias_m(const DrawList& list) {
   return largest_m;
 }
 
+float shade_radius_px(const View& view) {
+  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
+}
+
+/// A picture that is kept, and what it shows.
+struct Sheet {
+  explicit Sheet(int samples_per_pixel) : target(samples_per_pixel) {}
+
+  SceneTarget target;
+  std::uint64_t seen_from = 0;  // of the view and the theme
+  Tiles tiles;                  // none: unknown
+
+  /// Where it has to be drawn again to show the list.
+  std::vector<Part> turn_to(const DrawList& list,
+                            const Overlay& overlay,
+                            const View& view,
+                            Theme theme);
+};
+
+std::vector<Part> Sheet::turn_to(const DrawList& list,
+                                 const Overlay& overlay,
+                                 const View& view,
+                                 Theme theme) {
+  std::uint64_t from = hashed(hashed_bytes(1, view.view), static_cast<std::uint64_t>(theme));
+  from = hashed(hashed_bytes(from, view.proj), view.orthographic);
+  from = hashed(hashed(from, static_cast<std::uint64_t>(view.width)),
+                static_cast<std::uint64_t>(view.height));
+  const Tiles before = std::exchange(tiles, {});
+  // While the camera moves, nothing is compared.
+  if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};
+  tiles = scene_tiles(list, overlay, view, shade_radius_px(view));
+  constexpr std::size_t kMostParts = 4;  // each goes through all passes
+  return at_most(tiles.changes_since(before), kMostParts);
+}
+
 }  // namespace
 
 struct Renderer::State {
-  SceneTarget fine = SceneTarget(4);
-  SceneTarget quick = SceneTarget(0);
+  Sheet fine = Sheet(4);
+  Sheet quick = Sheet(0);
+  std::vector<Part> changes;
   PictureTarget picture;
   IdTarget id_target;
   GlProgram background;
@@ -133,15 +179,29 @@ struct Renderer::State {
 
   void draw_background(const View& view, const ThemeColors& theme);
   void draw_points(const DrawList& list, const View& view);
-  void shade_points(const SceneTarget& target, const View& view);
+  void shade_points(const SceneTarget& target, const Part& part, const View& view);
   void show_points(const DrawList& list, const View& view, const ThemeColors& theme);
-  void draw_boxes(
-      const DrawList& list, GLuint scene, GLuint boxes, const View& view, const ThemeColors& theme);
-  void draw_over_points(
-      const DrawList& list, GLuint scene, GLuint boxes, const View& view, const ThemeColors& theme);
+  void draw_boxes(const DrawList& list,
+                  GLuint scene,
+                  GLuint boxes,
+                  const Part& part,
+                  const View& view,
+                  const ThemeColors& theme);
+  void draw_over_points(const DrawList& list,
+                        GLuint scene,
+                        GLuint boxes,
+                        const Part& part,
+                        const View& view,
+                        const ThemeColors& theme);
   void draw_polygons(const DrawList& list, const View& view, const ThemeColors& theme);
   void draw_lines(const DrawList& list, const View& view, const ThemeColors& theme);
-  void draw_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
+  void draw_overlay(const Overlay& overlay, const View& view);
+  void draw_scene(const DrawList& list,
+                  const Overlay& overlay,
+                  const SceneTarget& target,
+                  const Part& part,
+                  const View& view,
+                  const ThemeColors& theme);
 };
 
 void Renderer::State::draw_background(const View& view, const ThemeColors& theme) {
@@ -180,8 +240,8 @@ void Renderer::State::show_points(const DrawList& list,
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-void Renderer::State::shade_points(const SceneTarget& target, const View& view) {
-  copy(target.scene, target.resolved, view.width, view.height, GL_DEPTH_BUFFER_BIT);
+void Renderer::State::shade_points(const SceneTarget& target, const Part& part, const View& view) {
+  copy(target.scene, target.resolved, part, view, GL_DEPTH_BUFFER_BIT);
   glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
   glUseProgram(shade);
   glActiveTexture(GL_TEXTURE0);
@@ -189,8 +249,7 @@ void Renderer::State::shade_points(const SceneTarget& target, const View& view) 
   set_uniform(shade, "depth", 0);
   set_uniform(shade, "proj", view.proj);
   set_uniform(shade, "orthographic", view.orthographic ? 1 : 0);
-  set_uniform(shade, "radius_px",
-              static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height))));
+  set_uniform(shade, "radius_px", shade_radius_px(view));
   set_uniform(shade, "strength", 60.0f);
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
@@ -207,6 +266,7 @@ void Renderer::State::shade_points(const SceneTarget& target, const View& view) 
 void Renderer::State::draw_boxes(const DrawList& list,
                                  GLuint scene,
                                  GLuint box_scene,
+                                 const Part& part,
                                  const View& view,
                                  const ThemeColors& theme) {
   std::vector<Segment> solid_edges;
@@ -215,7 +275,7 @@ void Renderer::State::draw_boxes(const DrawList& list,
     append_edges(box, view, is_solid(box) ? solid_edges : open_edges);
   }
   if (!solid_edges.empty()) {
-    copy(scene, box_scene, view.width, view.height, GL_DEPTH_BUFFER_BIT);
+    copy(scene, box_scene, part, view, GL_DEPTH_BUFFER_BIT);
     glBindFramebuffer(GL_FRAMEBUFFER, box_scene);
     const auto hatch_period_px = static_cast<float>(7 * overlay_scale(view.width, view.height));
     const float face_alpha = 0.30f;
@@ -267,26 +327,49 @@ void Renderer::State::draw_lines(const DrawList& list, const View& view, const T
 void Renderer::State::draw_over_points(const DrawList& list,
                                        GLuint scene,
                                        GLuint box_scene,
+                                       const Part& part,
                                        const View& view,
                                        const ThemeColors& theme) {
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  draw_boxes(list, scene, box_scene, view, theme);
+  draw_boxes(list, scene, box_scene, part, view, theme);
   draw_polygons(list, view, theme);
   draw_lines(list, view, theme);
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::State::draw_overlay(const DrawList& list,
-                                   const View& view,
-                                   const ThemeColors& theme) {
-  const Overlay overlay = layout_overlay(list, view, theme);
+void Renderer::State::draw_overlay(const Overlay& overlay, const View& view) {
   texts.draw(overlay.labels, view.width, view.height);
   shapes.draw(overlay.shapes, view.width, view.height);
   segments.draw_flat(overlay.segments, view.width, view.height);
   texts.draw(overlay.texts, view.width, view.height);
+}
+
+void Renderer::State::draw_scene(const DrawList& list,
+                                 const Overlay& overlay,
+                                 const SceneTarget& target,
+                                 const Part& part,
+                                 const View& view,
+                                 const ThemeColors& theme) {
+  glViewport(0, 0, view.width, view.height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_MULTISAMPLE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  draw_background(view, theme);
+  glEnable(GL_DEPTH_TEST);
+  draw_points(list, view);
+  shade_points(target, part, view);
+
+  draw_over_points(list, target.scene, target.boxes, part, view, theme);
+  copy(target.scene, target.resolved, part, view, GL_COLOR_BUFFER_BIT);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
+  glDisable(GL_DEPTH_TEST);
+  draw_overlay(overlay, view);
 }
 
 Renderer::Renderer() : state_(std::make_unique<State>()) { check_gl("setting up the renderer"); }
@@ -295,31 +378,24 @@ Renderer::~Renderer() = default;
 std::uint32_t Renderer::draw(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme, Effort effort) {
   const ThemeColors& colors = theme_colors(theme);
-  SceneTarget& target = effort == Effort::fine ? state_->fine : state_->quick;
+  Sheet& sheet = effort == Effort::fine ? state_->fine : state_->quick;
   const RestoredBindings restored;
-  target.resize(width, height);
+  if (sheet.target.width != width || sheet.target.height != height) sheet.seen_from = 0;
+  sheet.target.resize(width, height);
   const View view = make_view(camera, width, height);
-
-  glViewport(0, 0, width, height);
-  glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_MULTISAMPLE);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_BLEND);
-  state_->draw_background(view, colors);
-  glEnable(GL_DEPTH_TEST);
-  state_->draw_points(list, view);
-  state_->shade_points(target, view);
-
-  state_->draw_over_points(list, target.scene, target.boxes, view, colors);
-  copy(target.scene, target.resolved, width, height, GL_COLOR_BUFFER_BIT);
-
-  glBindFramebuffer(GL_FRAMEBUFFER, target.resolved);
-  glDisable(GL_DEPTH_TEST);
-  state_->draw_overlay(list, view, colors);
+  const Overlay overlay = layout_overlay(list, view, colors);
+  state_->changes = sheet.turn_to(list, overlay, view, theme);
+  glEnable(GL_SCISSOR_TEST);
+  for (const Part& part : state_->changes) {
+    glScissor(part.x0, bottom_of(part, view), part.x1 - part.x0, part.y1 - part.y0);
+    state_->draw_scene(list, overlay, sheet.target, part, view, colors);
+  }
+  glDisable(GL_SCISSOR_TEST);
   check_gl("drawing a picture");
-  return target.flat_color;
+  return sheet.target.flat_color;
 }
+
+std::span<const Part> Renderer::changes() const { return state_->changes; }
 
 Image8 Renderer::render(
     const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
@@ -332,9 +408,9 @@ Image8 Renderer::render(
   glViewport(0, 0, width, height);
   state_->show_points(list, view, colors);
   glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
-  state_->draw_over_points(list, target.scene, target.boxes, view, colors);
+  state_->draw_over_points(list, target.scene, target.boxes, {0, 0, width, height}, view, colors);
   glDisable(GL_DEPTH_TEST);
-  state_->draw_overlay(list, view, colors);
+  state_->draw_overlay(layout_overlay(list, view, colors), view);
   check_gl("drawing a picture");
   Image8 image = read_picture(width, height);
   check_gl("reading a picture back");

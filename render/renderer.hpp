@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
+#include "render/tiles.hpp"
 
 namespace planescope::render {
 
@@ -35,6 +37,9 @@ class Renderer {
                      int height,
                      Theme theme,
                      Effort effort = Effort::fine);
+
+  /// Where draw() has drawn last: nothing is drawn where the picture is the same as before.
+  std::span<const Part> changes() const;
 
   /// Id under each pixel (0 none), for picking: no antialiasing, visible surface only.
   Image<std::uint32_t> render_ids(const DrawList& list,

@@ -119,7 +119,7 @@ class GlCanvas : public Canvas {
     Image8 picture = backdrop_image_;
     if (picture.empty()) return 0;
     render::paint_step(picture, *run, look, opacity);
-    image_.upload(picture);
+    upload(image_, picture);
     image_key_.set(run, look);
     backdrop_ = backdrop;
     opacity_ = opacity;
@@ -137,7 +137,7 @@ class GlCanvas : public Canvas {
     if (!same_ground) image_ground_ = render::label_ground(frame->grid, backdrop);
     Image8 picture = image_ground_;
     render::paint_labels(picture, frame->grid, look, opacity);
-    label_image_.upload(picture);
+    upload(label_image_, picture);
     label_image_key_.set(frame, look);
     label_backdrop_ = backdrop;
     label_opacity_ = opacity;
@@ -147,9 +147,14 @@ class GlCanvas : public Canvas {
   TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) override {
     if (image.empty()) return 0;
     Picture& picture = pictures_[key];
-    if (picture.texture.id() == 0 || picture.version != version) picture.texture.upload(image);
+    if (picture.texture.id() == 0 || picture.version != version) upload(picture.texture, image);
     picture.version = version;
     return picture.texture.id();
+  }
+
+  std::uint64_t version(TextureId texture) const override {
+    const auto found = versions_.find(texture);
+    return found == versions_.end() ? 0 : found->second;
   }
 
  private:
@@ -169,7 +174,13 @@ class GlCanvas : public Canvas {
     height_ = height;
     scene_texture_ = renderer_.draw(list_, camera, width, height, theme,
                                     fine_ ? render::Effort::fine : render::Effort::quick);
+    versions_[scene_texture_] = ++changes_;
     return scene_texture_;
+  }
+
+  void upload(render::ImageTexture& texture, const Image8& image) {
+    texture.upload(image);
+    versions_[texture.id()] = ++changes_;
   }
 
   struct Picture {
@@ -196,6 +207,8 @@ class GlCanvas : public Canvas {
   render::Backdrop label_backdrop_ = render::Backdrop::color;
   double label_opacity_ = 0;
   std::map<std::string, Picture> pictures_;
+  std::map<TextureId, std::uint64_t> versions_;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace

@@ -45,6 +45,8 @@ class Canvas {
                                 double opacity) = 0;
   /// Any picture by a key; uploaded again when `version` differs. Row 0 at the top.
   virtual TextureId picture(const std::string& key, const Image8& image, std::uint64_t version) = 0;
+  /// Of what a texture holds: another one whenever that has changed.
+  virtual std::uint64_t version(TextureId texture) const = 0;
 };
 
 /// Needs a current GL context, and the same one until it is destroyed.

@@ -2,12 +2,12 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 
+#include "app/desktop/screen.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
@@ -20,38 +20,6 @@ namespace planescope::desktop {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// ---- A shell in the current GL context ---------------------------------------------------------
-
-std::unique_ptr<Shell> open_shell(State state, std::function<void()> wake) {
-  auto shell = std::make_unique<Shell>(std::move(state), make_gl_canvas(), std::move(wake));
-  ImGui_ImplOpenGL3_Init("#version 330 core");
-  return shell;
-}
-
-/// Cancels what is under way.
-void close_shell(std::unique_ptr<Shell>& shell) {
-  ImGui::SetCurrentContext(shell->context());
-  ImGui_ImplOpenGL3_Shutdown();
-  shell.reset();
-}
-
-/// One frame into a framebuffer of that size; 0: the window's own.
-void draw_shell(
-    Shell& shell, GLuint framebuffer, int width, int height, float scale, double seconds) {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  shell.frame(width, height, scale, seconds);
-  if (shell.take_fonts_changed()) {
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_CreateFontsTexture();
-  }
-  ImGui_ImplOpenGL3_NewFrame();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);  // the views have drawn into others
-  glViewport(0, 0, width, height);
-  glClearColor(0, 0, 0, 1);
-  glClear(GL_COLOR_BUFFER_BIT);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-}
 
 // ---- On a display ------------------------------------------------------------------------------
 
@@ -137,7 +105,8 @@ class Window : public Stage {
   static Window& of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
-  void push(const InputEvent& event) { shell_->input().push(event); }
+  Shell& shell() const { return screen_->shell(); }
+  void push(const InputEvent& event) { shell().input().push(event); }
   void connect();
   void show_cursor();
   void write_state();
@@ -147,7 +116,7 @@ class Window : public Stage {
   const WindowOptions& options_;
   std::unique_ptr<render::GlContext> context_;
   GLFWwindow* window_ = nullptr;
-  std::unique_ptr<Shell> shell_;
+  std::unique_ptr<Screen> screen_;
   GLFWcursor* cursors_[ImGuiMouseCursor_COUNT] = {};
   std::string title_, written_;
   Stopwatch stopwatch_;
@@ -164,7 +133,7 @@ Window::Window(State state, const WindowOptions& options) : options_(options) {
   window_ = context_->window();
   if (options.settings.maximized) glfwMaximizeWindow(window_);
   glfwSetWindowSizeLimits(window_, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
-  shell_ = open_shell(std::move(state), [] { glfwPostEmptyEvent(); });
+  screen_ = std::make_unique<Screen>(std::move(state), [] { glfwPostEmptyEvent(); });
   ImGuiIO& io = ImGui::GetIO();
   io.SetClipboardTextFn = [](void* window, const char* text) {
     glfwSetClipboardString(static_cast<GLFWwindow*>(window), text);
@@ -184,7 +153,7 @@ Window::Window(State state, const WindowOptions& options) : options_(options) {
 
 Window::~Window() {
   if (options_.keep_settings) keep_settings();
-  close_shell(shell_);
+  screen_.reset();
   for (GLFWcursor* cursor : cursors_)
     if (cursor) glfwDestroyCursor(cursor);
 }
@@ -217,7 +186,7 @@ void Window::connect() {
     of(w).push({.type = InputEvent::Type::text, .character = static_cast<char32_t>(c)});
   });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-    for (int i = 0; i < count; ++i) of(w).shell_->perform({"recording.open", paths[i]});
+    for (int i = 0; i < count; ++i) of(w).shell().perform({"recording.open", paths[i]});
   });
 }
 
@@ -235,13 +204,17 @@ void Window::draw_frame() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   if (width == 0 || height == 0) return;  // minimised
-  draw_shell(*shell_, 0, width, height, scale(), std::min(seconds, 0.1));
+  screen_->draw(width, height, scale(), std::min(seconds, 0.1));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, screen_->framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
   stopwatch_.add(std::chrono::duration<double, std::milli>(Clock::now() - now).count(),
-                 shell_->timing);
+                 shell().timing);
   glfwSwapBuffers(window_);
   show_cursor();
   if (!options_.state_file.empty()) write_state();
-  const OpenRecording* open = shell_->state().document.current();
+  const OpenRecording* open = shell().state().document.current();
   const std::string title = open ? open->path.filename().string() + " – planescope" : "planescope";
   if (title != title_) glfwSetWindowTitle(window_, (title_ = title).c_str());
 }
@@ -252,7 +225,7 @@ void Window::show_cursor() {
 }
 
 void Window::write_state() {
-  const std::string facts = state_text(shell_->state(), shell_->idle());
+  const std::string facts = state_text(shell().state(), shell().idle());
   if (facts == written_) return;
   written_ = facts;
   write_file_text(options_.state_file, facts);
@@ -267,7 +240,7 @@ void Window::screenshot(const std::filesystem::path& path) {
 
 void Window::keep_settings() const {
   Settings settings = options_.settings;
-  const State& state = shell_->state();
+  const State& state = shell().state();
   settings.maximized = glfwGetWindowAttrib(window_, GLFW_MAXIMIZED) == GLFW_TRUE;
   if (!settings.maximized) glfwGetWindowSize(window_, &settings.width, &settings.height);
   if (const OpenRecording* open = state.document.current()) {
@@ -283,12 +256,12 @@ void Window::keep_settings() const {
 
 void Window::run(std::stop_token stop) {
   const std::stop_callback wake(stop, [] { glfwPostEmptyEvent(); });
-  if (options_.script) options_.script->play(*shell_, *this, stop);
-  while (!glfwWindowShouldClose(window_) && !shell_->state().view.quit && !stop.stop_requested()) {
+  if (options_.script) options_.script->play(shell(), *this, stop);
+  while (!glfwWindowShouldClose(window_) && !shell().state().view.quit && !stop.stop_requested()) {
     // Nothing is drawn until something happens; what is under way wakes the window when it is done.
-    if (shell_->idle())
+    if (shell().idle())
       glfwWaitEvents();
-    else if (!shell_->needs_frame() || glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
+    else if (!shell().needs_frame() || glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
       glfwWaitEventsTimeout(0.1);
     draw_frame();
   }
@@ -303,21 +276,12 @@ void run_window(State state, const WindowOptions& options, std::stop_token stop)
 
 // ---- Without a display -------------------------------------------------------------------------
 
-struct Offscreen::Target {
-  render::GlRenderbuffer color = render::make_renderbuffer();
-  render::GlFramebuffer framebuffer = render::make_framebuffer();
-};
-
 Offscreen::Offscreen(State state, int width, int height, float scale)
-    : width_(width), height_(height), scale_(scale), context_(render::make_egl_context()) {
-  target_ = std::make_unique<Target>();
-  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
-  glBindRenderbuffer(GL_RENDERBUFFER, target_->color);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target_->color);
-  render::check_gl("making the off-screen window");
-  shell_ = open_shell(std::move(state), [] {});
-}
+    : width_(width),
+      height_(height),
+      scale_(scale),
+      context_(render::make_egl_context()),
+      screen_(std::make_unique<Screen>(std::move(state), [] {})) {}
 
 Offscreen::~Offscreen() {
   try {
@@ -325,8 +289,7 @@ Offscreen::~Offscreen() {
   } catch (const Error&) {
     // What it drew with ends with the context; the labels are saved all the same.
   }
-  close_shell(shell_);
-  target_.reset();
+  screen_.reset();
 }
 
 void Offscreen::draw_frame() {
@@ -334,7 +297,7 @@ void Offscreen::draw_frame() {
   // No display holds the frames back: a software renderer would queue dozens of them, each tens of
   // megabytes.
   glFinish();
-  draw_shell(*shell_, target_->framebuffer, width_, height_, scale_, 1.0 / 60);
+  screen_->draw(width_, height_, scale_, 1.0 / 60);
 }
 
 void Offscreen::finish() {
@@ -344,7 +307,7 @@ void Offscreen::finish() {
 
 Image8 Offscreen::picture() {
   context_->make_current();
-  glBindFramebuffer(GL_FRAMEBUFFER, target_->framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, screen_->framebuffer());
   Image8 image = render::read_picture(width_, height_);
   render::check_gl("reading the off-screen window");
   return image;

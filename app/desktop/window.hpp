@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <stop_token>
 
+#include "app/desktop/screen.hpp"
 #include "app/desktop/script.hpp"
 #include "app/desktop/state/session.hpp"
 #include "render/context.hpp"
@@ -36,7 +37,8 @@ class Offscreen : public Stage {
   Offscreen(State state, int width, int height, float scale);
   ~Offscreen() override;
 
-  Shell& shell() { return *shell_; }
+  Shell& shell() { return screen_->shell(); }
+  Screen& screen() { return *screen_; }
   void draw_frame() override;
   void screenshot(const std::filesystem::path& path) override;
   /// Waits until the last frame is drawn.
@@ -45,12 +47,10 @@ class Offscreen : public Stage {
   Image8 picture();
 
  private:
-  struct Target;
   int width_, height_;
   float scale_;
   std::unique_ptr<render::GlContext> context_;
-  std::unique_ptr<Target> target_;
-  std::unique_ptr<Shell> shell_;
+  std::unique_ptr<Screen> screen_;
 };
 
 }  // namespace planescope::desktop

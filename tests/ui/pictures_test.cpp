@@ -105,6 +105,26 @@ TEST_F(Pictures, OfAStepDoNotTellHowItWasReached) {
     EXPECT_LE(difference(straight.panel(panel), detour.panel(panel)), kSame) << panel;
 }
 
+TEST_F(Pictures, OfAStepAreNotDrawnAsAWhole) {
+  Window window;
+  window.after({{"step.goto", "120"}});
+  Screen& screen = window.offscreen.screen();
+  for (int i = 0; i < 5; ++i) {
+    window.offscreen.shell().perform({"step.next", ""}, true);
+    window.offscreen.draw_frame();
+    EXPECT_GT(screen.pixels_drawn(), 0);
+    EXPECT_LT(screen.pixels_drawn(), 1280 * 800 / 2);
+    settle(window.offscreen.shell(), window.offscreen, {});
+    const Image8 in_parts = window.picture();
+    window.offscreen.draw_frame();
+    EXPECT_EQ(screen.pixels_drawn(), 0) << "nothing has changed";
+    screen.forget();
+    window.offscreen.draw_frame();
+    EXPECT_EQ(screen.pixels_drawn(), 1280 * 800);
+    EXPECT_EQ(difference(in_parts, window.picture()), 0);
+  }
+}
+
 TEST_F(Pictures, ShowTheStepInBothViews) {
   Window window;
   const Image8 scene = window.panel("view3d"), image = window.panel("image");

@@ -281,6 +281,43 @@ TEST_F(RendererTest, ImpossibleSizeIsRefused) {
   EXPECT_NO_THROW(renderer().render({}, front_camera(), 1, 1, Theme::light));
 }
 
+// ---- What changes ----
+
+/// Points, boxes, a plane and labels side by side; `change` of them is another.
+DrawList row_of_things(int change) {
+  DrawList list;
+  for (int i = 0; i < 6; ++i) {
+    const Vec3f at(0, 0.5f - 0.2f * static_cast<float>(i), 0.1f);
+    const Rgba color = change == i ? kRed : kBlue;
+    list.points.push_back(one_point(at, color));
+    list.boxes.push_back(box(at, 0.12f, color, BoxStyle::tinted));
+    list.labels.push_back({at + Vec3f(0, 0, 0.2f), change == i ? "b" : "a", color});
+  }
+  list.legend.push_back({LegendEntry::Mark::dot, kRed, "number " + std::to_string(change)});
+  return list;
+}
+
+TEST_F(RendererTest, DrawsNothingWhereThePictureIsTheSame) {
+  render(row_of_things(0), front_camera());
+  render(row_of_things(0), front_camera());
+  render(row_of_things(0), front_camera());
+  EXPECT_TRUE(renderer().changes().empty());
+}
+
+TEST_F(RendererTest, PartsDrawnAgainMakeThePictureDrawnAsAWhole) {
+  for (int i = 0; i < 6; ++i) {
+    render(row_of_things(5 - i), front_camera());
+    render(row_of_things(5 - i), front_camera());
+    const Image8 in_parts = render(row_of_things(i), front_camera());
+    std::int64_t drawn = 0;
+    for (const Part& part : renderer().changes()) drawn += part.pixels();
+    EXPECT_GT(drawn, 0);
+    EXPECT_LT(drawn, std::int64_t{kWidth} * kHeight);
+    render({}, Camera{});  // from elsewhere: all is drawn
+    EXPECT_EQ(differing(render(row_of_things(i), front_camera()), in_parts), 0) << i;
+  }
+}
+
 // ---- Picking ----
 
 struct Picking : GlTest {

@@ -1,0 +1,58 @@
+#pragma once
+
+// Which parts of a picture change, from hashes of what is drawn into its tiles.
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace planescope::render {
+
+/// Pixels from the top left; the second corner is no longer of it.
+struct Part {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  std::int64_t pixels() const { return empty() ? 0 : std::int64_t{x1 - x0} * (y1 - y0); }
+  bool operator==(const Part&) const = default;
+};
+
+Part common(const Part& a, const Part& b);
+/// The smallest that holds both.
+Part around(const Part& a, const Part& b);
+/// At most that many parts that hold all of them; they may overlap.
+std::vector<Part> at_most(std::vector<Part> parts, std::size_t count);
+
+class Tiles {
+ public:
+  Tiles() = default;
+  Tiles(int width, int height);
+
+  /// Something of that hash is drawn next, and touches no pixel outside.
+  void add(const Part& touched, std::uint64_t hash);
+  /// Where the picture may differ from the one before: parts that do not overlap. All of it where
+  /// that was of another size.
+  std::vector<Part> changes_since(const Tiles& before) const;
+
+ private:
+  int width_ = 0, height_ = 0;
+  std::vector<std::uint64_t> hashes_;  // row by row
+};
+
+inline std::uint64_t hashed(std::uint64_t hash, std::uint64_t word) {
+  hash = (hash ^ word) * 0x9e3779b97f4a7c15;
+  return hash ^ (hash >> 29);
+}
+
+/// Of a value without padding.
+template <typename T>
+std::uint64_t hashed_bytes(std::uint64_t hash, const T& value) {
+  static_assert(sizeof(T) % 4 == 0);
+  std::array<std::uint32_t, sizeof(T) / 4> words;
+  std::memcpy(words.data(), &value, sizeof(T));
+  for (const std::uint32_t word : words) hash = hashed(hash, word);
+  return hash;
+}
+
+}  // namespace planescope::render
