@@ -10,6 +10,7 @@
 
 #include "core/model/error.hpp"
 #include "render/context.hpp"
+#include "render/gl.hpp"
 #include "render/renderer.hpp"
 
 namespace planescope::render {
@@ -34,6 +35,18 @@ class GlTest : public testing::Test {
   }
   Image8 render(const DrawList& list, const Camera& camera, Theme theme = Theme::light) {
     return renderer_->render(list, camera, kWidth, kHeight, theme);
+  }
+  /// What a window shows: RGBA, row 0 at the bottom.
+  Image8 draw(const DrawList& list, const Camera& camera) {
+    return pixels_of(renderer_->draw(list, camera, kWidth, kHeight, Theme::light), kWidth, kHeight);
+  }
+  /// RGBA as GL holds it, row 0 first.
+  static Image8 pixels_of(std::uint32_t texture, int width, int height) {
+    Image8 image(width, height, 4);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data.data());
+    glBindTexture(GL_TEXTURE_2D, 0);
+    return image;
   }
   Renderer& renderer() { return *renderer_; }
   GlContext& context() { return *context_; }

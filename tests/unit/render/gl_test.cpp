@@ -55,16 +55,7 @@ TEST(GlfwContext, WithoutADisplayTheErrorSaysSo) {
 
 // ---- Textures ----
 
-struct Texture : GlTest {
-  // RGBA as GL holds it, row 0 first.
-  static Image8 pixels_of(std::uint32_t texture, int width, int height) {
-    Image8 image(width, height, 4);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.data.data());
-    glBindTexture(GL_TEXTURE_2D, 0);
-    return image;
-  }
-};
+struct Texture : GlTest {};
 
 // A picture's points are drawn on the CPU (splats.hpp), a window's by GL.
 TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {

@@ -50,7 +50,6 @@ class Sheets {
         plane_(planes_of_pixels(state)),
         sums_(state.planes.size()),
         points_(state.planes.size()) {
-    seen_.resize(plane_.size());
     for (std::size_t i = 0; i < plane_.size();) {
       const std::int32_t k = plane_[i];
       if (k < 0) {
@@ -59,8 +58,8 @@ class Sheets {
       }
       InverseSums sums = sums_[k];  // of a row's pixels at a time, in registers
       for (; i < plane_.size() && plane_[i] == k; ++i) {
-        seen_[i] = pixels_.seen(i, state.sensor);
-        sums.add(seen_[i].ray, seen_[i].w);
+        const auto [ray, w] = pixels_.seen(i, state.sensor);
+        sums.add(ray, w);
       }
       sums_[k] = sums;
     }
@@ -148,10 +147,11 @@ class Sheets {
         const std::size_t i = pixels_.at(u, v);
         if (plane_[i] != a && plane_[i] != b) continue;
         ++(plane_[i] == a ? on_a : on_b);
+        const auto [ray, w] = pixels_.seen(i, state_.sensor);
         Eigen::Vector4d row;
-        row << seen_[i].ray, plane_[i] == b;
+        row << ray, plane_[i] == b;
         normal_equations += row * row.transpose();
-        right += row * seen_[i].w;
+        right += row * w;
       }
     if (on_a < kLeastPixels || on_b < kLeastPixels) return;
     border.step += length * normal_equations.ldlt().solve(right)[3];
@@ -194,7 +194,6 @@ class Sheets {
   const Options& options_;
   const PixelGrid& pixels_;
   const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
-  std::vector<PixelGrid::Seen> seen_;      // per pixel of a plane
   std::vector<InverseSums> sums_;          // per plane
   std::vector<std::vector<std::uint32_t>> points_;
   std::map<PlanePair, Border> borders_;
