@@ -1,6 +1,7 @@
 #include "render/renderer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <utility>
@@ -35,6 +36,7 @@ class RestoredBindings {
     glDepthFunc(GL_LEQUAL);
   }
   ~RestoredBindings() {
+    glDisable(GL_SCISSOR_TEST);
     glUseProgram(0);
     glBindVertexArray(0);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
@@ -143,9 +145,12 @@ std::vector<Part> Sheet::turn_to(const DrawList& list,
   const Tiles before = std::exchange(tiles, {});
   // While the camera moves, nothing is compared.
   if (std::exchange(seen_from, from) != from) return {{0, 0, view.width, view.height}};
-  tiles = scene_tiles(list, overlay, view, shade_radius_px(view));
+  const float radius_px = shade_radius_px(view);
+  tiles = scene_tiles(list, overlay, view, radius_px);
   constexpr std::size_t kMostParts = 4;  // each goes through all passes
-  return at_most(tiles.changes_since(before), kMostParts);
+  // Points are darkened by what is beside them, which must not be about to change.
+  return apart(at_most(tiles.changes_since(before), kMostParts),
+               static_cast<int>(std::ceil(radius_px)) + 1);
 }
 
 }  // namespace

@@ -11,6 +11,9 @@ namespace {
 
 /// Of what is `reach_px` about a place on screen.
 Part about(double x, double y, double reach_px) {
+  static constexpr double kFar = 1e6;  // beyond any picture, and a whole number
+  const auto near = [](double at) { return std::isnan(at) ? 0 : std::clamp(at, -kFar, kFar); };
+  x = near(x), y = near(y);
   return {static_cast<int>(std::floor(x - reach_px)), static_cast<int>(std::floor(y - reach_px)),
           static_cast<int>(std::ceil(x + reach_px)), static_cast<int>(std::ceil(y + reach_px))};
 }

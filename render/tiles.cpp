@@ -36,6 +36,24 @@ std::vector<Part> at_most(std::vector<Part> parts, std::size_t count) {
   return parts;
 }
 
+std::vector<Part> apart(std::vector<Part> parts, int reach_px) {
+  for (std::size_t i = 0; i < parts.size();) {
+    const Part near{parts[i].x0 - reach_px, parts[i].y0 - reach_px, parts[i].x1 + reach_px,
+                    parts[i].y1 + reach_px};
+    const auto other = std::find_if(parts.begin(), parts.end(), [&](const Part& part) {
+      return &part != &parts[i] && !common(near, part).empty();
+    });
+    if (other == parts.end()) {
+      ++i;
+      continue;
+    }
+    *other = around(*other, parts[i]);
+    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
+    i = 0;
+  }
+  return parts;
+}
+
 Tiles::Tiles(int width, int height)
     : width_(width),
       height_(height),

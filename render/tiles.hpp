@@ -23,6 +23,8 @@ Part common(const Part& a, const Part& b);
 Part around(const Part& a, const Part& b);
 /// At most that many parts that hold all of them; they may overlap.
 std::vector<Part> at_most(std::vector<Part> parts, std::size_t count);
+/// Parts that hold all of them, with more than that many pixels between any two.
+std::vector<Part> apart(std::vector<Part> parts, int reach_px);
 
 class Tiles {
  public:

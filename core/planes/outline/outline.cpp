@@ -88,7 +88,7 @@ Polygons simplified_soundly(const Polygons& exact, double tolerance_m) {
   if (is_valid(simple)) return simple;
   Polygons all;
   for (const Polygon& polygon : exact) {
-    simple = {polygon};
+    simple = repaired(polygon);
     double finer_m = tolerance_m;
     for (int k = 0; k < kTries; ++k, finer_m /= 2)
       if (Polygons found = simplified({polygon}, finer_m); is_valid(found)) {
@@ -157,8 +157,8 @@ class PixelsOnPlane {
     const double height = normal_.dot(outline_->origin - sensor);
     PolygonRing on_plane;
     on_plane.reserve(ring.corners.size());
-    for (const Corner& corner : ring.corners) {
-      const Vec2d pixel = corner.place() - Vec2d(0.5, 0.5);
+    for (const Vec2d& place : places(ring)) {
+      const Vec2d pixel = place - Vec2d(0.5, 0.5);
       const Vec2d ray = pixel_to_ray(frame_.intrinsics, pixel.x(), pixel.y());
       const Vec3d along = cloud_.T_world_sensor.linear() * Vec3d(ray.x(), ray.y(), 1);
       const double z = height / normal_.dot(along);
@@ -170,6 +170,20 @@ class PixelsOnPlane {
   }
 
  private:
+  /// Its corners; where the lens bends lines, points between them as well.
+  std::vector<Vec2d> places(const Ring& ring) const {
+    constexpr double kStep_px = 8;
+    const bool bent = frame_.intrinsics.distortion != Distortion::none;
+    std::vector<Vec2d> all;
+    for (std::size_t i = 0; i < ring.corners.size(); ++i) {
+      const Vec2d from = ring.corners[i].place();
+      const Vec2d to = ring.corners[(i + 1) % ring.corners.size()].place();
+      const int steps = bent ? 1 + static_cast<int>((to - from).norm() / kStep_px) : 1;
+      for (int s = 0; s < steps; ++s) all.push_back(from + (to - from) * s / steps);
+    }
+    return all;
+  }
+
   const Frame& frame_;
   const Cloud& cloud_;
   const Outline* outline_ = nullptr;
@@ -234,7 +248,7 @@ void add_cells(std::span<const Vec2d> points,
                double cell_m,
                const OutlineOptions& options,
                Outline& outline) {
-  constexpr double kMostCells = 4096;  // along an axis: a bound on memory
+  constexpr double kMostCells = 1024;  // along an axis: a bound on memory
   constexpr double kFull = 4;          // points in a cell that few others like it are empty
   constexpr int kMostRadius = 4;
   if (points.empty()) return;
@@ -259,13 +273,18 @@ void add_cells(std::span<const Vec2d> points,
   add_parts(rings, on_plane, image, none, options, outline);
 }
 
-std::vector<Vec2d> points_on(const Outline& outline, const FrameResult& result, std::int32_t id) {
-  std::vector<Vec2d> points;
-  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
-    if (result.plane_of[i] == id) {
-      const Vec3d at = result.cloud.origin + result.cloud.points[i].cast<double>() - outline.origin;
-      points.emplace_back(outline.basis.u.dot(at), outline.basis.v.dot(at));
-    }
+/// By id - 1, the points of these planes on them.
+std::vector<std::vector<Vec2d>> points_on(const std::vector<Outline>& outlines,
+                                          const FrameResult& result,
+                                          const std::set<std::int32_t>& ids) {
+  std::vector<std::vector<Vec2d>> points(outlines.size());
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i) {
+    const std::int32_t id = result.plane_of[i];
+    if (!ids.contains(id)) continue;
+    const Outline& outline = outlines[id - 1];
+    const Vec3d at = result.cloud.origin + result.cloud.points[i].cast<double>() - outline.origin;
+    points[id - 1].emplace_back(outline.basis.u.dot(at), outline.basis.v.dot(at));
+  }
   return points;
 }
 
@@ -280,7 +299,7 @@ std::vector<Outline> empty_outlines(const FrameResult& result) {
   return outlines;
 }
 
-/// Fills in what can be had from pixels; `depth`: per plane, that of its nearest and farthest.
+/// Fills in what can be had from pixels.
 class OfPixels {
  public:
   OfPixels(const Frame& frame, const FrameResult& result, const OutlineOptions& options)
@@ -370,8 +389,9 @@ std::vector<Outline> outlines_of(const Frame& frame,
     of_pixels.add_to(outlines);
     by_cells = of_pixels.grazed();
   }
+  const std::vector<std::vector<Vec2d>> points = points_on(outlines, result, by_cells);
   for (const std::int32_t id : by_cells)
-    add_cells(points_on(outlines[id - 1], result, id), cell_m, options, outlines[id - 1]);
+    add_cells(points[id - 1], cell_m, options, outlines[id - 1]);
   for (Outline& outline : outlines)
     std::ranges::stable_sort(outline.parts, std::ranges::greater{},
                              [](const Outline::Part& part) { return polygon_area(part.outer); });

@@ -101,7 +101,7 @@ class Geos {
   }
 
   GEOSContextHandle_t handle_;
-  std::string message_;
+  mutable std::string message_;
 };
 
 template <typename Operation>
@@ -130,6 +130,12 @@ Polygons simplified(const Polygons& polygons, double tolerance_m) {
   const Geos::Geometry given = geos.of(polygons);
   return geos.polygons_of(
       geos.make(GEOSTopologyPreserveSimplify_r, given.get(), tolerance_m).get());
+}
+
+Polygons repaired(const Polygon& polygon) {
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygon);
+  return geos.polygons_of(geos.make(GEOSMakeValid_r, given.get()).get());
 }
 
 Polygons united(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSUnion_r); }

@@ -19,13 +19,15 @@ struct Polygon {
 };
 using Polygons = std::vector<Polygon>;  // that do not overlap
 
-/// Without the holes [m^2].
+/// Without the holes [m^2]; rings turn as said above.
 double area(const Polygon& polygon);
 double area(std::span<const Polygon> polygons);
 
 /// With fewer corners, and no point of a ring farther than this from it [m]. Of valid polygons the
 /// result mostly is valid, but not always.
 Polygons simplified(const Polygons& polygons, double tolerance_m);
+/// Valid polygons of about the same area, where rings cross.
+Polygons repaired(const Polygon& polygon);
 Polygons united(const Polygons& a, const Polygons& b);
 Polygons common(const Polygons& a, const Polygons& b);
 

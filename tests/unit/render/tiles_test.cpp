@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace planescope::render {
 namespace {
 
@@ -49,6 +51,14 @@ TEST(Tiles, ChangeAllOverWhereTheSizeIsAnother) {
   const auto parts = with({}).changes_since(Tiles());
   ASSERT_EQ(parts.size(), 1U);
   EXPECT_EQ(parts[0], (Part{0, 0, kWidth, kHeight}));
+}
+
+TEST(Tiles, PartsInReachOfEachOtherBecomeOne) {
+  const Part a{0, 0, 32, 32}, b{36, 0, 60, 20}, far{150, 60, 190, 95};
+  EXPECT_EQ(apart({a, b, far}, 4).size(), 3U);
+  const auto two = apart({a, far, b}, 5);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NE(std::find(two.begin(), two.end(), around(a, b)), two.end());
 }
 
 TEST(Tiles, FewerPartsStillHoldThemAll) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/planes/cloud/camera.hpp"
 #include "support/wall_scene.hpp"
 
 namespace planescope::planes {
@@ -86,12 +87,32 @@ TEST(Outline, DoesNotCoverWhatStandsBeforeThePlane) {
   EXPECT_NEAR(outline.area_m2, (1.6 - 0.03) * 1.2, 0.02);
 }
 
+TEST(Outline, FollowsTheBordersOfAPictureThatTheLensBends) {
+  Frame frame = wall([](double, double) { return 1.0; });
+  frame.intrinsics.distortion = Distortion::brown_conrady;
+  frame.intrinsics.coefficients = {-0.15, 0.05, 0, 0, 0};
+  const Outline outline = outline_of_wall(frame);
+  const auto at = [&](double u, double v) {
+    return pixel_to_ray(frame.intrinsics, u - 0.5, v - 0.5);
+  };
+  PolygonRing border;
+  for (int u = 0; u < 640; ++u) border.push_back(at(u, 0));
+  for (int v = 0; v < 480; ++v) border.push_back(at(640, v));
+  for (int u = 640; u > 0; --u) border.push_back(at(u, 480));
+  for (int v = 480; v > 0; --v) border.push_back(at(0, v));
+  EXPECT_GT(iou_on_wall(outline, {border, {}}), 0.985);
+}
+
 TEST(Outline, OfAPlaneThatRaysGrazeIsOfItsPoints) {
   // A floor 2 cm below the camera, seen to 0.8 m: the last rays are a degree above it.
   const Frame frame = test::depth_frame(
       [](double, double y) { return y > 0.02 ? std::min(0.02 / y, 0.8) : 0.8; }, 0.0005);
   const FrameResult result = test::result_of(frame);
-  for (const Outline& outline : outlines_of(frame, result, kCell_m)) {
+  const int floor = test::plane_at(result, 320, 470);
+  ASSERT_GT(floor, 0);
+  const std::vector<Outline> outlines = outlines_of(frame, result, kCell_m);
+  EXPECT_GT(outlines[static_cast<std::size_t>(floor) - 1].area_m2, 0.01);
+  for (const Outline& outline : outlines) {
     EXPECT_TRUE(is_valid(polygons_of(outline)));
     for (const Outline::Part& part : outline.parts)
       for (const Vec2d& corner : part.outer) EXPECT_LT(outline.world(corner).norm(), 2);

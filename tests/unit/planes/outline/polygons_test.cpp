@@ -22,7 +22,10 @@ TEST(Polygons, AreaIsWithoutHoles) { EXPECT_DOUBLE_EQ(area(frame()), 5.5); }
 
 TEST(Polygons, AreNotValidWhereRingsCross) {
   EXPECT_TRUE(is_valid(frame()));
-  EXPECT_FALSE(is_valid({{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {}}}));
+  const Polygon crossed{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {}};
+  EXPECT_FALSE(is_valid({crossed}));
+  EXPECT_TRUE(is_valid(repaired(crossed)));
+  EXPECT_DOUBLE_EQ(area(repaired(crossed)), 0.5);
 }
 
 TEST(Polygons, SimplifyingLeavesCornersOutAndMakesNone) {
