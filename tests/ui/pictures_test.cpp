@@ -77,6 +77,7 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
     Offscreen offscreen(app::view_state(args), args.width, args.height, 1);
     settle(offscreen.shell(), offscreen, {});
     Script::read(entry.path()).play(offscreen.shell(), offscreen, {});
+    settle(offscreen.shell(), offscreen, {});  // the strip's pictures, too
     EXPECT_LE(difference(offscreen.picture(), io::read_png_rgb(drawn)), kSame)
         << drawn << " is old: scripts/tour draws it again";
     ++pictures;
