@@ -115,10 +115,6 @@ float polygon_bias_m(const DrawList& list) {
   return largest_m;
 }
 
-float shade_radius_px(const View& view) {
-  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
-}
-
 /// A picture that is kept, and what it shows.
 struct Sheet {
   explicit Sheet(int samples_per_pixel) : target(samples_per_pixel) {}

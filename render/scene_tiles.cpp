@@ -11,11 +11,8 @@ namespace {
 
 /// Of what is `reach_px` about a place on screen.
 Part about(double x, double y, double reach_px) {
-  static constexpr double kFar = 1e6;  // beyond any picture, and a whole number
-  const auto near = [](double at) { return std::isnan(at) ? 0 : std::clamp(at, -kFar, kFar); };
-  x = near(x), y = near(y);
-  return {static_cast<int>(std::floor(x - reach_px)), static_cast<int>(std::floor(y - reach_px)),
-          static_cast<int>(std::ceil(x + reach_px)), static_cast<int>(std::ceil(y + reach_px))};
+  return {whole_px(std::floor(x - reach_px)), whole_px(std::floor(y - reach_px)),
+          whole_px(std::ceil(x + reach_px)), whole_px(std::ceil(y + reach_px))};
 }
 
 /// Of what is drawn between these points, and `reach_px` beyond. What comes before the near plane

@@ -170,10 +170,17 @@ void put(const Pixel& pixel, const std::vector<Splat>& splats, int x, int y, Spl
   }
 }
 
+}  // namespace
+
+float shade_radius_px(const View& view) {
+  return static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
+}
+
+namespace {
+
 /// shade.frag: eye-dome lighting.
 std::vector<float> lights(const SplatLayer& layer, const View& view) {
-  const auto radius_px =
-      static_cast<float>(std::max(1.0, 2 * overlay_scale(view.width, view.height)));
+  const float radius_px = shade_radius_px(view);
   const int straight = static_cast<int>(std::lround(radius_px));
   const int slanted = static_cast<int>(std::lround(0.7071f * radius_px));
   const int ring[8][2] = {{straight, 0},       {slanted, slanted}, {0, straight},

@@ -26,6 +26,9 @@ struct SplatLayer {
   std::vector<float> bare;           // share of a pixel with parts that no point covers
   std::vector<Part> parts;           // of all pixels
 };
+/// How far beside a pixel lies what darkens it, here and in shade.frag [px].
+float shade_radius_px(const View& view);
+
 SplatLayer splat(const std::vector<DrawPoints>& clouds, const View& view);
 
 /// Their picture on the theme's background: RGBA, opaque, row 0 at the bottom.

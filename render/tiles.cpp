@@ -1,6 +1,7 @@
 #include "render/tiles.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace planescope::render {
 namespace {
@@ -10,6 +11,11 @@ constexpr int kTile_px = 32;  // a few letters: what changes is seldom smaller
 int tiles_along(int length_px) { return (length_px + kTile_px - 1) / kTile_px; }
 
 }  // namespace
+
+int whole_px(double place) {
+  constexpr double kFar = 1e6;
+  return std::isnan(place) ? 0 : static_cast<int>(std::clamp(place, -kFar, kFar));
+}
 
 Part common(const Part& a, const Part& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};

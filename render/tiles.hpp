@@ -18,6 +18,8 @@ struct Part {
   bool operator==(const Part&) const = default;
 };
 
+/// Of a place in pixels, cut off far beyond any picture; 0 of what is no number.
+int whole_px(double place);
 Part common(const Part& a, const Part& b);
 /// The smallest that holds both.
 Part around(const Part& a, const Part& b);

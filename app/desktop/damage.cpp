@@ -11,6 +11,7 @@ namespace {
 using render::common;
 using render::hashed;
 using render::hashed_bytes;
+using render::whole_px;
 
 /// The pixels that a command may touch, rounded as ImGui's OpenGL renderer rounds them.
 Part scissor(const ImVec4& clip, int height) {
@@ -22,13 +23,12 @@ Part scissor(const ImVec4& clip, int height) {
 
 using Triangle = std::array<ImDrawVert, 3>;
 
-int whole(float at) { return static_cast<int>(std::clamp(at, -1e6f, 1e6f)); }
-
 /// The pixels that it may touch.
 Part bounds(const Triangle& t) {
   const auto [x0, x1] = std::minmax({t[0].pos.x, t[1].pos.x, t[2].pos.x});
   const auto [y0, y1] = std::minmax({t[0].pos.y, t[1].pos.y, t[2].pos.y});
-  return {whole(std::floor(x0)), whole(std::floor(y0)), whole(std::ceil(x1)), whole(std::ceil(y1))};
+  return {whole_px(std::floor(x0)), whole_px(std::floor(y0)), whole_px(std::ceil(x1)),
+          whole_px(std::ceil(y1))};
 }
 
 /// Commands in their order, with the pixels that each may touch.

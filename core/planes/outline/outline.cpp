@@ -1,7 +1,7 @@
 #include "core/planes/outline/outline.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -83,20 +83,15 @@ using Corners = std::set<Vec2d, Before>;
 /// With fewer corners. Simplifying may take a hole out of its polygon, or let two polygons overlap:
 /// then it is done with more care, and what has come to overlap becomes one.
 Polygons simplified_soundly(const Polygons& exact, double tolerance_m) {
-  constexpr int kTries = 3;
   Polygons simple = simplified(exact, tolerance_m);
   if (is_valid(simple)) return simple;
+  const auto with_care = [&](const Polygon& polygon) {
+    for (const double finer_m : {tolerance_m, tolerance_m / 2, tolerance_m / 4})
+      if (Polygons found = simplified({polygon}, finer_m); is_valid(found)) return found;
+    return repaired(polygon);
+  };
   Polygons all;
-  for (const Polygon& polygon : exact) {
-    simple = repaired(polygon);
-    double finer_m = tolerance_m;
-    for (int k = 0; k < kTries; ++k, finer_m /= 2)
-      if (Polygons found = simplified({polygon}, finer_m); is_valid(found)) {
-        simple = std::move(found);
-        break;
-      }
-    all = united(all, simple);
-  }
+  for (const Polygon& polygon : exact) all = united(all, with_care(polygon));
   return all;
 }
 
@@ -139,69 +134,62 @@ void add_parts(std::span<const Ring> rings,
 
 // ---- Pixels of a depth image ----
 
-/// Corners of pixels, along their rays, on a plane through what these pixels measured.
-class PixelsOnPlane {
- public:
-  PixelsOnPlane(const Frame& frame, const Cloud& cloud) : frame_(frame), cloud_(cloud) {}
-
-  void look_at(const Outline& outline, double nearest_m, double farthest_m) {
-    outline_ = &outline;
-    normal_ = outline.basis.u.cross(outline.basis.v);
-    nearest_m_ = nearest_m;
-    farthest_m_ = farthest_m;
-  }
-  /// Empty where the ring's rays do not meet the plane about where its pixels are.
-  PolygonRing operator()(const Ring& ring) const {
-    constexpr double kSlack = 1.25;
-    const Vec3d sensor = cloud_.T_world_sensor.translation();
-    const double height = normal_.dot(outline_->origin - sensor);
-    PolygonRing on_plane;
-    on_plane.reserve(ring.corners.size());
-    for (const Vec2d& place : places(ring)) {
-      const Vec2d pixel = place - Vec2d(0.5, 0.5);
-      const Vec2d ray = pixel_to_ray(frame_.intrinsics, pixel.x(), pixel.y());
-      const Vec3d along = cloud_.T_world_sensor.linear() * Vec3d(ray.x(), ray.y(), 1);
-      const double z = height / normal_.dot(along);
-      if (!(z >= nearest_m_ / kSlack && z <= farthest_m_ * kSlack)) return {};
-      const Vec3d at = sensor + z * along - outline_->origin;
-      on_plane.emplace_back(outline_->basis.u.dot(at), outline_->basis.v.dot(at));
-    }
-    return on_plane;
-  }
-
- private:
-  /// Its corners; where the lens bends lines, points between them as well.
-  std::vector<Vec2d> places(const Ring& ring) const {
-    constexpr double kStep_px = 8;
-    const bool bent = frame_.intrinsics.distortion != Distortion::none;
-    std::vector<Vec2d> all;
-    for (std::size_t i = 0; i < ring.corners.size(); ++i) {
-      const Vec2d from = ring.corners[i].place();
-      const Vec2d to = ring.corners[(i + 1) % ring.corners.size()].place();
-      const int steps = bent ? 1 + static_cast<int>((to - from).norm() / kStep_px) : 1;
-      for (int s = 0; s < steps; ++s) all.push_back(from + (to - from) * s / steps);
-    }
-    return all;
-  }
-
-  const Frame& frame_;
-  const Cloud& cloud_;
-  const Outline* outline_ = nullptr;
-  Vec3d normal_;
-  double nearest_m_ = 0, farthest_m_ = 0;  // depths of the plane's pixels
+/// Nearest and farthest of a plane's pixels [m].
+struct Depths {
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = 0;
 };
+
+/// A ring's corners; where the lens bends lines, places between them as well.
+std::vector<Vec2d> places(const Ring& ring, bool bent) {
+  constexpr double kStep_px = 8;
+  std::vector<Vec2d> all;
+  all.reserve(ring.corners.size());
+  for (std::size_t i = 0; i < ring.corners.size(); ++i) {
+    const Vec2d from = ring.corners[i].place();
+    const Vec2d to = ring.corners[(i + 1) % ring.corners.size()].place();
+    const int steps = bent ? 1 + static_cast<int>((to - from).norm() / kStep_px) : 1;
+    for (int s = 0; s < steps; ++s) all.push_back(from + (to - from) * s / steps);
+  }
+  return all;
+}
+
+/// Along its pixels' rays on the outline's plane. Empty where these do not meet the plane about
+/// where the pixels are.
+PolygonRing on_plane_along_rays(const Ring& ring,
+                                const Intrinsics& camera,
+                                const Pose& T_world_sensor,
+                                const Outline& outline,
+                                const Depths& depths) {
+  constexpr double kSlack = 1.25;
+  const Vec3d normal = outline.basis.u.cross(outline.basis.v);
+  const Vec3d sensor = T_world_sensor.translation();
+  const double height = normal.dot(outline.origin - sensor);
+  PolygonRing on_plane;
+  for (const Vec2d& place : places(ring, camera.distortion != Distortion::none)) {
+    const Vec2d ray = pixel_to_ray(camera, place.x() - 0.5, place.y() - 0.5);
+    const Vec3d along = T_world_sensor.linear() * Vec3d(ray.x(), ray.y(), 1);
+    const double z = height / normal.dot(along);
+    if (!(z >= depths.least / kSlack && z <= depths.greatest * kSlack)) return {};
+    const Vec3d at = sensor + z * along - outline.origin;
+    on_plane.emplace_back(outline.basis.u.dot(at), outline.basis.v.dot(at));
+  }
+  return on_plane;
+}
 
 // ---- Cells of a grid on the plane ----
 
 /// A grid about points on a plane, with a margin where none are.
 class CellImage {
  public:
-  CellImage(std::span<const Vec2d> points, double cell_m, int margin) : cell_m_(cell_m) {
-    Vec2d high = low_ = points[0];
-    for (const Vec2d& p : points) low_ = low_.cwiseMin(p), high = high.cwiseMax(p);
-    low_ -= Vec2d::Constant(margin * cell_m);
-    image_.width = static_cast<int>((high.x() - low_.x()) / cell_m) + 1 + margin;
-    image_.height = static_cast<int>((high.y() - low_.y()) / cell_m) + 1 + margin;
+  /// `box`: that the points are in.
+  CellImage(std::span<const Vec2d> points,
+            const Eigen::AlignedBox2d& box,
+            double cell_m,
+            int margin)
+      : cell_m_(cell_m), low_(box.min() - Vec2d::Constant(margin * cell_m)) {
+    image_.width = static_cast<int>((box.max().x() - low_.x()) / cell_m) + 1 + margin;
+    image_.height = static_cast<int>((box.max().y() - low_.y()) / cell_m) + 1 + margin;
     image_.labels.assign(static_cast<std::size_t>(image_.width) * image_.height, 0);
     for (const Vec2d& p : points) {
       const Vec2d at = (p - low_) / cell_m;
@@ -252,16 +240,16 @@ void add_cells(std::span<const Vec2d> points,
   constexpr double kFull = 4;          // points in a cell that few others like it are empty
   constexpr int kMostRadius = 4;
   if (points.empty()) return;
-  Vec2d low = points[0], high = points[0];
-  for (const Vec2d& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  cell_m = std::max(cell_m, (high - low).maxCoeff() / kMostCells);
+  Eigen::AlignedBox2d box;
+  for (const Vec2d& p : points) box.extend(p);
+  cell_m = std::max(cell_m, box.sizes().maxCoeff() / kMostCells);
   // What is seldom hit is no gap: half of the cells in which there are enough points.
   int radius = 0;
   while (radius < kMostRadius &&
          static_cast<double>(points.size()) <
-             kFull * CellImage(points, cell_m * (2 * radius + 1), 0).marked())
+             kFull * CellImage(points, box, cell_m * (2 * radius + 1), 0).marked())
     ++radius;
-  CellImage cells(points, cell_m, radius + 2);
+  CellImage cells(points, box, cell_m, radius + 2);
   cells.close(radius);
   const OntoPlane onto_plane = [&](const Ring& ring) { return cells.on_plane(ring); };
   const IsForeign none = [](std::size_t, std::int32_t) { return false; };
@@ -303,13 +291,12 @@ std::vector<Outline> empty_outlines(const FrameResult& result) {
 class OfPixels {
  public:
   OfPixels(const Frame& frame, const FrameResult& result, const OutlineOptions& options)
-      : result_(result), options_(options), onto_plane_(frame, result.cloud) {
+      : frame_(frame), result_(result), options_(options) {
     const Cloud& cloud = result.cloud;
     image_.width = cloud.width, image_.height = cloud.height;
     image_.labels.assign(static_cast<std::size_t>(cloud.width) * cloud.height, 0);
     measured_.assign(image_.labels.size(), kNothing);
-    depths_.assign(result.segmentation.planes.size() + 1,
-                   {std::numeric_limits<double>::infinity(), 0.0});
+    depths_.resize(result.segmentation.planes.size() + 1);
     const Vec3d ahead = cloud.T_world_sensor.linear().col(2);
     for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
       const std::int32_t id = result.plane_of[i];
@@ -317,7 +304,7 @@ class OfPixels {
       measured_[cloud.source[i]] = i;
       if (id == 0) continue;
       const double z = ahead.dot(cloud.points[i].cast<double>() - result.sensor());
-      depths_[id] = {std::min(depths_[id][0], z), std::max(depths_[id][1], z)};
+      depths_[id] = {std::min(depths_[id].least, z), std::max(depths_[id].greatest, z)};
     }
   }
 
@@ -330,9 +317,8 @@ class OfPixels {
       return std::abs(result_.segmentation.planes[id - 1].fit.distance_m(p)) > 2 * tau_m;
     };
     const OntoPlane onto_plane = [&](const Ring& ring) {
-      const auto [nearest_m, farthest_m] = depths_[ring.label];
-      onto_plane_.look_at(outlines[ring.label - 1], nearest_m, farthest_m);
-      return onto_plane_(ring);
+      return on_plane_along_rays(ring, frame_.intrinsics, result_.cloud.T_world_sensor,
+                                 outlines[ring.label - 1], depths_[ring.label]);
     };
     close_gaps(image_, is_foreign, onto_plane, options_);
     std::vector<Ring> rings = trace_rings(image_.labels, image_.width, image_.height);
@@ -355,12 +341,12 @@ class OfPixels {
 
  private:
   static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
+  const Frame& frame_;
   const FrameResult& result_;
   const OutlineOptions& options_;
-  PixelsOnPlane onto_plane_;
   LabelImage image_;
-  std::vector<std::uint32_t> measured_;        // per pixel: its point
-  std::vector<std::array<double, 2>> depths_;  // per plane id: nearest and farthest [m]
+  std::vector<std::uint32_t> measured_;  // per pixel: its point
+  std::vector<Depths> depths_;           // per plane id
   std::set<std::int32_t> grazed_;
 };
 
