@@ -6,9 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <new>
 #include <sstream>
 #include <system_error>
@@ -81,6 +85,23 @@ Interrupt::~Interrupt() {
   watcher_.join();
   close(pipe_[0]);
   close(pipe_[1]);
+}
+
+/// Memory for what is done when there is none: taking down a JSON document asks for some in a
+/// destructor, where a refusal ends the program, and so does the line that tells the user. Each
+/// refusal gives back a block; threads may run out of memory side by side.
+constexpr std::size_t kReserveBytes = 1 << 20;
+std::array<void*, 8> g_reserve;
+std::atomic<std::size_t> g_given_back = 0;
+
+void set_reserve_aside() {
+  for (void*& block : g_reserve) block = std::malloc(kReserveBytes);
+  std::set_new_handler([] {
+    const std::size_t next = g_given_back++;
+    if (next < g_reserve.size()) std::free(g_reserve[next]);
+    const bool may_be_destructor = std::uncaught_exceptions() > 0;
+    if (!may_be_destructor || next >= g_reserve.size()) throw std::bad_alloc();
+  });
 }
 
 std::string shell_word(const std::string& word) {
@@ -234,6 +255,7 @@ int fail(const std::string& message, int code) {
 
 int run_program(const Program& program, int argc, char** argv) {
   set_notice_name(program.name);
+  set_reserve_aside();
   try {
     const Job job = parse(program, argc, argv);
     const Interrupt interrupt;

@@ -6,12 +6,28 @@
 #include <exception>
 #include <latch>
 #include <mutex>
-#include <optional>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 namespace planescope {
+namespace {
+
+/// run(1), run(2), ... on `count` threads of their own, or on as many as the system has to give.
+template <typename Run>
+std::vector<std::jthread> start_threads(std::size_t count, const Run& run) {
+  std::vector<std::jthread> threads;
+  try {
+    threads.reserve(count);
+    while (threads.size() < count) threads.emplace_back(run, threads.size() + 1);
+  } catch (const std::system_error&) {
+  } catch (const std::bad_alloc&) {
+  }
+  return threads;
+}
+
+}  // namespace
 
 void parallel_for(std::size_t count,
                   int threads,
@@ -33,15 +49,9 @@ void parallel_for(std::size_t count,
     }
   };
   {
-    std::vector<std::jthread> workers;
-    workers.reserve(n - 1);
-    std::size_t started = 1;
-    try {
-      for (; started < n; ++started) workers.emplace_back(run, started);
-    } catch (const std::system_error&) {  // no more threads: this one does the rest
-    }
+    const std::vector<std::jthread> workers = start_threads(n - 1, run);
     run(0);
-    for (std::size_t i = started; i < n; ++i) run(i);
+    for (std::size_t i = 1 + workers.size(); i < n; ++i) run(i);
   }
   for (const auto& error : errors)
     if (error) std::rethrow_exception(error);
@@ -137,11 +147,8 @@ void work_in_order(int count,
                    const std::function<void(int)>& take) {
   const int workers = std::min(threads, count);
   Line line(count, 2 * workers, make);
-  std::vector<std::jthread> started;
-  try {
-    for (int i = 0; workers > 1 && i < workers; ++i) started.emplace_back([&] { line.work(); });
-  } catch (const std::system_error&) {  // no more threads: those there are do the rest
-  }
+  const std::vector<std::jthread> started =
+      start_threads(workers > 1 ? workers : 0, [&](std::size_t) { line.work(); });
   if (started.empty()) {
     for (int i = 0; i < count; ++i) {
       make(i);
@@ -161,27 +168,24 @@ void run_team(int threads, const std::function<void(TeamMember&)>& body) {
   // Members wait until it is known how many there are: a system that has no more threads to give
   // makes the team smaller.
   std::latch complete(1);
-  std::optional<std::barrier<>> barrier;
-  std::vector<std::exception_ptr> errors(static_cast<std::size_t>(std::max(1, threads)));
+  const int wanted = std::max(1, threads);
+  std::barrier<> barrier(wanted);
+  std::vector<std::exception_ptr> errors(wanted);
   int size = 1;
-  const auto run = [&](int rank) {
+  const auto run = [&](std::size_t rank) {
     complete.wait();
-    TeamMember member(rank, size, *barrier);
+    TeamMember member(static_cast<int>(rank), size, barrier);
     try {
       body(member);
     } catch (...) {
       errors[rank] = std::current_exception();
-      barrier->arrive_and_drop();  // the others go on without this one
+      barrier.arrive_and_drop();  // the others go on without this one
     }
   };
   {
-    std::vector<std::jthread> others;
-    others.reserve(errors.size() - 1);
-    try {
-      for (; size < threads; ++size) others.emplace_back(run, size);
-    } catch (const std::system_error&) {
-    }
-    barrier.emplace(size);
+    const std::vector<std::jthread> others = start_threads(wanted - 1, run);
+    size += static_cast<int>(others.size());
+    for (int missing = size; missing < wanted; ++missing) barrier.arrive_and_drop();
     complete.count_down();
     run(0);
   }

@@ -134,6 +134,19 @@ TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
   EXPECT_TRUE(worked);
 }
 
+// Wherever the last byte is asked for: in a library, while a document is taken down, in a thread.
+TEST_F(Environment, MemoryThatRunsOutAnywhereIsToldInOneLine) {
+  constexpr rlim_t kFinely = 4'000'000;
+  for (rlim_t bytes = 206'000'000; bytes <= 250'000'000; bytes += kFinely) {
+    SCOPED_TRACE(bytes);
+    if (run_in({"--version"}, [&] { limit(RLIMIT_AS, bytes); }).code != 0) continue;
+    const Ran ran = run_in(segment(dir / "out"), [&] { limit(RLIMIT_AS, bytes); });
+    if (ran.code == 0) continue;
+    expect_one_line(ran);
+    EXPECT_NE(ran.err.find("out of memory"), std::string::npos) << ran.err;
+  }
+}
+
 // ---- Locales and names ----
 
 TEST_F(Environment, NumbersHaveAPointInAnyLocale) {

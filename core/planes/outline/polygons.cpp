@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <string>
 
 #include "core/model/error.hpp"
@@ -34,7 +35,7 @@ class Geos {
   template <typename Make, typename... Args>
   Geometry make(const Make& function, Args... args) const {
     GEOSGeometry* made = function(handle_, args...);
-    if (!made) throw Error("polygons: " + message_);
+    if (!made) fail();
     return {made, Free{handle_}};
   }
 
@@ -60,10 +61,18 @@ class Geos {
   }
 
   bool is_valid(const GEOSGeometry* geometry) const {
-    return GEOSisValid_r(handle_, geometry) == 1;
+    const char valid = GEOSisValid_r(handle_, geometry);  // 2: it could not be told
+    if (valid == 2) fail();
+    return valid == 1;
   }
 
  private:
+  /// GEOS tells whatever it caught by its text alone; memory that ran out is told as everywhere.
+  [[noreturn]] void fail() const {
+    if (message_ == std::bad_alloc().what()) throw std::bad_alloc();
+    throw Error("polygons: " + message_);
+  }
+
   Geometry of(const PolygonRing& ring) const {
     std::vector<double> xy;
     xy.reserve(2 * ring.size() + 2);
@@ -71,6 +80,7 @@ class Geos {
     xy.insert(xy.end(), {ring[0].x(), ring[0].y()});
     GEOSCoordSequence* points = GEOSCoordSeq_copyFromBuffer_r(
         handle_, xy.data(), static_cast<unsigned>(ring.size() + 1), false, false);
+    if (!points) fail();
     return make(GEOSGeom_createLinearRing_r, points);
   }
 
