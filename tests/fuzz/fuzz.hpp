@@ -2,7 +2,7 @@
 
 // What reads files and texts that anybody may have written, as targets: each reads any bytes. Built
 // twice: with libFuzzer, which looks for bytes that do harm (scripts/fuzz), and as a test that
-// reads the kept corpus.
+// reads the kept corpus and changed copies of it.
 
 #include <filesystem>
 #include <span>

@@ -4,10 +4,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
-#include <random>
 
 #include "core/model/read_limit.hpp"
-#include "fuzz/fuzz.hpp"
+#include "fuzz/change.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max);
 
@@ -35,37 +34,12 @@ void change_bytes(ByteVector& bytes, std::size_t max) {
   bytes.resize(LLVMFuzzerMutate(bytes.data(), size, bytes.size()));
 }
 
-void change_pieces(std::vector<ByteVector>& pieces, std::size_t max, std::minstd_rand& random) {
-  const auto any = [&] { return static_cast<std::size_t>(random() % pieces.size()); };
-  switch (random() % 8) {
-    case 0:
-      pieces.push_back(pieces[any()]);
-      break;
-    case 1:
-      pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(any()));
-      break;
-    case 2:
-      std::swap(pieces[any()], pieces[any()]);
-      break;
-    default:
-      change_bytes(pieces[any()], max);
-  }
-}
-
-/// Size of the changed file in `data`; 0 where its pieces could not be told or do not fit.
+/// Size of the changed file in `data`; 0 where there is none.
 std::size_t mutate_pieces(std::uint8_t* data, std::size_t size, std::size_t max, unsigned seed) {
-  try {
-    std::vector<ByteVector> pieces = target().split({data, size});
-    if (pieces.empty()) return 0;
-    std::minstd_rand random(seed);
-    change_pieces(pieces, max, random);
-    const ByteVector bytes = target().join(pieces);
-    if (bytes.empty() || bytes.size() > max) return 0;
-    std::memcpy(data, bytes.data(), bytes.size());
-    return bytes.size();
-  } catch (const std::exception&) {
-    return 0;
-  }
+  std::minstd_rand random(seed);
+  const ByteVector bytes = with_changed_piece(target(), {data, size}, max, random, change_bytes);
+  if (!bytes.empty()) std::memcpy(data, bytes.data(), bytes.size());
+  return bytes.size();
 }
 
 }  // namespace
