@@ -1,0 +1,8 @@
+#define PLANESCOPE_LANES 8
+#include "core/planes/cloud/pixel_kernels.inl"
+
+namespace planescope::planes {
+
+const PixelKernels kPixelKernelsAvx512{project, add_to_patches, find_on_plane};
+
+}  // namespace planescope::planes
