@@ -1,7 +1,7 @@
 #pragma once
 
-// The inner loops over the pixels of a depth image, once per instruction set: lanes run over
-// pixels, or over patches of them, and each number comes of the same operations in the same order.
+// The inner loops over the pixels of a depth image and their points, once per instruction set: lanes
+// run over pixels, or over patches of them, and each number comes of the same operations in the same order.
 // Raw pointers only, so that nothing compiled for one set can end up in code for all.
 
 #include <cstddef>
@@ -56,10 +56,29 @@ struct OnPlaneArgs {
   std::uint8_t* on = nullptr;       // [count] 0 or 1
 };
 
+/// Where points lie on a plane, and how far from it: u, v and n are its axes, about `origin`.
+struct LayFlatArgs {
+  std::size_t count = 0;
+  const float* points = nullptr;  // [count x 3]
+  double origin[3] = {}, u_axis[3] = {}, v_axis[3] = {}, n_axis[3] = {};
+  double *u = nullptr, *v = nullptr, *n = nullptr;  // [count]
+};
+
+/// The cells of a grid in which places on an axis lie, less `first`.
+struct CellArgs {
+  std::size_t count = 0;
+  const double* places = nullptr;  // [count], at most 2^30 cells from 0
+  double cell = 1;                 // in the unit of the places
+  int first = 0;
+  std::int32_t* cells = nullptr;  // [count]
+};
+
 struct PixelKernels {
   void (*project)(const ProjectArgs&);
   void (*add_to_patches)(const PatchArgs&);
   void (*find_on_plane)(const OnPlaneArgs&);
+  void (*lay_flat)(const LayFlatArgs&);
+  void (*find_cells)(const CellArgs&);
 };
 const PixelKernels& pixel_kernels(Simd simd);
 

@@ -91,5 +91,28 @@ void find_on_plane(const OnPlaneArgs& a) {
   }
 }
 
+void lay_flat(const LayFlatArgs& args) {
+  const LayFlatArgs a = args;
+  double *const u = a.u, *const v = a.v, *const n = a.n;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < a.count; ++i) {
+    const double x = a.points[3 * i] - a.origin[0], y = a.points[3 * i + 1] - a.origin[1];
+    const double z = a.points[3 * i + 2] - a.origin[2];
+    u[i] = (a.u_axis[0] * x + a.u_axis[1] * y) + a.u_axis[2] * z;
+    v[i] = (a.v_axis[0] * x + a.v_axis[1] * y) + a.v_axis[2] * z;
+    n[i] = (a.n_axis[0] * x + a.n_axis[1] * y) + a.n_axis[2] * z;
+  }
+}
+
+void find_cells(const CellArgs& args) {
+  const CellArgs a = args;
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < a.count; ++i) {
+    const double cells_from_0 = a.places[i] / a.cell;
+    const int cut = static_cast<int>(cells_from_0);
+    a.cells[i] = cut - (static_cast<double>(cut) > cells_from_0) - a.first;
+  }
+}
+
 }  // namespace
 }  // namespace planescope::planes

@@ -3,6 +3,7 @@
 
 namespace planescope::planes {
 
-const PixelKernels kPixelKernelsAvx512{project, add_to_patches, find_on_plane};
+const PixelKernels kPixelKernelsAvx512{project, add_to_patches, find_on_plane, lay_flat,
+                                       find_cells};
 
 }  // namespace planescope::planes

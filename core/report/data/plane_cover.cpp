@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "core/model/plane.hpp"
+#include "core/planes/cloud/pixel_kernels.hpp"
 
 namespace planescope::report {
 namespace {
@@ -37,13 +38,21 @@ struct Axis {
   int cells = 0;
   double cell_m = 0;
 
-  /// Of a point: its cell, from 0.
-  int at(double x) const {  // std::floor() is a call where SSE 4.1 is not
-    const double cells_from_0 = x / cell_m;
-    const auto cut = static_cast<int>(cells_from_0);
-    return cut - (static_cast<double>(cut) > cells_from_0) - first;
-  }
   double begin_of(int cell) const { return (cell + first) * cell_m; }
+  /// The first cell, from 0, that does not begin before `place`.
+  int from(double place) const {
+    return std::max(0, static_cast<int>(cell_at(place, cell_m)) - first);
+  }
+  std::vector<std::int32_t> cells_of(const std::vector<double>& places) const {
+    std::vector<std::int32_t> result(places.size());
+    planes::pixel_kernels(best_simd())
+        .find_cells({.count = places.size(),
+                     .places = places.data(),
+                     .cell = cell_m,
+                     .first = first,
+                     .cells = result.data()});
+    return result;
+  }
 };
 
 struct Range {
@@ -51,14 +60,36 @@ struct Range {
   void add(double x) { least = std::min(least, x), greatest = std::max(greatest, x); }
 };
 
+/// Four at a time, none of which waits for another.
+Range range_of(const std::vector<double>& places) {
+  Range lanes[4];
+  std::size_t i = 0;
+  for (; i + 4 <= places.size(); i += 4)
+    for (std::size_t k = 0; k < 4; ++k) lanes[k].add(places[i + k]);
+  for (; i < places.size(); ++i) lanes[0].add(places[i]);
+  for (const Range& lane : lanes) lanes[0].add(lane.least), lanes[0].add(lane.greatest);
+  return lanes[0];
+}
+
 /// Without cells where a point would be too far from 0 for an int.
 Axis axis_of(const std::vector<double>& places, double cell_m) {
   constexpr double kFarthest = 1 << 30;
-  Range range;
-  for (const double x : places) range.add(x);
+  const Range range = range_of(places);
   const double first = cell_at(range.least, cell_m), last = cell_at(range.greatest, cell_m);
   if (!(first > -kFarthest && last < kFarthest)) return {0, 0, cell_m};
   return {static_cast<int>(first), static_cast<int>(last - first) + 1, cell_m};
+}
+
+std::size_t occupied_cells(const std::vector<std::int32_t>& column_of,
+                           const std::vector<std::int32_t>& row_of,
+                           int columns,
+                           int rows) {
+  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(columns) * rows);
+  const std::int32_t *const column = column_of.data(), *const row = row_of.data();
+  std::uint8_t* const cell = occupied.data();
+  for (std::size_t i = 0, count = column_of.size(); i < count; ++i)
+    cell[static_cast<std::size_t>(row[i]) * columns + column[i]] = 1;
+  return static_cast<std::size_t>(std::ranges::count(occupied, 1));
 }
 
 /// Of each column, what is inside the hull of some of the points: least < v < greatest.
@@ -68,7 +99,7 @@ std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns
     const Vec2d &a = hull[i], &b = hull[(i + 1) % hull.size()];
     const auto [left, right] = std::minmax(a.x(), b.x());
     if (!(left < right)) continue;
-    for (int c = std::max(0, columns.at(left)); c <= columns.cells; ++c) {
+    for (int c = columns.from(left); c <= columns.cells; ++c) {
       const double x = columns.begin_of(c);
       if (x > right) break;
       if (x < left) continue;
@@ -94,24 +125,20 @@ Cover cover_of(const FlatPoints& points, double cell_m) {
   if (cells == 0 || cells > 4096 + 8 * static_cast<double>(points.size()))
     return cover_of_sparse(points, cell_m);
 
+  const std::vector<std::int32_t> column_of = columns.cells_of(points.u);
+  const std::vector<std::int32_t> row_of = rows.cells_of(points.v);
   Cover cover;
-  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(cells));
-  std::vector<int> column_of(points.size());
+  cover.cells = occupied_cells(column_of, row_of, columns.cells, rows.cells);
   struct Extremes {
     Range v;
     double u_of_least = 0, u_of_greatest = 0;
   };
   std::vector<Extremes> extremes(columns.cells);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double u = points.u[i], v = points.v[i];
-    const int column = column_of[i] = columns.at(u);
-    std::uint8_t& cell =
-        occupied[static_cast<std::size_t>(rows.at(v)) * columns.cells + column];
-    cover.cells += cell == 0;
-    cell = 1;
-    Extremes& e = extremes[column];
-    if (v < e.v.least) e.v.least = v, e.u_of_least = u;
-    if (v > e.v.greatest) e.v.greatest = v, e.u_of_greatest = u;
+    Extremes& e = extremes[column_of[i]];
+    const double v = points.v[i];
+    if (v < e.v.least) e.v.least = v, e.u_of_least = points.u[i];
+    if (v > e.v.greatest) e.v.greatest = v, e.u_of_greatest = points.u[i];
   }
   std::vector<Vec2d> some;
   for (const Extremes& e : extremes)

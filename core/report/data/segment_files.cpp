@@ -173,7 +173,7 @@ std::string planes_json(const Frame& frame,
     plane["hull"] = Json::array();
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
     plane["outline"] = outline_json(outlines[static_cast<std::size_t>(s.id) - 1]);
-    json["planes"].push_back(plane);
+    json["planes"].push_back(std::move(plane));
   }
   if (!result.from_cloud && ours) {
     json["minor_planes"] = Json::array();
