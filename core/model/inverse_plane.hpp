@@ -21,7 +21,14 @@ struct InversePlane {
 
 /// Sums for the least-squares fit; additive.
 struct InverseSums {
+  static constexpr int kSums = 10;  // of the products of x, y, z and w with those from them on
   int count = 0;
+
+  InverseSums() = default;
+  /// `sums` of `count` rays, w w last.
+  InverseSums(int rays, const double (&sums)[kSums]) : count(rays) {
+    std::copy_n(sums, kSums, sums_);
+  }
 
   void add(const Vec3d& ray, double w) {
     const double x = ray.x(), y = ray.y(), z = ray.z();
@@ -62,8 +69,7 @@ struct InverseSums {
   }
 
  private:
-  static constexpr int kSums = 10;
-  double sums_[kSums] = {};  // of the products of x, y, z and w with those from them on, w w last
+  double sums_[kSums] = {};
 };
 
 }  // namespace planescope

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -11,19 +13,29 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "clouds are written as they lie in memory");
 
-/// Writes values one behind the other into what was made large enough.
-class Packer {
- public:
-  explicit Packer(unsigned char* at) : at_(at) {}
+constexpr std::size_t kAtOnce = 256;  // points whose records stay in the cache
 
-  template <typename T>
-  void append(T value) {
-    std::memcpy(at_, &value, sizeof(T));
-    at_ += sizeof(T);
+/// The records of some points, one behind the other. Field by field, so that what a record has is
+/// asked once and not for each point.
+class Records {
+ public:
+  Records(unsigned char* at, std::size_t record_bytes, std::size_t first, std::size_t last)
+      : at_(at), record_bytes_(record_bytes), first_(first), last_(last) {}
+
+  /// The next field of every record.
+  template <typename ValueOf>
+  void append(const ValueOf& value_of) {
+    unsigned char* at = at_;
+    for (std::size_t i = first_; i < last_; ++i, at += record_bytes_) {
+      const auto value = value_of(i);
+      std::memcpy(at, &value, sizeof(value));
+    }
+    at_ += sizeof(value_of(first_));
   }
 
  private:
-  unsigned char* at_;
+  unsigned char* at_;  // the next field of the first record
+  std::size_t record_bytes_, first_, last_;
 };
 
 bool is_far(const PointSet& set) { return !set.origin.isZero(0); }
@@ -37,22 +49,28 @@ void check_sizes([[maybe_unused]] const PointSet& set,
   for ([[maybe_unused]] const IntField& field : more) assert(field.values.size() == count);
 }
 
-void append_point(Packer& out, const PointSet& set, bool far, std::size_t i) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (far)
-      out.append(set.origin[axis] + static_cast<double>(set.points[i][axis]));
-    else
-      out.append(set.points[i][axis]);
-  }
+// The fields' own pointers: a vector's might change with what is written, for all a compiler knows.
+
+void append_points(Records& records, const PointSet& set) {
+  using Doubles = std::array<double, 3>;
+  const Vec3f* const points = set.points.data();
+  if (is_far(set))
+    records.append([points, o = set.origin](std::size_t i) {
+      return Doubles{o[0] + points[i][0], o[1] + points[i][1], o[2] + points[i][2]};
+    });
+  else
+    records.append([points](std::size_t i) { return points[i]; });
 }
 
-void append_labels(Packer& out,
-                   const PointSet& set,
-                   std::span<const IntField> more,
-                   std::size_t i) {
-  if (!set.label.empty()) out.append(set.label[i]);
-  if (!set.instance.empty()) out.append(set.instance[i]);
-  for (const IntField& field : more) out.append(field.values[i]);
+template <typename T>
+void append_values(Records& records, const std::vector<T>& values) {
+  records.append([at = values.data()](std::size_t i) { return at[i]; });
+}
+
+void append_labels(Records& records, const PointSet& set, std::span<const IntField> more) {
+  if (!set.label.empty()) append_values(records, set.label);
+  if (!set.instance.empty()) append_values(records, set.instance);
+  for (const IntField& field : more) append_values(records, field.values);
 }
 
 std::string ply_header(const PointSet& set, std::span<const IntField> more) {
@@ -89,25 +107,26 @@ std::string pcd_header(const PointSet& set, std::span<const IntField> more) {
          "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA binary\n";
 }
 
-/// `header`, and behind it `rgb_bytes` of colour where there is any, and all else, of each point.
-template <typename AppendColor>
+/// `header`, and behind it a record of each point; `color_of`: what tells a point's colour there.
+template <typename ColorOf>
 std::vector<unsigned char> bytes_of(const std::string& header,
                                     const PointSet& set,
                                     std::span<const IntField> more,
-                                    std::size_t rgb_bytes,
-                                    const AppendColor& append_color) {
+                                    const ColorOf& color_of) {
   check_sizes(set, more);
-  const bool far = is_far(set);
-  const std::size_t point_bytes = (far ? 24 : 12) + (set.rgb.empty() ? 0 : rgb_bytes) +
+  const std::size_t point_bytes = (is_far(set) ? 24 : 12) +
+                                  (set.rgb.empty() ? 0 : sizeof(color_of(nullptr))) +
                                   (set.label.empty() ? 0 : 1) + (set.instance.empty() ? 0 : 4) +
                                   4 * more.size();
   std::vector<unsigned char> bytes(header.size() + set.points.size() * point_bytes);
   std::memcpy(bytes.data(), header.data(), header.size());
-  Packer out(bytes.data() + header.size());
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    append_point(out, set, far, i);
-    if (!set.rgb.empty()) append_color(out, &set.rgb[3 * i]);
-    append_labels(out, set, more, i);
+  for (std::size_t i = 0; i < set.points.size(); i += kAtOnce) {
+    Records records(bytes.data() + header.size() + i * point_bytes, point_bytes, i,
+                    std::min(i + kAtOnce, set.points.size()));
+    append_points(records, set);
+    if (!set.rgb.empty())
+      records.append([&, rgb = set.rgb.data()](std::size_t at) { return color_of(rgb + 3 * at); });
+    append_labels(records, set, more);
   }
   return bytes;
 }
@@ -115,8 +134,8 @@ std::vector<unsigned char> bytes_of(const std::string& header,
 }  // namespace
 
 std::vector<unsigned char> ply_bytes(const PointSet& set, std::span<const IntField> more) {
-  return bytes_of(ply_header(set, more), set, more, 3, [](Packer& out, const std::uint8_t* rgb) {
-    for (int channel = 0; channel < 3; ++channel) out.append(rgb[channel]);
+  return bytes_of(ply_header(set, more), set, more, [](const std::uint8_t* rgb) {
+    return std::array{rgb[0], rgb[1], rgb[2]};
   });
 }
 
@@ -125,8 +144,8 @@ void write_ply(const std::filesystem::path& path, const PointSet& set) {
 }
 
 std::vector<unsigned char> pcd_bytes(const PointSet& set, std::span<const IntField> more) {
-  return bytes_of(pcd_header(set, more), set, more, 4, [](Packer& out, const std::uint8_t* rgb) {
-    out.append(std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2]);
+  return bytes_of(pcd_header(set, more), set, more, [](const std::uint8_t* rgb) {
+    return std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2];
   });
 }
 

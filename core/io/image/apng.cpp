@@ -18,8 +18,6 @@ using Bytes = std::vector<unsigned char>;
 constexpr int kChannels = 3;
 constexpr int kSmallLevel = 6;
 
-enum Filter { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
-
 void write(std::ostream& out, const Bytes& bytes) {
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
@@ -29,14 +27,6 @@ void write_chunk(std::ostream& out, std::string_view type, const Bytes& content)
   Bytes chunk;
   append_chunk(chunk, type, content);
   write(out, chunk);
-}
-
-int paeth(int left, int up, int corner) {
-  const int guess = left + up - corner;
-  const int by_left = std::abs(guess - left), by_up = std::abs(guess - up);
-  const int by_corner = std::abs(guess - corner);
-  if (by_left <= by_up && by_left <= by_corner) return left;
-  return by_up <= by_corner ? up : corner;
 }
 
 /// A row as it differs from what the filter foretells. `above`: zeros where there is none.

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "core/io/image/png_chunks.hpp"
+#include "core/io/image/png_plain.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/read_limit.hpp"
@@ -123,29 +124,43 @@ PngInfo open(Decoder& decoder,
           png_get_bit_depth(decoder.png, decoder.info)};
 }
 
+/// As the machine has it, from as PNG has it: 16 bits with the high byte first.
+void to_native(std::span<std::uint16_t> values) {
+  if constexpr (std::endian::native == std::endian::little)
+    for (std::uint16_t& value : values) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+}
+void to_native(std::span<std::uint8_t>) {}
+
+/// `decoder` has read the header of `file`.
 template <typename T>
 Image<T> decode(Decoder& decoder,
                 const PngInfo& info,
-                std::size_t file_bytes,
+                std::span<const unsigned char> file,
                 int channels,
                 const std::filesystem::path& path) {
   const std::uint64_t packed_bits = std::uint64_t(info.width) * info.height * info.bit_depth;
-  if (packed_bits / 8 > file_bytes * kMaxDeflateRatio) {
+  if (packed_bits / 8 > file.size() * kMaxDeflateRatio) {
     throw Error(path.string() + ": promises " + std::to_string(info.width) + "x" +
                 std::to_string(info.height) + " pixels, more than its " +
-                std::to_string(file_bytes) + " bytes can hold");
+                std::to_string(file.size()) + " bytes can hold");
   }
   expect_within_read_limit(static_cast<double>(info.width) * info.height * channels * sizeof(T),
                            path.string() + ": its pixels");
-  if (!guarded(decoder, set_transforms)) fail(path, decoder);
   Image<T> image(info.width, info.height, channels);
   const std::size_t row_bytes = sizeof(T) * info.width * channels;
+  auto* const pixels = reinterpret_cast<unsigned char*>(image.data.data());
+  if (info.channels == channels && info.bit_depth == 8 * static_cast<int>(sizeof(T)) &&
+      unpack_plain_png(file, info, {pixels, row_bytes * info.height})) {
+    to_native(image.data);
+    return image;
+  }
+  if (!guarded(decoder, set_transforms)) fail(path, decoder);
   if (png_get_rowbytes(decoder.png, decoder.info) != row_bytes) {
     throw Error(path.string() + ": PNG of an unexpected pixel layout");
   }
   std::vector<png_bytep> rows(info.height);
   for (int y = 0; y < info.height; ++y) {
-    rows[y] = reinterpret_cast<png_bytep>(image.data.data()) + y * row_bytes;
+    rows[y] = pixels + y * row_bytes;
   }
   decoder.rows = rows.data();
   if (!guarded(decoder, read_rows)) fail(path, decoder);
@@ -163,7 +178,7 @@ Image<T> read_grey(const std::filesystem::path& path) {
                 std::to_string(info.bit_depth) + " bits, expected 1 channel with " +
                 std::to_string(bits) + " bits");
   }
-  return decode<T>(decoder, info, bytes.size(), 1, path);
+  return decode<T>(decoder, info, bytes, 1, path);
 }
 
 }  // namespace
@@ -214,18 +229,22 @@ Image8 read_png_rgb(const std::filesystem::path& path) {
   Decoder decoder;
   const PngInfo info = open(decoder, bytes, path);
   decoder.to_rgb = true;
-  return decode<std::uint8_t>(decoder, info, bytes.size(), 3, path);
+  return decode<std::uint8_t>(decoder, info, bytes, 3, path);
 }
 
 namespace {
 
-constexpr unsigned char kFilterSub = 1;  // of each byte that of the pixel before: cheap, and helps
-constexpr int kQuickLevel = 1;           // files are little larger
+constexpr int kQuickLevel = 1;  // files are little larger
 
-/// As PNG has it in the file: 16 bits with the high byte first.
-unsigned char byte_of(const Image8& image, std::size_t i) { return image.data[i]; }
-unsigned char byte_of(const Image16& image, std::size_t i) {
-  return static_cast<unsigned char>(i % 2 == 0 ? image.data[i / 2] >> 8 : image.data[i / 2]);
+/// Values of a row as PNG has them in the file: 16 bits with the high byte first.
+void to_file(std::span<const std::uint8_t> values, unsigned char* out) {
+  std::memcpy(out, values.data(), values.size());
+}
+void to_file(std::span<const std::uint16_t> values, unsigned char* out) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    out[2 * i] = static_cast<unsigned char>(values[i] >> 8);
+    out[2 * i + 1] = static_cast<unsigned char>(values[i]);
+  }
 }
 
 template <typename T>
@@ -236,14 +255,16 @@ std::vector<unsigned char> encode(const Image<T>& image) {
   const std::size_t pixel_bytes = sizeof(T) * static_cast<std::size_t>(channels);
   const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(image.width);
   std::vector<unsigned char> rows((row_bytes + 1) * static_cast<std::size_t>(image.height));
+  const std::size_t row_values = row_bytes / sizeof(T);
+  std::vector<unsigned char> plain(pixel_bytes + row_bytes);  // a row, and a black pixel before it
   for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y) {
+    to_file(std::span(image.data).subspan(y * row_values, row_values), plain.data() + pixel_bytes);
     unsigned char* row = rows.data() + y * (row_bytes + 1);
-    const std::size_t first = y * row_bytes;
-    *row++ = kFilterSub;
-    for (std::size_t i = 0; i < pixel_bytes; ++i) row[i] = byte_of(image, first + i);
-    for (std::size_t i = pixel_bytes; i < row_bytes; ++i)
-      row[i] = static_cast<unsigned char>(byte_of(image, first + i) -
-                                          byte_of(image, first + i - pixel_bytes));
+    *row++ = kSub;  // cheap, and helps
+    const unsigned char* const before = plain.data();
+    const unsigned char* const at = before + pixel_bytes;
+    for (std::size_t i = 0; i < row_bytes; ++i)
+      row[i] = static_cast<unsigned char>(at[i] - before[i]);
   }
   const PngColor color = channels == 1   ? PngColor::grey
                          : channels == 3 ? PngColor::rgb

@@ -1,9 +1,10 @@
 #pragma once
 
-// What the writers of PNG files share: their parts, and how pixels are packed (PNG, third edition,
+// What readers and writers of PNG files share: their parts, and how pixels are packed (PNG, third edition,
 // W3C 2025).
 
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,17 @@
 namespace planescope::io {
 
 enum class PngColor : unsigned char { grey = 0, rgb = 2, rgba = 6 };
+
+/// By what a row's bytes are foretold; only what they differ by is packed.
+enum PngFilter : unsigned char { kNone, kSub, kUp, kAverage, kPaeth, kFilters };
+/// That of the three neighbours which is nearest to left + up - corner.
+inline int paeth(int left, int up, int corner) {
+  const int guess = left + up - corner;
+  const int by_left = std::abs(guess - left), by_up = std::abs(guess - up);
+  const int by_corner = std::abs(guess - corner);
+  if (by_left <= by_up && by_left <= by_corner) return left;
+  return by_up <= by_corner ? up : corner;
+}
 
 void append_32(std::vector<unsigned char>& bytes, std::uint32_t value);  // big-endian
 void append_16(std::vector<unsigned char>& bytes, int value);

@@ -244,7 +244,7 @@ LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
   grid.points.resize(pixels, Vec3f::Constant(std::numeric_limits<float>::quiet_NaN()));
   grid.sigma_m.resize(pixels, 0);
 
-  InverseDepth inverse{grid.width, grid.height, *planes::ray_table(frame.intrinsics), {}};
+  InverseDepth inverse{grid.width, grid.height, planes::rays_of_pixels(frame.intrinsics), {}};
   inverse.per_m.resize(pixels, 0);
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint16_t counts = frame.depth.data[i];

@@ -87,21 +87,53 @@ Vec2d ray_to_pixel(const Intrinsics& k, const Vec2d& ray) {
   return {k.fx * seen.x() + k.cx, k.fy * seen.y() + k.cy};
 }
 
-RayTable ray_table(const Intrinsics& intrinsics) {
+RayTable::RayTable(const Intrinsics& k)
+    : width_(static_cast<std::size_t>(k.width)), by_axis_(k.distortion == Distortion::none) {
+  if (by_axis_) {
+    for (int u = 0; u < k.width; ++u) x_.push_back(pixel_to_ray(k, u, 0).x());
+    for (int v = 0; v < k.height; ++v) y_.push_back(pixel_to_ray(k, 0, v).y());
+    return;
+  }
+  for (int v = 0; v < k.height; ++v)
+    for (int u = 0; u < k.width; ++u) {
+      Vec2d ray = pixel_to_ray(k, u, v);
+      if (!ray.allFinite()) ray.setConstant(std::numeric_limits<double>::quiet_NaN());
+      x_.push_back(ray.x());
+      y_.push_back(ray.y());
+    }
+}
+
+RayRow RayTable::row(int v, std::vector<double>& scratch) const {
+  const auto at = static_cast<std::size_t>(v);
+  if (!by_axis_) return {x_.data() + at * width_, y_.data() + at * width_};
+  scratch.assign(width_, y_[at]);
+  return {x_.data(), scratch.data()};
+}
+
+std::shared_ptr<const RayTable> ray_table(const Intrinsics& intrinsics) {
   static std::mutex mutex;
   static Intrinsics last;
-  static RayTable table;
+  static std::shared_ptr<const RayTable> table;
   {
     const std::lock_guard lock(mutex);
     if (table && last == intrinsics) return table;
   }
-  auto rays = std::make_shared<std::vector<Vec2d>>();
-  rays->reserve(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
-  for (int v = 0; v < intrinsics.height; ++v)
-    for (int u = 0; u < intrinsics.width; ++u) rays->push_back(pixel_to_ray(intrinsics, u, v));
+  auto made = std::make_shared<const RayTable>(intrinsics);
   const std::lock_guard lock(mutex);
   last = intrinsics;
-  return table = std::move(rays);
+  return table = std::move(made);
+}
+
+std::vector<Vec2d> rays_of_pixels(const Intrinsics& intrinsics) {
+  const std::shared_ptr<const RayTable> table = ray_table(intrinsics);
+  std::vector<double> scratch;
+  std::vector<Vec2d> rays;
+  rays.reserve(static_cast<std::size_t>(intrinsics.width) * intrinsics.height);
+  for (int v = 0; v < intrinsics.height; ++v) {
+    const RayRow row = table->row(v, scratch);
+    for (int u = 0; u < intrinsics.width; ++u) rays.emplace_back(row.x[u], row.y[u]);
+  }
+  return rays;
 }
 
 }  // namespace planescope::planes

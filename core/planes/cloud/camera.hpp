@@ -24,9 +24,32 @@ Vec2d pixel_to_ray(const Intrinsics& intrinsics, double u, double v);
 /// The pixel where the ray (x, y, 1) lands; the inverse of pixel_to_ray.
 Vec2d ray_to_pixel(const Intrinsics& intrinsics, const Vec2d& ray);
 
-/// pixel_to_ray of every pixel centre, row-major: [height * width]. The last camera's is kept: the
-/// frames of a recording share it.
-using RayTable = std::shared_ptr<const std::vector<Vec2d>>;
-RayTable ray_table(const Intrinsics& intrinsics);
+/// pixel_to_ray of the pixel centres of a row: (x[u], y[u], 1).
+struct RayRow {
+  const double* x = nullptr;
+  const double* y = nullptr;
+};
+
+/// pixel_to_ray of every pixel centre.
+class RayTable {
+ public:
+  explicit RayTable(const Intrinsics& intrinsics);
+
+  /// Valid until the next call with the same `scratch`.
+  RayRow row(int v, std::vector<double>& scratch) const;
+  /// Whether all rows have the same x, as they have without distortion.
+  bool same_x() const { return by_axis_; }
+
+ private:
+  std::size_t width_ = 0;
+  bool by_axis_ = false;       // x is that of the column, y that of the row, and none kept twice
+  std::vector<double> x_, y_;  // [height x width], or [width] and [height]
+};
+
+/// The last camera's is kept: the frames of a recording share it.
+std::shared_ptr<const RayTable> ray_table(const Intrinsics& intrinsics);
+
+/// pixel_to_ray of every pixel centre, row-major: [height * width].
+std::vector<Vec2d> rays_of_pixels(const Intrinsics& intrinsics);
 
 }  // namespace planescope::planes

@@ -10,6 +10,7 @@
 
 #include "core/model/error.hpp"
 #include "core/planes/cloud/camera.hpp"
+#include "core/planes/cloud/pixel_kernels.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -64,6 +65,121 @@ void crop(Cloud& cloud, const std::vector<std::uint8_t>& within_range) {
   }
 }
 
+/// Where points go on in a cloud with room for every pixel.
+struct CloudEnd {
+  float* point = nullptr;  // x, y, z
+  std::uint32_t* source = nullptr;
+  std::uint8_t* kept = nullptr;
+};
+
+/// `row` went through the kernel; `pixel`: the number of its first.
+CloudEnd append_points(const ProjectArgs& row, std::size_t pixel, CloudEnd to) {
+  constexpr std::size_t kAtOnce = 16;
+  const float *const x = row.x, *const y = row.y, *const z = row.z;
+  const std::uint8_t* const fate = row.fate;
+  const auto append_some = [&](std::size_t first, std::size_t last) {
+    for (std::size_t u = first; u < last; ++u) {  // without a branch: holes come as they like
+      to.point[0] = x[u], to.point[1] = y[u], to.point[2] = z[u];
+      *to.source = static_cast<std::uint32_t>(pixel + u);
+      *to.kept = fate[u] == PixelFate::kept;
+      const bool is_point = fate[u] >= PixelFate::beyond_range;
+      to.point += 3 * is_point, to.source += is_point, to.kept += is_point;
+    }
+  };
+  std::size_t u = 0;
+  for (; u + kAtOnce <= row.count; u += kAtOnce) {
+    int other = 0;
+    for (std::size_t k = 0; k < kAtOnce; ++k) other |= fate[u + k] < PixelFate::beyond_range;
+    if (other != 0) {
+      append_some(u, u + kAtOnce);
+      continue;
+    }
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      to.point[3 * k] = x[u + k];
+      to.point[3 * k + 1] = y[u + k];
+      to.point[3 * k + 2] = z[u + k];
+    }
+    for (std::size_t k = 0; k < kAtOnce; ++k)
+      to.source[k] = static_cast<std::uint32_t>(pixel + u + k);
+#pragma GCC ivdep
+    for (std::size_t k = 0; k < kAtOnce; ++k) to.kept[k] = fate[u + k] == PixelFate::kept;
+    to.point += 3 * kAtOnce, to.source += kAtOnce, to.kept += kAtOnce;
+  }
+  append_some(u, row.count);
+  return to;
+}
+
+/// The least float from `least_m` on.
+float float_from(double least_m) {
+  const auto rounded = static_cast<float>(least_m);
+  return rounded < least_m ? std::nextafter(rounded, std::numeric_limits<float>::max()) : rounded;
+}
+
+/// The least float that is `edge_m` or more beyond a corner.
+float float_beyond(double corner_m, double edge_m) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  auto end = static_cast<float>(corner_m + edge_m);
+  while (end - corner_m >= edge_m) end = std::nextafter(end, -kMost);
+  while (end - corner_m < edge_m) end = std::nextafter(end, kMost);
+  return end;
+}
+
+/// The most counts that are within range.
+int counts_within(double max_range_m, double unit_m) {
+  constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
+  int counts = static_cast<int>(std::min<double>(kMost, max_range_m / unit_m));
+  while (counts > 0 && counts * unit_m > max_range_m) --counts;
+  while (counts < kMost && (counts + 1) * unit_m <= max_range_m) ++counts;
+  return counts;
+}
+
+/// Row by row: back-projects the pixels, turns and crops them, and appends the points.
+void add_pixels(const Frame& frame, double max_range_m, Cloud& cloud) {
+  const auto width = static_cast<std::size_t>(cloud.width);
+  std::vector<float> x(width), y(width), z(width);
+  std::vector<std::uint8_t> fate(width);
+  std::uint64_t fates[5] = {};
+  ProjectArgs row{.count = width,
+                  .unit_m = frame.depth_unit_m,
+                  .most_counts = counts_within(max_range_m, frame.depth_unit_m),
+                  .x = x.data(),
+                  .y = y.data(),
+                  .z = z.data(),
+                  .fate = fate.data(),
+                  .pixels_of_fate = fates};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) row.turn[axis][k] = cloud.T_world_sensor.linear()(axis, k);
+    row.from[axis] = float_from(cloud.cube.min_corner[axis]);
+    row.to[axis] = float_beyond(cloud.cube.min_corner[axis], cloud.cube.edge_m);
+  }
+  const PixelKernels& kernels = pixel_kernels(best_simd());
+  const std::shared_ptr<const RayTable> table = ray_table(frame.intrinsics);
+  std::vector<double> scratch;
+  cloud.points.resize(frame.depth.pixels());
+  cloud.source.resize(frame.depth.pixels());
+  cloud.kept.resize(frame.depth.pixels());
+  CloudEnd end{reinterpret_cast<float*>(cloud.points.data()), cloud.source.data(),
+               cloud.kept.data()};
+  for (int v = 0; v < cloud.height; ++v) {
+    const RayRow rays = table->row(v, scratch);
+    row.depth = &frame.depth.at(0, v);
+    row.ray_x = rays.x, row.ray_y = rays.y;
+    kernels.project(row);
+    end = append_points(row, v * width, end);
+  }
+  CloudCounts& counts = cloud.counts;
+  counts.no_measurement = fates[PixelFate::no_measurement];
+  counts.invalid = fates[PixelFate::no_ray];
+  counts.beyond_range = fates[PixelFate::beyond_range];
+  counts.outside_cube = fates[PixelFate::outside_cube];
+  counts.kept = fates[PixelFate::kept];
+  const auto points = static_cast<std::size_t>(end.source - cloud.source.data());
+  cloud.points.resize(points);
+  cloud.source.resize(points);
+  cloud.kept.resize(points);
+}
+
 Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOptions& options) {
   const Image16& depth = frame.depth;
   const Intrinsics& k = frame.intrinsics;
@@ -73,33 +189,11 @@ Cloud cloud_of_depth(const Frame& frame, const Gravity& gravity, const CloudOpti
   cloud.width = depth.width;
   cloud.height = depth.height;
   cloud.focal_px = std::sqrt(std::abs(k.fx * k.fy));
-  const Mat3d R = cloud.T_world_sensor.linear();
   // A depth image holds nothing beyond 65534 counts, however large the range asked for.
   const double farthest_m = std::min(options.max_range_m, 65534 * frame.depth_unit_m);
   cloud.cube = make_cube(Vec3d::Zero(), 2 * farthest_m, options);
   cloud.counts.pixels = depth.pixels();
-  cloud.points.reserve(depth.pixels());
-  cloud.source.reserve(depth.pixels());
-  std::vector<std::uint8_t> within_range;
-  within_range.reserve(depth.pixels());
-
-  const RayTable table = ray_table(k);
-  const std::vector<Vec2d>& rays = *table;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::uint16_t counts = depth.data[i];
-    if (counts == kNoDepth) {
-      ++cloud.counts.no_measurement;
-    } else if (counts == kFarOutlier || std::isnan(rays[i].x())) {
-      ++cloud.counts.invalid;
-    } else {
-      const double z = counts * frame.depth_unit_m;
-      const Vec3d world = R * Vec3d(rays[i].x() * z, rays[i].y() * z, z);
-      cloud.points.push_back(world.cast<float>());
-      cloud.source.push_back(static_cast<std::uint32_t>(i));
-      within_range.push_back(z <= options.max_range_m);
-    }
-  }
-  crop(cloud, within_range);
+  add_pixels(frame, options.max_range_m, cloud);
   return cloud;
 }
 

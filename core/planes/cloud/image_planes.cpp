@@ -11,6 +11,7 @@
 
 #include "core/model/inverse_plane.hpp"
 #include "core/planes/cloud/camera.hpp"
+#include "core/planes/cloud/pixel_kernels.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -31,6 +32,7 @@ constexpr double kFullWeightDepth_m = 2;  // beyond, a patch's area counts no mo
 
 /// Of inverse depth: rays have z = 1.
 struct Sums : InverseSums {
+  using InverseSums::InverseSums;
   Vec3d mean_ray() const { return rr().col(2) / count; }
   double mean_w() const { return rw()[2] / count; }
 };
@@ -50,28 +52,92 @@ struct Patches {
   double noise = kLeastNoise;  // of inverse depth, typical of this image [1/m]
 };
 
+/// Of a row of pixels, what the patches that it crosses have beside one another: their first
+/// pixels, then their second ones, and so on.
+class PatchRow {
+ public:
+  PatchRow(std::size_t patches, std::size_t size)
+      : size_(size),
+        patches_(patches),
+        padded_((patches + kPatchLanes - 1) / kPatchLanes * kPatchLanes),
+        depth_(size * padded_),
+        has_ray_(size * padded_),
+        x_(size * padded_),
+        y_(size * padded_) {}
+
+  void set_rays(const RayRow& rays) {
+    for (std::size_t u = 0; u < size_; ++u)
+      for (std::size_t p = 0; p < patches_; ++p) {
+        const std::size_t at = u * padded_ + p;
+        x_[at] = rays.x[p * size_ + u];
+        y_[at] = rays.y[p * size_ + u];
+        has_ray_[at] = std::isfinite(x_[at]) && std::isfinite(y_[at]) ? 0xffff : 0;
+      }
+  }
+  /// After set_rays() of a row whose x are the same.
+  void set_y(double y) { std::ranges::fill(y_, y); }
+  /// A pixel without a ray has none.
+  void set_depth(const std::uint16_t* depth) {
+    for (std::size_t u = 0; u < size_; ++u)
+      for (std::size_t p = 0; p < patches_; ++p) {
+        const std::size_t at = u * padded_ + p;
+        depth_[at] = depth[p * size_ + u] & has_ray_[at];
+      }
+  }
+  PatchArgs args(double unit_m, double* sums) const {
+    return {.patches = padded_,
+            .pixels = size_,
+            .depth = depth_.data(),
+            .ray_x = x_.data(),
+            .ray_y = y_.data(),
+            .unit_m = unit_m,
+            .max_depth_m = kMaxDepth_m,
+            .sums = sums};
+  }
+  std::size_t padded() const { return padded_; }
+
+ private:
+  std::size_t size_, patches_, padded_;
+  std::vector<std::uint16_t> depth_, has_ray_;  // 0xffff: it has
+  std::vector<double> x_, y_;
+};
+
+/// The sums over each patch of `size` pixels a side, row by row.
+std::vector<Sums> sums_of_patches(const Frame& frame, int across, int down, int size) {
+  PatchRow row(across, size);
+  const std::shared_ptr<const RayTable> table = ray_table(frame.intrinsics);
+  const PixelKernels& kernels = pixel_kernels(best_simd());
+  std::vector<double> scratch, sums;
+  std::vector<Sums> all;
+  for (int y = 0; y < down; ++y) {
+    sums.assign(kInverseSums * row.padded(), 0);
+    for (int v = y * size; v < (y + 1) * size; ++v) {
+      const RayRow rays = table->row(v, scratch);
+      if (v == 0 || !table->same_x())
+        row.set_rays(rays);
+      else
+        row.set_y(rays.y[0]);
+      row.set_depth(&frame.depth.at(0, v));
+      kernels.add_to_patches(row.args(frame.depth_unit_m, sums.data()));
+    }
+    for (int p = 0; p < across; ++p) {
+      double of_patch[kInverseSums];
+      for (std::size_t s = 0; s < kInverseSums; ++s) of_patch[s] = sums[s * row.padded() + p];
+      const int count = static_cast<int>(of_patch[5]);  // z z, and z is 1
+      all.emplace_back(count, of_patch);
+    }
+  }
+  return all;
+}
+
 Patches make_patches(const Frame& frame) {
   const Image16& depth = frame.depth;
   const int size = std::max(4, depth.width / kPatchesAcross);
   Patches patches;
   patches.across = depth.width / size;
   patches.down = depth.height / size;
-  patches.all.resize(static_cast<std::size_t>(patches.across) * patches.down);
-  const RayTable table = ray_table(frame.intrinsics);
-  const std::vector<Vec2d>& rays = *table;
-  for (std::size_t p = 0; p < patches.all.size(); ++p) {
-    const int left = static_cast<int>(p) % patches.across * size;
-    const int above = static_cast<int>(p) / patches.across * size;
-    Sums sums;
-    for (int v = above; v < above + size; ++v)
-      for (int u = left; u < left + size; ++u) {
-        const double z = depth.at(u, v) * frame.depth_unit_m;
-        const Vec2d& ray = rays[static_cast<std::size_t>(v) * depth.width + u];
-        if (z <= 0 || z > kMaxDepth_m || !ray.allFinite()) continue;
-        sums.add({ray.x(), ray.y(), 1}, 1 / z);
-      }
-    patches.all[p].sums = sums;
-  }
+  for (const Sums& sums : sums_of_patches(frame, patches.across, patches.down, size))
+    patches.all.emplace_back().sums = sums;
   std::vector<double> roughness;
   for (Patch& patch : patches.all) {
     if (patch.sums.count < kMinFill * size * size) continue;
@@ -112,6 +178,7 @@ class PlaneSearch {
         tolerance_(2 * patches.noise),
         free_(patches.all.size()) {
     for (std::size_t i = 0; i < free_.size(); ++i) free_[i] = patches.all[i].planar;
+    list_free();
     for (const int reach : {1, 2, 4})
       for (int y = reach % 2; y < patches_.down; y += 2)
         for (int x = reach % 2; x < patches_.across; x += 2)
@@ -156,29 +223,71 @@ class PlaneSearch {
     double most_area = 0;  // when it was last measured: taking patches only makes it smaller
   };
 
-  double free_area(const InversePlane& plane) const {
-    const Vec3d normal = plane.normal();
-    double area = 0;
+  /// The patches that are free, in their order, as the kernel wants them; behind them some that lie
+  /// on no plane.
+  struct FreePatches {
+    std::vector<int> patch;
+    std::vector<double> ray[3], w, most, normal[3];
+    std::vector<std::uint8_t> on;
+  };
+
+  void list_free() {
+    FreePatches& list = list_;
+    list = {};
     for (std::size_t i = 0; i < free_.size(); ++i)
-      if (free_[i] && lies_on(patches_.all[i], plane, normal))
-        area += area_m2(patches_.all[i], plane, pixel_area_, kFullWeightDepth_m);
+      if (free_[i]) list.patch.push_back(static_cast<int>(i));
+    const std::size_t padded = (list.patch.size() + kPatchLanes - 1) / kPatchLanes * kPatchLanes;
+    for (int axis = 0; axis < 3; ++axis) list.ray[axis].resize(padded), list.normal[axis].resize(padded);
+    list.w.resize(padded);
+    list.most.resize(padded, -1);
+    list.on.resize(padded);
+    for (std::size_t k = 0; k < list.patch.size(); ++k) {
+      const Patch& patch = patches_.all[list.patch[k]];
+      for (int axis = 0; axis < 3; ++axis) {
+        list.ray[axis][k] = patch.mean_ray[axis];
+        list.normal[axis][k] = patch.normal[axis];
+      }
+      list.w[k] = patch.mean_w;
+      list.most[k] = tolerance_ + kBias * patch.mean_w;
+    }
+  }
+
+  /// Calls visit(i) for the free patches on a plane, in their order.
+  template <typename Visit>
+  void visit_free_on(const InversePlane& plane, const Visit& visit) const {
+    const Vec3d normal = plane.normal();
+    OnPlaneArgs args{.count = list_.on.size(),
+                     .w = list_.w.data(),
+                     .most = list_.most.data(),
+                     .least_cosine = kMinCosine,
+                     .on = list_.on.data()};
+    for (int axis = 0; axis < 3; ++axis) {
+      args.ray[axis] = list_.ray[axis].data();
+      args.normal[axis] = list_.normal[axis].data();
+      args.w_of_ray[axis] = plane.w_of_ray[axis];
+      args.plane_normal[axis] = normal[axis];
+    }
+    kernels_.find_on_plane(args);
+    for (std::size_t k = 0; k < list_.patch.size(); ++k)
+      if (list_.on[k]) visit(list_.patch[k]);
+  }
+
+  double free_area(const InversePlane& plane) const {
+    double area = 0;
+    visit_free_on(plane, [&](int i) {
+      area += area_m2(patches_.all[i], plane, pixel_area_, kFullWeightDepth_m);
+    });
     return area;
   }
 
   void take(const std::vector<int>& members) {
     for (const int i : members) free_[i] = 0;
+    list_free();
     for (Guess& guess : guesses_)
       guess.changed = guess.changed || std::ranges::any_of(members, [&](int i) {
                         return std::abs(i % patches_.across - guess.x) <= guess.reach &&
                                std::abs(i / patches_.across - guess.y) <= guess.reach;
                       });
-  }
-
-  /// Of patches whose free_ is set.
-  bool lies_on(const Patch& patch, const InversePlane& plane, const Vec3d& normal) const {
-    const double error = plane.w_of_ray.dot(patch.mean_ray) - patch.mean_w;
-    return std::abs(error) <= tolerance_ + kBias * patch.mean_w &&
-           patch.normal.dot(normal) >= kMinCosine;
   }
 
   /// A first guess at a plane: the patches around (x, y) that continue the one at (x, y).
@@ -208,9 +317,7 @@ class PlaneSearch {
   /// picks up isolated ones.
   std::vector<int> members_of(const InversePlane& plane) const {
     std::vector<std::uint8_t> on(free_.size(), 0);
-    const Vec3d normal = plane.normal();
-    for (std::size_t i = 0; i < on.size(); ++i)
-      on[i] = free_[i] && lies_on(patches_.all[i], plane, normal);
+    visit_free_on(plane, [&](int i) { on[i] = 1; });
     std::vector<int> members;
     const int across = patches_.across;
     for (int y = 0; y < patches_.down; ++y)
@@ -256,7 +363,9 @@ class PlaneSearch {
   const Patches& patches_;
   double pixel_area_;
   double tolerance_;  // of inverse depth [1/m]
+  const PixelKernels& kernels_ = pixel_kernels(best_simd());
   std::vector<std::uint8_t> free_;
+  mutable FreePatches list_;  // `on` is written anew each time
   std::vector<Guess> guesses_;
 };
 

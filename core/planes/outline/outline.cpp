@@ -12,6 +12,7 @@
 
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/outline/rings.hpp"
+#include "core/planes/pipeline/plane_runs.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -32,21 +33,28 @@ using OntoPlane = std::function<PolygonRing(const Ring&)>;
 
 class Hole {
  public:
-  Hole(const Ring& ring, const LabelImage& image, const IsForeign& is_foreign)
+  Hole(const Ring& ring,
+       const LabelImage& image,
+       const IsForeign& is_foreign,
+       const OutlineOptions& options)
       : runs_(pixels_inside(ring)) {
+    int foreign = 0;
     for (const PixelRun& run : runs_)
       for (int x = run.x0; x < run.x1; ++x) {
         const std::size_t i = image.at(x, run.y);
         if (image.labels[i] == ring.label) continue;
         if (image.labels[i] > 0)
-          others_ = true, ++foreign_;
+          has_others_ = true, ++foreign;
         else if (is_foreign(i, ring.label))
-          ++foreign_;
+          ++foreign;
+        if (foreign < options.least_seen_px) continue;
+        was_seen_ = true;
+        return;
       }
   }
-  bool was_seen(const OutlineOptions& options) const { return foreign_ >= options.least_seen_px; }
-  /// Of other planes: what they have they keep.
-  bool has_others() const { return others_; }
+  bool was_seen() const { return was_seen_; }
+  /// Of other planes, where it was not seen: what they have they keep.
+  bool has_others() const { return has_others_; }
   void fill(std::int32_t plane, LabelImage& image) const {
     for (const PixelRun& run : runs_)
       for (int x = run.x0; x < run.x1; ++x) image.labels[image.at(x, run.y)] = plane;
@@ -54,23 +62,28 @@ class Hole {
 
  private:
   std::vector<PixelRun> runs_;
-  int foreign_ = 0;
-  bool others_ = false;
+  bool was_seen_ = false, has_others_ = false;
 };
 
-/// Holes that are small and where nothing else was seen go to the plane about them.
-void close_gaps(LabelImage& image,
-                const IsForeign& is_foreign,
-                const OntoPlane& onto_plane,
-                const OutlineOptions& options) {
-  for (const Ring& ring : trace_rings(image.labels, image.width, image.height)) {
+/// Holes that are small and where nothing else was seen go to the plane about them. The rings of
+/// what that makes of the image.
+std::vector<Ring> close_gaps(LabelImage& image,
+                             const IsForeign& is_foreign,
+                             const OntoPlane& onto_plane,
+                             const OutlineOptions& options) {
+  std::vector<Ring> rings = trace_rings(image.labels, image.width, image.height);
+  bool closed = false;
+  for (const Ring& ring : rings) {
     if (!ring.hole) continue;
-    const Hole hole(ring, image, is_foreign);
-    if (hole.was_seen(options) || hole.has_others()) continue;
+    const Hole hole(ring, image, is_foreign, options);
+    if (hole.was_seen() || hole.has_others()) continue;
     const PolygonRing on_plane = onto_plane(ring);
-    if (!on_plane.empty() && std::abs(polygon_area(on_plane)) <= options.gap_m * options.gap_m)
-      hole.fill(ring.label, image);
+    if (on_plane.empty() || std::abs(polygon_area(on_plane)) > options.gap_m * options.gap_m)
+      continue;
+    hole.fill(ring.label, image);
+    closed = true;
   }
+  return closed ? trace_rings(image.labels, image.width, image.height) : rings;
 }
 
 struct Before {
@@ -111,7 +124,7 @@ void add_parts(std::span<const Ring> rings,
     if (!rings[r].hole) {
       parts[rings[r].part].outer = std::move(on_plane[r]);
     } else if (const auto part = parts.find(rings[r].part); part != parts.end()) {
-      if (!Hole(rings[r], image, is_foreign).was_seen(options))
+      if (!Hole(rings[r], image, is_foreign, options).was_seen())
         unknown.insert(on_plane[r].begin(), on_plane[r].end());
       part->second.holes.push_back(std::move(on_plane[r]));
     }
@@ -254,8 +267,7 @@ void add_cells(std::span<const Vec2d> points,
   const OntoPlane onto_plane = [&](const Ring& ring) { return cells.on_plane(ring); };
   const IsForeign none = [](std::size_t, std::int32_t) { return false; };
   LabelImage& image = cells.image();
-  close_gaps(image, none, onto_plane, options);
-  const std::vector<Ring> rings = trace_rings(image.labels, image.width, image.height);
+  const std::vector<Ring> rings = close_gaps(image, none, onto_plane, options);
   std::vector<PolygonRing> on_plane;
   for (const Ring& ring : rings) on_plane.push_back(onto_plane(ring));
   add_parts(rings, on_plane, image, none, options, outline);
@@ -295,24 +307,28 @@ class OfPixels {
     const Cloud& cloud = result.cloud;
     image_.width = cloud.width, image_.height = cloud.height;
     image_.labels.assign(static_cast<std::size_t>(cloud.width) * cloud.height, 0);
-    measured_.assign(image_.labels.size(), kNothing);
-    depths_.resize(result.segmentation.planes.size() + 1);
+    const std::vector<std::vector<PointRun>> runs = runs_of_planes(result);
+    depths_.resize(runs.size() + 1);
     const Vec3d ahead = cloud.T_world_sensor.linear().col(2);
-    for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
-      const std::int32_t id = result.plane_of[i];
-      image_.labels[cloud.source[i]] = id;
-      measured_[cloud.source[i]] = i;
-      if (id == 0) continue;
-      const double z = ahead.dot(cloud.points[i].cast<double>() - result.sensor());
-      depths_[id] = {std::min(depths_[id].least, z), std::max(depths_[id].greatest, z)};
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      Depths depths;
+      for (const PointRun& run : runs[k])
+        for (std::size_t i = run.begin; i < run.end; ++i) {
+          image_.labels[cloud.source[i]] = static_cast<std::int32_t>(k) + 1;
+          const double z = ahead.dot(cloud.points[i].cast<double>() - result.sensor());
+          depths = {std::min(depths.least, z), std::max(depths.greatest, z)};
+        }
+      depths_[k + 1] = depths;
     }
   }
 
   /// Planes that rays graze stay as they are.
   void add_to(std::vector<Outline>& outlines) {
     const IsForeign is_foreign = [&](std::size_t pixel, std::int32_t id) {
-      if (measured_[pixel] == kNothing) return false;
-      const Vec3d p = result_.cloud.points[measured_[pixel]].cast<double>();
+      const std::vector<std::uint32_t>& pixels = result_.cloud.source;  // ascending
+      const auto found = std::ranges::lower_bound(pixels, pixel);
+      if (found == pixels.end() || *found != pixel) return false;
+      const Vec3d p = result_.cloud.points[found - pixels.begin()].cast<double>();
       const double tau_m = result_.segmentation.noise.tau((p - result_.sensor()).norm());
       return std::abs(result_.segmentation.planes[id - 1].fit.distance_m(p)) > 2 * tau_m;
     };
@@ -320,8 +336,7 @@ class OfPixels {
       return on_plane_along_rays(ring, frame_.intrinsics, result_.cloud.T_world_sensor,
                                  outlines[ring.label - 1], depths_[ring.label]);
     };
-    close_gaps(image_, is_foreign, onto_plane, options_);
-    std::vector<Ring> rings = trace_rings(image_.labels, image_.width, image_.height);
+    std::vector<Ring> rings = close_gaps(image_, is_foreign, onto_plane, options_);
     std::ranges::stable_sort(rings, {}, &Ring::label);
     std::vector<PolygonRing> on_plane;
     for (auto begin = rings.begin(); begin != rings.end();) {
@@ -340,13 +355,11 @@ class OfPixels {
   const std::set<std::int32_t>& grazed() const { return grazed_; }
 
  private:
-  static constexpr std::uint32_t kNothing = std::numeric_limits<std::uint32_t>::max();
   const Frame& frame_;
   const FrameResult& result_;
   const OutlineOptions& options_;
   LabelImage image_;
-  std::vector<std::uint32_t> measured_;  // per pixel: its point
-  std::vector<Depths> depths_;           // per plane id
+  std::vector<Depths> depths_;  // per plane id
   std::set<std::int32_t> grazed_;
 };
 

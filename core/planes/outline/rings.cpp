@@ -1,24 +1,29 @@
 #include "core/planes/outline/rings.hpp"
 
 #include <algorithm>
-#include <cassert>
-#include <numeric>
 
 #include "core/model/disjoint_sets.hpp"
+#include "core/model/runs.hpp"
 
 namespace planescope::planes {
 namespace {
 
-/// The connected region of each run of a row, for the pixels in which rings begin.
+/// The runs of a label in each row, and the connected region of each.
 class Regions {
  public:
+  struct Run {
+    int begin = 0, end = 0;
+    std::int32_t label = 0;
+    std::int32_t part = -1;
+  };
+
   Regions(std::span<const std::int32_t> labels, int width, int height) : first_{0} {
     for (int y = 0; y < height; ++y) {
-      const std::int32_t* row = labels.data() + static_cast<std::size_t>(y) * width;
-      for (int x = 0; x < width;) {
-        const int begin = x;
-        while (x < width && row[x] == row[begin]) ++x;
-        if (row[begin] > 0) runs_.push_back({begin, x, row[begin]});
+      const auto row = labels.subspan(static_cast<std::size_t>(y) * width, width);
+      for (std::size_t begin = 0, end = 0; begin < row.size(); begin = end) {
+        end = end_of_run(row, begin);
+        if (row[begin] > 0)
+          runs_.push_back({static_cast<int>(begin), static_cast<int>(end), row[begin]});
       }
       first_.push_back(static_cast<std::uint32_t>(runs_.size()));
     }
@@ -32,32 +37,22 @@ class Regions {
       }
     }
     // Numbered in the order in which a raster scan meets them.
-    part_.assign(runs_.size(), -1);
+    std::vector<std::int32_t> part_of(runs_.size(), -1);
     std::int32_t parts = 0;
     for (std::uint32_t r = 0; r < runs_.size(); ++r) {
-      std::int32_t& of_root = part_[sets.root(r)];
+      std::int32_t& of_root = part_of[sets.root(r)];
       if (of_root < 0) of_root = parts++;
-      part_[r] = of_root;
+      runs_[r].part = of_root;
     }
   }
 
-  /// Of a pixel with a label.
-  std::int32_t part_at(int x, int y) const {
-    const auto begin = runs_.begin() + first_[y], end = runs_.begin() + first_[y + 1];
-    const auto run =
-        std::upper_bound(begin, end, x, [](int at, const Run& r) { return at < r.end; });
-    assert(run != end && run->begin <= x);
-    return part_[static_cast<std::size_t>(run - runs_.begin())];
+  std::span<const Run> row(int y) const {
+    return std::span(runs_).subspan(first_[y], first_[y + 1] - first_[y]);
   }
 
  private:
-  struct Run {
-    int begin = 0, end = 0;
-    std::int32_t label = 0;
-  };
   std::vector<Run> runs_;
   std::vector<std::uint32_t> first_;  // per row, of its runs
-  std::vector<std::int32_t> part_;    // per run
 };
 
 /// In the order of turns to the left.
@@ -108,15 +103,12 @@ std::vector<Ring> trace_rings(std::span<const std::int32_t> labels, int width, i
   };
 
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const std::int32_t label = label_at(x, y);
-      if (label <= 0 || label_at(x - 1, y) == label ||
-          gone_down[static_cast<std::size_t>(y) * width + x])
-        continue;
+    for (const Regions::Run& run : regions.row(y)) {
+      if (gone_down[static_cast<std::size_t>(y) * width + run.begin]) continue;
       Ring& ring = rings.emplace_back();
-      ring.label = label;
-      ring.part = regions.part_at(x, y);
-      follow(ring, {x, y});
+      ring.label = run.label;
+      ring.part = run.part;
+      follow(ring, {run.begin, y});
       ring.hole = twice_area(ring.corners) < 0;
     }
   return rings;

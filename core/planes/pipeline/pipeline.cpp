@@ -226,9 +226,12 @@ FoundRegions find_regions(const Frame& frame,
     found.segmentation =
         segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
                 prepared.sensor(), segment_options(prepared, options), trace, more);
-    for (const std::uint32_t pixel : prepared.cloud.source)
-      if (!found.segmentation.plane_of_pixel.empty())
-        found.plane_of.push_back(found.segmentation.plane_of_pixel[pixel]);
+    const std::vector<std::int32_t>& of_pixel = found.segmentation.plane_of_pixel;
+    if (!of_pixel.empty()) {
+      found.plane_of.resize(prepared.cloud.source.size());
+      std::ranges::transform(prepared.cloud.source, found.plane_of.begin(),
+                             [&](std::uint32_t pixel) { return of_pixel[pixel]; });
+    }
     found.segmentation.timings.traverse_ms += more_ms;
   } else {
     found = find_rival_regions(frame, prepared, options);

@@ -1,98 +1,50 @@
 #include "core/report/data/plane_summary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <utility>
 
 #include "core/model/plane.hpp"
+#include "core/planes/cloud/pixel_kernels.hpp"
+#include "core/planes/pipeline/plane_runs.hpp"
+#include "core/report/data/plane_cover.hpp"
 
 namespace planescope::report {
 namespace {
 
 constexpr int kMostRegionSamples = 8192;
 
-/// What a grid on the plane tells of points.
-struct Cover {
-  std::size_t cells = 0;   // that hold a point
-  std::vector<Vec2d> rim;  // all corners of the convex hull are among these points
-};
-
-std::int64_t cell_at(double at, double cell_m) {
-  const double cells = at / cell_m;
-  const auto cut = static_cast<std::int64_t>(cells);
-  return cut - (static_cast<double>(cut) > cells);  // std::floor() is a call where SSE 4.1 is not
-}
-
-/// Few points in a wide grid.
-Cover cover_of_sparse(std::vector<std::array<std::int64_t, 2>> cells, std::vector<Vec2d> points) {
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return {cells.size(), std::move(points)};
-}
-
-Cover cover_of(std::vector<Vec2d> points, double cell_m) {
-  if (points.empty()) return {};
-  std::vector<std::array<std::int64_t, 2>> cells(points.size());
-  std::array<std::int64_t, 2> low, high;
-  low.fill(std::numeric_limits<std::int64_t>::max());
-  high.fill(std::numeric_limits<std::int64_t>::min());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (int axis = 0; axis < 2; ++axis) {
-      const std::int64_t at = cells[i][axis] = cell_at(points[i][axis], cell_m);
-      low[axis] = std::min(low[axis], at);
-      high[axis] = std::max(high[axis], at);
-    }
-  const double columns = static_cast<double>(high[0]) - static_cast<double>(low[0]) + 1;
-  const double rows = static_cast<double>(high[1]) - static_cast<double>(low[1]) + 1;
-  if (columns * rows > 4096 + 8 * static_cast<double>(points.size()))
-    return cover_of_sparse(std::move(cells), std::move(points));
-
-  struct Span {
-    int first = std::numeric_limits<int>::max(), last = -1;
-    void add(int at) { first = std::min(first, at), last = std::max(last, at); }
-    /// Something lies two or more before it, and behind it.
-    bool is_deep(int at) const { return at >= first + 2 && at <= last - 2; }
-  };
-  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(columns * rows));
-  std::vector<Span> of_row(static_cast<std::size_t>(rows));
-  std::vector<Span> of_column(static_cast<std::size_t>(columns));
-  Cover cover;
-  const auto place = [&](std::size_t i) {
-    return std::pair(static_cast<int>(cells[i][0] - low[0]),
-                     static_cast<int>(cells[i][1] - low[1]));
-  };
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto [column, row] = place(i);
-    std::uint8_t& cell = occupied[row * of_column.size() + column];
-    if (cell) continue;
-    cell = 1;
-    ++cover.cells;
-    of_row[row].add(column);
-    of_column[column].add(row);
+/// Points of a plane on it, and the sum of their squared distances from it.
+double lay_flat(const std::vector<Vec3f>& points,
+                const PlaneBasis& basis,
+                const Vec3d& normal,
+                const Vec3d& origin,
+                FlatPoints& flat) {
+  flat.resize(points.size());
+  std::vector<double> distances(points.size());
+  planes::LayFlatArgs args{.count = points.size(),
+                           .points = reinterpret_cast<const float*>(points.data()),
+                           .u = flat.u.data(),
+                           .v = flat.v.data(),
+                           .n = distances.data()};
+  for (int axis = 0; axis < 3; ++axis) {
+    args.origin[axis] = origin[axis];
+    args.u_axis[axis] = basis.u[axis], args.v_axis[axis] = basis.v[axis];
+    args.n_axis[axis] = normal[axis];
   }
-  // A line with all points on one side of it passes no cell that has others in its row and its
-  // column two or more away on all four sides: whatever its slope, one of the four is beyond.
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto [column, row] = place(i);
-    if (!of_row[row].is_deep(column) || !of_column[column].is_deep(row))
-      cover.rim.push_back(points[i]);
-  }
-  return cover;
+  planes::pixel_kernels(best_simd()).lay_flat(args);
+  double squares = 0;
+  for (const double distance : distances) squares += distance * distance;
+  return squares;
 }
 
 }  // namespace
 
 std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m) {
   const std::size_t n = result.segmentation.planes.size();
-  std::vector<std::vector<std::uint32_t>> members(n);
-  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
-    if (result.plane_of[i] > 0)
-      members[static_cast<std::size_t>(result.plane_of[i]) - 1].push_back(
-          static_cast<std::uint32_t>(i));
-
+  const std::vector<std::vector<planes::PointRun>> runs = planes::runs_of_planes(result);
+  std::vector<Vec3f> members;
+  FlatPoints flat;
   const double cell_m = cell_size_m(voxel_size_m);
   std::vector<PlaneSummary> summaries(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -106,23 +58,19 @@ std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, do
     s.tilt_deg = result.gravity.known()
                      ? std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi
                      : std::nan("");
-    s.points = members[k].size();
+    members.clear();
+    for (const planes::PointRun& run : runs[k])
+      members.insert(members.end(), result.cloud.points.begin() + run.begin,
+                     result.cloud.points.begin() + run.end);
+    s.points = members.size();
     s.voxels = plane.points;
 
     const PlaneBasis basis = plane_basis(s.normal);
-    std::vector<Vec2d> flat;
-    flat.reserve(members[k].size());
-    double squares = 0;
-    for (const std::uint32_t i : members[k]) {
-      const Vec3d d = result.cloud.points[i].cast<double>() - plane.fit.centroid;
-      flat.emplace_back(basis.u.dot(d), basis.v.dot(d));
-      const double distance = s.normal.dot(d);
-      squares += distance * distance;
-    }
-    if (!flat.empty()) s.rms_m = std::sqrt(squares / static_cast<double>(flat.size()));
-    Cover cover = cover_of(std::move(flat), cell_m);
+    const double squares = lay_flat(members, basis, s.normal, plane.fit.centroid, flat);
+    if (s.points > 0) s.rms_m = std::sqrt(squares / static_cast<double>(s.points));
+    const Cover cover = cover_of(flat, cell_m);
     s.area_m2 = static_cast<double>(cover.cells) * cell_m * cell_m;
-    for (const Vec2d& corner : convex_hull(std::move(cover.rim)))
+    for (const Vec2d& corner : cover.hull)
       s.hull.push_back(s.centroid + corner.x() * basis.u + corner.y() * basis.v);
   }
   return summaries;

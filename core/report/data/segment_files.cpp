@@ -219,17 +219,24 @@ PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   set.points.assign(n, Vec3f(kNan, kNan, kNan));  // what was no measurement stays none
   set.label.assign(n, 0);
-  set.instance.assign(n, 0);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const std::size_t at = frame.is_cloud() ? cloud.source[i] : i;
-    set.points[at] = far_away
-                         ? cloud.points[i]
-                         : Vec3f((cloud.points[i].cast<double>() + cloud.origin).cast<float>());
-    const std::uint32_t voxel = result.voxels.voxel_of[i];
-    if (voxel != planes::kNoVoxel)
-      set.label[at] = static_cast<std::uint8_t>(result.classification.labels[voxel]);
-    set.instance[at] = result.plane_of[i];
+  const std::uint32_t* const place_of = frame.is_cloud() ? cloud.source.data() : nullptr;
+  const auto place = [place_of](std::size_t i) { return place_of ? place_of[i] : i; };
+  const Vec3d shift = far_away ? Vec3d::Zero().eval() : cloud.origin;
+  if (place_of || !shift.isZero(0))
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      set.points[place(i)] = (cloud.points[i].cast<double>() + shift).cast<float>();
+  else
+    std::ranges::transform(cloud.points, set.points.begin(),
+                           [](const Vec3f& p) { return p + Vec3f::Zero(); });  // -0 becomes 0
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    if (const std::uint32_t voxel = result.voxels.voxel_of[i]; voxel != planes::kNoVoxel)
+      set.label[place(i)] = static_cast<std::uint8_t>(result.classification.labels[voxel]);
+  if (!place_of) {
+    set.instance = result.plane_of;
+    return set;
   }
+  set.instance.assign(n, 0);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) set.instance[place(i)] = result.plane_of[i];
   return set;
 }
 
