@@ -248,7 +248,8 @@ class PlaneSearch {
     for (std::size_t i = 0; i < free_.size(); ++i)
       if (free_[i]) list.patch.push_back(static_cast<int>(i));
     const std::size_t padded = (list.patch.size() + kPatchLanes - 1) / kPatchLanes * kPatchLanes;
-    for (int axis = 0; axis < 3; ++axis) list.ray[axis].resize(padded), list.normal[axis].resize(padded);
+    for (int axis = 0; axis < 3; ++axis)
+      list.ray[axis].resize(padded), list.normal[axis].resize(padded);
     list.w.resize(padded);
     list.most.resize(padded, -1);
     list.on.resize(padded);

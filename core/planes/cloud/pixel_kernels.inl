@@ -79,14 +79,14 @@ void add_to_patches(const PatchArgs& a) {
 
 void find_on_plane(const OnPlaneArgs& a) {
   for (std::size_t i = 0; i < a.count; i += kDoubles) {
-    const auto dot = [i](const double* const (&of)[3], const double (&with)[3]) {
+    const auto dot = [i](const double* const(&of)[3], const double(&with)[3]) {
       return (with[0] * load_doubles(of[0] + i) + with[1] * load_doubles(of[1] + i)) +
              with[2] * load_doubles(of[2] + i);
     };
     const Doubles off = dot(a.ray, a.w_of_ray) - load_doubles(a.w + i);
     const Doubles most = load_doubles(a.most + i);
-    const Longs on = (off <= most) & (-off <= most) &
-                     (dot(a.normal, a.plane_normal) >= a.least_cosine);
+    const Longs on =
+        (off <= most) & (-off <= most) & (dot(a.normal, a.plane_normal) >= a.least_cosine);
     *reinterpret_cast<BytesU*>(a.on + i) = __builtin_convertvector(on & 1, BytesU);
   }
 }

@@ -144,8 +144,7 @@ std::vector<Extremes> look_at_cells(const FlatPoints& points,
     rows.find_cells(block.v, block.count, row);
     for (std::size_t i = 0; i < block.count; ++i)
       cell[static_cast<std::size_t>(row[i]) * columns.cells + column[i]] = 1;
-    for (std::size_t i = 0; i < block.count; ++i)
-      extremes[column[i]].add(block.u[i], block.v[i]);
+    for (std::size_t i = 0; i < block.count; ++i) extremes[column[i]].add(block.u[i], block.v[i]);
   });
   cover.cells = static_cast<std::size_t>(std::ranges::count(occupied, 1));
   return extremes;

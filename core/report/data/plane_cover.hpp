@@ -12,8 +12,8 @@
 
 namespace planescope::report {
 
-/// A plane's points on it, a block at a time. Where they lie is computed anew for each visit: that is
-/// quicker than to keep it, as a block stays in the cache.
+/// A plane's points on it, a block at a time. Where they lie is computed anew for each visit: that
+/// is quicker than to keep it, as a block stays in the cache.
 class FlatPoints {
  public:
   static constexpr std::size_t kMost = 512;
