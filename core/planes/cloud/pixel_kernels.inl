@@ -3,6 +3,8 @@
 
 #include "core/planes/cloud/pixel_kernels.hpp"
 
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
+
 namespace planescope::planes {
 namespace {
 
@@ -66,7 +68,7 @@ void add_to_patches(const PatchArgs& a) {
       const Doubles z = load_counts(a.depth + at) * a.unit_m;
       const auto counts = (z > 0) & (z <= a.max_depth_m);
       // What does not count adds 0, which changes no sum.
-      const Doubles w = counts ? 1 / z : zero, n = counts ? one : zero;
+      const Doubles w = counts ? one / z : zero, n = counts ? one : zero;
       const Doubles x = counts ? load_doubles(a.ray_x + at) : zero;
       const Doubles y = counts ? load_doubles(a.ray_y + at) : zero;
       const Doubles products[kInverseSums] = {x * x, x * y, x, y * y, y, n, x * w, y * w, w, w * w};
