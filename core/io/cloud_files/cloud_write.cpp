@@ -114,10 +114,9 @@ std::vector<unsigned char> bytes_of(const std::string& header,
                                     std::span<const IntField> more,
                                     const ColorOf& color_of) {
   check_sizes(set, more);
-  const std::size_t point_bytes = (is_far(set) ? 24 : 12) +
-                                  (set.rgb.empty() ? 0 : sizeof(color_of(nullptr))) +
-                                  (set.label.empty() ? 0 : 1) + (set.instance.empty() ? 0 : 4) +
-                                  4 * more.size();
+  const std::size_t point_bytes =
+      (is_far(set) ? 24 : 12) + (set.rgb.empty() ? 0 : sizeof(color_of(nullptr))) +
+      (set.label.empty() ? 0 : 1) + (set.instance.empty() ? 0 : 4) + 4 * more.size();
   std::vector<unsigned char> bytes(header.size() + set.points.size() * point_bytes);
   std::memcpy(bytes.data(), header.data(), header.size());
   for (std::size_t i = 0; i < set.points.size(); i += kAtOnce) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// What readers and writers of PNG files share: their parts, and how pixels are packed (PNG, third edition,
-// W3C 2025).
+// What readers and writers of PNG files share: their parts, and how pixels are packed (PNG, third
+// edition, W3C 2025).
 
 #include <cstdint>
 #include <cstdlib>

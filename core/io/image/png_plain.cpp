@@ -91,8 +91,8 @@ void unfilter(const unsigned char* __restrict in,
   for (std::size_t i = 0; i < pixel; ++i)
     out[i] = static_cast<unsigned char>(in[i] + predict(0, above[i], 0));
   for (std::size_t i = pixel; i < size; ++i)
-    out[i] = static_cast<unsigned char>(in[i] +
-                                        predict(out[i - pixel], above[i], above[i - pixel]));
+    out[i] =
+        static_cast<unsigned char>(in[i] + predict(out[i - pixel], above[i], above[i - pixel]));
 }
 
 /// The running sums of two bytes a pixel, four pixels at a time: in the lanes of a product with a 1
@@ -106,8 +106,8 @@ std::size_t add_up_pairs(const unsigned char* in, std::size_t size, unsigned cha
     std::uint64_t pixels;
     std::memcpy(&pixels, in + i, 8);
     const std::uint64_t high = (pixels & kLow) * kOnes, low = (pixels >> 8 & kLow) * kOnes;
-    const std::uint64_t sums = ((high + before_high * kOnes) & kLow) |
-                               ((low + before_low * kOnes) & kLow) << 8;
+    const std::uint64_t sums =
+        ((high + before_high * kOnes) & kLow) | ((low + before_low * kOnes) & kLow) << 8;
     std::memcpy(out + i, &sums, 8);
     before_high = (before_high + (high >> 48)) & 0xff;
     before_low = (before_low + (low >> 48)) & 0xff;
@@ -115,7 +115,10 @@ std::size_t add_up_pairs(const unsigned char* in, std::size_t size, unsigned cha
   return i;
 }
 
-void unfilter_sub(const unsigned char* in, std::size_t pixel, std::size_t size, unsigned char* out) {
+void unfilter_sub(const unsigned char* in,
+                  std::size_t pixel,
+                  std::size_t size,
+                  unsigned char* out) {
   std::size_t i = 0;
   if constexpr (std::endian::native == std::endian::little)
     if (pixel == 2) i = add_up_pairs(in, size, out);

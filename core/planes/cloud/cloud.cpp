@@ -12,6 +12,8 @@
 #include "core/planes/cloud/camera.hpp"
 #include "core/planes/cloud/pixel_kernels.hpp"
 
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
+
 namespace planescope::planes {
 namespace {
 

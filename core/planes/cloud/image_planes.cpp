@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -161,14 +162,24 @@ Patches make_patches(const Frame& frame) {
   return patches;
 }
 
-/// Area that a patch would cover if it lay on the plane: rays dx dy cut out z^3 / distance.
-double area_m2(const Patch& patch,
-               const InversePlane& plane,
-               double pixel_area,
-               double max_depth_m) {
-  const double z = std::min(max_depth_m, 1 / plane.w_of_ray.dot(patch.mean_ray));
-  return patch.sums.count * pixel_area * z * z * z * plane.w_of_ray.norm();
-}
+/// Area that patches would cover if they lay on a plane: rays dx dy cut out z^3 / distance.
+class AreaOnPlane {
+ public:
+  AreaOnPlane(const InversePlane& plane, double pixel_area, double max_depth_m)
+      : w_of_ray_(plane.w_of_ray),
+        norm_(plane.w_of_ray.norm()),
+        pixel_area_(pixel_area),
+        max_depth_m_(max_depth_m) {}
+
+  double of_m2(const Patch& patch) const {
+    const double z = std::min(max_depth_m_, 1 / w_of_ray_.dot(patch.mean_ray));
+    return patch.sums.count * pixel_area_ * z * z * z * norm_;
+  }
+
+ private:
+  Vec3d w_of_ray_;
+  double norm_, pixel_area_, max_depth_m_;
+};
 
 class PlaneSearch {
  public:
@@ -237,7 +248,8 @@ class PlaneSearch {
     for (std::size_t i = 0; i < free_.size(); ++i)
       if (free_[i]) list.patch.push_back(static_cast<int>(i));
     const std::size_t padded = (list.patch.size() + kPatchLanes - 1) / kPatchLanes * kPatchLanes;
-    for (int axis = 0; axis < 3; ++axis) list.ray[axis].resize(padded), list.normal[axis].resize(padded);
+    for (int axis = 0; axis < 3; ++axis)
+      list.ray[axis].resize(padded), list.normal[axis].resize(padded);
     list.w.resize(padded);
     list.most.resize(padded, -1);
     list.on.resize(padded);
@@ -268,16 +280,20 @@ class PlaneSearch {
       args.plane_normal[axis] = normal[axis];
     }
     kernels_.find_on_plane(args);
-    for (std::size_t k = 0; k < list_.patch.size(); ++k)
-      if (list_.on[k]) visit(list_.patch[k]);
+    for (std::size_t k = 0; k < list_.on.size(); k += kPatchLanes) {
+      std::uint64_t any = 0;
+      static_assert(kPatchLanes == sizeof(any));
+      std::memcpy(&any, &list_.on[k], sizeof(any));
+      for (std::size_t lane = 0; any != 0 && lane < kPatchLanes; ++lane)
+        if (list_.on[k + lane]) visit(list_.patch[k + lane]);
+    }
   }
 
   double free_area(const InversePlane& plane) const {
-    double area = 0;
-    visit_free_on(plane, [&](int i) {
-      area += area_m2(patches_.all[i], plane, pixel_area_, kFullWeightDepth_m);
-    });
-    return area;
+    const AreaOnPlane area(plane, pixel_area_, kFullWeightDepth_m);
+    double sum_m2 = 0;
+    visit_free_on(plane, [&](int i) { sum_m2 += area.of_m2(patches_.all[i]); });
+    return sum_m2;
   }
 
   void take(const std::vector<int>& members) {
@@ -345,8 +361,9 @@ class PlaneSearch {
     const Vec3d ray = sums.mean_ray();
     plane.centroid = ray / plane_fit.w_of_ray.dot(ray);
     double nearest_w = 0;
+    const AreaOnPlane area(plane_fit, pixel_area_, kFullWeightDepth_m);
     for (const int i : members) {
-      plane.area_m2 += area_m2(patches_.all[i], plane_fit, pixel_area_, kFullWeightDepth_m);
+      plane.area_m2 += area.of_m2(patches_.all[i]);
       nearest_w = std::max(nearest_w, patches_.all[i].mean_w);
     }
     plane.nearest_m = 1 / nearest_w;

@@ -3,6 +3,8 @@
 
 #include "core/planes/cloud/pixel_kernels.hpp"
 
+#pragma GCC diagnostic ignored "-Wunknown-pragmas"  // clang does not know ivdep
+
 namespace planescope::planes {
 namespace {
 
@@ -66,7 +68,7 @@ void add_to_patches(const PatchArgs& a) {
       const Doubles z = load_counts(a.depth + at) * a.unit_m;
       const auto counts = (z > 0) & (z <= a.max_depth_m);
       // What does not count adds 0, which changes no sum.
-      const Doubles w = counts ? 1 / z : zero, n = counts ? one : zero;
+      const Doubles w = counts ? one / z : zero, n = counts ? one : zero;
       const Doubles x = counts ? load_doubles(a.ray_x + at) : zero;
       const Doubles y = counts ? load_doubles(a.ray_y + at) : zero;
       const Doubles products[kInverseSums] = {x * x, x * y, x, y * y, y, n, x * w, y * w, w, w * w};
@@ -79,14 +81,14 @@ void add_to_patches(const PatchArgs& a) {
 
 void find_on_plane(const OnPlaneArgs& a) {
   for (std::size_t i = 0; i < a.count; i += kDoubles) {
-    const auto dot = [i](const double* const (&of)[3], const double (&with)[3]) {
+    const auto dot = [i](const double* const(&of)[3], const double(&with)[3]) {
       return (with[0] * load_doubles(of[0] + i) + with[1] * load_doubles(of[1] + i)) +
              with[2] * load_doubles(of[2] + i);
     };
     const Doubles off = dot(a.ray, a.w_of_ray) - load_doubles(a.w + i);
     const Doubles most = load_doubles(a.most + i);
-    const Longs on = (off <= most) & (-off <= most) &
-                     (dot(a.normal, a.plane_normal) >= a.least_cosine);
+    const Longs on =
+        (off <= most) & (-off <= most) & (dot(a.normal, a.plane_normal) >= a.least_cosine);
     *reinterpret_cast<BytesU*>(a.on + i) = __builtin_convertvector(on & 1, BytesU);
   }
 }

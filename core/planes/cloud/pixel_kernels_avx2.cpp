@@ -3,7 +3,6 @@
 
 namespace planescope::planes {
 
-const PixelKernels kPixelKernelsAvx2{project, add_to_patches, find_on_plane, lay_flat,
-                                     find_cells};
+const PixelKernels kPixelKernelsAvx2{project, add_to_patches, find_on_plane, lay_flat, find_cells};
 
 }  // namespace planescope::planes

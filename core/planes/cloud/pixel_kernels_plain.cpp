@@ -3,8 +3,7 @@
 
 namespace planescope::planes {
 
-const PixelKernels kPixelKernelsPlain{project, add_to_patches, find_on_plane, lay_flat,
-                                      find_cells};
+const PixelKernels kPixelKernelsPlain{project, add_to_patches, find_on_plane, lay_flat, find_cells};
 
 const PixelKernels& pixel_kernels(Simd simd) {
 #if defined(__x86_64__)

@@ -3,33 +3,72 @@
 
 #include "core/report/data/plane_cover.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
-#include "core/model/plane.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
-
 namespace planescope::report {
+
+using Block = FlatPoints::Block;
+
+FlatPoints::FlatPoints(const std::vector<Vec3f>& points,
+                       std::span<const planes::PointRun> runs,
+                       const PlaneBasis& basis,
+                       const Vec3d& normal,
+                       const Vec3d& origin)
+    : points_(points), runs_(runs), kernels_(planes::pixel_kernels(best_simd())) {
+  for (const planes::PointRun& run : runs) size_ += run.end - run.begin;
+  for (int axis = 0; axis < 3; ++axis) {
+    args_.origin[axis] = origin[axis];
+    args_.u_axis[axis] = basis.u[axis], args_.v_axis[axis] = basis.v[axis];
+    args_.n_axis[axis] = normal[axis];
+  }
+}
+
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double cell_at(double at, double cell_m) { return std::floor(at / cell_m); }
 
+struct Range {
+  double least = kInfinity, greatest = -kInfinity;
+  void add(double x) { least = std::min(least, x), greatest = std::max(greatest, x); }
+};
+
+/// What is known after a first look at all points.
+struct Bounds2 {
+  Range u, v;
+  double squares_m2 = 0;
+};
+
+Bounds2 bounds_of(const FlatPoints& points) {
+  Bounds2 bounds;
+  points.visit([&](const Block& block) {
+    for (std::size_t i = 0; i < block.count; ++i) {
+      bounds.u.add(block.u[i]);
+      bounds.v.add(block.v[i]);
+      bounds.squares_m2 += block.n[i] * block.n[i];
+    }
+  });
+  return bounds;
+}
+
 /// Few points in a wide grid.
-Cover cover_of_sparse(const FlatPoints& points, double cell_m) {
+void cover_sparse(const FlatPoints& points, double cell_m, Cover& cover) {
   std::vector<std::array<double, 2>> cells;
   std::vector<Vec2d> all;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    cells.push_back({cell_at(points.u[i], cell_m), cell_at(points.v[i], cell_m)});
-    all.push_back(points[i]);
-  }
+  points.visit([&](const Block& block) {
+    for (std::size_t i = 0; i < block.count; ++i) {
+      cells.push_back({cell_at(block.u[i], cell_m), cell_at(block.v[i], cell_m)});
+      all.emplace_back(block.u[i], block.v[i]);
+    }
+  });
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return {cells.size(), convex_hull(std::move(all))};
+  cover.cells = cells.size();
+  cover.hull = convex_hull(std::move(all));
 }
 
 /// Along an axis of the grid.
@@ -39,57 +78,23 @@ struct Axis {
   double cell_m = 0;
 
   double begin_of(int cell) const { return (cell + first) * cell_m; }
-  /// The first cell, from 0, that does not begin before `place`.
-  int from(double place) const {
+  /// The cell, from 0, in which `place` is, or the first one.
+  int at(double place) const {
     return std::max(0, static_cast<int>(cell_at(place, cell_m)) - first);
   }
-  std::vector<std::int32_t> cells_of(const std::vector<double>& places) const {
-    std::vector<std::int32_t> result(places.size());
+  void find_cells(const double* places, std::size_t count, std::int32_t* to) const {
     planes::pixel_kernels(best_simd())
-        .find_cells({.count = places.size(),
-                     .places = places.data(),
-                     .cell = cell_m,
-                     .first = first,
-                     .cells = result.data()});
-    return result;
+        .find_cells(
+            {.count = count, .places = places, .cell = cell_m, .first = first, .cells = to});
   }
 };
 
-struct Range {
-  double least = kInfinity, greatest = -kInfinity;
-  void add(double x) { least = std::min(least, x), greatest = std::max(greatest, x); }
-};
-
-/// Four at a time, none of which waits for another.
-Range range_of(const std::vector<double>& places) {
-  Range lanes[4];
-  std::size_t i = 0;
-  for (; i + 4 <= places.size(); i += 4)
-    for (std::size_t k = 0; k < 4; ++k) lanes[k].add(places[i + k]);
-  for (; i < places.size(); ++i) lanes[0].add(places[i]);
-  for (const Range& lane : lanes) lanes[0].add(lane.least), lanes[0].add(lane.greatest);
-  return lanes[0];
-}
-
 /// Without cells where a point would be too far from 0 for an int.
-Axis axis_of(const std::vector<double>& places, double cell_m) {
+Axis axis_of(const Range& range, double cell_m) {
   constexpr double kFarthest = 1 << 30;
-  const Range range = range_of(places);
   const double first = cell_at(range.least, cell_m), last = cell_at(range.greatest, cell_m);
   if (!(first > -kFarthest && last < kFarthest)) return {0, 0, cell_m};
   return {static_cast<int>(first), static_cast<int>(last - first) + 1, cell_m};
-}
-
-std::size_t occupied_cells(const std::vector<std::int32_t>& column_of,
-                           const std::vector<std::int32_t>& row_of,
-                           int columns,
-                           int rows) {
-  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(columns) * rows);
-  const std::int32_t *const column = column_of.data(), *const row = row_of.data();
-  std::uint8_t* const cell = occupied.data();
-  for (std::size_t i = 0, count = column_of.size(); i < count; ++i)
-    cell[static_cast<std::size_t>(row[i]) * columns + column[i]] = 1;
-  return static_cast<std::size_t>(std::ranges::count(occupied, 1));
 }
 
 /// Of each column, what is inside the hull of some of the points: least < v < greatest.
@@ -99,7 +104,7 @@ std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns
     const Vec2d &a = hull[i], &b = hull[(i + 1) % hull.size()];
     const auto [left, right] = std::minmax(a.x(), b.x());
     if (!(left < right)) continue;
-    for (int c = columns.from(left); c <= columns.cells; ++c) {
+    for (int c = columns.at(left); c <= columns.cells; ++c) {
       const double x = columns.begin_of(c);
       if (x > right) break;
       if (x < left) continue;
@@ -116,40 +121,62 @@ std::vector<Range> inside_of(const std::vector<Vec2d>& hull, const Axis& columns
   return inside;
 }
 
+/// Of a column: its points with the least and the greatest v.
+struct Extremes {
+  Vec2d lowest{0, kInfinity}, highest{0, -kInfinity};
+
+  void add(double u, double v) {
+    if (v < lowest.y()) lowest = {u, v};
+    if (v > highest.y()) highest = {u, v};
+  }
+};
+
+/// Fills in how many cells are occupied. By column.
+std::vector<Extremes> look_at_cells(const FlatPoints& points,
+                                    const Axis& columns,
+                                    const Axis& rows,
+                                    Cover& cover) {
+  std::vector<std::uint8_t> occupied(static_cast<std::size_t>(columns.cells) * rows.cells);
+  std::vector<Extremes> extremes(columns.cells);
+  points.visit([&, cell = occupied.data()](const Block& block) {
+    std::int32_t column[FlatPoints::kMost], row[FlatPoints::kMost];
+    columns.find_cells(block.u, block.count, column);
+    rows.find_cells(block.v, block.count, row);
+    for (std::size_t i = 0; i < block.count; ++i)
+      cell[static_cast<std::size_t>(row[i]) * columns.cells + column[i]] = 1;
+    for (std::size_t i = 0; i < block.count; ++i) extremes[column[i]].add(block.u[i], block.v[i]);
+  });
+  cover.cells = static_cast<std::size_t>(std::ranges::count(occupied, 1));
+  return extremes;
+}
+
 }  // namespace
 
 Cover cover_of(const FlatPoints& points, double cell_m) {
-  if (points.size() == 0) return {};
-  const Axis columns = axis_of(points.u, cell_m), rows = axis_of(points.v, cell_m);
-  const double cells = static_cast<double>(columns.cells) * rows.cells;
-  if (cells == 0 || cells > 4096 + 8 * static_cast<double>(points.size()))
-    return cover_of_sparse(points, cell_m);
-
-  const std::vector<std::int32_t> column_of = columns.cells_of(points.u);
-  const std::vector<std::int32_t> row_of = rows.cells_of(points.v);
   Cover cover;
-  cover.cells = occupied_cells(column_of, row_of, columns.cells, rows.cells);
-  struct Extremes {
-    Range v;
-    double u_of_least = 0, u_of_greatest = 0;
-  };
-  std::vector<Extremes> extremes(columns.cells);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Extremes& e = extremes[column_of[i]];
-    const double v = points.v[i];
-    if (v < e.v.least) e.v.least = v, e.u_of_least = points.u[i];
-    if (v > e.v.greatest) e.v.greatest = v, e.u_of_greatest = points.u[i];
+  if (points.size() == 0) return cover;
+  const Bounds2 bounds = bounds_of(points);
+  cover.squares_m2 = bounds.squares_m2;
+  const Axis columns = axis_of(bounds.u, cell_m), rows = axis_of(bounds.v, cell_m);
+  const double cells = static_cast<double>(columns.cells) * rows.cells;
+  if (cells == 0 || cells > 4096 + 8 * static_cast<double>(points.size())) {
+    cover_sparse(points, cell_m, cover);
+    return cover;
   }
   std::vector<Vec2d> some;
-  for (const Extremes& e : extremes)
-    if (e.v.least <= e.v.greatest)
-      some.insert(some.end(), {{e.u_of_least, e.v.least}, {e.u_of_greatest, e.v.greatest}});
+  for (const Extremes& e : look_at_cells(points, columns, rows, cover))
+    if (e.lowest.y() <= e.highest.y()) some.insert(some.end(), {e.lowest, e.highest});
   const std::vector<Range> inside = inside_of(convex_hull(std::move(some)), columns);
   std::vector<Vec2d> outside;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Range& range = inside[column_of[i]];
-    if (!(points.v[i] > range.least && points.v[i] < range.greatest)) outside.push_back(points[i]);
-  }
+  points.visit([&](const Block& block) {
+    std::int32_t column[FlatPoints::kMost];
+    columns.find_cells(block.u, block.count, column);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      const Range& range = inside[column[i]];
+      if (!(block.v[i] > range.least && block.v[i] < range.greatest))
+        outside.emplace_back(block.u[i], block.v[i]);
+    }
+  });
   cover.hull = convex_hull(std::move(outside));
   return cover;
 }

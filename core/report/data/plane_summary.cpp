@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/model/plane.hpp"
-#include "core/planes/cloud/pixel_kernels.hpp"
 #include "core/planes/pipeline/plane_runs.hpp"
 #include "core/report/data/plane_cover.hpp"
 
@@ -14,37 +13,11 @@ namespace {
 
 constexpr int kMostRegionSamples = 8192;
 
-/// Points of a plane on it, and the sum of their squared distances from it.
-double lay_flat(const std::vector<Vec3f>& points,
-                const PlaneBasis& basis,
-                const Vec3d& normal,
-                const Vec3d& origin,
-                FlatPoints& flat) {
-  flat.resize(points.size());
-  std::vector<double> distances(points.size());
-  planes::LayFlatArgs args{.count = points.size(),
-                           .points = reinterpret_cast<const float*>(points.data()),
-                           .u = flat.u.data(),
-                           .v = flat.v.data(),
-                           .n = distances.data()};
-  for (int axis = 0; axis < 3; ++axis) {
-    args.origin[axis] = origin[axis];
-    args.u_axis[axis] = basis.u[axis], args.v_axis[axis] = basis.v[axis];
-    args.n_axis[axis] = normal[axis];
-  }
-  planes::pixel_kernels(best_simd()).lay_flat(args);
-  double squares = 0;
-  for (const double distance : distances) squares += distance * distance;
-  return squares;
-}
-
 }  // namespace
 
 std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, double voxel_size_m) {
   const std::size_t n = result.segmentation.planes.size();
   const std::vector<std::vector<planes::PointRun>> runs = planes::runs_of_planes(result);
-  std::vector<Vec3f> members;
-  FlatPoints flat;
   const double cell_m = cell_size_m(voxel_size_m);
   std::vector<PlaneSummary> summaries(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -58,17 +31,13 @@ std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, do
     s.tilt_deg = result.gravity.known()
                      ? std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi
                      : std::nan("");
-    members.clear();
-    for (const planes::PointRun& run : runs[k])
-      members.insert(members.end(), result.cloud.points.begin() + run.begin,
-                     result.cloud.points.begin() + run.end);
-    s.points = members.size();
     s.voxels = plane.points;
 
     const PlaneBasis basis = plane_basis(s.normal);
-    const double squares = lay_flat(members, basis, s.normal, plane.fit.centroid, flat);
-    if (s.points > 0) s.rms_m = std::sqrt(squares / static_cast<double>(s.points));
+    const FlatPoints flat(result.cloud.points, runs[k], basis, s.normal, plane.fit.centroid);
+    s.points = flat.size();
     const Cover cover = cover_of(flat, cell_m);
+    if (s.points > 0) s.rms_m = std::sqrt(cover.squares_m2 / static_cast<double>(s.points));
     s.area_m2 = static_cast<double>(cover.cells) * cell_m * cell_m;
     for (const Vec2d& corner : cover.hull)
       s.hull.push_back(s.centroid + corner.x() * basis.u + corner.y() * basis.v);

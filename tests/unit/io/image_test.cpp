@@ -194,8 +194,8 @@ TEST(Png, PlainFilesAreReadAsLibpngReadsThemWhateverTheirFilters) {
     for (const int bits : {8, 16})
       for (const bool rgb : {false, true}) {
         if (rgb && bits == 16) continue;
-        const std::string bytes = noise_bytes(std::size_t{1} * width * bits * (rgb ? 3 : 1) / 8 * 23,
-                                              static_cast<unsigned>(width));
+        const std::string bytes = noise_bytes(
+            std::size_t{1} * width * bits * (rgb ? 3 : 1) / 8 * 23, static_cast<unsigned>(width));
         write_file_text(plain, png_of_rows(width, bits, rgb, bytes, false));
         write_file_text(commented, png_of_rows(width, bits, rgb, bytes, true));
         if (rgb)

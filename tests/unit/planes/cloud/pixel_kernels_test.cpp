@@ -43,11 +43,11 @@ Frame random_frame(int width, int height, Distortion distortion, unsigned seed) 
   // Rows of points alone as well, as cameras give them.
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
-      frame.depth.at(u, v) = v % 3 == 0 ? static_cast<std::uint16_t>(700 + 3 * v + u)
-                                        : random_counts(random);
+      frame.depth.at(u, v) =
+          v % 3 == 0 ? static_cast<std::uint16_t>(700 + 3 * v + u) : random_counts(random);
   frame.depth_unit_m = 0.001;
-  frame.intrinsics = {width, height, 0.4 * width, 0.4 * width, 0.5 * width, 0.5 * height,
-                      distortion, {}};
+  frame.intrinsics = {width,       height,       0.4 * width, 0.4 * width,
+                      0.5 * width, 0.5 * height, distortion,  {}};
   // Folds over near the corners, to which no ray leads then.
   if (distortion != Distortion::none) frame.intrinsics.coefficients = {-0.3, 0.02, 0.01, 0, 0};
   return frame;
@@ -206,8 +206,8 @@ TEST(PixelKernels, FindThePatchesOnAPlane) {
   const Vec3d plane(0.1, -0.2, 1), facing(0, 0.6, -0.8);
   for (const Simd simd : simds_here()) {
     std::vector<std::uint8_t> on(kCount);
-    OnPlaneArgs args{.count = kCount, .w = w.data(), .most = most.data(), .least_cosine = 0.1,
-                     .on = on.data()};
+    OnPlaneArgs args{
+        .count = kCount, .w = w.data(), .most = most.data(), .least_cosine = 0.1, .on = on.data()};
     for (int axis = 0; axis < 3; ++axis) {
       args.ray[axis] = ray[axis].data(), args.normal[axis] = normal[axis].data();
       args.w_of_ray[axis] = plane[axis], args.plane_normal[axis] = facing[axis];
