@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "app/cli/assets.hpp"
@@ -55,6 +56,20 @@ std::vector<int> sliced_frames(const FrameSlice& slice, int frame_count) {
 
 int all_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
+namespace {
+
+/// Of a disc by its radius, or of the circle about a rectangle, LENGTHxWIDTH [m].
+double foot_radius_m(const std::string& text) {
+  const std::vector<std::string> sides = split(text, 'x');
+  std::vector<double> sizes;
+  for (const std::string& side : sides) sizes.push_back(parse_number(side, "--foot"));
+  if (sizes.size() > 2 || *std::ranges::min_element(sizes) <= 0)
+    throw Error("--foot: '" + text + "' is neither a radius nor LENGTHxWIDTH in metres");
+  return sizes.size() == 1 ? sizes[0] : std::hypot(sizes[0], sizes[1]) / 2;
+}
+
+}  // namespace
+
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
                          const std::string& text) {
@@ -64,6 +79,8 @@ void set_pipeline_option(planes::PipelineOptions& options,
     if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
     return planes::set_option(options, text.substr(0, equals), text.substr(equals + 1));
   }
+  if (name == "--foot")
+    return planes::set_option(options, "foot_radius_m", fmt::format("{}", foot_radius_m(text)));
   const std::string option = name == "--max-range" ? "max_range_m"
                              : name == "--voxel"   ? "voxel_size_m"
                                                    : name.substr(2);

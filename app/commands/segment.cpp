@@ -9,6 +9,7 @@
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
+#include "core/report/data/plane_files.hpp"
 #include "core/report/data/segment_files.hpp"
 
 namespace planescope::app {
@@ -17,6 +18,7 @@ namespace {
 struct SegmentArgs {
   InputArgs input;            // one recording
   std::filesystem::path out;  // -o
+  std::vector<std::string> also;
   bool json = false;
 };
 
@@ -65,13 +67,15 @@ WrittenFrame write_frame(const OpenInput& input,
                          int index,
                          const planes::PipelineOptions& options,
                          const planes::Classifier* classifier,
-                         const std::filesystem::path& out,
+                         const SegmentArgs& args,
                          StagedOutput& output) {
   WrittenFrame written;
+  const std::filesystem::path& out = args.out;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
-    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, options);
+    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, options,
+                                args.also);
     written.unknown_gravity = !loaded.result.gravity.known();
     written.line = line_of((out / folder).string(), loaded.result);
     written.json = frame_json((out / folder).string(), loaded.result);
@@ -110,7 +114,7 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     const auto make = [&](int i) {
       if (!stop.stop_requested())
         written[i] = write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(),
-                                 args.out, output);
+                                 args, output);
     };
     const auto take = [&](int i) {
       WrittenFrame& frame = written[i];
@@ -147,8 +151,20 @@ void define_segment(CLI::App& app, Line& line) {
   const auto args = std::make_shared<SegmentArgs>();
   add_inputs(segment, args->input, kOneInput);
   add_out(segment, args->out)->required();
+  std::vector<std::string> formats;
+  std::string holds;
+  for (const report::PlaneFormat& format : report::plane_formats()) {
+    formats.emplace_back(format.name);
+    holds += fmt::format("; {}: {}, {}", format.name, format.file, format.holds);
+  }
+  add(segment, "--also", args->also, "FORMAT,...", "Also write" + holds.substr(1))
+      ->check(some_of(formats, "a format"));
   add_json(segment, args->json);
   add_method(segment, args->input.pipeline);
+  add_of_method(
+      segment, args->input.pipeline, "--foot", "RADIUS|LENGTHxWIDTH",
+      "Of a foot, wheel or gripper, in metres: planes.json tells where its centre may go, "
+      "whichever way it is turned, and which planes are steppable");
   runs(segment, line, args, run_segment);
 }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -43,7 +45,7 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
                                       "frames/000000/planes.png", "frames/000000/timings.json"}));
 
   const Json json = planes_of(dir / "out");
-  EXPECT_EQ(json["schema"], "planescope.planes/2");
+  EXPECT_EQ(json["schema"], "planescope.planes/3");
   EXPECT_EQ(json["gravity"]["source"], "option");
   EXPECT_EQ(json["counts"]["pixels"], 160 * 120);
   ASSERT_EQ(json["planes"].size(), 2u);
@@ -250,4 +252,83 @@ TEST(Segment, ARivalNeedsNoClassifierAndTellsWhatItIs) {
             read_text(dir / "b/frames/000000/planes.json"));
   EXPECT_EQ(read_text(dir / "a/frames/000000/cloud.ply"),
             read_text(dir / "b/frames/000000/cloud.ply"));
+}
+
+TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  ASSERT_EQ(run(segment_args(dir / "rec", dir / "bare")).code, 0);
+  for (const Json& plane : planes_of(dir / "bare")["planes"]) {
+    EXPECT_GT(plane["outline_area_m2"].get<double>(), 0.1);
+    EXPECT_GT(plane["certainty"]["offset_sigma_m"].get<double>(), 0);
+    EXPECT_EQ(plane["certainty"]["covariance"].size(), 3u);
+    EXPECT_GT(plane["surface"]["clearance_m"].get<double>(), 0.05);
+    EXPECT_FALSE(plane.contains("foot"));
+  }
+  const Ran ran =
+      run(segment_args(dir / "rec", dir / "foot", {"--gravity", "0,1,0", "--foot", "0.08x0.06"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = planes_of(dir / "foot");
+  EXPECT_EQ(json["options"]["foot_radius_m"], 0.05) << "half of its diagonal: any yaw is allowed";
+  for (const Json& plane : json["planes"]) {
+    const Json& foot = plane["foot"];
+    EXPECT_EQ(foot["steppable"], plane["label"] == "h") << foot["why_not"];
+    EXPECT_GT(foot["area_m2"].get<double>(), 0);
+    EXPECT_LT(foot["area_m2"], plane["outline_area_m2"]);
+    EXPECT_GE(foot["pieces"].size(), 1u);
+  }
+}
+
+TEST(Segment, RefusesAFootThatIsNone) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  for (const char* foot : {"0", "-1", "0.1x", "0.1x0.2x0.3", "wide", "nan"}) {
+    const Ran ran = run(segment_args(dir / "rec", dir / "out", {"--foot", foot}));
+    EXPECT_EQ(ran.code, 2) << foot;
+    EXPECT_NE(ran.err.find("--foot"), std::string::npos) << ran.err;
+  }
+}
+
+TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const Ran ran = run(segment_args(dir / "rec", dir / "out",
+                                   {"--gravity", "0,1,0", "--foot", "0.05", "--also",
+                                    "geojson,obj,ply,planar-terrain,csv,svg"}));
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto frame = dir / "out/frames/000000";
+  const Json planes = planes_of(dir / "out")["planes"];
+
+  const Json geojson = Json::parse(read_text(frame / "planes.geojson"));
+  EXPECT_EQ(geojson["type"], "FeatureCollection");
+  ASSERT_EQ(geojson["features"].size(), 2 * planes.size()) << "an outline and a foot's space each";
+  for (const Json& feature : geojson["features"])
+    for (const Json& polygon : feature["geometry"]["coordinates"])
+      for (const Json& ring : polygon) EXPECT_EQ(ring.front(), ring.back());
+
+  const Json terrain = Json::parse(read_text(frame / "planar_terrain.json"));
+  ASSERT_EQ(terrain["planarRegions"].size(), planes.size());
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const Json& region = terrain["planarRegions"][k];
+    // Its pose takes (0, 0, 1) to the normal.
+    const Json& q = region["plane_parameters"]["orientation"];
+    const Eigen::Quaterniond orientation(q["w"].get<double>(), q["x"].get<double>(),
+                                         q["y"].get<double>(), q["z"].get<double>());
+    const Vec3d normal = orientation * Vec3d::UnitZ();
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(normal[i], planes[k]["normal"][i].get<double>(), 1e-6);
+    EXPECT_EQ(region["boundary"]["outer_boundary"]["points"].size(),
+              planes[k]["outline"][0]["outer"].size());
+    EXPECT_EQ(region["insets"].size(), planes[k]["foot"]["area"].size());
+    EXPECT_LT(region["bbox2d"]["min_x"], region["bbox2d"]["max_x"]);
+  }
+
+  const std::string csv = read_text(frame / "planes.csv");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + static_cast<int>(planes.size()));
+  EXPECT_NE(read_text(frame / "planes.obj").find("o plane_1_"), std::string::npos);
+  EXPECT_TRUE(read_text(frame / "planes.svg").ends_with("</svg>\n"));
+  EXPECT_TRUE(read_text(frame / "planes.ply").starts_with("ply\nformat ascii 1.0\n"));
+
+  const Ran wrong = run(segment_args(dir / "rec", dir / "no", {"--also", "shapefile"}));
+  EXPECT_NE(wrong.code, 0);
+  EXPECT_NE(wrong.err.find("planar-terrain"), std::string::npos) << wrong.err;
 }

@@ -73,7 +73,10 @@ std::string hash_of_planes(const fs::path& out) {
   std::string text;
   for (const fs::path& frame : frames) {
     Json planes = Json::parse(read_text(frame / "planes.json")).at("planes");
-    for (Json& plane : planes) plane.erase("outline");  // made from them
+    for (Json& plane : planes)
+      for (const char* made_from_it :
+           {"outline", "outline_area_m2", "surface", "certainty", "foot"})
+        plane.erase(made_from_it);
     text += planes.dump();
   }
   return sha256_hex(std::as_bytes(std::span(text)));

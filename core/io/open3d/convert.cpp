@@ -11,6 +11,7 @@
 
 #include "core/io/cloud_files/cloud_formats.hpp"
 #include "core/model/error.hpp"
+#include "core/planes/outline/mesh.hpp"
 
 namespace planescope::open3d {
 namespace {
@@ -169,6 +170,35 @@ TriangleMesh faces_to_open3d(std::span<const Polygon> polygons) {
       mesh.triangles_.emplace_back(first, first + i - 1, first + i);
   }
   return mesh;
+}
+
+LineSet outlines_to_open3d(std::span<const planes::Outline> outlines) {
+  std::vector<Polygon> rings;
+  for (const planes::Outline& outline : outlines) {
+    const auto add = [&](const planes::PolygonRing& ring) {
+      Polygon& corners = rings.emplace_back();
+      for (const Vec2d& corner : ring) corners.push_back(outline.world(corner));
+    };
+    for (const planes::Outline::Part& part : outline.parts) {
+      add(part.outer);
+      for (const planes::PolygonRing& hole : part.holes) add(hole);
+      for (const planes::PolygonRing& hole : part.unknown) add(hole);
+    }
+  }
+  return outlines_to_open3d(std::span<const Polygon>(rings));
+}
+
+TriangleMesh mesh_to_open3d(std::span<const planes::Outline> outlines) {
+  TriangleMesh all;
+  for (const planes::Outline& outline : outlines) {
+    const planes::Mesh mesh = planes::mesh_of(outline);
+    const Eigen::Vector3i first = Eigen::Vector3i::Constant(static_cast<int>(all.vertices_.size()));
+    all.vertices_.insert(all.vertices_.end(), mesh.vertices.begin(), mesh.vertices.end());
+    all.vertex_normals_.resize(all.vertices_.size(), outline.basis.u.cross(outline.basis.v));
+    for (const auto& [a, b, c] : mesh.triangles)
+      all.triangles_.push_back(first + Eigen::Vector3i(a, b, c));
+  }
+  return all;
 }
 
 std::vector<Polygon> outlines_from_open3d(const LineSet& lines) {

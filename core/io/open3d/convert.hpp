@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/model/frame.hpp"
+#include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace open3d::camera {
@@ -48,6 +49,10 @@ std::vector<::open3d::geometry::PointCloud> planes_to_open3d(const planes::Frame
 using Polygon = std::vector<Vec3d>;
 ::open3d::geometry::LineSet outlines_to_open3d(std::span<const Polygon> polygons);
 ::open3d::geometry::TriangleMesh faces_to_open3d(std::span<const Polygon> polygons);
+/// What planes cover: all rings of their outlines, holes and what is unknown too; and as triangles
+/// with the plane's normal. World frame [m].
+::open3d::geometry::LineSet outlines_to_open3d(std::span<const planes::Outline> outlines);
+::open3d::geometry::TriangleMesh mesh_to_open3d(std::span<const planes::Outline> outlines);
 /// The closed outlines of a line set, each from the first of its points.
 std::vector<Polygon> outlines_from_open3d(const ::open3d::geometry::LineSet& lines);
 

@@ -40,17 +40,19 @@ class Geos {
   }
 
   Geometry of(const Polygons& polygons) const {
-    std::vector<GEOSGeometry*> parts;
-    for (const Polygon& polygon : polygons) parts.push_back(of(polygon).release());
-    return make(GEOSGeom_createCollection_r, static_cast<int>(GEOS_MULTIPOLYGON), parts.data(),
-                static_cast<unsigned>(parts.size()));
+    std::vector<Geometry> parts;
+    for (const Polygon& polygon : polygons) parts.push_back(of(polygon));
+    std::vector<GEOSGeometry*> given = handed_over(parts);
+    return make(GEOSGeom_createCollection_r, static_cast<int>(GEOS_MULTIPOLYGON), given.data(),
+                static_cast<unsigned>(given.size()));
   }
   Geometry of(const Polygon& polygon) const {
     Geometry outer = of(polygon.outer);
-    std::vector<GEOSGeometry*> holes;
-    for (const PolygonRing& hole : polygon.holes) holes.push_back(of(hole).release());
-    return make(GEOSGeom_createPolygon_r, outer.release(), holes.data(),
-                static_cast<unsigned>(holes.size()));
+    std::vector<Geometry> holes;
+    for (const PolygonRing& hole : polygon.holes) holes.push_back(of(hole));
+    std::vector<GEOSGeometry*> given = handed_over(holes);
+    return make(GEOSGeom_createPolygon_r, outer.release(), given.data(),
+                static_cast<unsigned>(given.size()));
   }
 
   /// Of whatever has an area.
@@ -66,6 +68,18 @@ class Geos {
     return valid == 1;
   }
 
+  /// The corners of a line.
+  std::vector<Vec2d> points_of(const GEOSGeometry* line) const {
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
+    unsigned count = 0;
+    GEOSCoordSeq_getSize_r(handle_, points, &count);
+    std::vector<double> xy(2 * count);
+    GEOSCoordSeq_copyToBuffer_r(handle_, points, xy.data(), false, false);
+    std::vector<Vec2d> all;
+    for (unsigned i = 0; i < count; ++i) all.emplace_back(xy[2 * i], xy[2 * i + 1]);
+    return all;
+  }
+
  private:
   /// GEOS tells whatever it caught by its text alone; memory that ran out is told as everywhere.
   [[noreturn]] void fail() const {
@@ -73,7 +87,15 @@ class Geos {
     throw Error("polygons: " + message_);
   }
 
+  /// To a function that frees them even where it makes nothing: the last step before it is called.
+  static std::vector<GEOSGeometry*> handed_over(std::vector<Geometry>& parts) {
+    std::vector<GEOSGeometry*> given(parts.size());
+    std::ranges::transform(parts, given.begin(), &Geometry::release);
+    return given;
+  }
+
   Geometry of(const PolygonRing& ring) const {
+    if (ring.size() < 3) throw Error("polygons: a ring has fewer than three corners");
     std::vector<double> xy;
     xy.reserve(2 * ring.size() + 2);
     for (const Vec2d& p : ring) xy.insert(xy.end(), {p.x(), p.y()});
@@ -99,13 +121,8 @@ class Geos {
   }
 
   PolygonRing ring_of(const GEOSGeometry* line, bool counter_clockwise) const {
-    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
-    unsigned count = 0;
-    GEOSCoordSeq_getSize_r(handle_, points, &count);
-    std::vector<double> xy(2 * count);
-    GEOSCoordSeq_copyToBuffer_r(handle_, points, xy.data(), false, false);
-    PolygonRing ring;
-    for (unsigned i = 0; i + 1 < count; ++i) ring.emplace_back(xy[2 * i], xy[2 * i + 1]);
+    PolygonRing ring = points_of(line);
+    if (!ring.empty()) ring.pop_back();  // the first again
     if ((polygon_area(ring) > 0) != counter_clockwise) std::ranges::reverse(ring);
     return ring;
   }
@@ -118,7 +135,10 @@ template <typename Operation>
 Polygons combined(const Polygons& a, const Polygons& b, const Operation& operation) {
   const Geos geos;
   const Geos::Geometry first = geos.of(a), second = geos.of(b);
-  return geos.polygons_of(geos.make(operation, first.get(), second.get()).get());
+  // On a grid of a nanometre: of borders that nearly coincide, GEOS 3.11 may come out wrong
+  // without.
+  constexpr double kGrid_m = 1e-9;
+  return geos.polygons_of(geos.make(operation, first.get(), second.get(), kGrid_m).get());
 }
 
 }  // namespace
@@ -148,8 +168,56 @@ Polygons repaired(const Polygon& polygon) {
   return geos.polygons_of(geos.make(GEOSMakeValid_r, given.get()).get());
 }
 
-Polygons united(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSUnion_r); }
-Polygons common(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSIntersection_r); }
+Polygons united(const Polygons& a, const Polygons& b) { return combined(a, b, GEOSUnionPrec_r); }
+Polygons common(const Polygons& a, const Polygons& b) {
+  return combined(a, b, GEOSIntersectionPrec_r);
+}
+Polygons without(const Polygons& a, const Polygons& b) {
+  return combined(a, b, GEOSDifferencePrec_r);
+}
+
+Polygons inset(const Polygons& polygons, double distance_m) {
+  // Mitred: one corner where an obstacle has one, a little farther from it than asked for. Round
+  // ones would be chains of short edges, each a reflex corner that convex pieces end at.
+  constexpr int kQuadrantSegments = 8;  // of what the limit cuts
+  constexpr double kMitreLimit = 1.5;   // [distance]
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygons);
+  return geos.polygons_of(geos.make(GEOSBufferWithStyle_r, given.get(), -distance_m,
+                                    kQuadrantSegments, static_cast<int>(GEOSBUF_CAP_ROUND),
+                                    static_cast<int>(GEOSBUF_JOIN_MITRE), kMitreLimit)
+                              .get());
+}
+
+std::vector<Triangle> triangulated(const Polygons& polygons) {
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygons);
+  std::vector<Triangle> triangles;
+  for (const Polygon& part :
+       geos.polygons_of(geos.make(GEOSConstrainedDelaunayTriangulation_r, given.get()).get()))
+    if (part.outer.size() == 3) triangles.push_back({part.outer[0], part.outer[1], part.outer[2]});
+  return triangles;
+}
+
+Circle largest_circle(const Polygons& polygons, double tolerance_m) {
+  if (!(area(polygons) > 0)) return {};
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygons);
+  const std::vector<Vec2d> radius =
+      geos.points_of(geos.make(GEOSMaximumInscribedCircle_r, given.get(), tolerance_m).get());
+  return {radius.front(), (radius.back() - radius.front()).norm()};
+}
+
+bool is_in(const PolygonRing& ring, const Vec2d& p) {
+  bool in = false;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < a.x() + (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()))
+      in = !in;
+  }
+  return in;
+}
 
 bool is_valid(const Polygons& polygons) {
   const Geos geos;

@@ -4,6 +4,7 @@
 // are counter-clockwise, holes clockwise. Valid are those whose rings do not cross themselves or
 // each other; united() and common() want such, and give such.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -28,9 +29,28 @@ double area(std::span<const Polygon> polygons);
 Polygons simplified(const Polygons& polygons, double tolerance_m);
 /// Valid polygons of about the same area, where rings cross.
 Polygons repaired(const Polygon& polygon);
+// Corners to a nanometre:
 Polygons united(const Polygons& a, const Polygons& b);
 Polygons common(const Polygons& a, const Polygons& b);
+Polygons without(const Polygons& a, const Polygons& b);
+
+/// What of valid polygons is farther than this from everything outside of them and from their
+/// holes: valid, and mostly of as many corners.
+Polygons inset(const Polygons& polygons, double distance_m);
+
+/// Of valid polygons; counter-clockwise, with the polygons' corners and no others.
+using Triangle = std::array<Vec2d, 3>;
+std::vector<Triangle> triangulated(const Polygons& polygons);
+
+/// The largest circle in them, its centre found to the tolerance. Radius 0: they have no area.
+struct Circle {
+  Vec2d centre = Vec2d::Zero();
+  double radius_m = 0;
+};
+Circle largest_circle(const Polygons& polygons, double tolerance_m);
 
 bool is_valid(const Polygons& polygons);
+/// By the rule of even and odd.
+bool is_in(const PolygonRing& ring, const Vec2d& p);
 
 }  // namespace planescope::planes

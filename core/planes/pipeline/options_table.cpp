@@ -185,38 +185,39 @@ void append_criteria(std::vector<OptionInfo>& table) {
                          in_segment(&SegmentOptions::cube_anchor)));
 }
 
-/// Takes the rows that a stage's options describe.
-template <typename Options>
+/// Takes the rows that a stage's options describe; `stage` finds these in PipelineOptions.
+template <typename Stage>
 class Rows {
  public:
-  Rows(std::vector<OptionInfo>& table, Options SegmentOptions::*stage, std::string group)
-      : table_(table), stage_(stage), group_(std::move(group)) {}
+  Rows(std::vector<OptionInfo>& table, Stage stage, std::string section, std::string group = {})
+      : table_(table), stage_(stage), section_(std::move(section)), group_(std::move(group)) {}
 
   /// The numbers that follow mean nothing while this switch is off.
   void only_with(const char* option) { needs_ = option; }
-  template <typename T>
+  template <typename Options, typename T>
   void number(const char* name,
               const char* unit,
               const char* meaning,
               T Options::*field,
               OptionRange range = {}) {
-    add(planescope::planes::number("refinements", name, unit, meaning, of(field), range));
+    add(planescope::planes::number(section_, name, unit, meaning, of(field), range));
   }
+  template <typename Options>
   void flag(const char* name, const char* meaning, bool Options::*field) {
-    add(planescope::planes::flag("refinements", name, meaning, of(field)));
+    add(planescope::planes::flag(section_, name, meaning, of(field)));
   }
-  template <typename T>
+  template <typename Options, typename T>
   void choice(const char* name,
               std::vector<std::string> values,
               const char* meaning,
               T Options::*field) {
-    add(planescope::planes::choice("refinements", name, std::move(values), meaning, of(field)));
+    add(planescope::planes::choice(section_, name, std::move(values), meaning, of(field)));
   }
 
  private:
-  template <typename T>
+  template <typename Options, typename T>
   auto of(T Options::*field) {
-    return [ stage = stage_, field ](auto& o) -> auto& { return o.segment.*stage.*field; };
+    return [ stage = stage_, field ](auto& o) -> auto& { return stage(o).*field; };
   }
   void add(OptionInfo row) {
     row.group = group_;
@@ -225,8 +226,8 @@ class Rows {
   }
 
   std::vector<OptionInfo>& table_;
-  Options SegmentOptions::*stage_;
-  std::string group_, needs_;
+  Stage stage_;
+  std::string section_, group_, needs_;
 };
 
 /// "R2: explain away", "split disconnected planes".
@@ -236,16 +237,26 @@ std::string group_of(const RefinementInfo& info) {
 }
 
 void append_refinements(std::vector<OptionInfo>& table) {
-  Rows noise(table, &SegmentOptions::noise, "Noise, and what follows from it");
+  constexpr const char* kSection = "refinements";
+  Rows noise(
+      table, [](auto& o) -> auto& { return o.segment.noise; }, kSection,
+      "Noise, and what follows from it");
   NoiseOptions::describe(noise);
-#define PLANESCOPE_ROWS(name)                                       \
-  {                                                                 \
-    Rows rows(table, &SegmentOptions::name, group_of(name::kInfo)); \
-    rows.only_with(#name);                                          \
-    name::Options::describe(rows);                                  \
+#define PLANESCOPE_ROWS(name)                                                                     \
+  {                                                                                               \
+    Rows rows(                                                                                    \
+        table, [](auto& o) -> auto& { return o.segment.name; }, kSection, group_of(name::kInfo)); \
+    rows.only_with(#name);                                                                        \
+    name::Options::describe(rows);                                                                \
   }
   PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
 #undef PLANESCOPE_ROWS
+}
+
+void append_foot(std::vector<OptionInfo>& table) {
+  Rows rows(
+      table, [](auto& o) -> auto& { return o.foot; }, "foot");
+  FootOptions::describe(rows);
 }
 
 }  // namespace
@@ -275,6 +286,7 @@ const std::vector<OptionInfo>& option_table() {
     for (OptionInfo& row : rows)
       if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
     append_rivals(rows);
+    append_foot(rows);
     name_symbols(rows);
     return rows;
   }();

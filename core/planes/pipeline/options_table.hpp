@@ -19,7 +19,7 @@ struct OptionInfo {
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
   std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "refinements",
-                        // "rivals"
+                        // "rivals", "foot"
   std::function<std::string(const PipelineOptions&)> get;
   std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
   OptionKind kind = OptionKind::text;
@@ -32,11 +32,13 @@ struct OptionInfo {
 
   bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
-  /// Whether a run with these options reads it: rivals have their own options, and options about h
-  /// and v do nothing without gravity.
+  /// Whether a run with these options reads it: rivals have their own options, options about h and
+  /// v do nothing without gravity, and those of a foot nothing without one.
   bool matters(const PipelineOptions& o) const {
     const bool of_labels = section == "classifier" || name == "use_labels";
-    return (!method || *method == o.method) && !(of_labels && o.gravity.mode == GravityMode::none);
+    return (!method || *method == o.method) &&
+           !(of_labels && o.gravity.mode == GravityMode::none) &&
+           !(section == "foot" && o.foot.radius_m == 0);
   }
 };
 

@@ -11,6 +11,7 @@
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
 #include "core/planes/cloud/gravity.hpp"
+#include "core/planes/foot/options.hpp"
 #include "core/planes/pipeline/method.hpp"
 #include "core/planes/segment/segment.hpp"
 
@@ -24,6 +25,7 @@ struct PipelineOptions {
   Method method = Method::ours;
   SegmentOptions segment = profile_options(Profile::refined);  // of ours
   RivalOptions rivals;                                         // of all others
+  FootOptions foot;                                            // of what is told about planes
   std::string classifier = "gcn";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };

@@ -6,15 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/file_bytes.hpp"
-#include "core/planes/outline/outline.hpp"
 #include "core/planes/pipeline/options_table.hpp"
-#include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_json.hpp"
-#include "core/report/data/plane_summary.hpp"
+#include "core/report/data/plane_files.hpp"
 
 namespace planescope::report {
 namespace {
@@ -78,23 +77,67 @@ Json counts_json(const planes::FrameResult& result, bool ours) {
   return json;
 }
 
+Json ring_json(const planes::Outline& outline, const planes::PolygonRing& ring) {
+  Json corners = Json::array();
+  for (const Vec2d& corner : ring) corners.push_back(vector_json(outline.world(corner)));
+  return corners;
+}
+
+Json rings_json(const planes::Outline& outline, const std::vector<planes::PolygonRing>& rings) {
+  Json all = Json::array();
+  for (const planes::PolygonRing& ring : rings) all.push_back(ring_json(outline, ring));
+  return all;
+}
+
 Json outline_json(const planes::Outline& outline) {
-  const auto ring_json = [&](const planes::PolygonRing& ring) {
-    Json corners = Json::array();
-    for (const Vec2d& corner : ring) corners.push_back(vector_json(outline.world(corner)));
-    return corners;
-  };
-  const auto rings_json = [&](const std::vector<planes::PolygonRing>& rings) {
-    Json all = Json::array();
-    for (const planes::PolygonRing& ring : rings) all.push_back(ring_json(ring));
-    return all;
-  };
   Json parts = Json::array();
   for (const planes::Outline::Part& part : outline.parts)
-    parts.push_back({{"outer", ring_json(part.outer)},
-                     {"holes", rings_json(part.holes)},
-                     {"unknown", rings_json(part.unknown)}});
+    parts.push_back({{"outer", ring_json(outline, part.outer)},
+                     {"holes", rings_json(outline, part.holes)},
+                     {"unknown", rings_json(outline, part.unknown)}});
   return parts;
+}
+
+Json surface_json(const planes::Surface& surface) {
+  Json json;
+  json["slope_deg"] = std::isnan(surface.slope_deg) ? Json() : Json(rounded(surface.slope_deg));
+  json["rough_rms_m"] = rounded(surface.rough_rms_m);
+  json["rough_step_m"] = rounded(surface.rough_step_m);
+  json["support"] = rounded(surface.support);
+  json["best_place"] = vector_json(surface.best_place);
+  json["clearance_m"] = rounded(surface.clearance_m);
+  return json;
+}
+
+Json certainty_json(const planes::Certainty& certainty, const Vec3d& centroid) {
+  Json json;
+  json["sigma_m"] = rounded(certainty.sigma_m);
+  json["eigenvalues_m2"] = vector_json(certainty.eigenvalues_m2);
+  json["axes"] = {vector_json(certainty.axes[0]), vector_json(certainty.axes[1])};
+  json["tilt_sigma_deg"] = Json::array();
+  for (const double sigma_rad : certainty.sigma_tilt_rad)
+    json["tilt_sigma_deg"].push_back(rounded(sigma_rad * 180 / std::numbers::pi));
+  json["offset_sigma_m"] = rounded(certainty.sigma_offset_m);
+  const Mat3d covariance = certainty.covariance(centroid);
+  json["covariance"] = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    // Not rounded to a nanometre: variances of good planes are smaller.
+    json["covariance"].push_back({covariance(row, 0), covariance(row, 1), covariance(row, 2)});
+  }
+  return json;
+}
+
+Json foot_json(const planes::Foothold& foothold, const planes::Outline& outline) {
+  Json json;
+  json["steppable"] = foothold.steppable;
+  json["why_not"] = foothold.why_not.empty() ? Json() : Json(foothold.why_not);
+  json["area_m2"] = rounded(foothold.space->area_m2);
+  json["area"] = Json::array();
+  for (const planes::Polygon& polygon : foothold.space->area)
+    json["area"].push_back({{"outer", ring_json(outline, polygon.outer)},
+                            {"holes", rings_json(outline, polygon.holes)}});
+  json["pieces"] = rings_json(outline, foothold.space->pieces);
+  return json;
 }
 
 // The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
@@ -145,9 +188,10 @@ std::filesystem::path frame_folder(int frame_index) {
 
 std::string planes_json(const Frame& frame,
                         const planes::FrameResult& result,
+                        const FramePlanes& found,
                         const planes::PipelineOptions& options) {
   Json json;
-  json["schema"] = "planescope.planes/2";
+  json["schema"] = "planescope.planes/3";
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
@@ -157,9 +201,10 @@ std::string planes_json(const Frame& frame,
   json["counts"] = counts_json(result, ours);
   if (ours) json["noise"] = noise_json(result.segmentation.noise);
   json["planes"] = Json::array();
-  const std::vector<planes::Outline> outlines =
-      planes::outlines_of(frame, result, cell_size_m(options.cloud.voxel_size_m));
-  for (const PlaneSummary& s : summarize_planes(result, options.cloud.voxel_size_m)) {
+  for (std::size_t k = 0; k < found.summaries.size(); ++k) {
+    const PlaneSummary& s = found.summaries[k];
+    const planes::Outline& outline = found.outlines[k];
+    const planes::Foothold& foothold = found.footholds[k];
     Json plane;
     plane["id"] = s.id;
     plane["label"] = to_string(s.label);
@@ -172,7 +217,11 @@ std::string planes_json(const Frame& frame,
     plane["area_m2"] = rounded(s.area_m2);
     plane["hull"] = Json::array();
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
-    plane["outline"] = outline_json(outlines[static_cast<std::size_t>(s.id) - 1]);
+    plane["outline"] = outline_json(outline);
+    plane["outline_area_m2"] = rounded(outline.area_m2);
+    plane["surface"] = surface_json(foothold.surface);
+    plane["certainty"] = certainty_json(foothold.certainty, s.centroid);
+    if (foothold.space) plane["foot"] = foot_json(foothold, outline);
     json["planes"].push_back(std::move(plane));
   }
   if (!result.from_cloud && ours) {
@@ -243,9 +292,12 @@ PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
-                         const planes::PipelineOptions& options) {
+                         const planes::PipelineOptions& options,
+                         const std::vector<std::string>& also) {
   write_file_text(dir / "timings.json", timings_json(result.timings));
-  write_file_text(dir / "planes.json", planes_json(frame, result, options));
+  const FramePlanes found = frame_planes(frame, result, options);
+  write_file_text(dir / "planes.json", planes_json(frame, result, found, options));
+  write_plane_files(dir, also, found);
   if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
   io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }

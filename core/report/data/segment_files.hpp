@@ -5,18 +5,21 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/model/frame.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/report/data/frame_planes.hpp"
 
 namespace planescope::report {
 
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
-/// schema "planescope.planes/2".
+/// schema "planescope.planes/3".
 std::string planes_json(const Frame& frame,
                         const planes::FrameResult& result,
+                        const FramePlanes& found,
                         const planes::PipelineOptions& options);
 /// Milliseconds by stage and their sum.
 std::string timings_json(const planes::FrameTimings& timings);
@@ -28,11 +31,12 @@ Image16 plane_image(const Frame& frame, const planes::FrameResult& result);
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 
-/// Writes planes.json, timings.json, cloud.ply and, for depth frames, planes.png into `dir`, which
-/// exists. Throws Error naming the file that cannot be written.
+/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png, and `also` those of
+/// plane_formats() into `dir`, which exists. Throws Error naming the file that cannot be written.
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
-                         const planes::PipelineOptions& options);
+                         const planes::PipelineOptions& options,
+                         const std::vector<std::string>& also = {});
 
 }  // namespace planescope::report

@@ -98,5 +98,21 @@ TEST(Convert, HullsAreOutlinesAndFacesAndOutlinesComeBack) {
   EXPECT_NEAR(mesh.GetSurfaceArea(), 2.5, 1e-12);
 }
 
+TEST(Convert, WhatAPlaneCoversIsAMeshAndItsRingsAreLines) {
+  planes::Outline outline;
+  outline.origin = Vec3d(1, 2, 3);
+  outline.basis = plane_basis(Vec3d(0, 0.6, 0.8));
+  outline.parts.push_back({{{0, 0}, {3, 0}, {3, 2}, {0, 2}},
+                           {{{1, 1}, {1, 1.5}, {2, 1.5}, {2, 1}}},
+                           {{{0.2, 0.2}, {0.2, 0.4}, {0.4, 0.4}, {0.4, 0.2}}}});
+  const std::vector<planes::Outline> outlines = {outline, outline};
+  EXPECT_EQ(outlines_from_open3d(outlines_to_open3d(outlines)).size(), 6u);
+  auto mesh = mesh_to_open3d(outlines);
+  EXPECT_NEAR(mesh.GetSurfaceArea(), 2 * (6 - 0.5 - 0.04), 1e-12);
+  mesh.ComputeTriangleNormals();
+  for (const Vec3d& normal : mesh.triangle_normals_)
+    EXPECT_NEAR(normal.dot(Vec3d(0, 0.6, 0.8)), 1, 1e-12);
+}
+
 }  // namespace
 }  // namespace planescope::open3d

@@ -4,6 +4,10 @@
 
 #include <algorithm>
 
+#include "core/model/error.hpp"
+#include "core/model/plane.hpp"
+#include "support/polygon_scenes.hpp"
+
 namespace planescope::planes {
 namespace {
 
@@ -42,6 +46,54 @@ TEST(Polygons, CombineWithHoles) {
   EXPECT_DOUBLE_EQ(area(united(frame(), hole)), 6);
   EXPECT_TRUE(common(frame(), hole).empty());
   EXPECT_DOUBLE_EQ(area(common(frame(), {{rectangle(0, 0, 1.5, 2), {}}})), 2.75);
+}
+
+TEST(Polygons, ThatNearlyCoincideAreCombinedRightly) {
+  Random random(3);
+  for (int trial = 0; trial < 200; ++trial) {
+    SCOPED_TRACE(trial);
+    const Polygons polygons = test::random_polygons(random);
+    for (const Triangle& triangle : triangulated(polygons)) {
+      const Polygons corner = {{{triangle.begin(), triangle.end()}, {}}};
+      EXPECT_NEAR(area(common(corner, polygons)), area(corner), 1e-8);
+      EXPECT_NEAR(area(without(corner, polygons)), 0, 1e-8);
+      EXPECT_NEAR(area(united(corner, polygons)), area(polygons), 1e-8);
+    }
+  }
+}
+
+TEST(Polygons, RefuseARingThatIsNoneAndFreeWhatWasMadeBefore) {  // as the address sanitizer sees
+  const Polygon wrong{rectangle(0, 0, 3, 2), {reversed(rectangle(1, 1, 2, 1.5)), {{1, 1}}}};
+  EXPECT_THROW(is_valid({wrong}), Error);
+  EXPECT_THROW(united(frame(), {{rectangle(0, 0, 1, 1), {}}, wrong}), Error);
+  EXPECT_THROW(is_valid({{{}, {}}}), Error);
+}
+
+TEST(Polygons, AnInsetKeepsOffBordersAndHoles) {
+  const Polygons inside = inset(frame(), 0.2);
+  ASSERT_EQ(inside.size(), 1u);
+  EXPECT_EQ(inside[0].outer.size(), 4u);
+  ASSERT_EQ(inside[0].holes.size(), 1u);
+  EXPECT_EQ(inside[0].holes[0].size(), 4u) << "a corner stays one corner";
+  EXPECT_NEAR(area(inside), 2.6 * 1.6 - 1.4 * 0.9, 1e-9);
+  EXPECT_TRUE(inset(frame(), 1).empty());
+}
+
+TEST(Polygons, TrianglesCoverThemAndTurnAsTheyDo) {
+  double sum = 0;
+  for (const Triangle& triangle : triangulated(frame())) {
+    EXPECT_GT(polygon_area(triangle), 0);
+    sum += polygon_area(triangle);
+  }
+  EXPECT_NEAR(sum, 5.5, 1e-12);
+  EXPECT_TRUE(triangulated({}).empty());
+}
+
+TEST(Polygons, TheLargestCircleIsAsFarFromHolesAsFromBorders) {
+  const Circle circle = largest_circle({{rectangle(0, 0, 3, 2), {}}}, 1e-3);
+  EXPECT_NEAR(circle.radius_m, 1, 2e-3);
+  EXPECT_NEAR(largest_circle(frame(), 1e-3).radius_m, 0.586, 2e-3);
+  EXPECT_EQ(largest_circle({}, 1e-3).radius_m, 0);
 }
 
 }  // namespace

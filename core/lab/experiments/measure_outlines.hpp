@@ -1,0 +1,47 @@
+#pragma once
+
+// Outlines, certainty and places for a foot against synthetic truth.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/lab/experiments/contest.hpp"
+
+namespace planescope::lab {
+
+/// A true plane in view, its visible part within the range of the run.
+struct OutlineScore {
+  double true_m2 = 0;
+  int found = 0;   // id, 0: no plane stands for it
+  double iou = 0;  // of what the outline covers, holes and what is unknown left out; 0: not found
+  double drawn_iou = 0;  // likewise, where the planes found were the true ones, pixel by pixel
+  // Of the found plane, by how much the true one is off, in its sigmas: the two tilts, the offset.
+  std::array<double, 3> off_sigmas{};
+  double range_m = 0, voxels = 0;
+};
+
+/// Every 2 cm a place where the foot's centre may go, on planes that are called steppable.
+struct FootScore {
+  int steppable = 0;  // planes
+  int places = 0;
+  int off = 0;      // the foot's centre or rim is over a hole, or more than 2 cm off any surface
+  int hidden = 0;   // something stands between it and the camera
+  int spaces = 0;   // planes with room for the foot, steppable or not
+  int invalid = 0;  // of these, area not valid or a piece not convex or not inside
+  double area_m2 = 0, covered_m2 = 0;  // of these, and of their pieces
+  int pieces = 0;
+  double least_covered = 1;  // share, of a plane
+};
+
+struct OutlineFrameScore {
+  std::vector<OutlineScore> planes;
+  FootScore foot;
+};
+
+/// `frame`: a depth frame with exact labels and polygons.
+OutlineFrameScore score_outlines(const EvaluationFrame& frame,
+                                 const planes::PipelineOptions& options,
+                                 const planes::Classifier* classifier);
+
+}  // namespace planescope::lab

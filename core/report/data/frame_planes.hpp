@@ -1,0 +1,24 @@
+#pragma once
+
+// Everything that a frame's files tell about its planes.
+
+#include <vector>
+
+#include "core/planes/foot/footholds.hpp"
+#include "core/planes/outline/outline.hpp"
+#include "core/report/data/plane_summary.hpp"
+
+namespace planescope::report {
+
+/// By id - 1.
+struct FramePlanes {
+  std::vector<PlaneSummary> summaries;
+  std::vector<planes::Outline> outlines;
+  std::vector<planes::Foothold> footholds;
+};
+
+FramePlanes frame_planes(const Frame& frame,
+                         const planes::FrameResult& result,
+                         const planes::PipelineOptions& options);
+
+}  // namespace planescope::report
