@@ -26,10 +26,11 @@ Polygons ground_of(const Outline& outline, double least_hole_m2) {
 
 FootSpace foot_space(const Outline& outline, const Places& places, const FootOptions& options) {
   const double foot_m2 = std::numbers::pi * options.radius_m * options.radius_m;
-  const Polygons ground =
-      without(ground_of(outline, options.unknown_share * foot_m2), places.off(options.max_off_m));
+  const double inset_m = options.radius_m + options.margin_m + kCorners_m;
   FootSpace space;
-  const Polygons exact = inset(ground, options.radius_m + options.margin_m + kCorners_m);
+  const Polygons exact =
+      without(inset(ground_of(outline, options.unknown_share * foot_m2), inset_m),
+              places.near_off(options.max_off_m, inset_m));
   space.area = simplified(exact, kCorners_m);
   if (!is_valid(space.area)) space.area = exact;
   space.area_m2 = area(space.area);

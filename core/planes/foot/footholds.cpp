@@ -13,8 +13,9 @@ std::string reasons_against(Label label,
                             const FootSpace& space,
                             const FootOptions& limits) {
   std::vector<std::string> reasons;
-  if (label == Label::v) reasons.emplace_back("upright, v");
-  if (std::isnan(surface.slope_deg))
+  if (label == Label::v)
+    reasons.emplace_back("upright, v");
+  else if (std::isnan(surface.slope_deg))
     reasons.emplace_back("gravity is not known, and so no slope");
   else if (surface.slope_deg > limits.max_slope_deg)
     reasons.push_back(
@@ -25,7 +26,7 @@ std::string reasons_against(Label label,
     reasons.push_back(fmt::format("room of {:.0f} cm2 for the foot's centre, limit {:g}",
                                   space.area_m2 * 1e4, limits.min_area_m2 * 1e4));
   if (surface.rough_rms_m > limits.max_rough_m)
-    reasons.push_back(fmt::format("{:.0f} mm rough, limit {:g}", surface.rough_rms_m * 1e3,
+    reasons.push_back(fmt::format("{:.3g} mm rough, limit {:g}", surface.rough_rms_m * 1e3,
                                   limits.max_rough_m * 1e3));
   if (surface.support < limits.min_support)
     reasons.push_back(fmt::format("{:.0f} % of it was measured, limit {:g}", surface.support * 100,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/planes/outline/rings.hpp"
 
@@ -72,27 +73,43 @@ double Places::step_m(double share) const {
   return *nth;
 }
 
-Polygons Places::off(double limit_m) const {
-  std::vector<std::int32_t> marked(cells_.size(), 0);
+Polygons Places::near_off(double limit_m, double reach_m) const {
+  // Of squares, whose corners are to be within reach as well.
+  const double reach = reach_m / cell_m_ + std::numbers::sqrt2;
+  const int margin = static_cast<int>(std::ceil(reach));
+  const int width = columns_ + 2 * margin, height = rows_ + 2 * margin;
+  std::vector<std::int32_t> near(static_cast<std::size_t>(width) * height, 0);
+  std::vector<int> half_width;  // of a disc, by row
+  for (int v = -margin; v <= margin; ++v)
+    half_width.push_back(static_cast<int>(std::sqrt(std::max(0.0, reach * reach - v * v))));
+  bool any = false;
   for (int y = 0; y < rows_; ++y)
-    for (int x = 0; x < columns_; ++x)
-      marked[index(x, y)] = cells_[index(x, y)].weight > 0 && std::abs(mean_about(x, y)) > limit_m;
+    for (int x = 0; x < columns_; ++x) {
+      if (cells_[index(x, y)].weight == 0 || !(std::abs(mean_about(x, y)) > limit_m)) continue;
+      any = true;
+      for (int v = 0; v <= 2 * margin; ++v) {
+        const auto row = near.begin() + static_cast<std::ptrdiff_t>(y + v) * width + x + margin;
+        std::fill(row - half_width[v], row + half_width[v] + 1, 1);
+      }
+    }
+  if (!any) return {};
   Polygons polygons;
-  std::vector<int> of_part;
-  for (const Ring& ring : trace_rings(marked, columns_, rows_)) {
+  std::vector<std::size_t> of_part;
+  for (const Ring& ring : trace_rings(near, width, height)) {
     PolygonRing on_plane;
-    for (const Corner& corner : ring.corners) on_plane.push_back(low_ + cell_m_ * corner.place());
-    // Image y is down, and the plane's is up: rings turn the other way.
-    std::ranges::reverse(on_plane);
-    if (!ring.hole) {
-      of_part.resize(std::max<std::size_t>(of_part.size(), ring.part + 1), -1);
-      of_part[ring.part] = static_cast<int>(polygons.size());
-      polygons.push_back({on_plane, {}});
+    for (const Corner& corner : ring.corners)
+      on_plane.push_back(low_ + cell_m_ * (corner.place() - Vec2d::Constant(margin)));
+    std::ranges::reverse(on_plane);  // the rows of an image go down
+    if (ring.hole) {
+      polygons[of_part[ring.part]].holes.push_back(std::move(on_plane));
     } else {
-      polygons[of_part[ring.part]].holes.push_back(on_plane);
+      of_part.resize(std::max<std::size_t>(of_part.size(), ring.part + 1));
+      of_part[ring.part] = polygons.size();
+      polygons.push_back({std::move(on_plane), {}});
     }
   }
-  return polygons;
+  const Polygons smooth = simplified(polygons, 0.75 * cell_m_);
+  return is_valid(smooth) ? smooth : polygons;
 }
 
 std::vector<Places> places_of(const FrameResult& result,

@@ -24,8 +24,9 @@ class Places {
   double rough_rms_m() const;
   /// A percentile of the steps between cells side by side.
   double step_m(double share) const;
-  /// Cells that, in the mean with those about them, are farther than this from the plane. Valid.
-  Polygons off(double limit_m) const;
+  /// What is within reach of cells that, in the mean with those about them, are farther than the
+  /// limit from the plane: cells, and corners between them to 1.5 cells. Valid.
+  Polygons near_off(double limit_m, double reach_m) const;
 
  private:
   struct Cell {

@@ -15,6 +15,7 @@ constexpr int kColumns = 3;
 
 constexpr const char* kStyle =
     "text { font: 13px sans-serif; fill: #222 }\n"
+    ".why { font-size: 10px }\n"
     ".covers { fill: #c9d3dc; stroke: #51616f; fill-rule: evenodd }\n"
     ".unknown { fill: #f3e6c4; stroke: #b08d2e }\n"
     ".foot { fill: #8fc79a; fill-rule: evenodd }\n"
@@ -71,7 +72,8 @@ std::string plane_svg(const FramePlanes& found, std::size_t k, const Vec2d& corn
   svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">Plane {}, {}, {:.2f} m2</text>\n", corner.x(),
                      corner.y() + 14, s.id, to_string(s.label), outline.area_m2);
   if (foothold.space)
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", corner.x(), corner.y() + 32,
+    svg += fmt::format("<text class=\"why\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", corner.x(),
+                       corner.y() + 32,
                        foothold.steppable ? "steppable" : "not steppable: " + foothold.why_not);
   svg += drawn("covers", covers) + drawn("unknown", unknown) + drawn("foot", foot) +
          drawn("piece", pieces);
