@@ -74,11 +74,15 @@ WrittenFrame write_frame(const OpenInput& input,
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
-    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, options,
+    const report::FramePlanes found = report::frame_planes(loaded.frame, loaded.result, options);
+    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, found, options,
                                 args.also);
     written.unknown_gravity = !loaded.result.gravity.known();
     written.line = line_of((out / folder).string(), loaded.result);
+    if (const std::string stairs = report::line_of(found.stairs); !stairs.empty())
+      written.line += "\n  " + stairs;
     written.json = frame_json((out / folder).string(), loaded.result);
+    written.json["flights"] = found.stairs.flights.size();
   } catch (const FrameRefused& refusal) {
     written.refused = refusal.what();
   }

@@ -18,11 +18,13 @@
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/lab/synthetic/sample.hpp"
+#include "core/lab/synthetic/seen_steps.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/parallel.hpp"
+#include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::app {
 namespace {
@@ -122,6 +124,8 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
   const lab::SampleFolder folder{
       fmt::format("planescope-lab {} --errors {}", task, lab::to_string(args.options.errors)),
       args.options.seed, static_cast<std::size_t>(args.count), /*color=*/false, /*gravity=*/true};
+  constexpr double kNearM = planes::CloudOptions{}.max_range_m;
+  std::vector<lab::ToldStairs> stairs;
   {
     Progress progress(task, args.count);
     lab::write_sample_folder(args.out, folder, [&](std::size_t i) {
@@ -129,11 +133,19 @@ int write_set_depth(const SynthSetArgs& args, const std::string& task, std::stop
       progress.show(static_cast<int>(i), "");
       lab::EvaluationFrame made =
           lab::make_evaluation_frame(args.set, static_cast<int>(i), args.options);
+      if (made.stairs) stairs.push_back({made.name, *made.stairs, lab::seen_steps(made, kNearM)});
       return lab::SampleFrame{std::move(made.frame), std::move(*made.labels), std::move(made.name)};
     });
   }
+  std::string truth = labels::default_label_dir(args.out).string();
+  if (!stairs.empty()) {
+    const std::filesystem::path told =
+        labels::default_label_dir(args.out).replace_extension(".stairs.json");
+    write_file_text(told, lab::true_stairs_json(args.set.name, stairs, kNearM));
+    truth += " and " + told.string();
+  }
   fmt::print("{}: {} frames of {}, their ground truth in {}\n", args.out.string(), args.count,
-             args.set.name, labels::default_label_dir(args.out).string());
+             args.set.name, truth);
   return 0;
 }
 

@@ -103,3 +103,22 @@ TEST(BenchClassifier, ARecordingWithoutGravityIsNamedBeforeAnythingIsMeasured) {
   EXPECT_NE(ran.err.find("--gravity"), std::string::npos) << ran.err;
   EXPECT_EQ(ran.out, "");
 }
+
+TEST(BenchStairs, CountsRightStepsAndFlightsWhereThereAreNone) {
+  const fs::path dir = scratch(), out = dir / "out";
+  const Ran ran = run({"planescope-lab", "bench", "stairs", "--classifier", "pca", "--count", "3",
+                       "--seed", "5", "-o", out.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(files_below(out), (std::vector<std::string>{"stairs.json", "stairs.md"}));
+  EXPECT_NE(ran.out.find("depth_boxes"), std::string::npos);
+  const auto json = nlohmann::json::parse(read_text(out / "stairs.json"));
+  EXPECT_EQ(json["seed"], 5);
+  for (const char* set : {"depth_stairs", "depth_descent"}) {
+    ASSERT_EQ(json[set].size(), 3u);
+    for (const auto& frame : json[set])
+      if (frame["found"] == frame["seen"] && frame["found"] > 0)
+        EXPECT_LT(std::abs(frame["rise_error_m"].get<double>()), 0.02);
+  }
+  for (const auto& frame : json["depth_boxes"]) EXPECT_EQ(frame["flights"], 0);
+  EXPECT_EQ(run({"planescope-lab", "bench", "stairs", "--method", "ransac"}).code, 2);
+}

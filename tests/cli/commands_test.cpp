@@ -242,6 +242,37 @@ TEST(SynthSet, DepthIsWrittenWithItsTruthAndGravity) {
   EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
 }
 
+TEST(SynthSet, StairsHaveTheirTruthBesideAndSegmentTellsThem) {
+  const auto dir = scratch();
+  const std::string rec = (dir / "rec").string();
+  ASSERT_EQ(
+      run({"planescope-lab", "synth", "set", "depth_descent", "-o", rec, "--count", "1"}).code, 0);
+  const Json truth = Json::parse(read_text(dir / "rec.stairs.json"));
+  EXPECT_EQ(truth["schema"], "planescope.true_stairs/1");
+  const Json& stairs = truth["frames"][0];
+  EXPECT_EQ(stairs["direction"], "down");
+  const int seen = stairs["seen"];
+  ASSERT_GE(seen, 2);
+
+  const Ran ran = run({"segment", rec, "-o", (dir / "out").string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("\n  1 flight: " + std::to_string(seen) + " steps down, rise "),
+            std::string::npos)
+      << ran.out;
+  const Json json = Json::parse(read_text(dir / "out/frames/000000/planes.json"));
+  ASSERT_EQ(json["flights"].size(), 1u);
+  const Json& flight = json["flights"][0];
+  EXPECT_EQ(flight["direction"], "down");
+  EXPECT_EQ(flight["count"], seen);
+  EXPECT_NEAR(flight["rise_m"].get<double>(), stairs["rise_m"].get<double>(), 0.005);
+  EXPECT_NEAR(flight["going_m"].get<double>(), stairs["going_m"].get<double>(), 0.015);
+  const auto height_of = [&](const Json& planes) {
+    return json["planes"][planes[0].get<int>() - 1]["height_m"].get<double>();
+  };
+  EXPECT_NEAR(height_of(flight["steps"][seen - 1]["tread"]) - height_of(flight["foot"]),
+              seen * stairs["rise_m"].get<double>(), 0.01);
+}
+
 TEST(SynthTraining, CloudsOfEveryKindAreWrittenTheSameEveryTime) {
   const auto dir = scratch();
   for (const char* name : {"a", "b"}) {

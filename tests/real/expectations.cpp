@@ -1,7 +1,9 @@
 #include "tests/real/expectations.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -134,6 +136,24 @@ void check_coverage(const Json& e, const FrameOutput& output, Problems& problems
                     kept, e.at("least").get<double>() * 100));
 }
 
+void check_flights(const Json& e, const FrameOutput& output, Problems& problems) {
+  const auto expected = e.at("heights").get<std::vector<OutputFlight>>();
+  const auto all = [](const std::vector<OutputFlight>& flights) {
+    std::string text;
+    for (const OutputFlight& flight : flights)
+      text += fmt::format(" [{:.3f}]", fmt::join(flight, " "));
+    return text.empty() ? " none" : text;
+  };
+  const auto same = [&](const OutputFlight& found, const OutputFlight& of) {
+    return std::ranges::equal(found, of, [&](double a, double b) {
+      return std::abs(a - b) <= e.at("tolerance_m").get<double>();
+    });
+  };
+  if (!std::ranges::equal(output.flights, expected, same))
+    problems.push_back(
+        fmt::format("treads of flights are at{}, expected{}", all(output.flights), all(expected)));
+}
+
 }  // namespace
 
 Problems check_expectation(const Json& expectation, const FrameOutput& output) {
@@ -158,6 +178,8 @@ Problems check_expectation(const Json& expectation, const FrameOutput& output) {
       check_planes(expectation, output, problems);
     else if (kind == "coverage")
       check_coverage(expectation, output, problems);
+    else if (kind == "flights")
+      check_flights(expectation, output, problems);
     else if (kind == "no_sheets")
       problems = find_sheets(output, SheetOptions{});
     else if (kind == "levels")

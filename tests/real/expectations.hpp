@@ -24,6 +24,9 @@ namespace planescope {
 ///   no_sheets    no two planes with one label lie over each other, nearly parallel and close
 ///   levels       horizontal planes stand at the heights `z` +- `tolerance_m` where y = `y`, and no
 ///                such plane spans two of them
+///   flights      there are as many flights of stairs as in `heights`, the treads of each standing
+///   at
+///                these heights +- `tolerance_m` above what is before its first riser
 std::vector<std::string> check_expectation(const nlohmann::json& expectation,
                                            const FrameOutput& output);
 

@@ -34,6 +34,11 @@ FrameOutput read_frame_output(const std::filesystem::path& folder) {
     plane.points = entry.at("points").get<std::int64_t>();
     output.planes.push_back(plane);
   }
+  for (const nlohmann::json& entry : json.at("flights")) {
+    OutputFlight& heights = output.flights.emplace_back();
+    for (const nlohmann::json& step : entry.at("steps"))
+      heights.push_back((heights.empty() ? 0 : heights.back()) + step.at("rise_m").get<double>());
+  }
   if (std::filesystem::exists(folder / "planes.png"))
     output.plane_ids = io::read_png_16(folder / "planes.png");
   output.cloud = io::read_cloud_file(folder / "cloud.ply");

@@ -23,12 +23,16 @@ struct OutputPlane {
   std::int64_t points = 0;
 };
 
+/// Heights of a flight's treads above its foot, from the lowest [m].
+using OutputFlight = std::vector<double>;
+
 struct FrameOutput {
   std::filesystem::path folder;
   std::vector<OutputPlane> planes;  // sorted as in planes.json
-  Vec3d gravity;                    // sensor frame, unit
-  Image16 plane_ids;                // empty for clouds
-  PointSet cloud;                   // world frame, with `instance`
+  std::vector<OutputFlight> flights;
+  Vec3d gravity;      // sensor frame, unit
+  Image16 plane_ids;  // empty for clouds
+  PointSet cloud;     // world frame, with `instance`
 };
 
 /// Throws Error where a file is missing or says something else than its neighbours.

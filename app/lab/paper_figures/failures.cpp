@@ -123,7 +123,9 @@ lab::PaperFigure failures(const Work& work) {
       "of the 3D-GCN: truth, found, and the points that are wrong. To look into one: planescope "
       "synth set NAME --seed {1} --noise {2} (clouds) or --errors d435 (depth images) -o DIR",
       frames_looked_at(work), work.results.seed, kNoiseM);
-  for (const lab::EvaluationSet& set : lab::evaluation_sets()) add_worst(figure, work, set);
+  const std::vector<std::string>& depth_sets = lab::depth_sets();
+  for (const lab::EvaluationSet& set : lab::evaluation_sets())
+    if (!set.depth || std::ranges::count(depth_sets, set.name) > 0) add_worst(figure, work, set);
   return figure;
 }
 

@@ -189,11 +189,18 @@ void build_stairs_view(Scene& scene, Random& random) {
   steps.count = random.integer(2, 6);
   steps.length_m = random.uniform(0.2, 0.4);
   steps.height_m = random.uniform(0.1, 0.3);
-  add_steps(scene, steps);
+  scene.stairs = TrueStairs{steps.height_m, steps.length_m, width, /*seen_from_above=*/false, {}};
+  const std::vector<int> treads = add_steps(scene, steps);
+  for (int i = 0; i < steps.count; ++i) {
+    const double x = front + i * steps.length_m, z = (i + 1) * steps.height_m;
+    scene.stairs->steps.push_back(
+        {{x, steps.y.low, z}, {x, steps.y.high, z}, i > 0 ? treads[i - 1] : 0, treads[i]});
+  }
   add_flanks(scene, steps);
   if (random.uniform() < 0.5)
     add_polygon(scene, upright({steps.end(), kFarM}, {steps.end(), -kFarM}, {0, 2.5}), {});
   set_down(scene, front, 25, random);
+  scene.stairs->steps[0].before = scene.planes;  // the ground
 }
 
 void build_boxes_view(Scene& scene, Random& random) {
@@ -239,6 +246,42 @@ void build_slopes_view(Scene& scene, Random& random) {
     add_polygon(scene, level({-kFarM, kFarM}, {y, kFarM}, z), {});
   }
   set_down(scene, front, 25, random);
+}
+
+void build_descent_view(Scene& scene, Random& random) {
+  const int count = random.integer(2, 6);
+  const double rise = random.uniform(0.1, 0.3), going = random.uniform(0.2, 0.4);
+  const double width = random.uniform(0.6, 1.5), edge = random.uniform(0.2, 0.6);
+  const double top = count * rise, bottom = edge + (count - 1) * going;
+  scene.camera.position = {0, 0, top + random.uniform(0.5, 0.9)};
+  scene.camera.pitch_deg = random.uniform(30, 55);
+  scene.camera.yaw_deg = random.uniform(-10, 10);
+  scene.camera.roll_deg = random.uniform(-4, 4);
+  const Range y = place_across(width, random);
+  scene.stairs = TrueStairs{rise, going, width, /*seen_from_above=*/true, {}};
+  // From the lowest: risers face away from the camera, the last tread is the landing.
+  for (int i = 0; i < count; ++i) {
+    const double x = bottom - i * going, z = (i + 1) * rise;
+    add_polygon(scene, upright({x, y.low}, {x, y.high}, {z - rise, z}), {});
+    const double back = i + 1 < count ? x - going : -kFarM;
+    const int tread = add_polygon(scene, level({back, x}, y, z), {});
+    const int before = i > 0 ? scene.stairs->steps.back().tread : 0;
+    scene.stairs->steps.push_back({{x, y.high, z}, {x, y.low, z}, before, tread});
+  }
+  if (random.uniform() < 0.5) {  // between walls
+    add_polygon(scene, upright({-kFarM, y.high}, {kFarM, y.high}, {0, top + 2}), {});
+    add_polygon(scene, upright({kFarM, y.low}, {-kFarM, y.low}, {0, top + 2}), {});
+  } else {
+    int right = 0, left = 0;
+    for (int i = 0; i < count; ++i) {
+      const double x = bottom - i * going, back = i + 1 < count ? x - going : -kFarM;
+      const Range z{0, (i + 1) * rise};
+      right = add_polygon(scene, upright({back, y.low}, {x, y.low}, z), {}, right);
+      left = add_polygon(scene, upright({x, y.high}, {back, y.high}, z), {}, left);
+    }
+  }
+  set_down(scene, edge, 25, random);
+  scene.stairs->steps[0].before = scene.planes;  // the ground
 }
 
 }  // namespace planescope::lab

@@ -21,4 +21,8 @@ void build_stairs_view(Scene& scene, Random& random);
 void build_boxes_view(Scene& scene, Random& random);
 void build_slopes_view(Scene& scene, Random& random);
 
+/// Stairs seen from their top: a camera 0.5 to 0.9 m above the landing and 0.2 to 0.6 m behind its
+/// edge, pitched down by 30 to 55 degrees; between walls or open to the sides.
+void build_descent_view(Scene& scene, Random& random);
+
 }  // namespace planescope::lab

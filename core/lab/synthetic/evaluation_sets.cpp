@@ -58,7 +58,9 @@ const std::vector<EvaluationSet>& evaluation_sets() {
       {"depth_boxes", "a camera's views of 3 to 6 boxes of several sizes and headings", true, 12},
       {"depth_slopes",
        "a camera's views of ramps of 5 to 35 degrees: alone, up to a pavement, or beside one", true,
-       12}};
+       12},
+      {"depth_descent", "a camera's views of stairs of 2 to 6 steps from the landing at their top",
+       true, 12}};
   return sets;
 }
 
@@ -88,6 +90,7 @@ Build build_of(const EvaluationSet& set) {
       {"depth_stairs", build_stairs_view},
       {"depth_boxes", build_boxes_view},
       {"depth_slopes", build_slopes_view},
+      {"depth_descent", build_descent_view},
   };
   return builds.at(set.name);
 }
@@ -113,6 +116,10 @@ void tell_truth(EvaluationFrame& out, const Scene& scene, const Pose& T_frame_wo
     out.polygons.push_back(std::move(polygon));
     if (surface.plane > 0) out.normals[surface.plane - 1] = T_frame_world.linear() * surface.normal;
   }
+  out.stairs = scene.stairs;
+  if (!out.stairs) return;
+  for (TrueStep& step : out.stairs->steps)
+    for (Vec3d* end : {&step.right, &step.left}) *end = T_frame_world * *end;
 }
 
 void fill_stairs(EvaluationFrame& out, int index, const EvaluationOptions& options) {

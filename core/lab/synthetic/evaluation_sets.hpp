@@ -30,7 +30,7 @@ struct EvaluationSet {
   int frames = 0;      // by default
 };
 /// stairs; side_walls, open_risers, equal_boxes, ramps, kerbs, spiral; depth_stairs, depth_boxes,
-/// depth_slopes.
+/// depth_slopes, depth_descent.
 const std::vector<EvaluationSet>& evaluation_sets();
 /// Throws Error naming the sets there are.
 const EvaluationSet& find_evaluation_set(const std::string& name);
@@ -49,6 +49,7 @@ struct EvaluationFrame {
   std::optional<FrameLabels> labels;  // depth images: by pixel
   std::vector<Vec3d> normals;         // exact, by plane id - 1
   std::vector<TruePolygon> polygons;
+  std::optional<TrueStairs> stairs;  // depth_stairs, depth_descent
 };
 
 /// Frame `index` of a set, whatever was made before it. The geometry of depth sets does not depend

@@ -111,13 +111,16 @@ void add_ground(Scene& scene, const Footprint& whole, std::span<const Footprint>
   }
 }
 
-void add_steps(Scene& scene, const Steps& steps) {
+std::vector<int> add_steps(Scene& scene, const Steps& steps) {
+  std::vector<int> treads;
   for (int i = 0; i < steps.count; ++i) {
     const double x = steps.x + i * steps.length_m, z = i * steps.height_m;
     const Vec2d left(x, steps.y.high), right(x, steps.y.low);
     add_polygon(scene, upright(left, right, {z, z + steps.height_m}), {});
-    add_polygon(scene, level({x, x + steps.length_m}, steps.y, z + steps.height_m), {});
+    treads.push_back(
+        add_polygon(scene, level({x, x + steps.length_m}, steps.y, z + steps.height_m), {}));
   }
+  return treads;
 }
 
 void add_flanks(Scene& scene, const Steps& steps) {
@@ -152,6 +155,9 @@ void turn(Scene& scene, const Vec3d& center, double angle_deg) {
     for (Vec3d& corner : surface.corners) corner = center + turned * (corner - center);
     surface.normal = turned * surface.normal;
   }
+  if (!scene.stairs) return;
+  for (TrueStep& step : scene.stairs->steps)
+    for (Vec3d* end : {&step.right, &step.left}) *end = center + turned * (*end - center);
 }
 
 }  // namespace planescope::lab

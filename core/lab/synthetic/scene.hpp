@@ -3,6 +3,7 @@
 // Worlds of polygons, and what they are put together from.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +45,20 @@ struct CameraPose {
   double roll_deg = 0;                // clockwise, seen from behind the camera
 };
 
+/// A step of a scene's stairs: its nosing, seen by who goes up, and the planes before and behind
+/// it.
+struct TrueStep {
+  Vec3d right = Vec3d::Zero(), left = Vec3d::Zero();  // [m]
+  int before = 0, tread = 0;                          // plane ids
+};
+
+/// The one flight of a scene: steps from the lowest.
+struct TrueStairs {
+  double rise_m = 0, going_m = 0, width_m = 0;
+  bool seen_from_above = false;
+  std::vector<TrueStep> steps;
+};
+
 /// A world of polygons. Gravity is -z.
 struct Scene {
   std::string name;
@@ -51,6 +66,7 @@ struct Scene {
   int planes = 0;                         // ids in use: 1..planes
   Vec3d light = Vec3d(-0.4, -0.5, 0.77);  // unit, towards the light
   CameraPose camera;                      // a pose that sees the scene well
+  std::optional<TrueStairs> stairs;
 };
 
 /// Sensor axes: x right, y down, z forward.
@@ -97,7 +113,8 @@ struct Steps {
   double end() const { return x + count * length_m; }
   double top() const { return count * height_m; }
 };
-void add_steps(Scene& scene, const Steps& steps);
+/// Returns the treads' planes.
+std::vector<int> add_steps(Scene& scene, const Steps& steps);
 /// Both sides of steps that are solid down to the ground, each one plane.
 void add_flanks(Scene& scene, const Steps& steps);
 

@@ -397,4 +397,31 @@ std::vector<Outline> outlines_of(const Frame& frame,
   return outlines;
 }
 
+std::vector<Outline> minor_outlines_of(const FrameResult& result,
+                                       double cell_m,
+                                       const OutlineOptions& options) {
+  const Segmentation& segmentation = result.segmentation;
+  std::vector<std::uint32_t> minor_of(result.voxels.points.size(), 0);  // from 1
+  std::vector<Outline> outlines;
+  for (std::size_t k = 0; k < segmentation.minor.size(); ++k) {
+    const PlaneFit& fit = segmentation.minor[k].fit;
+    outlines.push_back({.origin = result.cloud.origin + fit.centroid,
+                        .basis = plane_basis(fit.normal),
+                        .parts = {}});
+    for (const std::uint32_t voxel : segmentation.minor_points[k])
+      minor_of[voxel] = static_cast<std::uint32_t>(k) + 1;
+  }
+  std::vector<std::vector<Vec2d>> points(outlines.size());
+  for (std::size_t i = 0; i < result.cloud.points.size() && !outlines.empty(); ++i) {
+    const std::uint32_t voxel = result.voxels.voxel_of[i];
+    if (voxel == kNoVoxel || minor_of[voxel] == 0 || result.plane_of[i] > 0) continue;
+    const Outline& outline = outlines[minor_of[voxel] - 1];
+    const Vec3d at = result.cloud.origin + result.cloud.points[i].cast<double>() - outline.origin;
+    points[minor_of[voxel] - 1].emplace_back(outline.basis.u.dot(at), outline.basis.v.dot(at));
+  }
+  for (std::size_t k = 0; k < outlines.size(); ++k)
+    add_cells(points[k], cell_m, options, outlines[k]);
+  return outlines;
+}
+
 }  // namespace planescope::planes

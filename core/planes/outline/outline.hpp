@@ -47,4 +47,9 @@ std::vector<Outline> outlines_of(const Frame& frame,
                                  double cell_m,
                                  const OutlineOptions& options = {});
 
+/// Of the planes that are minor, by their cells: they have no pixels. `cell_m` as above.
+std::vector<Outline> minor_outlines_of(const FrameResult& result,
+                                       double cell_m,
+                                       const OutlineOptions& options = {});
+
 }  // namespace planescope::planes

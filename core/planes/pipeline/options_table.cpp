@@ -259,6 +259,12 @@ void append_foot(std::vector<OptionInfo>& table) {
   FootOptions::describe(rows);
 }
 
+void append_stairs(std::vector<OptionInfo>& table) {
+  Rows rows(
+      table, [](auto& o) -> auto& { return o.stairs; }, "stairs");
+  StairsOptions::describe(rows);
+}
+
 }  // namespace
 
 void check_option_range(double value, const OptionRange& range, const std::string& name) {
@@ -287,6 +293,7 @@ const std::vector<OptionInfo>& option_table() {
       if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
     append_rivals(rows);
     append_foot(rows);
+    append_stairs(rows);
     name_symbols(rows);
     return rows;
   }();

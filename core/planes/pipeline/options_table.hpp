@@ -19,7 +19,7 @@ struct OptionInfo {
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
   std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "refinements",
-                        // "rivals", "foot"
+                        // "rivals", "foot", "stairs"
   std::function<std::string(const PipelineOptions&)> get;
   std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
   OptionKind kind = OptionKind::text;

@@ -14,6 +14,7 @@
 #include "core/planes/foot/options.hpp"
 #include "core/planes/pipeline/method.hpp"
 #include "core/planes/segment/segment.hpp"
+#include "core/planes/stairs/stairs_options.hpp"
 
 namespace planescope::planes {
 
@@ -26,6 +27,7 @@ struct PipelineOptions {
   SegmentOptions segment = profile_options(Profile::refined);  // of ours
   RivalOptions rivals;                                         // of all others
   FootOptions foot;                                            // of what is told about planes
+  StairsOptions stairs;                                        // likewise
   std::string classifier = "gcn";  // gcn | pca | truth | path of a weights file
   int threads = 1;
 };

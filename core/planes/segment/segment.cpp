@@ -71,6 +71,10 @@ void conclude(SegmentState& state, Segmentation& result) {
     result.minor.push_back(region_of(k));
     result.minor.back().points = static_cast<std::uint32_t>(state.planes[k].moments.count);
   }
+  for (const std::vector<std::uint32_t>& positions : state.minor_points) {
+    std::vector<std::uint32_t>& of_minor = result.minor_points.emplace_back();
+    for (const std::uint32_t at : positions) of_minor.push_back(state.octree.order[at]);
+  }
   result.plane_of.assign(state.plane_of.size(), 0);
   for (std::size_t i = 0; i < state.plane_of.size(); ++i) {
     const std::int32_t plane = state.plane_of[i];

@@ -94,7 +94,8 @@ struct Segmentation {
   std::vector<std::int32_t> plane_of_pixel;  // R11: per pixel, likewise; without it empty
   std::vector<PlaneRegion> planes;           // planes[id - 1]
   std::vector<PlaneRegion> minor;  // R10: too small or too ragged to be listed; ids 0, in no pixel
-  Octree octree;                   // with each visited node's case
+  std::vector<std::vector<std::uint32_t>> minor_points;  // of each, the points that were its own
+  Octree octree;                                         // with each visited node's case
   SegmentCounts counts;
   SegmentTimings timings;
   NoiseModel noise;  // measured, and the thresholds that follow

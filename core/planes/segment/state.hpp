@@ -33,7 +33,8 @@ struct SegmentState {
   std::vector<std::uint32_t> leftovers = {};  // Morton positions, in the order they were left over
   std::vector<Candidate> weak = {};           // R3: wait until the strong ones are merged
   std::vector<std::int32_t> plane_of_pixel = {};  // R11: per pixel, -1 none; without it empty
-  std::vector<std::int32_t> minor = {};           // R10: planes that it dropped
+  std::vector<std::int32_t> minor = {};           // R10: planes that it dropped ...
+  std::vector<std::vector<std::uint32_t>> minor_points = {};  // ... and what they had been given
   SegmentCounts counts = {};
   mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
   mutable std::vector<Reach> reaches = {};             // likewise

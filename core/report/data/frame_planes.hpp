@@ -2,23 +2,29 @@
 
 // Everything that a frame's files tell about its planes.
 
+#include <string>
 #include <vector>
 
 #include "core/planes/foot/footholds.hpp"
 #include "core/planes/outline/outline.hpp"
+#include "core/planes/stairs/stairs.hpp"
 #include "core/report/data/plane_summary.hpp"
 
 namespace planescope::report {
 
-/// By id - 1.
 struct FramePlanes {
+  // By id - 1.
   std::vector<PlaneSummary> summaries;
   std::vector<planes::Outline> outlines;
   std::vector<planes::Foothold> footholds;
+  planes::Stairs stairs;
 };
 
 FramePlanes frame_planes(const Frame& frame,
                          const planes::FrameResult& result,
                          const planes::PipelineOptions& options);
+
+/// "1 flight: 4 steps up, rise 170 mm, going 289 mm; 1 kerb: 120 mm"; empty where there is nothing.
+std::string line_of(const planes::Stairs& stairs);
 
 }  // namespace planescope::report

@@ -14,6 +14,7 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/data/frame_json.hpp"
 #include "core/report/data/plane_files.hpp"
+#include "core/report/data/stairs_json.hpp"
 
 namespace planescope::report {
 namespace {
@@ -219,11 +220,14 @@ std::string planes_json(const Frame& frame,
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
     plane["outline"] = outline_json(outline);
     plane["outline_area_m2"] = rounded(outline.area_m2);
+    const double height_m = found.stairs.height_m[k];
+    plane["height_m"] = std::isnan(height_m) ? Json() : Json(rounded(height_m));
     plane["surface"] = surface_json(foothold.surface);
     plane["certainty"] = certainty_json(foothold.certainty, s.centroid);
     if (foothold.space) plane["foot"] = foot_json(foothold, outline);
     json["planes"].push_back(std::move(plane));
   }
+  add_stairs(found.stairs, json);
   if (!result.from_cloud && ours) {
     json["minor_planes"] = Json::array();
     for (const planes::PlaneRegion& minor : result.segmentation.minor)
@@ -292,10 +296,10 @@ PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
+                         const FramePlanes& found,
                          const planes::PipelineOptions& options,
                          const std::vector<std::string>& also) {
   write_file_text(dir / "timings.json", timings_json(result.timings));
-  const FramePlanes found = frame_planes(frame, result, options);
   write_file_text(dir / "planes.json", planes_json(frame, result, found, options));
   write_plane_files(dir, also, found);
   if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));

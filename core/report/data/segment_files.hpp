@@ -36,6 +36,7 @@ PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,
+                         const FramePlanes& found,
                          const planes::PipelineOptions& options,
                          const std::vector<std::string>& also = {});
 

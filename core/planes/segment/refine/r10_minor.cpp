@@ -87,6 +87,7 @@ void run(SegmentState& state, const Options& options) {
     log_refine(state, options, k);
     drop_plane(state, k, members.of(k));
     state.minor.push_back(k);
+    state.minor_points.emplace_back(members.of(k).begin(), members.of(k).end());
   }
   // What they had taken from their neighbours goes back.
   if (!state.minor.empty()) r11_pixel_borders::run(state, state.options.r11_pixel_borders);

@@ -10,6 +10,7 @@
 #include "core/lab/experiments/oracle.hpp"
 #include "core/lab/synthetic/d435.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/seen_steps.hpp"
 #include "core/lab/synthetic/stairs.hpp"
 #include "core/model/error.hpp"
 #include "unit/lab/synthetic/test_scenes.hpp"
@@ -209,10 +210,11 @@ EvaluationFrame make(const std::string& set, int index, DepthErrors errors) {
 }
 
 class EveryDepthSet : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(EvaluationSets,
-                         EveryDepthSet,
-                         testing::Values("depth_stairs", "depth_boxes", "depth_slopes"),
-                         [](const auto& set) { return std::string(set.param); });
+INSTANTIATE_TEST_SUITE_P(
+    EvaluationSets,
+    EveryDepthSet,
+    testing::Values("depth_stairs", "depth_boxes", "depth_slopes", "depth_descent"),
+    [](const auto& set) { return std::string(set.param); });
 
 TEST_P(EveryDepthSet, ShowsAtLeastThreePlanesWithinReachInEveryFrame) {
   for (int index = 0; index < find_evaluation_set(GetParam()).frames; ++index) {
@@ -294,6 +296,51 @@ TEST(EvaluationDepth, TheCameraModelLeavesHoles) {
   const Image16 clean = make("depth_stairs", 0, DepthErrors::clean).frame.depth;
   EXPECT_GT(std::count(depth.data.begin(), depth.data.end(), 0),
             std::count(clean.data.begin(), clean.data.end(), 0));
+}
+
+TEST(EvaluationSets, StairsKnowWhereTheirNosingsAre) {
+  for (const char* set : {"depth_stairs", "depth_descent"})
+    for (int index = 0; index < 6; ++index) {
+      SCOPED_TRACE(std::string(set) + ' ' + std::to_string(index));
+      const EvaluationFrame frame = make(set, index, DepthErrors::clean);
+      ASSERT_TRUE(frame.stairs);
+      const TrueStairs& stairs = *frame.stairs;
+      const Vec3d up = -frame.frame.gravity->direction;
+      const auto height_of = [&](int plane) {
+        for (const TruePolygon& polygon : frame.polygons)
+          if (polygon.plane == plane) return up.dot(polygon.corners[0]);
+        return std::nan("");
+      };
+      for (std::size_t i = 0; i < stairs.steps.size(); ++i) {
+        const TrueStep& step = stairs.steps[i];
+        EXPECT_NEAR((step.left - step.right).norm(), stairs.width_m, 1e-6);
+        EXPECT_NEAR(height_of(step.tread) - height_of(step.before), stairs.rise_m, 1e-6);
+        for (const Vec3d& corner : {step.right, step.left})
+          EXPECT_LT(distance_to_plane(frame, step.tread, corner.cast<float>()), 1e-5);
+        if (i == 0) continue;
+        EXPECT_EQ(step.before, stairs.steps[i - 1].tread);
+        const Vec3d uphill = (step.left - step.right).normalized().cross(up);
+        EXPECT_NEAR(uphill.dot(step.right - stairs.steps[i - 1].right), stairs.going_m, 1e-6);
+      }
+    }
+}
+
+TEST(EvaluationSets, StepsAreSeenAsFarAsTheyAreMeasured) {
+  for (const char* set : {"depth_stairs", "depth_descent"}) {
+    int near_steps = 0;
+    for (int index = 0; index < 6; ++index) {
+      const EvaluationFrame frame = make(set, index, DepthErrors::clean);
+      const std::vector<SeenStep> near = seen_steps(frame, 1.5), far = seen_steps(frame, 4);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        EXPECT_LE(near[i].tread_px, far[i].tread_px);
+        EXPECT_LE(near[i].before_px, far[i].before_px);
+      }
+      near_steps += steps_in_sequence(near, kSeenPixels);
+      EXPECT_LE(steps_in_sequence(near, kSeenPixels), steps_in_sequence(far, kSeenPixels));
+    }
+    EXPECT_GE(near_steps, 6) << set;
+  }
+  EXPECT_EQ(steps_in_sequence({{900, 900}, {900, 100}, {600, 700}, {500, 500}}, 500), 2);
 }
 
 }  // namespace

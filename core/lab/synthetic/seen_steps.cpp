@@ -1,0 +1,92 @@
+#include "core/lab/synthetic/seen_steps.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/planes/cloud/camera.hpp"
+
+namespace planescope::lab {
+namespace {
+
+/// Where the ground before a nosing is.
+struct Before {
+  Vec3d middle, uphill, across;
+  double going_m = 0, half_width_m = 0;
+
+  Before(const TrueStep& step, double going, const Vec3d& up)
+      : middle((step.right + step.left) / 2),
+        across((step.left - step.right).normalized()),
+        going_m(going),
+        half_width_m((step.left - step.right).norm() / 2) {
+    uphill = across.cross(up);
+  }
+  bool has(const Vec3d& p) const {
+    const double along = uphill.dot(p - middle);
+    return along <= 0 && along >= -going_m && std::abs(across.dot(p - middle)) <= half_width_m;
+  }
+};
+
+}  // namespace
+
+std::vector<SeenStep> seen_steps(const EvaluationFrame& frame, double max_range_m) {
+  assert(frame.stairs && frame.labels);
+  const TrueStairs& stairs = *frame.stairs;
+  const Frame& depth = frame.frame;
+  const std::vector<Vec2d> rays = planes::rays_of_pixels(depth.intrinsics);
+  std::vector<SeenStep> seen(stairs.steps.size());
+  std::vector<Before> before;
+  for (const TrueStep& step : stairs.steps)
+    before.emplace_back(step, stairs.going_m, -depth.gravity->direction);
+  for (std::size_t i = 0; i < depth.depth.data.size(); ++i) {
+    const double z = depth.depth.data[i] * depth.depth_unit_m;
+    if (z <= 0 || z > max_range_m) continue;
+    const int plane = frame.labels->plane.data[i];
+    const Vec3d p = z * Vec3d(rays[i].x(), rays[i].y(), 1);
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+      if (stairs.steps[s].tread == plane) ++seen[s].tread_px;
+      if (stairs.steps[s].before == plane && before[s].has(p)) ++seen[s].before_px;
+    }
+  }
+  return seen;
+}
+
+int steps_in_sequence(const std::vector<SeenStep>& seen, int least_px) {
+  int most = 0, now = 0;
+  for (const SeenStep& step : seen) {
+    now = step.least_px() >= least_px ? now + 1 : 0;
+    most = std::max(most, now);
+  }
+  return most;
+}
+
+std::string true_stairs_json(const std::string& set,
+                             const std::vector<ToldStairs>& frames,
+                             double max_range_m) {
+  using Json = nlohmann::ordered_json;
+  Json json = {{"schema", "planescope.true_stairs/1"},
+               {"set", set},
+               {"max_range_m", max_range_m},
+               {"least_px", kSeenPixels},
+               {"frames", Json::array()}};
+  for (const ToldStairs& told : frames) {
+    Json frame = {{"frame", told.frame},
+                  {"direction", told.stairs.seen_from_above ? "down" : "up"},
+                  {"count", told.stairs.steps.size()},
+                  {"seen", steps_in_sequence(told.seen, kSeenPixels)},
+                  {"rise_m", told.stairs.rise_m},
+                  {"going_m", told.stairs.going_m},
+                  {"width_m", told.stairs.width_m},
+                  {"steps", Json::array()}};
+    for (std::size_t s = 0; s < told.seen.size(); ++s)
+      frame["steps"].push_back({{"before", told.stairs.steps[s].before},
+                                {"tread", told.stairs.steps[s].tread},
+                                {"before_px", told.seen[s].before_px},
+                                {"tread_px", told.seen[s].tread_px}});
+    json["frames"].push_back(std::move(frame));
+  }
+  return json.dump(1) + "\n";
+}
+
+}  // namespace planescope::lab

@@ -1,0 +1,58 @@
+#pragma once
+
+namespace planescope::planes {
+
+/// What counts as a step, and what as steps of one flight.
+struct StairsOptions {
+  double rise_min_m = 0.03, rise_max_m = 0.30;    // of a step
+  double going_min_m = 0.15, going_max_m = 0.50;  // from nosing to nosing
+  double width_min_m = 0.2;                       // of a nosing, as far as it is seen
+  double rise_spread_m = 0.03;   // a step's rise differs from the next one's by at most this
+  double going_spread_m = 0.06;  // likewise its going
+  double turn_deg = 12;          // nosings of one flight are parallel within this
+  double gap_m = 0.08;           // between a level and the nosing behind it, beyond what is hidden
+  double level_deg = 5;          // what is tilted more is a ramp, if it is also steeper than a step
+  double landing_goings = 1.5;   // a last level deeper than so many goings is a landing
+  double kerb_width_m = 0.6;     // a single step is a kerb from this width on
+  double kerb_depth_m = 0.4;     // ... between levels that reach as far before and behind it
+  double floor_m2 = 0.1;         // the floor has at least this
+
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = StairsOptions;
+    rows.number("stairs_rise_min_m", "m", "a step is at least this high ...", &O::rise_min_m,
+                {0.005, 1});
+    rows.number("stairs_rise_max_m", "m", "... and at most this high", &O::rise_max_m, {0.005, 2});
+    rows.number("stairs_going_min_m", "m", "from nosing to nosing it is at least this ...",
+                &O::going_min_m, {0.01, 5});
+    rows.number("stairs_going_max_m", "m", "... and at most this", &O::going_max_m, {0.01, 5});
+    rows.number("stairs_width_min_m", "m", "of a nosing at least this is seen", &O::width_min_m,
+                {0.02, 10});
+    rows.number("stairs_rise_spread_m", "m", "rises of neighbouring steps differ by at most this",
+                &O::rise_spread_m, {0, 1});
+    rows.number("stairs_going_spread_m", "m", "goings of neighbouring steps differ by at most this",
+                &O::going_spread_m, {0, 1});
+    rows.number("stairs_turn_deg", "deg", "nosings of a flight are parallel within this",
+                &O::turn_deg, {0, 45});
+    rows.number(
+        "stairs_gap_m", "m",
+        "the most between a level and the nosing behind it, beyond what the upper one hides",
+        &O::gap_m, {0, 1});
+    rows.number("stairs_level_deg", "deg",
+                "what is tilted more is a ramp, where its height also changes by more than the "
+                "least rise",
+                &O::level_deg, {0, 45});
+    rows.number("stairs_landing_goings", "goings",
+                "a last tread deeper than so many goings is a landing", &O::landing_goings,
+                {1, 100});
+    rows.number("stairs_kerb_width_m", "m", "a single step is a kerb from this width on ...",
+                &O::kerb_width_m, {0, 100});
+    rows.number("stairs_kerb_depth_m", "m",
+                "... between levels that reach as far before and behind it", &O::kerb_depth_m,
+                {0, 100});
+    rows.number("stairs_floor_m2", "m2", "the floor is the lowest level of at least this area",
+                &O::floor_m2, {0, 100});
+  }
+};
+
+}  // namespace planescope::planes
