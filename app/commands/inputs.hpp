@@ -36,7 +36,8 @@ struct InputArgs {
   std::optional<std::filesystem::path> label_dir;  // --labels; default <recording>.labels
 };
 
-/// What was typed after --profile, --set, --gravity, --max-range, --voxel, --classifier, --method or
+/// What was typed after --profile, --set, --gravity, --max-range, --voxel, --classifier, --method
+/// or
 /// --foot. Throws Error.
 void set_pipeline_option(planes::PipelineOptions& options,
                          const std::string& name,
