@@ -47,6 +47,11 @@ struct InverseSums {
     count -= other.count;
     return *this;
   }
+  /// += more - less, in one go.
+  void add_difference(const InverseSums& more, const InverseSums& less) {
+    for (int i = 0; i < kSums; ++i) sums_[i] += more.sums_[i] - less.sums_[i];
+    count += more.count - less.count;
+  }
   Mat3d rr() const {  // ray ray^T
     Mat3d rr;
     rr << sums_[0], sums_[1], sums_[2], sums_[1], sums_[3], sums_[4], sums_[2], sums_[4], sums_[5];

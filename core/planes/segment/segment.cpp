@@ -81,6 +81,7 @@ void conclude(SegmentState& state, Segmentation& result) {
     if (plane >= 0) result.plane_of[state.octree.order[i]] = id[plane];
     if (plane < 0 || id[plane] == 0) ++state.counts.unassigned;
   }
+  result.plane_of_pixel.reserve(state.plane_of_pixel.size());
   for (const std::int32_t plane : state.plane_of_pixel)
     result.plane_of_pixel.push_back(plane >= 0 ? id[plane] : 0);
   result.octree = std::move(state.octree);

@@ -153,13 +153,18 @@ PlanePoints points_by_plane(const SegmentState& state) {
 }
 
 std::vector<std::int32_t> planes_of_pixels(const SegmentState& state) {
-  const PixelGrid& pixels = state.more.pixels;
-  std::vector<std::int32_t> of_input(state.plane_of.size());
-  for (std::size_t i = 0; i < of_input.size(); ++i)
-    of_input[state.octree.order[i]] = state.plane_of[i];
-  std::vector<std::int32_t> planes(pixels.point.size(), -1);
-  for (std::size_t i = 0; i < planes.size(); ++i)
-    if (pixels.has(i)) planes[i] = of_input[pixels.point[i]];
+  // Runs are short. Each is written in pieces of one length, whatever follows it: the next run is
+  // written over that.
+  constexpr std::size_t kPiece = 8;
+  const std::size_t count = state.more.pixels.point.size();
+  std::vector<std::int32_t> planes(count + kPiece);
+  const std::span<const PixelRun> runs = state.pixel_runs();
+  for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
+    const std::int32_t plane = runs[r].is_measured() ? state.plane_of[runs[r].point] : -1;
+    for (std::size_t p = runs[r].begin; p < runs[r + 1].begin; p += kPiece)
+      std::fill_n(planes.data() + p, kPiece, plane);
+  }
+  planes.resize(count);
   return planes;
 }
 

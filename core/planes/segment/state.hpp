@@ -10,6 +10,8 @@
 
 #include "core/planes/segment/cells.hpp"
 #include "core/planes/segment/criteria.hpp"
+#include "core/planes/segment/pixel_reach.hpp"
+#include "core/planes/segment/pixel_runs.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {
@@ -38,6 +40,8 @@ struct SegmentState {
   SegmentCounts counts = {};
   mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
   mutable std::vector<Reach> reaches = {};             // likewise
+  mutable std::vector<PixelRun> runs = {};             // likewise
+  mutable PixelReach pixel_reach = {};                 // likewise
 
   /// The grid of options.noise.neighbour_levels: where points are does not change.
   const CellGrid& neighbour_cells() const {
@@ -51,6 +55,18 @@ struct SegmentState {
     return reaches[i];
   }
   void measure_reaches() const;
+  /// Of the depth image, by points in Morton order: which pixel went into which does not change.
+  std::span<const PixelRun> pixel_runs() const {
+    if (runs.empty()) runs = make_pixel_runs(more.pixels, octree.order);
+    return runs;
+  }
+  /// R11's, by the measured noise.
+  const PixelReach& reach_of_pixels() const {
+    if (pixel_reach.tau_m.empty())
+      pixel_reach = measure_pixel_reach(more.pixels, pixel_runs(), sensor, noise,
+                                        options.r11_pixel_borders.reach_m);
+    return pixel_reach;
+  }
   Vec3d point(std::uint32_t i) const { return octree.points[i].cast<double>(); }
   double range(const Vec3d& p) const { return (p - sensor).norm(); }
   double tau(const Vec3d& p) const { return noise.tau(range(p)); }

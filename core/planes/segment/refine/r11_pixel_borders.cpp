@@ -4,102 +4,17 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <span>
 
+#include "core/planes/segment/depth_kernels.hpp"
 #include "core/planes/segment/state.hpp"
+#include "core/planes/segment/tile_depth.hpp"
+#include "core/planes/segment/tile_sets.hpp"
+#include "core/planes/segment/window_sums.hpp"
 
 namespace planescope::planes::r11_pixel_borders {
 namespace {
-
-constexpr int kTile = 24;          // [px]
-constexpr int kMostReach_px = 20;  // a tile's row with what is in reach of it is a word
-
-/// Pixels of a tile and around it, a bit each: (0, 0) is kMostReach_px left of and above the tile.
-struct PixelSet {
-  static constexpr int kSize = kTile + 2 * kMostReach_px;
-  static_assert(kSize == 64);
-  std::uint64_t rows[kSize] = {};
-};
-/// Of the tile alone; bits of a row as there.
-struct TileSet {
-  std::uint64_t rows[kTile] = {};
-};
-
-/// The tile's pixels that have one of the set in the square of 2 reach + 1 pixels about them.
-TileSet near(const PixelSet& set, int reach) {
-  std::uint64_t rows[PixelSet::kSize];
-  const int begin = kMostReach_px - reach, end = kMostReach_px + kTile + reach;
-  std::copy(set.rows + begin, set.rows + end, rows + begin);
-  // Each becomes the union of `covered` of them: to the right, then below.
-  const int all = 2 * reach + 1;
-  for (int covered = 1; covered < all;) {
-    const int more = std::min(covered, all - covered);
-    for (int y = begin; y < end; ++y) rows[y] |= rows[y] << more;
-    covered += more;
-  }
-  for (int covered = 1; covered < all;) {
-    const int more = std::min(covered, all - covered);
-    for (int y = begin; y < end - more; ++y) rows[y] |= rows[y + more];
-    covered += more;
-  }
-  TileSet result;
-  for (int y = 0; y < kTile; ++y) result.rows[y] = rows[begin + y] >> reach;
-  return result;
-}
-
-/// What a window holds, added up.
-struct Tally {
-  // Whole numbers, so that it does not matter in which order they are added: signed distances from
-  // a plane [um] times 2^24, and of how many; pixels with a measurement times 2^32, and those of
-  // the plane.
-  using Sums = std::int64_t __attribute__((vector_size(16)));
-  static constexpr int kShift = 24;
-
-  static std::int64_t of_one(double distance_m) {
-    return (static_cast<std::int64_t>(distance_m * 1e6) << kShift) + 1;
-  }
-  static double mean_distance_m(const Sums& sums) {
-    const auto count = static_cast<int>(sums[0] & ((std::int64_t{1} << kShift) - 1));
-    return 1e-6 * static_cast<double>(sums[0] >> kShift) / std::max(1, count);
-  }
-  static double company(const Sums& sums) {
-    return static_cast<double>(sums[1] & 0xffffffff) / static_cast<double>(sums[1] >> 32);
-  }
-};
-
-/// Sums over any rectangle of a part of the image, in four reads.
-class BoxSums {
- public:
-  /// Of `value(x, y)` of each pixel of the rectangle.
-  template <typename Value>
-  void fill(const Rect& rect, const Value& value) {
-    rect_ = rect;
-    stride_ = rect.width() + 1;
-    sums_.resize(static_cast<std::size_t>(stride_) * (rect.height() + 1));
-    std::fill_n(sums_.begin(), stride_, Tally::Sums{});
-    Tally::Sums* above = sums_.data();
-    for (int y = rect.y0; y < rect.y1; ++y, above += stride_) {
-      Tally::Sums* sums = above + stride_;
-      Tally::Sums row = sums[0] = Tally::Sums{};
-      for (int x = 0; x < rect.width(); ++x) {
-        row += value(rect.x0 + x, y);
-        sums[x + 1] = above[x + 1] + row;
-      }
-    }
-  }
-  Tally::Sums of(const Rect& r) const {
-    return sums_[at(r.x1, r.y1)] - sums_[at(r.x0, r.y1)] - sums_[at(r.x1, r.y0)] +
-           sums_[at(r.x0, r.y0)];
-  }
-
- private:
-  std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y - rect_.y0) * stride_ + (x - rect_.x0);
-  }
-  Rect rect_;
-  int stride_ = 0;
-  std::vector<Tally::Sums> sums_;
-};
 
 class Borders {
  public:
@@ -108,18 +23,9 @@ class Borders {
       : state_(state),
         options_(options),
         pixels_(state.more.pixels),
+        reach_(state.reach_of_pixels()),
         plane_(plane),
-        tau_m_(plane.size(), 0),
-        reach_px_(plane.size(), 0) {
-    const double reach_px = options.reach_m * pixels_.focal_px;
-    for (std::size_t i = 0; i < plane.size(); ++i) {
-      if (!pixels_.has(i)) continue;
-      const double range = state.range(pixels_.measured[i].cast<double>());
-      tau_m_[i] = std::max(state.noise.tau(range), 1e-9);
-      reach_px_[i] = static_cast<std::uint8_t>(
-          std::clamp<double>(reach_px / std::max(range, 0.01), 1, kMostReach_px));
-    }
-  }
+        kernels_(depth_kernels(best_simd())) {}
 
   std::vector<std::int32_t> give_pixels() {
     std::vector<std::int32_t> result(plane_.begin(), plane_.end());
@@ -160,15 +66,21 @@ class Borders {
   }
   Held held_by(const Rect& tile) const {
     Held held;
-    std::int32_t last = -1;
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (std::size_t i = pixels_.at(tile.x0, y); i < pixels_.at(tile.x1, y); ++i) {
-        const std::int32_t k = plane_[i];
-        if (k < 0) held.has_open = held.has_open || pixels_.has(i);
-        if (k < 0 || k == last) continue;
-        add(k, held.planes);
-        last = k;
-      }
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      const std::int32_t* row = &plane_[pixels_.at(tile.x0, y)];
+      const std::uint8_t* reach = &reach_.reach_px[pixels_.at(tile.x0, y)];
+      const int width = tile.width();
+      std::int32_t unlike =
+          0;  // most rows have one plane throughout, which is told without branches
+      for (int x = 0; x < width; ++x) unlike |= row[x] ^ row[0];
+      std::int32_t last = -1;
+      for (int x = 0; x < (unlike == 0 ? 1 : width); ++x)
+        if (row[x] >= 0 && row[x] != last) add(last = row[x], held.planes);
+      if (held.has_open || (unlike == 0 && row[0] >= 0)) continue;
+      std::int32_t open = 0;
+      for (int x = 0; x < width; ++x) open |= row[x] < 0 ? reach[x] : 0;
+      held.has_open = open != 0;
+    }
     return held;
   }
 
@@ -177,9 +89,20 @@ class Borders {
                  std::span<const std::int32_t> candidates,
                  std::vector<std::int32_t>& result) {
     find_borders(tile, candidates);
-    least_.fill(std::numeric_limits<double>::infinity());
-    for (std::size_t c = 0; c < candidates.size(); ++c)
-      give_pixels_to(candidates[c], tile, borders_[c], result);
+    bool loaded = false;
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const Rect around = bounds(borders_[c], tile);
+      if (around.width() == 0) continue;
+      if (!loaded) {
+        depth_.load(pixels_, reach_, plane_, tile, options_.window_px / 2);
+        least_.fill(std::numeric_limits<double>::infinity());
+        loaded = true;
+      }
+      if (fits_into_32_bits(depth_.most_tau_m()))
+        give_pixels_to(candidates[c], tile, borders_[c], around, off_um_, result);
+      else
+        give_pixels_to(candidates[c], tile, borders_[c], around, wide_off_um_, result);
+    }
   }
 
   /// Of each candidate the tile's measured pixels that may go to it or leave it: its own that have
@@ -190,25 +113,27 @@ class Borders {
     int least_px = kMostReach_px, most_px = 0;
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) {
-        const int reach = reach_px_[pixels_.at(x, y)];
-        if (reach == 0) continue;
+        const int reach = reach_.reach_px[pixels_.at(x, y)];
         with_reach[reach].rows[y - tile.y0] |= std::uint64_t{1} << (x - left);
-        least_px = std::min(least_px, reach);
+        if (reach > 0) least_px = std::min(least_px, reach);
         most_px = std::max(most_px, reach);
       }
 
     own_.assign(candidates.size(), {});
     const Rect rect = pixels_.around(tile, most_px);
-    for (int y = rect.y0; y < rect.y1; ++y)
+    for (int y = rect.y0; y < rect.y1; ++y) {
+      const std::int32_t* row = &plane_[pixels_.at(0, y)];
       for (int x = rect.x0; x < rect.x1;) {
         const int begin = x;
-        const std::int32_t k = plane_[pixels_.at(x, y)];
-        while (x < rect.x1 && plane_[pixels_.at(x, y)] == k) ++x;
+        const std::int32_t k = row[x];
+        x = end_of_run(row, x, rect.x1);
+        if (k < 0) continue;
         const auto found = std::ranges::lower_bound(candidates, k);
         if (found == candidates.end() || *found != k) continue;
         const std::uint64_t run = ~std::uint64_t{0} >> (64 - (x - begin));
         own_[found - candidates.begin()].rows[y - above] |= run << (begin - left);
       }
+    }
 
     borders_.assign(candidates.size(), {});
     reached_.resize(candidates.size());
@@ -245,85 +170,145 @@ class Borders {
     return rect;
   }
 
-  /// Those of the set that lie on the plane better than on the planes before it.
+  /// Sums of distances of at most tau, over a window's rows across a tile and around it [um].
+  bool fits_into_32_bits(double tau_m) const {
+    const double window_px = options_.window_px;
+    return 1e6 * tau_m * window_px * (kTile + window_px) < std::numeric_limits<std::int32_t>::max();
+  }
+
+  void lay_on(std::int32_t k,
+              const PixelRow& row,
+              int width,
+              std::int32_t* off_um,
+              std::int32_t* counts) const {
+    const auto& [count, centroid, normal, eigenvalues] = state_.planes[k].fit;
+    kernels_.lay_on(
+        row, width,
+        {{normal.x(), normal.y(), normal.z()}, {centroid.x(), centroid.y(), centroid.z()}, k},
+        off_um, counts);
+  }
+  /// The same for distances that take more bits, which no camera measures.
+  void lay_on(std::int32_t k,
+              const PixelRow& row,
+              int width,
+              std::int64_t* off_um,
+              std::int32_t* counts) const {
+    for (int i = 0; i < width; ++i) {
+      const double off_m = state_.planes[k].fit.distance_m({row.x[i], row.y[i], row.z[i]});
+      const bool may_lie_on_it = std::abs(off_m) <= 2 * row.tau_m[i];
+      off_um[i] =
+          may_lie_on_it
+              ? static_cast<std::int64_t>(std::clamp(off_m, -row.tau_m[i], row.tau_m[i]) * 1e6)
+              : 0;
+      counts[i] = (may_lie_on_it ? 1 : 0) + (row.plane[i] == k ? kOwnPixel : 0);
+    }
+  }
+
+  /// Those of the set that lie on the plane better than on the planes before it. `around`: the
+  /// rectangle about the set.
+  template <typename Int>
   void give_pixels_to(std::int32_t k,
                       const Rect& tile,
                       const TileSet& set,
+                      const Rect& around,
+                      WindowSums<Int>& off_um,
                       std::vector<std::int32_t>& result) {
-    const Rect around = bounds(set, tile);
-    if (around.width() == 0) return;
     const PlaneFit& fit = state_.planes[k].fit;
-    const auto distance_m = [&](std::size_t i) {
-      return fit.distance_m(pixels_.measured[i].cast<double>());
-    };
     // Signed distances of what may lie on the plane: noise averages away, a slope does not.
-    sums_.fill(pixels_.around(around, options_.window_px / 2), [&](int x, int y) {
-      const std::size_t i = pixels_.at(x, y);
-      const double tau_m = tau_m_[i];
-      if (tau_m <= 0) return Tally::Sums{};
-      const std::int64_t counts = (std::int64_t{1} << 32) + (plane_[i] == k ? 1 : 0);
-      const double off_m = distance_m(i);
-      if (std::abs(off_m) > 2 * tau_m) return Tally::Sums{0, counts};
-      return Tally::Sums{Tally::of_one(std::clamp(off_m, -tau_m, tau_m)), counts};
-    });
-    for (int y = around.y0; y < around.y1; ++y)
-      for (std::uint64_t row = set.rows[y - tile.y0]; row != 0; row &= row - 1) {
+    const int half = options_.window_px / 2;
+    const Rect rect = pixels_.around(around, half);
+    off_um.start(rect.width(), rect.height(), half);
+    counts_.start(rect.width(), rect.height(), half);
+    for (int y = rect.y0; y < rect.y1; ++y)
+      lay_on(k, depth_.row(rect.x0, y), rect.width(), off_um.row(y - rect.y0),
+             counts_.row(y - rect.y0));
+    for (int y = around.y0; y < around.y1; ++y) {
+      std::uint64_t row = set.rows[y - tile.y0];
+      if (row == 0) continue;
+      off_um.move_to(y - rect.y0);
+      counts_.move_to(y - rect.y0);
+      for (; row != 0; row &= row - 1) {
         const int x = tile.x0 - kMostReach_px + std::countr_zero(row);
         const std::size_t i = pixels_.at(x, y);
-        const double tau_m = tau_m_[i];
-        if (plane_[i] != k && std::abs(distance_m(i)) > options_.taus * tau_m) continue;
-        const Tally::Sums sums =
-            sums_.of(pixels_.around({x, y, x + 1, y + 1}, options_.window_px / 2));
-        const double off_m = std::abs(Tally::mean_distance_m(sums));
-        const double cost = off_m / tau_m - options_.company_taus * Tally::company(sums);
+        const double tau_m = depth_.tau_m(x, y);
+        if (plane_[i] != k && std::abs(depth_.distance_m(fit, x, y)) > options_.taus * tau_m)
+          continue;
+        const std::int32_t counts = counts_.at(x - rect.x0);
+        const int on_plane = counts % kOwnPixel, own = counts / kOwnPixel;
+        const double off_m =
+            std::abs(1e-6 * static_cast<double>(off_um.at(x - rect.x0)) / std::max(1, on_plane));
+        const double company = static_cast<double>(own) / depth_.measured_in_window(x, y);
+        const double cost = off_m / tau_m - options_.company_taus * company;
         double& best = least_[static_cast<std::size_t>(y - tile.y0) * kTile + (x - tile.x0)];
         if (cost >= best) continue;
         best = cost;
         result[i] = k;
       }
+    }
   }
 
   const SegmentState& state_;
   const Options& options_;
   const PixelGrid& pixels_;
+  const PixelReach& reach_;
   const std::span<const std::int32_t> plane_;
-
-  // Per pixel; 0 where nothing was measured.
-  std::vector<double> tau_m_;
-  std::vector<std::uint8_t> reach_px_;
+  const DepthKernels& kernels_;
 
   // Of one tile.
   std::vector<PixelSet> own_;               // per candidate
   std::vector<TileSet> reached_, borders_;  // likewise
   std::array<double, static_cast<std::size_t>(kTile)* kTile> least_ =
       {};  // cost of the best plane so far
-  BoxSums sums_;
+  TileDepth depth_;
+  WindowSums<std::int32_t> off_um_, counts_;
+  WindowSums<std::int64_t> wide_off_um_;
 };
 
 /// A point goes where most of its pixels went; where as many stayed, it stays. `before`: per pixel,
 /// the plane of its point.
 void move_points(SegmentState& state, std::span<const std::int32_t> before) {
-  const PixelGrid& pixels = state.more.pixels;
+  const std::span<const PixelRun> runs = state.pixel_runs();
+  const std::vector<std::int32_t>& after = state.plane_of_pixel;
   std::vector<std::uint8_t> in_doubt(state.plane_of.size(), 0);
-  for (std::size_t p = 0; p < before.size(); ++p)
-    if (state.plane_of_pixel[p] != before[p]) in_doubt[pixels.point[p]] = 1;
-  std::vector<std::uint32_t> morton(state.plane_of.size());
-  for (std::uint32_t i = 0; i < morton.size(); ++i) morton[state.octree.order[i]] = i;
-  std::vector<std::pair<std::uint32_t, std::int32_t>> votes;
-  for (std::size_t p = 0; p < before.size(); ++p)
-    if (pixels.has(p) && in_doubt[pixels.point[p]])
-      votes.emplace_back(morton[pixels.point[p]], state.plane_of_pixel[p]);
-  std::ranges::sort(votes);
+  constexpr std::size_t kAtOnce = 256;  // pixels: hardly any are given away
+  for (std::size_t first = 0, r = 0; first < before.size(); first += kAtOnce) {
+    const std::size_t end = std::min(first + kAtOnce, before.size());
+    if (std::memcmp(&before[first], &after[first], (end - first) * sizeof(std::int32_t)) == 0)
+      continue;
+    for (std::size_t p = first; p < end; ++p) {
+      if (after[p] == before[p]) continue;
+      while (runs[r + 1].begin <= p) ++r;
+      in_doubt[runs[r].point] = 1;
+    }
+  }
+  struct Vote {
+    std::uint32_t point = 0;
+    std::int32_t plane = -1;
+    std::size_t pixels = 0;
+  };
+  std::vector<Vote> votes;
+  for (std::size_t r = 0; r + 1 < runs.size(); ++r)
+    if (runs[r].is_measured() && in_doubt[runs[r].point])
+      for (std::uint32_t p = runs[r].begin; p < runs[r + 1].begin;) {
+        const std::uint32_t begin = p;
+        const std::int32_t plane = after[p];
+        do ++p;
+        while (p < runs[r + 1].begin && after[p] == plane);
+        votes.push_back({runs[r].point, plane, p - begin});
+      }
+  std::ranges::sort(votes, {}, [](const Vote& v) { return std::pair(v.point, v.plane); });
   for (std::size_t v = 0; v < votes.size();) {
-    const std::uint32_t i = votes[v].first;
+    const std::uint32_t i = votes[v].point;
     const std::int32_t now = state.plane_of[i];
     std::int32_t winner = now;
     std::size_t most = 0, stay = 0;
-    while (v < votes.size() && votes[v].first == i) {
-      const std::size_t begin = v;
-      while (v < votes.size() && votes[v] == votes[begin]) ++v;
-      if (votes[begin].second == now) stay = v - begin;
-      if (v - begin > most) most = v - begin, winner = votes[begin].second;
+    while (v < votes.size() && votes[v].point == i) {
+      const std::int32_t plane = votes[v].plane;
+      std::size_t pixels = 0;
+      for (; v < votes.size() && votes[v].point == i && votes[v].plane == plane; ++v)
+        pixels += votes[v].pixels;
+      if (plane == now) stay = pixels;
+      if (pixels > most) most = pixels, winner = plane;
     }
     if (winner == now || most == stay) continue;
     log(state, {.type = now < 0 ? EventType::assign : EventType::refine,

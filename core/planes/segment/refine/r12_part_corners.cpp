@@ -29,6 +29,7 @@ using Pixels = std::vector<Pixel>;  // row by row, from left to right
 /// A row's pixels: a line in the picture leaves those on either side of it standing together.
 struct Row {
   std::uint32_t begin = 0, end = 0;
+  std::uint32_t split = 0;  // the first on the other side of the line before; the end if none is
 };
 
 /// What is measured of a plane, parted by edge . ray > 0.
@@ -47,7 +48,7 @@ class Corner {
     for (std::uint32_t i = 0; i < pixels.size(); ++i) {
       const auto& [ray, w] = pixels[i].seen;
       if (i == 0 || pixels[i].row != pixels[i - 1].row) {
-        rows_.push_back({i, i});
+        rows_.push_back({i, i, i});
         of_row = {};
       }
       ++rows_.back().end;
@@ -57,10 +58,11 @@ class Corner {
       middle_ += ray;
     }
     middle_.normalize();
+    parted_.reserve(kStarts * (kRounds + 1));
   }
 
   /// Where two planes that meet fit much better than one.
-  std::optional<Sides> find() const {
+  std::optional<Sides> find() {
     std::optional<Sides> best;
     // Lines through the middle of the picture.
     const Vec3d u = middle_.unitOrthogonal(), v = middle_.cross(u);
@@ -77,11 +79,20 @@ class Corner {
   }
 
  private:
-  /// Nothing where one side has too few pixels.
-  std::optional<Sides> part(const Vec3d& edge) const {
+  /// Nothing where one side has too few pixels. Lines that began differently end in the same ones:
+  /// what was parted by a line once is remembered.
+  std::optional<Sides> part(const Vec3d& edge) {
+    for (const auto& [known, sides] : parted_)
+      if (known == edge) return sides;
+    return parted_.emplace_back(edge, part_anew(edge)).second;
+  }
+
+  std::optional<Sides> part_anew(const Vec3d& edge) {
     Sides sides{.edge = edge, .second = all_};
-    for (const Row& row : rows_) add_first_side(edge, row, sides.first);
-    sides.second -= sides.first;
+    InverseSums first;  // in registers
+    for (Row& row : rows_) add_first_side(edge, row, first);
+    sides.first = first;
+    sides.second -= first;
     const int least = std::min(sides.first.count, sides.second.count);
     if (least < std::max(4.0, options_.least_share * all_.count)) return std::nullopt;
     for (auto [sums, fit] :
@@ -93,28 +104,51 @@ class Corner {
   }
 
   /// Adds the row's pixels with edge . ray > 0: all, none, or those before or from some pixel on.
-  void add_first_side(const Vec3d& edge, const Row& row, InverseSums& sums) const {
+  void add_first_side(const Vec3d& edge, Row& row, InverseSums& sums) const {
     const auto is_first = [&](std::uint32_t i) { return edge.dot(pixels_[i].seen.ray) > 0; };
-    const bool at_begin = is_first(row.begin);
-    std::uint32_t same = row.begin, other = row.end - 1;  // on the side of the first, and not
-    if (is_first(other) == at_begin) {
-      same = other;
-    } else {
-      while (other - same > 1) {
-        const std::uint32_t middle = same + (other - same) / 2;
-        (is_first(middle) == at_begin ? same : other) = middle;
-      }
-    }
+    const bool at_begin = move_split(row, is_first);
     if (at_begin) {
-      sums += up_to_[same];
-    } else if (same + 1 < row.end) {
-      InverseSums tail = up_to_[row.end - 1];
-      sums += tail -= up_to_[same];
+      sums += up_to_[row.split - 1];
+    } else if (row.split < row.end) {
+      sums.add_difference(up_to_[row.end - 1], up_to_[row.split - 1]);
     }
   }
 
+  /// Finds row.split and says on which side the row begins. A line mostly differs little from the
+  /// one before, so that most splits stay, which two looks tell.
+  template <typename IsFirst>
+  static bool move_split(Row& row, const IsFirst& is_first) {
+    const std::uint32_t before = row.split;
+    const bool is_inside = before > row.begin && before < row.end;
+    const bool side = is_inside ? is_first(before) : is_first(row.begin);
+    if (is_inside && is_first(before - 1) != side) return !side;
+    std::uint32_t same = row.begin, other = row.end - 1;  // on the side of the first, and not
+    const bool at_begin = is_inside ? is_first(same) : side;
+    if (at_begin != side) {
+      other = before - 1;
+    } else if (is_first(other) == at_begin) {
+      row.split = row.end;
+      return at_begin;
+    } else if (is_inside) {
+      same = before;
+    }
+    // If it moved, then mostly not far: ever larger steps from where it was.
+    for (std::uint32_t step = 1; is_inside && other - same > 2 * step; step *= 2) {
+      const std::uint32_t next = at_begin != side ? other - step : same + step;
+      const bool still = is_first(next) == side;
+      ((at_begin != side) == still ? other : same) = next;
+      if (!still) break;
+    }
+    while (other - same > 1) {
+      const std::uint32_t middle = same + (other - same) / 2;
+      (is_first(middle) == at_begin ? same : other) = middle;
+    }
+    row.split = other;
+    return at_begin;
+  }
+
   /// Fits a plane to either side of the line, takes the line in which these meet, and so on.
-  std::optional<Sides> follow(const Vec3d& line) const {
+  std::optional<Sides> follow(const Vec3d& line) {
     std::optional<Sides> sides = part(line);
     for (int round = 0; sides && round < kRounds; ++round) {
       // Which of the two is in front where they do not meet, is what the line before tells.
@@ -131,6 +165,7 @@ class Corner {
   const Options& options_;
   std::vector<Row> rows_;
   std::vector<InverseSums> up_to_;  // per pixel: of its row, from the first to it
+  std::vector<std::pair<Vec3d, std::optional<Sides>>> parted_;  // by edge
   InverseSums all_;
   Vec3d middle_ = Vec3d::Zero();
 };
@@ -140,25 +175,27 @@ std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
   const PixelGrid& grid = state.more.pixels;
   const std::vector<std::int32_t> plane = planes_of_pixels(state);
   std::vector<std::size_t> count(state.planes.size(), 0);
-  for (const std::int32_t k : plane)
-    if (k >= 0) ++count[k];
+  visit_plane_runs(grid, plane, [&](std::int32_t k, int, int begin, int end) {
+    count[k] += static_cast<std::size_t>(end - begin);
+  });
   struct Every {
     int rows = 1, columns = 1;
   };
   std::vector<Every> every;
-  for (const std::size_t pixels : count) {
-    const auto surplus = static_cast<int>(pixels / kSamples);
+  std::vector<Pixels> all(state.planes.size());
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto surplus = static_cast<int>(count[k] / kSamples);
     const int rows = std::max(1, static_cast<int>(std::sqrt(surplus)));
     every.push_back({rows, std::max(1, surplus / rows)});
+    if (count[k] >= kLeastPixels)
+      all[k].reserve(count[k] / static_cast<std::size_t>(rows * every[k].columns) + kLeastPixels);
   }
-  std::vector<Pixels> all(state.planes.size());
-  for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) {
-      const std::size_t i = grid.at(x, y);
-      const std::int32_t k = plane[i];
-      if (k >= 0 && y % every[k].rows == 0 && x % every[k].columns == 0)
-        all[k].push_back({grid.seen(i, state.sensor), y});
-    }
+  visit_plane_runs(grid, plane, [&](std::int32_t k, int y, int begin, int end) {
+    const auto [rows, columns] = every[k];
+    if (count[k] < kLeastPixels || y % rows != 0) return;
+    for (int x = (begin + columns - 1) / columns * columns; x < end; x += columns)
+      all[k].push_back({grid.seen(grid.at(x, y), state.sensor), y});
+  });
   return all;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/model/inverse_plane.hpp"
+#include "core/planes/segment/seen_pixels.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes::r9_join_sheets {
@@ -48,21 +49,12 @@ class Sheets {
         options_(options),
         pixels_(state.more.pixels),
         plane_(planes_of_pixels(state)),
-        sums_(state.planes.size()),
+        runs_(runs_by_plane(pixels_, plane_, state.planes.size())),
+        seen_(pixels_, state.sensor),
+        sheets_(state.planes.size()),
         points_(state.planes.size()) {
-    for (std::size_t i = 0; i < plane_.size();) {
-      const std::int32_t k = plane_[i];
-      if (k < 0) {
-        ++i;
-        continue;
-      }
-      InverseSums sums = sums_[k];  // of a row's pixels at a time, in registers
-      for (; i < plane_.size() && plane_[i] == k; ++i) {
-        const auto [ray, w] = pixels_.seen(i, state.sensor);
-        sums.add(ray, w);
-      }
-      sums_[k] = sums;
-    }
+    for (std::size_t k = 0; k < sheets_.size(); ++k)
+      for (const PlaneRuns::Run& run : runs_.of(k)) sheets_[k].pixels += run.end - run.begin;
     for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
       if (state.plane_of[i] >= 0) points_[state.plane_of[i]].push_back(i);
   }
@@ -77,7 +69,7 @@ class Sheets {
       });
       if (best == costs.end() || !best->second) return;
       std::int32_t small = best->first.first, large = best->first.second;
-      if (sums_[small].count > sums_[large].count) std::swap(small, large);
+      if (sheets_[small].pixels > sheets_[large].pixels) std::swap(small, large);
       join(small, large);
       std::erase_if(costs, [&](const auto& entry) { return touches(entry.first, small, large); });
       for (const auto& [planes, border] : borders_)
@@ -98,12 +90,16 @@ class Sheets {
 
   bool has_one_plane(const Rect& rect) const {
     std::int32_t only = -1;
-    for (int y = rect.y0; y < rect.y1; ++y)
+    for (int y = rect.y0; y < rect.y1; ++y) {
+      const std::int32_t* row = &plane_[pixels_.at(0, y)];
+      std::int32_t unlike = 0;  // most rows are on the one plane throughout: told without branches
+      for (int x = rect.x0; x < rect.x1; ++x) unlike |= row[x] ^ only;
+      if (unlike == 0) continue;
       for (int x = rect.x0; x < rect.x1; ++x) {
-        const std::int32_t k = plane_[pixels_.at(x, y)];
-        if (k >= 0 && only >= 0 && k != only) return false;
-        only = std::max(only, k);
+        if (row[x] >= 0 && only >= 0 && row[x] != only) return false;
+        only = std::max(only, row[x]);
       }
+    }
     return true;
   }
 
@@ -112,12 +108,15 @@ class Sheets {
     contacts_.clear();
     // Two pixels apart as well, over what was not measured between.
     for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})
-      for (int y = tile.y0; y < std::min(tile.y1, pixels_.height - dy); ++y)
+      for (int y = tile.y0; y < std::min(tile.y1, pixels_.height - dy); ++y) {
+        const std::int32_t *row = &plane_[pixels_.at(0, y)],
+                           *other = &plane_[pixels_.at(dx, y + dy)];
         for (int x = tile.x0; x < std::min(tile.x1, pixels_.width - dx); ++x) {
-          const std::int32_t a = plane_[pixels_.at(x, y)], b = plane_[pixels_.at(x + dx, y + dy)];
+          const std::int32_t a = row[x], b = other[x];
           if (a == b || a < 0 || b < 0) continue;
           contacts_.push_back({std::minmax(a, b), a < b ? x : x + dx, a < b ? y : y + dy});
         }
+      }
     std::ranges::sort(contacts_);
     for (auto begin = contacts_.begin(); begin != contacts_.end();) {
       const auto end = std::find_if(begin, contacts_.end(), [&](const Contact& contact) {
@@ -138,49 +137,73 @@ class Sheets {
     int x = 0, y = 0;
     for (const Contact& contact : contacts) x += contact.x, y += contact.y;
     x /= length, y /= length;
-    Eigen::Matrix4d normal_equations = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    // Unknowns: w_of_ray, and by how much w is more on b's side. Of the normal equations the lower
+    // triangle, which is what is read.
+    double rr[6] = {}, ray_on_b[3] = {}, rw[3] = {}, w_on_b = 0;
     int on_a = 0, on_b = 0;
     const Rect around = pixels_.around({x, y, x + 1, y + 1}, kBand);
     for (int v = around.y0; v < around.y1; v += kStride)
       for (int u = around.x0; u < around.x1; u += kStride) {
         const std::size_t i = pixels_.at(u, v);
         if (plane_[i] != a && plane_[i] != b) continue;
-        ++(plane_[i] == a ? on_a : on_b);
         const auto [ray, w] = pixels_.seen(i, state_.sensor);
-        Eigen::Vector4d row;
-        row << ray, plane_[i] == b;
-        normal_equations += row * row.transpose();
-        right += row * w;
+        const double products[6] = {ray[0] * ray[0], ray[1] * ray[0], ray[2] * ray[0],
+                                    ray[1] * ray[1], ray[2] * ray[1], ray[2] * ray[2]};
+        for (int k = 0; k < 6; ++k) rr[k] += products[k];
+        for (int k = 0; k < 3; ++k) rw[k] += ray[k] * w;
+        if (plane_[i] == a) {
+          ++on_a;
+          continue;
+        }
+        ++on_b;
+        for (int k = 0; k < 3; ++k) ray_on_b[k] += ray[k];
+        w_on_b += w;
       }
     if (on_a < kLeastPixels || on_b < kLeastPixels) return;
+    Eigen::Matrix4d normal_equations;
+    normal_equations << rr[0], 0, 0, 0, rr[1], rr[3], 0, 0, rr[2], rr[4], rr[5], 0, ray_on_b[0],
+        ray_on_b[1], ray_on_b[2], on_b;
+    const Eigen::Vector4d right(rw[0], rw[1], rw[2], w_on_b);
     border.step += length * normal_equations.ldlt().solve(right)[3];
     border.weight += length;
   }
 
   /// How badly the two are one plane [1/m]; nothing where they are not.
-  std::optional<double> cost(const PlanePair& planes, const Border& border) const {
+  std::optional<double> cost(const PlanePair& planes, const Border& border) {
     if (border.pixels < options_.border_px || border.weight == 0) return std::nullopt;
-    const InverseSums &first = sums_[planes.first], &second = sums_[planes.second];
+    const double step = std::abs(border.step) / border.weight;
+    if (!(step <= options_.step_m)) return std::nullopt;
+    const InverseSums &first = sums(planes.first), &second = sums(planes.second);
     const InverseSums& small = first.count < second.count ? first : second;
     const InverseSums& large = first.count < second.count ? second : first;
     const InversePlane plane = large.fit(), other = small.fit();
     const double own = std::max(plane.rms, other.rms);
-    const double step = std::abs(border.step) / border.weight;
     const double misfit = small.rms_about(plane.w_of_ray);
     const double cosine = other.normal().dot(plane.normal());
-    if (!(step <= std::min(options_.step_m, options_.step_own * own)) ||
-        !(misfit <= options_.misfit_m) ||
+    if (!(step <= options_.step_own * own) || !(misfit <= options_.misfit_m) ||
         !(cosine >= std::cos(options_.max_angle_deg * std::numbers::pi / 180)))
       return std::nullopt;
     return misfit;
+  }
+
+  /// Of the plane's pixels, added up when first asked for: most planes have no border without a
+  /// step, and are not fitted.
+  const InverseSums& sums(std::int32_t k) {
+    Sheet& sheet = sheets_[k];
+    if (sheet.sums.count > 0) return sheet.sums;
+    InverseSums sums;  // in registers
+    for (const PlaneRuns::Run& run : runs_.of(static_cast<std::size_t>(k)))
+      seen_.visit(run.begin, run.end,
+                  [&](std::size_t, const PixelGrid::Seen& seen) { sums.add(seen.ray, seen.w); });
+    return sheet.sums = sums;
   }
 
   void join(std::int32_t small, std::int32_t large) {
     log_refine(state_, options_, small, large);
     join_planes(state_, small, large, points_[small]);
     points_[large].insert(points_[large].end(), points_[small].begin(), points_[small].end());
-    sums_[large] += sums_[small];
+    sheets_[large].sums += sheets_[small].sums;  // both were asked for
+    sheets_[large].pixels += sheets_[small].pixels;
     std::map<PlanePair, Border> borders;
     for (const auto& [planes, border] : borders_) {
       const auto [a, b] = planes;
@@ -194,7 +217,13 @@ class Sheets {
   const Options& options_;
   const PixelGrid& pixels_;
   const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
-  std::vector<InverseSums> sums_;          // per plane
+  const PlaneRuns runs_;                   // likewise
+  SeenPixels seen_;
+  struct Sheet {
+    std::size_t pixels = 0;
+    InverseSums sums;  // see sums()
+  };
+  std::vector<Sheet> sheets_;  // per plane
   std::vector<std::vector<std::uint32_t>> points_;
   std::map<PlanePair, Border> borders_;
   std::vector<Contact> contacts_;  // of one tile

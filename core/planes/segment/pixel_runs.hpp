@@ -1,0 +1,73 @@
+#pragma once
+
+// The depth image in runs along its rows: neighbouring pixels mostly went into the same point, and
+// neighbouring points are mostly on the same plane, so that what holds for a run is asked once for
+// all of its pixels.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/planes/segment/segment.hpp"
+
+namespace planescope::planes {
+
+/// Pixels side by side in a row that went into one point; up to where the next run begins.
+struct PixelRun {
+  std::uint32_t begin = 0;                    // pixel, in raster order
+  std::uint32_t point = PixelGrid::kNoPoint;  // its Morton position
+  bool is_measured() const { return point != PixelGrid::kNoPoint; }
+};
+
+/// All runs of the image, and one of no pixels at its end. `order`: which of segment()'s points is
+/// at each Morton position.
+std::vector<PixelRun> make_pixel_runs(const PixelGrid& pixels,
+                                      std::span<const std::uint32_t> order);
+
+/// Up to where in [begin, end) a row's pixels are on the plane of the first.
+inline int end_of_run(const std::int32_t* row, int begin, int end) {
+  const std::int32_t plane = row[begin];
+  int x = begin + 1;
+  // Long runs several pixels at a time.
+  for (; x + 8 <= end; x += 8) {
+    std::int32_t unlike = 0;
+    for (int i = 0; i < 8; ++i) unlike |= row[x + i] ^ plane;
+    if (unlike != 0) break;
+  }
+  while (x < end && row[x] == plane) ++x;
+  return x;
+}
+
+/// Calls visit(plane, y, x_begin, x_end) for pixels side by side in a row that are on one plane, in
+/// raster order. `planes`: per pixel, -1 none.
+template <typename Visit>
+void visit_plane_runs(const PixelGrid& pixels,
+                      std::span<const std::int32_t> planes,
+                      const Visit& visit) {
+  for (int y = 0; y < pixels.height; ++y) {
+    const std::int32_t* row = planes.data() + pixels.at(0, y);
+    for (int x = 0; x < pixels.width;) {
+      const int begin = x;
+      x = end_of_run(row, begin, pixels.width);
+      if (row[begin] >= 0) visit(row[begin], y, begin, x);
+    }
+  }
+}
+
+/// The runs of each plane, in raster order.
+struct PlaneRuns {
+  struct Run {
+    std::uint32_t begin = 0, end = 0;  // pixels
+  };
+  std::vector<std::uint32_t> first;  // CSR
+  std::vector<Run> runs;
+  std::span<const Run> of(std::size_t plane) const {
+    return {runs.data() + first[plane], runs.data() + first[plane + 1]};
+  }
+};
+PlaneRuns runs_by_plane(const PixelGrid& pixels,
+                        std::span<const std::int32_t> planes,
+                        std::size_t plane_count);
+
+}  // namespace planescope::planes
