@@ -31,7 +31,7 @@ ReachRule rule_of(const NoiseModel& noise, const Vec3d& sensor, double reach_px)
 }  // namespace
 
 PixelReach measure_pixel_reach(const PixelGrid& pixels,
-                               std::span<const PixelRun> runs,
+                               std::span<const MeasuredRun> runs,
                                const Vec3d& sensor,
                                const NoiseModel& noise,
                                double reach_m,

@@ -23,7 +23,7 @@ struct PixelReach {
 
 /// `reach_m`: what reach_px is on a surface that faces the camera.
 PixelReach measure_pixel_reach(const PixelGrid& pixels,
-                               std::span<const PixelRun> runs,
+                               std::span<const MeasuredRun> runs,
                                const Vec3d& sensor,
                                const NoiseModel& noise,
                                double reach_m,

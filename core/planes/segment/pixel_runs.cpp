@@ -5,11 +5,11 @@
 
 namespace planescope::planes {
 
-std::vector<PixelRun> make_pixel_runs(const PixelGrid& pixels,
-                                      std::span<const std::uint32_t> order) {
+std::vector<MeasuredRun> make_pixel_runs(const PixelGrid& pixels,
+                                         std::span<const std::uint32_t> order) {
   std::vector<std::uint32_t> morton(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) morton[order[i]] = i;
-  std::vector<PixelRun> runs;
+  std::vector<MeasuredRun> runs;
   runs.reserve(pixels.point.size() / 4);
   for (int y = 0; y < pixels.height; ++y) {
     const std::size_t end = pixels.at(0, y + 1);

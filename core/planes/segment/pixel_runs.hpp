@@ -14,7 +14,7 @@
 namespace planescope::planes {
 
 /// Pixels side by side in a row that went into one point; up to where the next run begins.
-struct PixelRun {
+struct MeasuredRun {
   std::uint32_t begin = 0;                    // pixel, in raster order
   std::uint32_t point = PixelGrid::kNoPoint;  // its Morton position
   bool is_measured() const { return point != PixelGrid::kNoPoint; }
@@ -22,8 +22,8 @@ struct PixelRun {
 
 /// All runs of the image, and one of no pixels at its end. `order`: which of segment()'s points is
 /// at each Morton position.
-std::vector<PixelRun> make_pixel_runs(const PixelGrid& pixels,
-                                      std::span<const std::uint32_t> order);
+std::vector<MeasuredRun> make_pixel_runs(const PixelGrid& pixels,
+                                         std::span<const std::uint32_t> order);
 
 /// Up to where in [begin, end) a row's pixels are on the plane of the first.
 inline int end_of_run(const std::int32_t* row, int begin, int end) {

@@ -158,7 +158,7 @@ std::vector<std::int32_t> planes_of_pixels(const SegmentState& state) {
   constexpr std::size_t kPiece = 8;
   const std::size_t count = state.more.pixels.point.size();
   std::vector<std::int32_t> planes(count + kPiece);
-  const std::span<const PixelRun> runs = state.pixel_runs();
+  const std::span<const MeasuredRun> runs = state.pixel_runs();
   for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
     const std::int32_t plane = runs[r].is_measured() ? state.plane_of[runs[r].point] : -1;
     for (std::size_t p = runs[r].begin; p < runs[r + 1].begin; p += kPiece)

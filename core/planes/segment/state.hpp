@@ -40,7 +40,7 @@ struct SegmentState {
   SegmentCounts counts = {};
   mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
   mutable std::vector<Reach> reaches = {};             // likewise
-  mutable std::vector<PixelRun> runs = {};             // likewise
+  mutable std::vector<MeasuredRun> runs = {};          // likewise
   mutable PixelReach pixel_reach = {};                 // likewise
 
   /// The grid of options.noise.neighbour_levels: where points are does not change.
@@ -56,7 +56,7 @@ struct SegmentState {
   }
   void measure_reaches() const;
   /// Of the depth image, by points in Morton order: which pixel went into which does not change.
-  std::span<const PixelRun> pixel_runs() const {
+  std::span<const MeasuredRun> pixel_runs() const {
     if (runs.empty()) runs = make_pixel_runs(more.pixels, octree.order);
     return runs;
   }

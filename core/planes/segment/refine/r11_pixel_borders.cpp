@@ -267,7 +267,7 @@ class Borders {
 /// A point goes where most of its pixels went; where as many stayed, it stays. `before`: per pixel,
 /// the plane of its point.
 void move_points(SegmentState& state, std::span<const std::int32_t> before) {
-  const std::span<const PixelRun> runs = state.pixel_runs();
+  const std::span<const MeasuredRun> runs = state.pixel_runs();
   const std::vector<std::int32_t>& after = state.plane_of_pixel;
   std::vector<std::uint8_t> in_doubt(state.plane_of.size(), 0);
   constexpr std::size_t kAtOnce = 256;  // pixels: hardly any are given away

@@ -52,7 +52,7 @@ TEST(Pixels, RunsAreThePixelsThatWentIntoOnePoint) {
   Random random(1);
   const PixelGrid pixels = random_image(random, 37, 11, 9);
   const std::vector<std::uint32_t> order{8, 6, 7, 5, 3, 0, 2, 4, 1};
-  const std::vector<PixelRun> runs = make_pixel_runs(pixels, order);
+  const std::vector<MeasuredRun> runs = make_pixel_runs(pixels, order);
   std::size_t next = 0;
   for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
     EXPECT_EQ(runs[r].begin, next);
@@ -113,7 +113,7 @@ TEST(Pixels, RaysAndReachAreTheSameWithEveryInstructionSet) {
   const Vec3d sensor(-0.1, 0.2, 0.7);
   std::vector<std::uint32_t> order(60);
   for (std::uint32_t i = 0; i < 60; ++i) order[i] = i;
-  const std::vector<PixelRun> runs = make_pixel_runs(pixels, order);
+  const std::vector<MeasuredRun> runs = make_pixel_runs(pixels, order);
   NoiseModel constant = stereo_noise();
   constant.by_range = false;
   constant.constant_m = 0.004;
