@@ -107,7 +107,8 @@ class Sheets {
     if (has_one_plane(pixels_.around({tile.x0, tile.y0, tile.x1 + 2, tile.y1 + 2}, 0))) return;
     contacts_.clear();
     // Two pixels apart as well, over what was not measured between.
-    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}})
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {2, 0}, {0, 2}}) {
+      if (tile.x0 >= pixels_.width - dx) continue;  // nothing is so far to the right
       for (int y = tile.y0; y < std::min(tile.y1, pixels_.height - dy); ++y) {
         const std::int32_t *row = &plane_[pixels_.at(0, y)],
                            *other = &plane_[pixels_.at(dx, y + dy)];
@@ -117,6 +118,7 @@ class Sheets {
           contacts_.push_back({std::minmax(a, b), a < b ? x : x + dx, a < b ? y : y + dy});
         }
       }
+    }
     std::ranges::sort(contacts_);
     for (auto begin = contacts_.begin(); begin != contacts_.end();) {
       const auto end = std::find_if(begin, contacts_.end(), [&](const Contact& contact) {
