@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/model/runs.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {
@@ -25,20 +26,6 @@ struct MeasuredRun {
 std::vector<MeasuredRun> make_pixel_runs(const PixelGrid& pixels,
                                          std::span<const std::uint32_t> order);
 
-/// Up to where in [begin, end) a row's pixels are on the plane of the first.
-inline int end_of_run(const std::int32_t* row, int begin, int end) {
-  const std::int32_t plane = row[begin];
-  int x = begin + 1;
-  // Long runs several pixels at a time.
-  for (; x + 8 <= end; x += 8) {
-    std::int32_t unlike = 0;
-    for (int i = 0; i < 8; ++i) unlike |= row[x + i] ^ plane;
-    if (unlike != 0) break;
-  }
-  while (x < end && row[x] == plane) ++x;
-  return x;
-}
-
 /// Calls visit(plane, y, x_begin, x_end) for pixels side by side in a row that are on one plane, in
 /// raster order. `planes`: per pixel, -1 none.
 template <typename Visit>
@@ -46,10 +33,10 @@ void visit_plane_runs(const PixelGrid& pixels,
                       std::span<const std::int32_t> planes,
                       const Visit& visit) {
   for (int y = 0; y < pixels.height; ++y) {
-    const std::int32_t* row = planes.data() + pixels.at(0, y);
+    const auto row = planes.subspan(pixels.at(0, y), pixels.width);
     for (int x = 0; x < pixels.width;) {
       const int begin = x;
-      x = end_of_run(row, begin, pixels.width);
+      x = static_cast<int>(end_of_run(row, begin));
       if (row[begin] >= 0) visit(row[begin], y, begin, x);
     }
   }

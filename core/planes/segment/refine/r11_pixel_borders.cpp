@@ -126,7 +126,7 @@ class Borders {
       for (int x = rect.x0; x < rect.x1;) {
         const int begin = x;
         const std::int32_t k = row[x];
-        x = end_of_run(row, x, rect.x1);
+        x = static_cast<int>(end_of_run({row, static_cast<std::size_t>(rect.x1)}, x));
         if (k < 0) continue;
         const auto found = std::ranges::lower_bound(candidates, k);
         if (found == candidates.end() || *found != k) continue;
