@@ -9,11 +9,14 @@ namespace {
 constexpr int kWidth = PLANESCOPE_LANES;
 constexpr int kTile = PLANESCOPE_TILE;
 using Lanes = float __attribute__((vector_size(kWidth * sizeof(float))));
-using LanesU = float __attribute__((vector_size(kWidth * sizeof(float)), aligned(4)));
 using LanesI = std::int32_t __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
 
-inline Lanes load(const float* p) { return *reinterpret_cast<const LanesU*>(p); }
-inline void store(float* p, Lanes v) { *reinterpret_cast<LanesU*>(p) = v; }
+inline Lanes load(const float* p) {
+  Lanes v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store(float* p, Lanes v) { __builtin_memcpy(p, &v, sizeof v); }
 inline Lanes all(float v) { return Lanes{} + v; }
 inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 inline Lanes relu(Lanes v) { return larger(v, Lanes{}); }

@@ -10,16 +10,20 @@ namespace {
 
 constexpr std::size_t kDoubles = PLANESCOPE_LANES;
 using Doubles = double __attribute__((vector_size(kDoubles * sizeof(double))));
-using DoublesU = double __attribute__((vector_size(kDoubles * sizeof(double)), aligned(8)));
 using Longs = std::int64_t __attribute__((vector_size(kDoubles * sizeof(std::int64_t))));
 using Ints = std::int32_t __attribute__((vector_size(kDoubles * sizeof(std::int32_t))));
-using CountsU = std::uint16_t __attribute__((vector_size(kDoubles * 2), aligned(2)));
-using BytesU = std::uint8_t __attribute__((vector_size(kDoubles), aligned(1)));
+using Counts = std::uint16_t __attribute__((vector_size(kDoubles * sizeof(std::uint16_t))));
+using Bytes = std::uint8_t __attribute__((vector_size(kDoubles)));
 
-inline Doubles load_doubles(const double* p) { return *reinterpret_cast<const DoublesU*>(p); }
-inline void store_doubles(double* p, Doubles v) { *reinterpret_cast<DoublesU*>(p) = v; }
+inline Doubles load_doubles(const double* p) {
+  Doubles v;
+  __builtin_memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store_doubles(double* p, Doubles v) { __builtin_memcpy(p, &v, sizeof v); }
 inline Doubles load_counts(const std::uint16_t* p) {
-  const CountsU counts = *reinterpret_cast<const CountsU*>(p);
+  Counts counts;
+  __builtin_memcpy(&counts, p, sizeof counts);
   return __builtin_convertvector(__builtin_convertvector(counts, Ints), Doubles);
 }
 
@@ -89,7 +93,8 @@ void find_on_plane(const OnPlaneArgs& a) {
     const Doubles most = load_doubles(a.most + i);
     const Longs on =
         (off <= most) & (-off <= most) & (dot(a.normal, a.plane_normal) >= a.least_cosine);
-    *reinterpret_cast<BytesU*>(a.on + i) = __builtin_convertvector(on & 1, BytesU);
+    const Bytes as_bytes = __builtin_convertvector(on & 1, Bytes);
+    __builtin_memcpy(a.on + i, &as_bytes, sizeof as_bytes);
   }
 }
 
