@@ -12,7 +12,8 @@
 
 namespace planescope::planes {
 
-/// What becomes of a pixel: those from `beyond_range` on are points.
+/// What becomes of a pixel: those from `beyond_range` on are points, `no_ray` has none that a float
+/// holds.
 struct PixelFate {
   static constexpr int no_measurement = 0, no_ray = 1, beyond_range = 2, outside_cube = 3, kept = 4;
 };

@@ -46,7 +46,9 @@ void project(const ProjectArgs& args) {
     const int counts = a.depth[i];
     // Each 1 only where the one before is: a pixel's fate is how many of them are.
     const int is_measured = counts != 0;
-    const int is_seen = is_measured & (counts != 65535) & (x[i] == x[i]);
+    // What a float does not hold is not seen: x - x is 0 of finite numbers alone.
+    const int is_seen = is_measured & (counts != 65535) & (x[i] - x[i] == 0) &
+                        (y[i] - y[i] == 0) & (z[i] - z[i] == 0);
     const int is_near = is_seen & (counts <= a.most_counts);
     const int is_inside = is_near & (x[i] >= a.from[0]) & (y[i] >= a.from[1]) &
                           (z[i] >= a.from[2]) & (x[i] < a.to[0]) & (y[i] < a.to[1]) &

@@ -163,6 +163,16 @@ TEST(Cloud, ASmallUprightCloudKeepsTheNumbersOfItsFile) {
   EXPECT_EQ(cloud.points, points);
 }
 
+TEST(Cloud, PixelsWhosePointsNoFloatHoldsAreInvalid) {
+  Frame frame = depth_frame(8, 6, 1000);
+  frame.intrinsics.fx = 1e-300;
+  frame.intrinsics.cx = 3;  // of the column that looks straight ahead there are points
+  const Cloud cloud = make_cloud(frame, down({0, 1, 0}), {});
+  EXPECT_EQ(cloud.counts.invalid, 8u * 6u - 6);
+  EXPECT_EQ(cloud.points.size(), 6u);
+  for (const Vec3f& point : cloud.points) EXPECT_TRUE(point.allFinite());
+}
+
 TEST(Cloud, NanInfinityAndTheOriginAreNoPoints) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
