@@ -18,7 +18,6 @@ struct BenchOutlinesArgs {
   std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
   int count = 0;  // frames of a set at most; 0: all
   planes::PipelineOptions pipeline;
-  int threads = all_cores();
   std::filesystem::path out;  // -o
   bool json = false;
   std::string same_command;
@@ -59,7 +58,7 @@ int run_bench_outlines(const BenchOutlinesArgs& args, std::stop_token stop) {
         lab::make_evaluation_frame(lab::find_evaluation_set(of_set->set), index, of_frame), options,
         chosen.classifier.get());
   };
-  work_through(static_cast<int>(frames.size()), args.threads, measure, Bar("outlines", stop));
+  work_through(static_cast<int>(frames.size()), args.pipeline.threads, measure, Bar("outlines", stop));
   make_output_dir(args.out);
   const std::string json = lab::outline_json(results);
   write_file_text(args.out / "outlines.json", json);
@@ -77,6 +76,7 @@ void define_bench_outlines(CLI::App* bench, Line& line) {
       "the errors of the D435. Writes outlines.json and outlines.md.");
   const auto args = std::make_shared<BenchOutlinesArgs>();
   args->pipeline.foot.radius_m = 0.08;
+  args->pipeline.threads = all_cores();
   add_out(outlines, args->out)->required();
   add_json(outlines, args->json);
   add(outlines, "--seeds", args->seeds, "N,...", "Of the depth sets, default 1 to 14")
@@ -85,10 +85,11 @@ void define_bench_outlines(CLI::App* bench, Line& line) {
       ->transform(whole(1));
   add_of_method(outlines, args->pipeline, "--foot", "RADIUS|LENGTHxWIDTH",
                 "As `planescope segment` takes it; default 0.08");
-  add_threads(outlines, args->threads);
+  add_method(outlines, args->pipeline);
   runs(outlines, line, args, run_bench_outlines, [args, outlines] {
     args->same_command =
-        "planescope-lab bench outlines" + typed_text(*outlines, {"--seeds", "--count", "--foot"});
+        "planescope-lab bench outlines" +
+        typed_text(*outlines, {"--seeds", "--count", "--foot", "--max-range", "--set"});
   });
 }
 

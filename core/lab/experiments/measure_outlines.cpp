@@ -24,7 +24,8 @@ constexpr double kOffM = 0.02;
 /// The truth of a frame, in its sensor's axes.
 class TrueScene {
  public:
-  TrueScene(const EvaluationFrame& frame, double max_range_m) : frame_(frame) {
+  TrueScene(const EvaluationFrame& frame, const planes::Cloud& cloud, double max_range_m)
+      : frame_(frame) {
     const FrameLabels& labels = *frame.labels;
     const Intrinsics& k = labels.intrinsics;
     for (const LabelPlane& plane : labels.planes) {
@@ -38,7 +39,7 @@ class TrueScene {
       if (id == 0) continue;
       const double z = depth_m(id, i);
       if (!(z > 0 && z <= max_range_m)) continue;
-      if (is_left_of_right_eye(i, z)) {
+      if (is_left_of_right_eye(i, z) || is_outside(cloud, z * ray(i))) {
         in_range_[i] = kUnseen;
         continue;
       }
@@ -70,6 +71,10 @@ class TrueScene {
     return std::min(kMost, z * z / (k.fx * k.fy * std::abs(planes_[id].normal.dot(ray(pixel)))));
   }
 
+  static bool is_outside(const planes::Cloud& cloud, const Vec3d& p) {
+    const Vec3d in_cube = cloud.T_world_sensor * p - cloud.origin - cloud.cube.min_corner;
+    return in_cube.minCoeff() < 0 || in_cube.maxCoeff() >= cloud.cube.edge_m;
+  }
   /// The band at the left edge that the right imager does not see at this depth.
   bool is_left_of_right_eye(std::size_t pixel, double z) const {
     const Intrinsics& k = frame_.labels->intrinsics;
@@ -247,7 +252,7 @@ OutlineFrameScore score_outlines(const EvaluationFrame& frame,
   const std::vector<planes::Foothold> footholds =
       planes::footholds_of(frame.frame, result, outlines, options.cloud.voxel_size_m, options.foot);
   const Pose T_sensor_world = result.cloud.T_world_sensor.inverse();
-  const TrueScene scene(frame, options.cloud.max_range_m);
+  const TrueScene scene(frame, result.cloud, options.cloud.max_range_m);
 
   const std::vector<Outline> drawn =
       planes::outlines_of(frame.frame, drawn_result(scene, result), options.cloud.voxel_size_m);
