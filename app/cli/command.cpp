@@ -153,6 +153,12 @@ void add_method(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--method", "NAME", "What finds the planes: " + methods);
 }
 
+void add_foot(CLI::App* command, planes::PipelineOptions& options) {
+  add_of_method(command, options, "--foot", "RADIUS|LENGTHxWIDTH",
+                "Of a foot, wheel or gripper, in metres: tells where its centre may go, whichever "
+                "way it is turned, and which planes are steppable");
+}
+
 CLI::Option* add_threads(CLI::App* command, int& threads) {
   return add(command, "--threads", threads, "N",
              "Default: all cores. The results are the same for any number")

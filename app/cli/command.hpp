@@ -86,6 +86,8 @@ CLI::Option* add_of_method(CLI::App* command,
 /// What becomes of a frame before its points are labelled.
 void add_clouds(CLI::App* command, planes::PipelineOptions& options);
 void add_method(CLI::App* command, planes::PipelineOptions& options);
+/// --foot.
+void add_foot(CLI::App* command, planes::PipelineOptions& options);
 CLI::Option* add_threads(CLI::App* command, int& threads);
 
 void add_json(CLI::App* command, bool& json);

@@ -364,6 +364,7 @@ void define_report(CLI::App& app, Line& line) {
   add_out(report, args->out);
   add_json(report, args->json);
   add_method(report, args->input.pipeline);
+  add_foot(report, args->input.pipeline);
   add_guard(report, args->guard);
   add_read(
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },

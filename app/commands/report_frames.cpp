@@ -17,6 +17,7 @@
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/score.hpp"
+#include "core/report/data/frame_planes.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "render/context.hpp"
 #include "render/palette.hpp"
@@ -163,7 +164,8 @@ class FrameWriter {
     const double reference_ms = reference_work();
     try {
       loaded = job_.run(input, slot.index, job_.options, job_.classifier);
-      frame = report::make_report_frame(loaded->frame, loaded->result, job_.options);
+      frame = report::make_report_frame(loaded->frame, loaded->result,
+                                        found_in(*loaded, slot.colors_only), job_.options);
       frame.histograms =
           report::decision_histograms(loaded->result.segmentation, loaded->strains,
                                       planes::segment_options(loaded->result, job_.options));
@@ -185,6 +187,14 @@ class FrameWriter {
   }
 
  private:
+  /// Of what another shard tells, only what colours follow from.
+  report::FramePlanes found_in(const LoadedFrame& loaded, bool colors_only) const {
+    if (!colors_only) return report::frame_planes(loaded.frame, loaded.result, job_.options);
+    report::FramePlanes found;
+    found.summaries = report::summarize_planes(loaded.result, job_.options.cloud.voxel_size_m);
+    return found;
+  }
+
   std::optional<report::ReportFrame> find(const OpenInput& input, const ReportSlot& slot) {
     try {
       return folder_.find(slot.folder, key_of(job_, input, input.recording->frame(slot.index),

@@ -11,6 +11,7 @@
 #include "core/model/text.hpp"
 #include "core/report/data/plane_files.hpp"
 #include "core/report/data/segment_files.hpp"
+#include "core/report/data/terrain.hpp"
 
 namespace planescope::app {
 namespace {
@@ -79,7 +80,7 @@ WrittenFrame write_frame(const OpenInput& input,
                                 args.also);
     written.unknown_gravity = !loaded.result.gravity.known();
     written.line = line_of((out / folder).string(), loaded.result);
-    if (const std::string stairs = report::line_of(found.stairs); !stairs.empty())
+    if (const std::string stairs = report::terrain_of(found.stairs).text(); !stairs.empty())
       written.line += "\n  " + stairs;
     written.json = frame_json((out / folder).string(), loaded.result);
     written.json["flights"] = found.stairs.flights.size();
@@ -165,10 +166,7 @@ void define_segment(CLI::App& app, Line& line) {
       ->check(some_of(formats, "a format"));
   add_json(segment, args->json);
   add_method(segment, args->input.pipeline);
-  add_of_method(
-      segment, args->input.pipeline, "--foot", "RADIUS|LENGTHxWIDTH",
-      "Of a foot, wheel or gripper, in metres: planes.json tells where its centre may go, "
-      "whichever way it is turned, and which planes are steppable");
+  add_foot(segment, args->input.pipeline);
   runs(segment, line, args, run_segment);
 }
 

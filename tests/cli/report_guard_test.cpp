@@ -126,6 +126,39 @@ TEST(ReportGuard, HoldsAReportToRulesOfItsOwn) {
   EXPECT_TRUE(is_one_line(wrong.err)) << wrong.err;
 }
 
+TEST(ReportGuard, HoldsAReportToWhereAFootMayGo) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "rules.json", R"({"schema": "planescope.rules/1", "rules": [
+               {"metric": "steppable_area_change", "at_least": -0.001}]})");
+  const auto report = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.end(), {"--baseline", (dir / "baseline.json").string(), "--rules",
+                             (dir / "rules.json").string()});
+    return run(report_args({dir / "rec"}, dir / out, more));
+  };
+  ASSERT_EQ(report("first", {"--foot", "0.05", "--approve"}).code, 0);
+  const Json frame = read_report(dir / "first")["recordings"][0]["frames"][0];
+  ASSERT_GT(frame["steppable_area_m2"], 0.01);
+  int steppable = 0;
+  for (const Json& plane : frame["planes"]) steppable += plane["foot"]["steppable"].get<bool>();
+  EXPECT_EQ(steppable, 1) << "the floor, and not the wall";
+  EXPECT_NE(read_text(dir / "first/index.html").find("What one can stand on"), std::string::npos);
+  EXPECT_EQ(report("same", {"--foot", "0.05"}).code, 0);
+  const Ran narrow = report("narrow", {"--foot", "0.05", "--set", "foot_min_area_m2=9"});
+  EXPECT_EQ(narrow.code, 1) << narrow.out;
+  EXPECT_NE(narrow.out.find("is no longer steppable: "), std::string::npos) << narrow.out;
+  EXPECT_NE(read_text(dir / "narrow/index.html").find("is no longer steppable: "),
+            std::string::npos);
+  const Ran footless = report("footless", {});
+  EXPECT_EQ(footless.code, 0);
+  EXPECT_NE(footless.out.find("this rule holds nothing, a foot is not given to both"),
+            std::string::npos)
+      << footless.out;
+  const Ran wrong = report("wrong", {"--foot", "wide"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_TRUE(is_one_line(wrong.err)) << wrong.err;
+}
+
 TEST(ReportGuard, ABrokenBaselineIsFoundBeforeAnythingIsWritten) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());

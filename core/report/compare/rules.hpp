@@ -36,11 +36,15 @@ struct Rule {
 /// How the values of several frames become one.
 enum class RuleFold : std::uint8_t { mean, sum, largest };
 
+/// What a frame must tell of, apart from its planes; reports before schema 3 do not.
+enum class RuleNeed : std::uint8_t { nothing, foot, stairs };
+
 struct RuleMetric {
   std::string_view name, unit, meaning;
   bool needs_baseline = false, needs_truth = false;
   RuleFold fold = RuleFold::mean;
   bool is_timing = false;  // only ever warns
+  RuleNeed need = RuleNeed::nothing;
 };
 /// "planes_lost", "offset_mm", "mean_iou_change", ...
 const std::vector<RuleMetric>& rule_metrics();
@@ -59,7 +63,8 @@ struct Breach {
   std::string recording;  // empty: of all
   int frame = -1;         // -1: of the whole recording, or of all
   double value = 0;
-  /// "planes_lost is 2, at most 0"
+  std::string why;  // what more there is to tell of the frame; may be empty
+  /// "planes_lost is 2, at most 0 planes", ": " and why.
   std::string text() const;
 };
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/planes/evaluate/metrics.hpp"
+#include "core/report/data/terrain_fields.hpp"
 
 namespace planescope::report {
 namespace {
@@ -97,6 +98,8 @@ void plane_fields(Fields& fields, auto& plane, int id) {
   fields("area_m2", s.area_m2, kCompared | kRounded);
   fields("points", s.points, kCompared);
   fields("voxels", s.voxels, kCompared);
+  fields.maybe_fields("outline_area_m2", plane.footing, kCompared,
+                      [&](auto& of, auto& footing) { footing_fields(of, footing); });
 }
 
 /// `runs`: plane id and how many samples have it, one after the other.
@@ -213,6 +216,8 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
   int id = 0;
   fields.list("planes", frame.planes, kCompared,
               [&](auto& of, auto& plane) { plane_fields(of, plane, ++id); });
+  fields.maybe_fields("flights", frame.terrain, kCompared,
+                      [&](auto& of, auto& terrain) { terrain_fields(of, terrain); });
   fields.object("regions", kCompared | kLate,
                 [&](auto& of) { regions_fields(of, frame.regions, frame.planes.size()); });
   fields.list("histograms", frame.histograms, kLate,

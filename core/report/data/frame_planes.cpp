@@ -1,39 +1,6 @@
 #include "core/report/data/frame_planes.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "core/model/text.hpp"
-
 namespace planescope::report {
-namespace {
-
-std::string mm(double m) { return fmt::format("{:.0f} mm", 1000 * m); }
-
-std::string told(const planes::Flight& flight) {
-  const char* const way[] = {"", " up", " down"};
-  return fmt::format("{}{}, rise {}, going {}", counted(flight.steps.size(), "step"),
-                     way[static_cast<std::size_t>(flight.seen)], mm(flight.rise_m),
-                     mm(flight.going_m));
-}
-std::string told(const planes::Kerb& kerb) { return mm(kerb.rise_m); }
-std::string told(const planes::SlopingPlane& ramp) {
-  return fmt::format("{:.0f} deg", ramp.slope_deg);
-}
-
-/// "2 kerbs: 100 mm, 120 mm".
-template <typename Thing>
-void add(const std::vector<Thing>& things,
-         const char* noun,
-         const char* separator,
-         std::vector<std::string>& all) {
-  if (things.empty()) return;
-  std::vector<std::string> each;
-  for (const Thing& thing : things) each.push_back(told(thing));
-  all.push_back(fmt::format("{}: {}", counted(things.size(), noun), fmt::join(each, separator)));
-}
-
-}  // namespace
 
 FramePlanes frame_planes(const Frame& frame,
                          const planes::FrameResult& result,
@@ -49,14 +16,6 @@ FramePlanes frame_planes(const Frame& frame,
   found.stairs = planes::find_stairs({result.segmentation.planes, found.outlines},
                                      {result.segmentation.minor, minor}, sensor, options.stairs);
   return found;
-}
-
-std::string line_of(const planes::Stairs& stairs) {
-  std::vector<std::string> all;
-  add(stairs.flights, "flight", " and ", all);
-  add(stairs.kerbs, "kerb", ", ", all);
-  add(stairs.ramps, "ramp", ", ", all);
-  return fmt::format("{}", fmt::join(all, "; "));
 }
 
 }  // namespace planescope::report

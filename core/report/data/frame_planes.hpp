@@ -2,7 +2,6 @@
 
 // Everything that a frame's files tell about its planes.
 
-#include <string>
 #include <vector>
 
 #include "core/planes/foot/footholds.hpp"
@@ -23,8 +22,5 @@ struct FramePlanes {
 FramePlanes frame_planes(const Frame& frame,
                          const planes::FrameResult& result,
                          const planes::PipelineOptions& options);
-
-/// "1 flight: 4 steps up, rise 170 mm, going 289 mm; 1 kerb: 120 mm"; empty where there is nothing.
-std::string line_of(const planes::Stairs& stairs);
 
 }  // namespace planescope::report

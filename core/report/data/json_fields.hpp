@@ -69,6 +69,11 @@ class FieldWriter {
     else
       null(name);
   }
+  /// Members of this object that stand there together, or not at all; `name`: one of them.
+  template <typename Value, typename Visit>
+  void maybe_fields(const char* /*name*/, const Value& value, unsigned /*kind*/, Visit&& visit) {
+    if (value) visit(*this, *value);
+  }
   template <typename Values, typename Visit>
   void list(const char* name, const Values& values, unsigned /*kind*/, Visit&& visit) {
     begin_list(name);
@@ -135,6 +140,10 @@ class FieldReader {
   template <typename Visit>
   void maybe_object(const char* name, bool /*is_there*/, unsigned kind, Visit&& visit) {
     object(name, kind | kLate, visit);
+  }
+  template <typename Value, typename Visit>
+  void maybe_fields(const char* name, Value& value, unsigned kind, Visit&& visit) {
+    if (is_read(name, kind | kLate)) visit(*this, value.emplace());
   }
   template <typename Values, typename Visit>
   void list(const char* name, Values& values, unsigned kind, Visit&& visit) {

@@ -141,8 +141,10 @@ Json read_report_json(
   if (json.is_discarded()) throw Error(file.string() + ": not valid JSON");
   read_place(file, json, [](const JsonPlace& place) {
     const JsonPlace schema = place.at("schema");
-    if (schema.text() != "planescope.report/1" && schema.text() != "planescope.report/2")
-      schema.fail_kind("planescope.report/1 or planescope.report/2");
+    const std::string text = schema.text();
+    if (text != "planescope.report/1" && text != "planescope.report/2" &&
+        text != "planescope.report/3")
+      schema.fail_kind("planescope.report/1, 2 or 3");
   });
   if (times_there > 1) throw Error(file.string() + ": has \"recordings\" twice");
   if (!first_error.empty()) throw Error(file.string() + ": " + first_error);

@@ -10,6 +10,7 @@
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/planes/segment/criteria.hpp"
+#include "core/report/data/frame_planes.hpp"
 #include "core/report/data/json_fields.hpp"
 
 namespace planescope::report {
@@ -122,6 +123,7 @@ int used_depths(const planes::SegmentCounts& counts) {
 
 ReportFrame make_report_frame(const Frame& frame,
                               const planes::FrameResult& result,
+                              const FramePlanes& found,
                               const planes::PipelineOptions& options) {
   ReportFrame report;
   report.index = frame.index;
@@ -136,7 +138,8 @@ ReportFrame make_report_frame(const Frame& frame,
                   noise.sigma(1),  noise.theta_rms(1), noise.tau(1)};
   report.timings = result.timings;
   report.regions = sample_regions(frame, result);
-  for (PlaneSummary& plane : summarize_planes(result, options.cloud.voxel_size_m)) {
+  for (PlaneSummary plane : found.summaries) {
+    plane.hull.clear();
     plane.normal = plane.normal.unaryExpr(&rounded);
     plane.centroid = plane.centroid.unaryExpr(&rounded);
     for (double* value : {&plane.offset_m, &plane.tilt_deg, &plane.rms_m, &plane.area_m2})
@@ -145,6 +148,11 @@ ReportFrame make_report_frame(const Frame& frame,
     report.planes_h += plane.label == Label::h;
     report.planes_v += plane.label == Label::v;
     report.planes.push_back({std::move(plane), "#888888"});
+  }
+  const std::vector<Footing> footings = footings_of(found);
+  if (footings.size() == report.planes.size()) {
+    for (std::size_t k = 0; k < footings.size(); ++k) report.planes[k].footing = footings[k];
+    report.terrain = terrain_of(found, options.foot.radius_m > 0);
   }
   return report;
 }

@@ -17,6 +17,7 @@
 #include "core/planes/segment/noise.hpp"
 #include "core/planes/segment/segment.hpp"
 #include "core/report/data/plane_summary.hpp"
+#include "core/report/data/terrain.hpp"
 
 namespace planescope::report {
 
@@ -26,7 +27,8 @@ struct Judgement;
 struct ReportPlane {
   PlaneSummary summary;
   std::string color;
-  int color_id = 0;  // of keep_colors()
+  int color_id = 0;                  // of keep_colors()
+  std::optional<Footing> footing{};  // reports before schema 3 have none
 };
 
 /// One picture of a stage: a PNG beside the page. Two smaller copies for the page lie in the
@@ -80,6 +82,7 @@ struct ReportFrame {
   ReportNoise noise;
   std::vector<ReportPlane> planes;
   RegionSample regions;
+  std::optional<Terrain> terrain;          // reports before schema 3 have none
   std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;
   std::optional<planes::Metrics> metrics;  // where there is ground truth
@@ -144,9 +147,11 @@ ReportTotals totals_of(const ReportRecording& recording);
 int used_depths(const planes::SegmentCounts& counts);
 
 /// Everything about a frame but its pictures, metrics and planes' colours. Planes are rounded as
-/// report.json has them.
+/// report.json has them. Of `found` only the summaries may be there: then there is neither footing
+/// nor terrain.
 ReportFrame make_report_frame(const Frame& frame,
                               const planes::FrameResult& result,
+                              const FramePlanes& found,
                               const planes::PipelineOptions& options);
 
 /// Every option that the method takes, with its value, but for the number of threads, which changes

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kRecordSchema = "planescope.report-frame/1";
+constexpr const char* kRecordSchema = "planescope.report-frame/2";
 constexpr const char* kFrameFile = "frame.json";
 constexpr const char* kTimingsFile = "timings.json";
 
@@ -31,11 +32,23 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
+/// Of the steppable area, which is empty without a foot, and of the flight of most steps.
+std::string terrain_cells(const ReportFrame& frame) {
+  if (!frame.terrain) return ",,,";
+  const Terrain& terrain = *frame.terrain;
+  const std::string area = std::isnan(terrain.steppable_area_m2)
+                               ? std::string()
+                               : fmt::format("{:.6g}", terrain.steppable_area_m2);
+  if (terrain.flights.empty()) return area + ",0,,";
+  const FlightFigures& flight = terrain.flights.front();
+  return area + fmt::format(",{},{:.6g},{:.6g}", terrain.steps(), flight.rise_m, flight.going_m);
+}
+
 std::string csv_line(const ReportRecording& recording, const ReportFrame& frame) {
   const std::string start = fmt::format(
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
       frame.refused.empty() ? "done" : "refused", quoted(frame.refused));
-  if (!frame.refused.empty()) return start + std::string(21, ',') + "\n";
+  if (!frame.refused.empty()) return start + std::string(25, ',') + "\n";
   const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
   // Without gravity there is no direction, and no plane is h or v: left empty.
@@ -49,10 +62,11 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
     metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
                           frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
                           frame.metrics->point_accuracy, frame.metrics->mean_iou);
-  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                              to_string(frame.gravity.source), gravity, c.pixels, c.no_measurement,
                              c.invalid, c.beyond_range, c.outside_cube, c.kept, frame.voxels,
-                             classes, frame.points_on_planes, frame.segment.unassigned, metrics);
+                             classes, frame.points_on_planes, frame.segment.unassigned, metrics,
+                             terrain_cells(frame));
 }
 
 // junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
@@ -160,7 +174,7 @@ std::string frames_csv(const Report& report) {
       "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
       "no_measurement,invalid,beyond_range,outside_cube,n_m,n_d,planes_h,planes_v,"
       "points_on_planes,voxels_in_no_plane,truth_planes,alpha_deg,r_p,r_m,point_accuracy,"
-      "mean_iou\n";
+      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m\n";
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
   return text;

@@ -286,7 +286,7 @@ std::optional<int> numbered(const std::string& part, const std::string& letters)
 
 void write_report_json(std::ostream& out, const Report& report) {
   {
-    Json head = {{"schema", "planescope.report/2"}};
+    Json head = {{"schema", "planescope.report/3"}};
     FieldWriter fields(head);
     head_fields(fields, report);
     head["totals"] = totals_json(report);
@@ -332,8 +332,8 @@ ReportHead read_report_head(const std::filesystem::path& file) {
     head.frames.emplace_back(recording, frame.at("index").whole(0));
   });
   read_place(file, json, [&](const JsonPlace& place) {
-    if (const JsonPlace schema = place.at("schema"); schema.text() != "planescope.report/2")
-      schema.fail_kind("planescope.report/2");
+    if (const JsonPlace schema = place.at("schema"); schema.text() != "planescope.report/3")
+      schema.fail_kind("planescope.report/3");
     read_head(place, Extent::whole, head.report);
     planes::parse_method(head.report.method);  // throws where this build has none such
     place.at("recordings").each([](const JsonPlace& recording) {

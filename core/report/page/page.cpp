@@ -272,8 +272,9 @@ const char* case_meaning(planes::Case c) {
 
 std::string text_of(const Breach& breach) {
   const bool low = breach.value < breach.rule.at_least;
-  return fmt::format("{} is {:.4g}, at {} {:.4g}", breach.rule.metric, breach.value,
-                     low ? "least" : "most", low ? breach.rule.at_least : breach.rule.at_most);
+  return fmt::format("{} is {:.4g}, at {} {:.4g}{}{}", breach.rule.metric, breach.value,
+                     low ? "least" : "most", low ? breach.rule.at_least : breach.rule.at_most,
+                     breach.why.empty() ? "" : ": ", breach.why);
 }
 
 std::string jpeg_source(const std::filesystem::path& file) {

@@ -87,6 +87,11 @@ Data frame_data(const PageSource& page, const PageFrame& frame);
 /// The part of it that compares the frame with the baseline.
 void set_comparison(const PageSource& page, const PageFrame& frame, Data& data);
 
+/// What one can stand on: what it is like, and stairs, kerbs and ramps.
+void set_terrain(const PageFrame& frame, Data& data);
+/// What became of it since the baseline.
+void set_terrain_changes(const PageFrame& frame, Data& data);
+
 /// Planes of a compared frame then and now, as sources of images; empty for clouds.
 struct PlaneMaps {
   std::string baseline, now;

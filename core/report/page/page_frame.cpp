@@ -378,6 +378,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   data.set("has_reasons", !reasons.empty());
   data.set("reasons", list_of("text", reasons));
   set_comparison(page, of, data);
+  set_terrain_changes(of, data);
   if (of.is_refused()) {
     data.set("summary", "refused");
     return data;
@@ -389,6 +390,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   set_pictures(page, of, data);
   data.set("has_planes", !frame.planes.empty());
   data.set("planes", planes_data(of));
+  set_terrain(of, data);
   const bool is_cloud = page.recording_of(of).info.width == 0;
   data.set("pixels_name", is_cloud ? "points" : "pixels");
   set_counts(frame, data);

@@ -164,6 +164,20 @@ Data trends_data(const PageSource& page, std::size_t recording) {
   add("Mean IoU with the labels [%]", trends.metric_chart<&planes::Metrics::mean_iou>("Mean IoU"));
   add("Panoptic quality [%]", trends.metric_chart<&planes::Metrics::pq>("Panoptic quality"));
   add("Angle error [\u00b0]", trends.metric_chart<&planes::Metrics::alpha_deg>("Angle error"));
+  add("Steppable area [m\u00b2]", trends.chart(
+                                      "Steppable area",
+                                      [](const ReportFrame& f) {
+                                        return f.terrain ? f.terrain->steppable_area_m2
+                                                         : std::nan("");
+                                      },
+                                      true));
+  const auto has_stairs = [](const ReportFrame& f) { return f.terrain && f.terrain->steps() > 0; };
+  if (std::ranges::any_of(page.report.recordings[recording].frames, has_stairs))
+    add("Steps of stairs",
+        trends.chart(
+            "Steps of stairs",
+            [](const ReportFrame& f) { return f.terrain ? f.terrain->steps() : std::nan(""); },
+            true));
   return list;
 }
 

@@ -108,10 +108,9 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
     return text.substr(std::min(text.size(), file.string().size() + 2));
   };
   Json json = good;
-  json["schema"] = "planescope.report/3";
-  EXPECT_EQ(
-      refusal_of(json),
-      "schema is \"planescope.report/3\", expected planescope.report/1 or planescope.report/2");
+  json["schema"] = "planescope.report/4";
+  EXPECT_EQ(refusal_of(json),
+            "schema is \"planescope.report/4\", expected planescope.report/1, 2 or 3");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][1]["normal"] = {1, "x", 3};
   EXPECT_EQ(refusal_of(json),

@@ -44,6 +44,17 @@ ReportFrame numbered_frame(int index) {
   plane.points = 600;
   plane.rms_m = 0.004;
   frame.planes.push_back({plane, "#0072b2"});
+  frame.planes[0].footing = Footing{};
+  frame.planes[0].footing->outline_area_m2 = 1.25;
+  frame.planes[0].footing->tilt_sigma_deg[1] = 0.375;
+  frame.planes[0].footing->foot = {false, "17.2 mm rough, limit 10", 0.5, 3};
+  frame.terrain = Terrain{};
+  frame.terrain->floor = 1;
+  frame.terrain->steppable_area_m2 = 0;
+  frame.terrain->flights = {
+      {4, planes::SeenFrom::below, 0.17, 0.289, 0.9, false, std::vector<int>{1}}};
+  frame.terrain->kerbs = {{0.12, 1.5, {1}}};
+  frame.terrain->ramps = {{1, 12.5, 0.25, 1.125, 0.75}};
   frame.regions = {8, 3, 2, {{-1, 1}, {1, 3}, {0, 2}}};
   ReportPicture picture;
   picture.name = "planes";
@@ -300,7 +311,7 @@ TEST(FrameRecord, IsFoundByItsKeyAlone) {
   ASSERT_TRUE(find_frame_record(dir, "a"));
   EXPECT_EQ(find_frame_record(dir, "a")->index, 3);
   write_file_text(dir / "frame.json",
-                  "{\"schema\": \"planescope.report-frame/1\", \"key\": \"a\"}");
+                  "{\"schema\": \"planescope.report-frame/2\", \"key\": \"a\"}");
   try {
     find_frame_record(dir, "a");
     FAIL() << "a damaged record was read";

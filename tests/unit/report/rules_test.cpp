@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -140,6 +141,77 @@ TEST(Rules, WithoutABaselineOnlyWhatNeedsNoneIsAsked) {
   const ReportComparison alone = compare_reports({}, baseline());
   EXPECT_TRUE(broken_rules(built_in_rules(), alone).empty());
   EXPECT_EQ(broken_rules({rule("planes", 2, 100, RuleScope::frame)}, alone).size(), 1u);
+}
+
+/// One plane of 0.5 m2 for the foot's centre, and a flight.
+ReportFrame frame_to_climb(bool steppable, int steps, double rise_m) {
+  ReportFrame frame = frame_with(0, {0});
+  frame.planes[0].footing.emplace().foot = {steppable, steppable ? "" : "17.2 mm rough, limit 10",
+                                            0.5, 2};
+  Terrain& terrain = frame.terrain.emplace();
+  terrain.steppable_area_m2 = steppable ? 0.5 : 0;
+  if (steps > 0) terrain.flights = {{steps, planes::SeenFrom::below, rise_m, 0.29, 0.9, false, {}}};
+  return frame;
+}
+
+std::vector<std::string> texts_of_broken(const Report& before,
+                                         const ReportFrame& now,
+                                         const Rule& one) {
+  std::vector<std::string> texts;
+  for (const Breach& breach :
+       broken_rules({one}, compare_reports(before, report_of_frames({{"a", {now}}}))))
+    texts.push_back(breach.text());
+  return texts;
+}
+
+TEST(Rules, WhatOneCanStandOnIsHeldToLimitsAndToTheBaseline) {
+  using Texts = std::vector<std::string>;
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  const Report before = report_of_frames({{"a", {frame_to_climb(true, 4, 0.17)}}});
+  const auto broken_of = [&](const ReportFrame& now, const char* metric, double least,
+                             double most) {
+    return texts_of_broken(before, now, rule(metric, least, most, RuleScope::frame));
+  };
+  const ReportFrame same = frame_to_climb(true, 4, 0.17), worse = frame_to_climb(false, 2, 0.176);
+  EXPECT_EQ(broken_of(same, "steppable_area_m2", 0.5, kAny), Texts{});
+  EXPECT_EQ(broken_of(worse, "steppable_area_m2", 0.5, kAny),
+            Texts{"steppable_area_m2 is 0, at least 0.5 m2: 0 of 1 plane steppable"});
+  EXPECT_EQ(broken_of(same, "steppable_area_change", 0, kAny), Texts{});
+  EXPECT_EQ(
+      broken_of(worse, "steppable_area_change", -0.1, kAny),
+      Texts{"steppable_area_change is -0.5, at least -0.1 m2: 0.50 m2 in the baseline, 0.00 m2 "
+            "now; plane 1 is no longer steppable: 17.2 mm rough, limit 10"});
+  EXPECT_EQ(broken_of(same, "stairs_steps", 4, 4), Texts{});
+  EXPECT_EQ(broken_of(frame_to_climb(true, 0, 0), "stairs_steps", 1, kAny),
+            Texts{"stairs_steps is 0, at least 1 steps: no stairs are found"});
+  EXPECT_EQ(
+      broken_of(worse, "stairs_steps_change", 0, kAny),
+      Texts{"stairs_steps_change is -2, at least 0 steps: 4 steps up, rise 170 mm, going 290 mm "
+            "in the baseline, 2 steps up, rise 176 mm, going 290 mm now"});
+  EXPECT_EQ(broken_of(same, "rise_mm", 165, 175), Texts{});
+  EXPECT_EQ(broken_of(worse, "rise_mm", 165, 175).size(), 1u);
+  EXPECT_EQ(broken_of(same, "rise_change", -1, 1), Texts{});
+  EXPECT_EQ(broken_of(worse, "rise_change", -5, 5).size(), 1u);
+}
+
+TEST(Rules, OfWhatNeitherFootNorBaselineTellsAreNamed) {
+  const auto idle = [](const char* metric, const ReportFrame& before, const ReportFrame& now) {
+    const Report baseline = report_of_frames({{"a", {before}}}),
+                 is = report_of_frames({{"a", {now}}});
+    const auto found =
+        idle_rules({rule(metric, 0, 9, RuleScope::all)}, compare_reports(baseline, is), true);
+    return found.empty() ? "" : found[0].why;
+  };
+  const ReportFrame old = frame_with(0, {0}), with = frame_to_climb(true, 4, 0.17);
+  ReportFrame footless = with;
+  footless.terrain->steppable_area_m2 = std::nan("");
+  EXPECT_EQ(idle("steppable_area_change", with, with), "");
+  EXPECT_EQ(idle("steppable_area_m2", with, footless), "no foot is given, as by --foot 0.08");
+  EXPECT_EQ(idle("steppable_area_change", footless, with),
+            "a foot is not given to both, as by --foot 0.08");
+  EXPECT_EQ(idle("stairs_steps_change", old, with),
+            "the baseline is of a version that does not tell of it");
+  EXPECT_EQ(idle("rise_mm", with, frame_to_climb(true, 0, 0)), "no such frame has stairs");
 }
 
 TEST(Rules, FollowTheirSchemaWhichKnowsEveryMetric) {

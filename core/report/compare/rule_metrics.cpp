@@ -1,0 +1,212 @@
+#include "core/report/compare/rule_metrics.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/report/compare/terrain_changes.hpp"
+
+namespace planescope::report {
+namespace {
+
+template <PlaneFate kFate>
+std::optional<double> planes_with(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  return frame.count(kFate);
+}
+
+template <FrameFate kFate>
+std::optional<double> frames_with(const FrameComparison& frame) {
+  if (!frame.baseline) return std::nullopt;
+  return frame.fate == kFate ? 1 : 0;
+}
+
+/// The largest such value among planes that are in both runs.
+std::optional<double> farthest(const FrameComparison& frame, double PlaneComparison::*value) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  double most = 0;
+  for (const PlaneComparison& plane : frame.planes)
+    if (plane.fate <= PlaneFate::moved) most = std::max(most, plane.*value);
+  return most;
+}
+
+const ReportFrame* done(const ReportFrame* frame) {
+  return frame && frame->refused.empty() ? frame : nullptr;
+}
+
+template <double planes::Metrics::*kValue>
+std::optional<double> scored(const FrameComparison& frame) {
+  const ReportFrame* now = done(frame.now);
+  if (!now || !now->metrics) return std::nullopt;
+  return now->metrics.value().*kValue;
+}
+
+template <double planes::Metrics::*kValue>
+std::optional<double> score_change(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared || !frame.now->metrics || !frame.baseline->metrics)
+    return std::nullopt;
+  const double change = (*frame.now->metrics).*kValue - (*frame.baseline->metrics).*kValue;
+  if (std::isnan(change)) return std::nullopt;
+  return change;
+}
+
+std::optional<double> time_ratio(const ReportFrame* frame) {
+  if (!done(frame) || frame->time_ratio() <= 0) return std::nullopt;
+  return frame->time_ratio();
+}
+
+/// Labels that are gone: without them no metric that needs labels could fail.
+std::optional<double> labels_missing(const FrameComparison& frame) {
+  const ReportFrame *before = done(frame.baseline), *now = done(frame.now);
+  if (!before || !now) return std::nullopt;
+  return before->metrics && !now->metrics ? 1 : 0;
+}
+
+/// Where a foot's centre may go; none without a foot, and of reports before schema 3.
+std::optional<double> steppable_area(const ReportFrame* frame) {
+  if (!done(frame) || !frame->terrain || std::isnan(frame->terrain->steppable_area_m2))
+    return std::nullopt;
+  return frame->terrain->steppable_area_m2;
+}
+
+std::optional<double> stairs_steps(const ReportFrame* frame) {
+  if (!done(frame) || !frame->terrain) return std::nullopt;
+  return frame->terrain->steps();
+}
+
+/// Of the flight of most steps.
+std::optional<double> rise_mm(const ReportFrame* frame) {
+  if (!done(frame) || !frame->terrain || frame->terrain->flights.empty()) return std::nullopt;
+  return 1000 * frame->terrain->flights.front().rise_m;
+}
+
+template <std::optional<double> (*kValue)(const ReportFrame*)>
+std::optional<double> now(const FrameComparison& frame) {
+  return kValue(frame.now);
+}
+
+/// Now less the baseline.
+template <std::optional<double> (*kValue)(const ReportFrame*)>
+std::optional<double> change(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  const auto is = kValue(frame.now), was = kValue(frame.baseline);
+  if (!is || !was) return std::nullopt;
+  return *is - *was;
+}
+
+}  // namespace
+
+const std::vector<MeasuredMetric>& measured_metrics() {
+  using enum RuleFold;
+  static const std::vector<MeasuredMetric> all = {
+      {{"planes_lost", "planes", "planes of the baseline that are gone", true, false, sum},
+       planes_with<PlaneFate::lost>},
+      {{"planes_gained", "planes", "planes that the baseline has not", true, false, sum},
+       planes_with<PlaneFate::gained>},
+      {{"planes_merged", "planes", "planes of the baseline that are one now", true, false, sum},
+       planes_with<PlaneFate::merged>},
+      {{"planes_split", "planes", "planes of the baseline that are several now", true, false, sum},
+       planes_with<PlaneFate::split>},
+      {{"planes_moved", "planes", "planes moved by 5 mm or turned by 1 degree", true, false, sum},
+       planes_with<PlaneFate::moved>},
+      {{"planes_resized", "planes", "planes with a quarter more area, or less", true, false, sum},
+       planes_with<PlaneFate::resized>},
+      {{"offset_mm", "mm", "the farthest that a plane moved", true, false, largest},
+       [](const FrameComparison& frame) {
+         std::optional<double> offset = farthest(frame, &PlaneComparison::offset_m);
+         if (offset) *offset *= 1000;
+         return offset;
+       }},
+      {{"angle_deg", "degrees", "the farthest that a plane turned", true, false, largest},
+       [](const FrameComparison& frame) { return farthest(frame, &PlaneComparison::angle_deg); }},
+      {{"frames_refused", "frames", "frames that the baseline processed and this does not", true,
+        false, sum},
+       frames_with<FrameFate::refused>},
+      {{"frames_missing", "frames", "frames that the baseline has alone", true, false, sum},
+       frames_with<FrameFate::missing>},
+      {{"inputs_changed", "frames", "frames whose pixels or points are not the baseline's", true,
+        false, sum},
+       frames_with<FrameFate::other_input>},
+      {{"labels_missing", "frames", "frames that the baseline has labels for and this has not",
+        true, false, sum},
+       labels_missing},
+      {{"planes", "planes", "planes found", false, false, sum},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const ReportFrame* now = done(frame.now))
+           return static_cast<double>(now->planes.size());
+         return std::nullopt;
+       }},
+      {{"on_planes_percent", "%", "points on planes", false, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (const ReportFrame* now = done(frame.now)) return now->percent_on_planes();
+         return std::nullopt;
+       }},
+      {{"on_planes_change", "% points", "points on planes, now less the baseline", true, false},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         if (frame.fate != FrameFate::compared) return std::nullopt;
+         return frame.now->percent_on_planes() - frame.baseline->percent_on_planes();
+       }},
+      {{"mean_iou", "%", "mean IoU with the true planes", false, true},
+       scored<&planes::Metrics::mean_iou>},
+      {{"pq", "%", "panoptic quality", false, true}, scored<&planes::Metrics::pq>},
+      {{"alpha_deg", "degrees", "mean angle to the true normals", false, true},
+       scored<&planes::Metrics::alpha_deg>},
+      {{"r_p", "%", "planes found of true ones", false, true}, scored<&planes::Metrics::r_p>},
+      {{"r_m", "%", "points in no plane", false, true}, scored<&planes::Metrics::r_m>},
+      {{"point_accuracy", "%", "points on the right plane", false, true},
+       scored<&planes::Metrics::point_accuracy>},
+      {{"mean_iou_change", "% points", "mean IoU, now less the baseline", true, true},
+       score_change<&planes::Metrics::mean_iou>},
+      {{"pq_change", "% points", "panoptic quality, now less the baseline", true, true},
+       score_change<&planes::Metrics::pq>},
+      {{"alpha_change", "degrees", "alpha, now less the baseline", true, true},
+       score_change<&planes::Metrics::alpha_deg>},
+      {{"point_accuracy_change", "% points", "point accuracy, now less the baseline", true, true},
+       score_change<&planes::Metrics::point_accuracy>},
+      {{"steppable_area_m2", "m2", "where a foot's centre may go on steppable planes", false, false,
+        mean, false, RuleNeed::foot},
+       now<steppable_area>,
+       [](const FrameComparison& frame) { return steppable_text(*frame.now); }},
+      {{"steppable_area_change", "m2", "steppable_area_m2, now less the baseline", true, false,
+        mean, false, RuleNeed::foot},
+       change<steppable_area>,
+       [](const FrameComparison& frame) {
+         return fmt::format("{}", fmt::join(steppable_changes(frame), "; "));
+       }},
+      {{"stairs_steps", "steps", "steps of all flights of stairs", false, false, mean, false,
+        RuleNeed::stairs},
+       now<stairs_steps>,
+       [](const FrameComparison& frame) { return flights_text(*frame.now->terrain); }},
+      {{"stairs_steps_change", "steps", "stairs_steps, now less the baseline", true, false, mean,
+        false, RuleNeed::stairs},
+       change<stairs_steps>,
+       flights_change},
+      {{"rise_mm", "mm", "mean rise of the flight of most steps", false, false, mean, false,
+        RuleNeed::stairs},
+       now<rise_mm>,
+       [](const FrameComparison& frame) { return flights_text(*frame.now->terrain); }},
+      {{"rise_change", "mm", "rise_mm, now less the baseline", true, false, mean, false,
+        RuleNeed::stairs},
+       change<rise_mm>,
+       flights_change},
+      {{"time_ratio", "", "time from voxel grid to planes, of that of work timed beside it", false,
+        false, mean, true},
+       [](const FrameComparison& frame) { return time_ratio(frame.now); }},
+      {{"time_growth", "times", "time_ratio, now of the baseline's", true, false, mean, true},
+       [](const FrameComparison& frame) -> std::optional<double> {
+         const auto now = time_ratio(frame.now), before = time_ratio(frame.baseline);
+         if (!now || !before) return std::nullopt;
+         return *now / *before;
+       }},
+  };
+  return all;
+}
+
+const MeasuredMetric& find_metric(std::string_view name) {
+  return *std::ranges::find(measured_metrics(), name,
+                            [](const MeasuredMetric& m) { return m.metric.name; });
+}
+
+}  // namespace planescope::report
