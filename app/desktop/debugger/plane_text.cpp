@@ -49,12 +49,12 @@ void add_planes(const State& state, const planes::LevelPlanes& ids, StairsEntry&
 StairsEntry entry_of(const State& state, const planes::Flight& flight) {
   const char* const way[] = {"", " up", " down"};
   StairsEntry entry;
-  entry.title =
-      fmt::format("{}{}, rise {}, going {}, {} wide", counted(flight.steps.size(), "step"),
-                  way[static_cast<std::size_t>(flight.seen)], mm(flight.rise_m), mm(flight.going_m),
-                  mm(flight.width_m));
+  entry.title = fmt::format("{}{}, rise {}, going {}", counted(flight.steps.size(), "step"),
+                            way[static_cast<std::size_t>(flight.seen)], mm(flight.rise_m),
+                            mm(flight.going_m));
   add_planes(state, flight.foot, entry);
-  entry.lines.push_back("from " + names_of(state, flight.foot));
+  entry.lines.push_back(
+      fmt::format("{} wide, from {}", mm(flight.width_m), names_of(state, flight.foot)));
   for (std::size_t i = 0; i < flight.steps.size(); ++i) {
     const planes::Flight::Step& step = flight.steps[i];
     const std::string going = step.going_m > 0 ? ", going " + mm(step.going_m) : "";
@@ -71,9 +71,9 @@ StairsEntry entry_of(const State& state, const planes::Flight& flight) {
 
 StairsEntry entry_of(const State& state, const planes::Kerb& kerb) {
   StairsEntry entry;
-  entry.title = fmt::format("kerb, rise {}, {} wide", mm(kerb.rise_m), mm(kerb.nosing.width_m()));
-  entry.lines.push_back(
-      fmt::format("from {} to {}", names_of(state, kerb.lower), names_of(state, kerb.upper)));
+  entry.title = fmt::format("kerb, rise {}", mm(kerb.rise_m));
+  entry.lines.push_back(fmt::format("{} wide, from {} to {}", mm(kerb.nosing.width_m()),
+                                    names_of(state, kerb.lower), names_of(state, kerb.upper)));
   add_planes(state, kerb.lower, entry);
   add_planes(state, kerb.upper, entry);
   if (kerb.riser > 0) add_planes(state, {kerb.riser}, entry);

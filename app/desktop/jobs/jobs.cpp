@@ -32,6 +32,12 @@ bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }
 
+/// A slider is held, and not one of a foot or of stairs.
+bool drags_a_run(const State& state) {
+  const std::string gesture = state.undo.empty() ? "" : state.undo.back().gesture;
+  return !gesture.empty() && !is_about_planes(planes::find_option(gesture));
+}
+
 void show_arrival(State& state, const ReportArrival& arrival) {
   state.view.flash = arrival.in_a;
   if (arrival.step >= 0) go_to_step(state, arrival.step);
@@ -205,14 +211,15 @@ void Jobs::Impl::pursue_run(State& state) {
                    std::stop_token) { run_frame(wanted, place); });
 }
 
-/// Not while a frame is run: a slider that is dragged has the machine for itself.
+/// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine
+/// for itself.
 void Jobs::Impl::pursue_planes(State& state) {
   Results& results = state.results;
   std::erase_if(results.planes, [&](const auto& planes) {
     return planes->of != results.current && planes->of != results.pinned;
   });
   const auto& view = state.view.flash && results.pinned ? results.pinned : results.current;
-  if (!view || runs.busy()) return;
+  if (!view || runs.busy() || drags_a_run(state)) return;
   const std::string key = planes_key(state.document.options);
   if (view == planes_of && key == planes_by) return;
   planes_of = view;
