@@ -45,6 +45,9 @@ struct PlaneScene {
   Vec3d origin = Vec3d::Zero();
   bool complete = false;  // nothing is being found out any more
 
+  bool has_stairs() const {
+    return !stairs.flights.empty() || !stairs.kerbs.empty() || !stairs.ramps.empty();
+  }
   /// Whether a plane carries a foot; nothing where that is not known.
   std::optional<bool> verdict(int plane_id) const;
 };

@@ -214,7 +214,8 @@ void add_planes(const debug::Run& run,
 
     const bool large = is_named(own.size(), points.size());
     // Names of all others would stand among what is told about stairs.
-    if ((!large || (shapes && look.show_stairs)) && !selected && !current) continue;
+    if ((!large || (shapes && look.show_stairs && shapes->has_stairs())) && !selected && !current)
+      continue;
     const Vec3f from = change->fit.centroid.cast<float>();
     // Towards the viewer: up, or to the sensor's side.
     Vec3f normal = change->fit.normal.cast<float>();
@@ -325,6 +326,9 @@ void add_step_legend(const debug::Run& run,
     case ColorBy::camera:
       break;
   }
+  const PlaneScene* planes = finished(run, look);
+  if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
+    list.legend.push_back({Mark::line, waiting, "no stairs, kerb or ramp"});
   if (look.show_foot && look.color_by != ColorBy::steppable) {
     if (const std::string why = no_verdicts(run, look); !why.empty())
       list.legend.push_back({Mark::line, waiting, "foot space: " + why});

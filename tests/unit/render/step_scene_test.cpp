@@ -179,6 +179,13 @@ TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
   EXPECT_EQ(label(stairs, "P1"), nullptr) << "names would stand among them";
   look.step = 0;
   EXPECT_EQ(label(scene_step(*run, look), "rise 0 mm"), nullptr) << "of finished planes alone";
+  PlaneScene flat = *look.planes;
+  flat.stairs = {};
+  look.planes = std::make_shared<const PlaneScene>(flat);
+  look.step = run->steps();
+  const DrawList none = scene_step(*run, look);
+  EXPECT_NE(label(none, "P1"), nullptr);
+  EXPECT_TRUE(legend_says(none, "no stairs, kerb or ramp"));
 }
 
 TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
