@@ -30,6 +30,7 @@ struct DrawLines {
   std::vector<Rgba> colors;      // one per segment
   float width_px = 1.5f;
   bool shine_through = false;  // seen faintly through what hides them
+  bool lifted = false;         // over the points of the surface that they lie on, as polygons are
   bool operator==(const DrawLines&) const = default;
 };
 
@@ -57,12 +58,13 @@ void each_edge(const DrawBox& box, const Edge& edge) {
       if ((from & bit) == 0) edge(corner(from), corner(from | bit));
 }
 
-struct DrawPolygon {           // convex, planar, filled and outlined
+struct DrawPolygon {           // planar, filled; outlined where it is convex
   std::vector<Vec3f> corners;  // world [m]
   Rgba fill;
   Rgba outline;
   float outline_px = 2;
   std::uint32_t id = 0;
+  std::vector<std::uint32_t> triangles = {};  // three corners each; empty: it is convex
   bool operator==(const DrawPolygon&) const = default;
 };
 

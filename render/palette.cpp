@@ -83,6 +83,8 @@ Rgba margin_color(Label label, double margin) {
 
 Rgba leftover_color() { return rgb(0x8A8F98); }
 
+Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x009E73 : 0xD55E00); }
+
 Rgba plane_color(int plane_id) {
   const int n = static_cast<int>(kPlaneColors.size());
   return rgb(kPlaneColors[static_cast<std::size_t>((((plane_id - 1) % n) + n) % n)]);

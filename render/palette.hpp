@@ -16,6 +16,8 @@ Rgba label_color(Label label);  // h, v, unknown
 /// at 1, lighter and more saturated all the way.
 Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
+/// Whether a plane carries a foot.
+Rgba verdict_color(bool steppable);
 /// A colour per plane, by its id from 1 on: neighbours in id are far apart in hue and lightness.
 /// They repeat after 32.
 Rgba plane_color(int plane_id);

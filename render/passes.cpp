@@ -206,6 +206,7 @@ void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& se
 }
 
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments) {
+  if (!polygon.triangles.empty()) return;
   const std::size_t n = polygon.corners.size();
   for (std::size_t i = 0; i < n && n >= 2; ++i) {
     segments.push_back({polygon.corners[i], polygon.corners[(i + 1) % n], polygon.outline,
@@ -247,6 +248,9 @@ void PolygonPass::draw(std::span<const DrawPolygon* const> polygons,
   for (const DrawPolygon* polygon : polygons) {
     if (output == Output::id && polygon->id == 0) continue;
     const std::vector<Vec3f>& corners = polygon->corners;
+    for (const std::uint32_t k : polygon->triangles)
+      vertices.push_back({corners[k], polygon->fill, polygon->id});
+    if (!polygon->triangles.empty()) continue;
     for (std::size_t i = 2; i < corners.size(); ++i) {  // a fan, as it is convex
       for (const std::size_t k : {std::size_t{0}, i - 1, i}) {
         vertices.push_back({corners[k], polygon->fill, polygon->id});

@@ -67,7 +67,7 @@ class SegmentPass {
   GlBuffer instances_;
 };
 
-/// Fills of convex polygons, in the order given.
+/// Fills of polygons, in the order given.
 class PolygonPass {
  public:
   PolygonPass();
@@ -83,6 +83,7 @@ class PolygonPass {
 };
 
 void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& segments);
+/// Of a convex polygon; of others nothing.
 void append_outline(const DrawPolygon& polygon, float bias_m, std::vector<Segment>& segments);
 
 }  // namespace planescope::render

@@ -304,11 +304,12 @@ void Renderer::State::draw_polygons(const DrawList& list,
 }
 
 void Renderer::State::draw_lines(const DrawList& list, const View& view, const ThemeColors& theme) {
+  const float bias_m = polygon_bias_m(list);
   std::vector<Segment> all, through;
   for (const DrawLines& lines : list.lines) {
     for (std::size_t i = 0; i < lines.colors.size() && 2 * i + 1 < lines.positions.size(); ++i) {
       all.push_back({lines.positions[2 * i], lines.positions[2 * i + 1], lines.colors[i],
-                     lines.width_px, 0, 0.001f, 0});
+                     lines.width_px, 0, lines.lifted ? bias_m : 0.001f, 0});
       if (!lines.shine_through) continue;
       through.push_back(all.back());
       through.back().color.a = static_cast<std::uint8_t>(lines.colors[i].a / 3);
@@ -317,7 +318,6 @@ void Renderer::State::draw_lines(const DrawList& list, const View& view, const T
   glDisable(GL_DEPTH_TEST);
   segments.draw(through, view, theme.halo, Output::color);
   glEnable(GL_DEPTH_TEST);
-  const float bias_m = polygon_bias_m(list);
   for (const DrawArrow& arrow : list.arrows) {
     all.push_back({arrow.from, arrow.to, arrow.color, arrow.width_px, 1, bias_m, 0});
   }

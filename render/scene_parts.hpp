@@ -31,7 +31,7 @@ DrawBox points_box(const planes::Octree& octree,
                    const planes::OctreeNode& node,
                    double voxel_size_m);
 
-/// Convex outline of points on a plane: projected, counter-clockwise about the normal.
+/// Convex hull of points on a plane: projected, counter-clockwise about the normal.
 std::vector<Vec3f> outline_on_plane(const PlaneFit& plane, std::span<const Vec3f> points);
 
 /// Lowest and highest values of each axis, without the outermost percent.

@@ -42,7 +42,7 @@ enum Kind : std::uint64_t { kPoint = 1, kBox, kPolygon, kLine, kArrow, kText, kS
 struct Writer {
   const View& view;
   Tiles tiles;
-  float bias_m = 0;  // polygons and arrows stand out by the largest splat
+  float bias_m = 0;  // polygons, arrows and lifted lines stand out by the largest splat
 
   void add_points(const DrawPoints& cloud, float shade_radius_px);
   void add_box(const DrawBox& box);
@@ -88,11 +88,13 @@ void Writer::add_polygon(const DrawPolygon& polygon) {
   std::uint64_t hash = hashed_bytes(hashed_bytes(kPolygon, bias_m), polygon.outline_px);
   hash = hashed_color(hashed_color(hash, polygon.fill), polygon.outline);
   for (const Vec3f& corner : polygon.corners) hash = hashed_bytes(hash, corner);
+  for (const std::uint32_t corner : polygon.triangles) hash = hashed(hash, corner);
   tiles.add(about(view, polygon.corners, polygon.outline_px + 4), hash);
 }
 
 void Writer::add_lines(const DrawLines& lines) {
-  const std::uint64_t start = hashed(hashed_bytes(kLine, lines.width_px), lines.shine_through);
+  std::uint64_t start = hashed(hashed_bytes(kLine, lines.width_px), lines.shine_through);
+  if (lines.lifted) start = hashed_bytes(start, bias_m);
   for (std::size_t i = 0; i < lines.colors.size() && 2 * i + 1 < lines.positions.size(); ++i) {
     const std::array<Vec3f, 2> ends = {lines.positions[2 * i], lines.positions[2 * i + 1]};
     tiles.add(about(view, ends, lines.width_px + 4),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/palette.hpp"
+#include "render/plane_scene.hpp"
 #include "render/scene_parts.hpp"
 
 namespace planescope::render {
@@ -217,37 +218,26 @@ bool has_colors(std::span<const std::uint8_t> rgb) {
   return false;
 }
 
-/// Convex outline of the voxels of each plane, on the plane.
-std::vector<std::vector<Vec3f>> outlines(const planes::FrameResult& result) {
-  const auto& planes = result.segmentation.planes;
-  std::vector<std::vector<Vec3f>> members(planes.size());
-  for (std::size_t i = 0; i < result.voxels.points.size(); ++i) {
-    const std::int32_t id = result.segmentation.plane_of[i];
-    if (id > 0) members[static_cast<std::size_t>(id - 1)].push_back(result.voxels.points[i]);
-  }
-  std::vector<std::vector<Vec3f>> corners;
-  for (std::size_t k = 0; k < planes.size(); ++k)
-    corners.push_back(outline_on_plane(planes[k].fit, members[k]));
-  return corners;
-}
-
-void add_plane_shapes(const planes::FrameResult& result,
+void add_plane_shapes(const Frame& frame,
+                      const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
                       DrawList& list) {
   const float arrow_m = normal_arrow_m(result.voxels.points);
-  const auto corners = outlines(result);
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    if (corners[k].size() < 3) continue;
+  const double cell_m = result.voxels.size_m > 0 ? result.voxels.size_m : 0.02;
+  const Vec3d& origin = result.cloud.origin;
+  const auto outlines = planes::outlines_of(frame, result, cell_m);
+  std::vector<PlaneShape> shapes = plane_shapes(outlines, origin);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
     const planes::PlaneRegion& plane = result.segmentation.planes[k];
     const Rgba color = color_of(plane.id, color_of_plane);
     const Rgba dark = mix(color, kSceneText, 0.45);
-    DrawPolygon polygon;
-    polygon.corners = corners[k];
-    polygon.fill = with_alpha(color, 50);
-    polygon.outline = with_alpha(dark, 230);
-    polygon.id = static_cast<std::uint32_t>(plane.id);
-    list.polygons.push_back(std::move(polygon));
-
+    fill_shape(outlines[k], origin, shapes[k]);
+    add_shape(shapes[k],
+              {.fill = with_alpha(color, 50),
+               .line = with_alpha(dark, 230),
+               .width_px = 1.6F,
+               .id = static_cast<std::uint32_t>(plane.id)},
+              list);
     if (!is_named(plane.points, result.voxels.points.size())) continue;
     const Vec3f from = plane.fit.centroid.cast<float>();
     const Vec3f normal = plane.fit.normal.cast<float>();
@@ -259,7 +249,9 @@ void add_plane_shapes(const planes::FrameResult& result,
 
 }  // namespace
 
-DrawList scene_planes(const planes::FrameResult& result, std::span<const int> color_of_plane) {
+DrawList scene_planes(const Frame& frame,
+                      const planes::FrameResult& result,
+                      std::span<const int> color_of_plane) {
   using Mark = LegendEntry::Mark;
   DrawList list;
   DrawPoints points = voxel_points(result.voxels);
@@ -271,7 +263,7 @@ DrawList scene_planes(const planes::FrameResult& result, std::span<const int> co
   }
   const std::size_t n = points.positions.size();
   list.points.push_back(std::move(points));
-  add_plane_shapes(result, color_of_plane, list);
+  add_plane_shapes(frame, result, color_of_plane, list);
   add_plane_legend(result, color_of_plane, list);
   if (in_planes < n)
     list.legend.push_back(

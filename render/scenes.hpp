@@ -31,7 +31,10 @@ DrawList scene_margins(const planes::FrameResult& result);
 /// that node's points (never larger than its cell); divided nodes as the faint outline of their
 /// cell.
 DrawList scene_cases(const planes::FrameResult& result);
-DrawList scene_planes(const planes::FrameResult& result, std::span<const int> color_of_plane);
+/// Voxels in the colours of their planes, with what each covers, its holes, normal and number.
+DrawList scene_planes(const Frame& frame,
+                      const planes::FrameResult& result,
+                      std::span<const int> color_of_plane);
 /// Points in no plane, the planes faded.
 DrawList scene_leftovers(const planes::FrameResult& result, std::span<const int> color_of_plane);
 

@@ -58,6 +58,17 @@ Label label_of(const debug::Run& run, const StepState& state, std::size_t voxel)
   return plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown;
 }
 
+/// Of a voxel in a plane of the trace; `waiting` where nothing is known of it.
+Rgba verdict_color_at(const debug::Run& run,
+                      const StepLook& look,
+                      std::int32_t plane,
+                      Rgba waiting) {
+  if (look.step != run.steps() || !look.planes) return waiting;
+  if (plane < 0) return leftover_color();
+  const auto verdict = look.planes->verdict(run.timeline.result_of_plane(plane));
+  return verdict ? verdict_color(*verdict) : waiting;
+}
+
 std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const StepState& state) {
   const planes::PreparedFrame& prepared = run.subject->prepared;
   const Rgba waiting = mark_colors(look.theme).waiting;
@@ -72,6 +83,9 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
         break;
       case ColorBy::margins:
         colors[v] = margin_color(classified.labels[v], classified.margins[v]);
+        break;
+      case ColorBy::steppable:
+        colors[v] = verdict_color_at(run, look, state.plane_of[v], waiting);
         break;
       case ColorBy::truth:
         colors[v] = truth_color(run.subject->voxel_truth, v, waiting);

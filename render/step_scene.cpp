@@ -158,6 +158,32 @@ std::vector<std::vector<Vec3f>> points_by_plane(const debug::Run& run, const Ste
   return members;
 }
 
+/// What is known of the finished planes, at the step where they are; null at all others.
+const PlaneScene* finished(const debug::Run& run, const StepLook& look) {
+  return look.step == run.steps() ? look.planes.get() : nullptr;
+}
+
+/// The outline, or the convex hull of the voxels where there is none; false where it has no area.
+bool add_plane(const PlaneShape* shape,
+               const PlaneFit& fit,
+               std::span<const Vec3f> voxels,
+               const ShapeLook& look,
+               DrawList& list) {
+  if (shape && !shape->rings.empty()) {
+    add_shape(*shape, look, list);
+    return true;
+  }
+  DrawPolygon hull;
+  hull.corners = outline_on_plane(fit, voxels);
+  if (hull.corners.size() < 3) return false;
+  hull.fill = with_alpha(look.fill, look.fill.a / 2);
+  hull.outline = with_alpha(look.line, look.line.a / 2);
+  hull.outline_px = 0.6f * look.width_px;
+  hull.id = look.id;
+  list.polygons.push_back(std::move(hull));
+  return true;
+}
+
 void add_planes(const debug::Run& run,
                 const StepLook& look,
                 const StepState& state,
@@ -167,25 +193,29 @@ void add_planes(const debug::Run& run,
   const Rgba ink = theme_colors(look.theme).ink;
   const Rgba selected_color = mark_colors(look.theme).selected;
   const auto members = points_by_plane(run, state);
+  const PlaneScene* shapes = finished(run, look);
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
     if (change == nullptr || !change->alive) continue;
     const auto& own = members[static_cast<std::size_t>(plane)];
-    DrawPolygon polygon;
-    polygon.corners = outline_on_plane(change->fit, own);
-    if (polygon.corners.size() < 3) continue;
     const bool selected = plane == look.plane;
     const bool current = plane == state.plane;
     const Rgba color = plane_color(plane + 1);
     const Rgba strong = selected ? selected_color : mix(color, ink, 0.35);
-    polygon.fill = with_alpha(color, 45);
-    polygon.outline = with_alpha(strong, 235);
-    polygon.outline_px = selected || current ? 3.5F : 2.0F;
-    polygon.id = pick_id(Picked::Kind::plane, plane);
-    list.polygons.push_back(std::move(polygon));
+    const auto k = static_cast<std::size_t>(run.timeline.result_of_plane(plane)) - 1;
+    const PlaneShape* shape = shapes && k < shapes->shapes.size() ? &shapes->shapes[k] : nullptr;
+    if (!add_plane(shape, change->fit, own,
+                   {.fill = with_alpha(color, 45),
+                    .line = with_alpha(strong, 235),
+                    .width_px = selected || current ? 3.0F : 1.6F,
+                    .id = pick_id(Picked::Kind::plane, plane)},
+                   list))
+      continue;
 
     const bool large = is_named(own.size(), points.size());
-    if (!large && !selected && !current) continue;
+    // Names of all others would stand among what is told about stairs.
+    if ((!large || (shapes && look.show_stairs && shapes->has_stairs())) && !selected && !current)
+      continue;
     const Vec3f from = change->fit.centroid.cast<float>();
     // Towards the viewer: up, or to the sensor's side.
     Vec3f normal = change->fit.normal.cast<float>();
@@ -232,6 +262,28 @@ void add_plane_states(const StepState& state, Rgba waiting, DrawList& list) {
   entry(waiting, "not settled yet", holds(StepState::kOpen));
 }
 
+/// Why nothing is told about a foot; empty where it is.
+std::string no_verdicts(const debug::Run& run, const StepLook& look) {
+  if (look.step != run.steps()) return "told at the last step, where planes are finished";
+  if (!look.planes || !look.planes->complete) return "being found out";
+  return look.planes->foot.empty() && !look.planes->shapes.empty()
+             ? "no foot is given: set foot_radius_m"
+             : "";
+}
+
+void add_verdicts(const debug::Run& run, const StepLook& look, Rgba waiting, DrawList& list) {
+  if (const std::string why = no_verdicts(run, look); !why.empty()) {
+    list.legend.push_back({Mark::dot, waiting, why});
+    return;
+  }
+  const std::vector<bool>& steppable = look.planes->steppable;
+  const auto yes = std::count(steppable.begin(), steppable.end(), true);
+  const auto no = static_cast<std::ptrdiff_t>(steppable.size()) - yes;
+  list.legend.push_back({Mark::dot, verdict_color(true), "steppable  " + std::to_string(yes)});
+  list.legend.push_back({Mark::dot, verdict_color(false), "not steppable  " + std::to_string(no)});
+  list.legend.push_back({Mark::dot, leftover_color(), "in no plane"});
+}
+
 void add_step_legend(const debug::Run& run,
                      const StepLook& look,
                      const StepState& state,
@@ -268,8 +320,18 @@ void add_step_legend(const debug::Run& run,
         list.legend.push_back({Mark::dot, waiting, "not scored"});
       }
       break;
+    case ColorBy::steppable:
+      add_verdicts(run, look, waiting, list);
+      break;
     case ColorBy::camera:
       break;
+  }
+  const PlaneScene* planes = finished(run, look);
+  if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
+    list.legend.push_back({Mark::line, waiting, "no stairs, kerb or ramp"});
+  if (look.show_foot && look.color_by != ColorBy::steppable) {
+    if (const std::string why = no_verdicts(run, look); !why.empty())
+      list.legend.push_back({Mark::line, waiting, "foot space: " + why});
   }
   if (!look.marked.empty())
     list.legend.push_back({Mark::dot, mark_colors(look.theme).marked,
@@ -317,6 +379,10 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
+  if (const PlaneScene* planes = finished(run, look)) {
+    if (look.show_foot) add_foot_space(*planes, look.theme, list);
+    if (look.show_stairs) add_stairs(*planes, look.theme, list);
+  }
   const auto name = [](std::int32_t voxel) { return "voxel " + std::to_string(voxel); };
   if (state.voxel != look.voxel)
     add_voxel(run, state.voxel, marks.current, name(state.voxel), list);

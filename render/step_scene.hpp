@@ -4,6 +4,7 @@
 // Only what the step knows is drawn: its queue, what is settled, planes as they are at that moment.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,10 +12,12 @@
 #include "core/debug/replay/run.hpp"
 #include "core/model/image.hpp"
 #include "render/draw_list.hpp"
+#include "render/plane_scene.hpp"
 
 namespace planescope::render {
 
-enum class ColorBy : std::uint8_t { cases, planes, labels, margins, truth, camera };
+enum class ColorBy : std::uint8_t { cases, planes, labels, margins, truth, camera, steppable };
+inline constexpr int kColorBys = 7;
 
 /// What is drawn and what stands out. -1: nothing.
 struct StepLook {
@@ -23,11 +26,16 @@ struct StepLook {
   bool show_queue = true;    // outlines of the nodes that wait
   bool show_settled = true;  // boxes of settled nodes, coloured by case, with numerals
   bool show_planes = true;   // outlines, normals and names of the planes at this moment
+  bool show_foot = false;    // of the finished planes: where the centre of a foot may go
+  bool show_stairs = false;  // between them: flights, kerbs and ramps
   std::int32_t node = -1;    // selected
   std::int32_t plane = -1;   // of the trace
   std::int32_t voxel = -1;
   std::span<const std::uint32_t> marked;  // voxels of a region that the user marked
   Theme theme = Theme::dark;              // of marks, not of data
+  // Of the run's planes as they are at its last step; null: not known yet. What has no outline, a
+  // plane that still grows as well, is drawn as the convex hull of its voxels, fainter.
+  std::shared_ptr<const PlaneScene> planes = {};
 };
 
 DrawList scene_step(const debug::Run& run, const StepLook& look);

@@ -137,7 +137,7 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
          "where "
          "it is sure.");
   }
-  draw(render::scene_planes(result, color_of_plane), "planes", "Final planes",
+  draw(render::scene_planes(frame, result, color_of_plane), "planes", "Final planes",
        fmt::format("{} with outlines, normals and numbers.", in_planes(result)));
   draw(render::scene_leftovers(result, color_of_plane), "leftovers", "Points left over",
        fmt::format("{} voxels that are in no plane, the others faded.", counts.unassigned));

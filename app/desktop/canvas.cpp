@@ -22,8 +22,10 @@ struct LookKey {
             const render::StepLook& other) const {
     return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
            look.show_queue == other.show_queue && look.show_settled == other.show_settled &&
-           look.show_planes == other.show_planes && look.node == other.node &&
-           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
+           look.show_planes == other.show_planes && look.show_foot == other.show_foot &&
+           look.show_stairs == other.show_stairs && look.planes == other.planes &&
+           look.node == other.node && look.plane == other.plane && look.voxel == other.voxel &&
+           look.theme == other.theme &&
            std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
   }
   void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {

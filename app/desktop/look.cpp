@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "app/desktop/debugger/plane_text.hpp"
+
 namespace planescope::desktop {
 namespace {
 
@@ -120,6 +122,9 @@ render::StepLook look_of(const State& state) {
   look.show_queue = view.show_queue;
   look.show_settled = view.show_settled;
   look.show_planes = view.show_planes;
+  look.show_foot = view.show_foot;
+  look.show_stairs = view.show_stairs;
+  look.planes = state.plane_scene();
   look.node = view.selected.node;
   look.plane = view.selected.plane;
   look.voxel = view.selected.voxel;
@@ -188,6 +193,10 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
     const std::int32_t truth = run.subject->voxel_truth.plane[static_cast<std::size_t>(voxel)];
     if (truth > 0) text += fmt::format(", true plane {}", truth);
   }
+  // Why a plane has the colour that it has.
+  const bool asks = state.view.color_by == render::ColorBy::steppable || state.view.show_foot;
+  if (const std::string verdict = asks ? verdict_text(state, now.plane) : ""; !verdict.empty())
+    text += "\n" + verdict;
   const std::int32_t node = run.timeline.node_of_point(voxel, step);
   return node >= 0 ? text + "\n" + describe_node(state, node) : text;
 }

@@ -3,6 +3,8 @@
 // Every panel: one file each in panels/, debugger/panels/ or labeling/panels/. A panel draws into
 // the ImGui window or tab that is open, and fills it.
 
+#include <cstdint>
+
 namespace planescope::desktop {
 
 struct Ui;
@@ -23,6 +25,7 @@ void draw_events(const Ui& ui);     // event list, filter, breakpoints
 void draw_inspector(const Ui& ui);  // criteria of a node, terms of a merge, distances of a point
 void draw_point(const Ui& ui);      // a point's life, why not
 void draw_bookmarks(const Ui& ui);
+void draw_stairs(const Ui& ui);    // flights, kerbs, ramps, and why there is none
 void draw_criteria(const Ui& ui);  // options as sliders
 void draw_histograms(const Ui& ui);
 void draw_compare(const Ui& ui);  // A/B
@@ -36,6 +39,10 @@ void draw_label_planes(const Ui& ui);      // the planes, their class, the wand'
 void draw_label_review(const Ui& ui);      // the queue of disagreements
 void draw_label_checks(const Ui& ui);      // what looks wrong
 void draw_label_statistics(const Ui& ui);  // area, planes, time, history
+
+/// Of a finished plane, in the inspector: what it carries and how well it is known; nothing where
+/// that is not known (debugger/panels/stairs.cpp).
+void draw_plane_facts(const Ui& ui, std::int32_t plane);
 
 // Parts of several panels (panels/gravity.cpp).
 
@@ -56,6 +63,7 @@ struct Tab {
 
 inline constexpr Tab kInspectorTabs[] = {{"inspector", "Inspector", draw_inspector},
                                          {"point", "Point", draw_point},
+                                         {"stairs", "Stairs", draw_stairs},
                                          {"bookmarks", "Bookmarks", draw_bookmarks}};
 inline constexpr Tab kToolTabs[] = {{"criteria", "Criteria", draw_criteria},
                                     {"histograms", "Histograms", draw_histograms},

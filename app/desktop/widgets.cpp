@@ -108,6 +108,12 @@ void heading(const Ui& ui, const std::string& text) {
   ImGui::PopFont();
 }
 
+void fact(const Ui& ui, const char* what, const std::string& value) {
+  ImGui::TextDisabled("%s", what);
+  ImGui::SameLine(ui.px(92));
+  paragraph(ui.colors.text, value);
+}
+
 bool link(const Ui& ui, const std::string& text, const std::string& widget) {
   paragraph(ui.colors.accent, text);
   ui.name(widget);

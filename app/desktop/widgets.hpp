@@ -25,6 +25,8 @@ void colored(ImU32 color, const std::string& text);
 void paragraph(ImU32 color, const std::string& text);
 /// A title in the bold font.
 void heading(const Ui& ui, const std::string& text);
+/// What something is called and, beside it, what it is; wraps.
+void fact(const Ui& ui, const char* what, const std::string& value);
 /// Text in the accent colour that can be clicked; true where it was. Wraps.
 bool link(const Ui& ui, const std::string& text, const std::string& widget);
 /// Shows the text beside the mouse while it is over the item drawn last.

@@ -82,7 +82,7 @@ TEST_F(Pictures, OfTheReadmesTourAreWhatItsCommandsDraw) {
         << drawn << " is old: scripts/tour draws it again";
     ++pictures;
   }
-  EXPECT_EQ(pictures, 5);
+  EXPECT_EQ(pictures, 6);
 }
 
 TEST_F(Pictures, OfTheSameScriptAreTheSame) {
@@ -132,6 +132,24 @@ TEST_F(Pictures, ShowTheStepInBothViews) {
   window.after({{"step.goto", "3"}});
   EXPECT_GT(difference(scene, window.panel("view3d")), 0.05);
   EXPECT_GT(difference(image, window.panel("image")), 0.05);
+}
+
+TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
+  Window window;
+  window.after({{"option.set", "profile=refined"},
+                {"option.set", "foot_radius_m=0.08"},
+                {"color.planes", ""}});
+  const Image8 plain = window.panel("view3d");
+  for (const char* layer : {"show.foot", "show.stairs"}) {
+    window.after({{layer, ""}});
+    EXPECT_GT(difference(plain, window.panel("view3d")), 0.005) << layer;
+    window.after({{layer, ""}});
+    EXPECT_LT(difference(plain, window.panel("view3d")), 0.005) << layer;  // but for its button
+  }
+  const Image8 image = window.panel("image");
+  window.after({{"color.steppable", ""}});
+  EXPECT_GT(difference(plain, window.panel("view3d")), 0.1);
+  EXPECT_GT(difference(image, window.panel("image")), 0.1);
 }
 
 TEST_F(Pictures, AClickInTheSceneSelectsWhatIsThere) {

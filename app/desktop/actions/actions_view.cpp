@@ -14,8 +14,8 @@
 namespace planescope::desktop {
 namespace {
 
-const std::vector<std::string> kColorNames = {"cases",   "planes", "labels",
-                                              "margins", "truth",  "camera"};
+const std::vector<std::string> kColorNames = {"cases", "planes", "labels",   "margins",
+                                              "truth", "camera", "steppable"};
 
 Action color_action(render::ColorBy by, const std::string& title, const std::string& key) {
   const std::string& name = kColorNames[static_cast<std::size_t>(by)];
@@ -112,9 +112,12 @@ std::vector<Action> view_actions() {
       color_action(render::ColorBy::margins, "Colour by how sure the label is", "4"),
       color_action(render::ColorBy::truth, "Colour by ground truth", "5"),
       color_action(render::ColorBy::camera, "Colour as the camera saw it", "6"),
+      color_action(render::ColorBy::steppable, "Colour by what carries a foot", "7"),
       toggle("show.queue", "Nodes in the queue", "Q", &ViewState::show_queue),
       toggle("show.settled", "Boxes of settled nodes", "B", &ViewState::show_settled),
       toggle("show.planes", "Planes", "O", &ViewState::show_planes),
+      toggle("show.foot", "Foot space", "Shift+F", &ViewState::show_foot),
+      toggle("show.stairs", "Stairs, kerbs and ramps", "Shift+T", &ViewState::show_stairs),
       {"image.backdrop",
        "Colour or depth behind the image",
        menu,

@@ -37,7 +37,8 @@ SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile
   const double base = scale.standard > 0                       ? scale.standard
                       : info.kind == planes::OptionKind::whole ? 10
                                                                : 0.02;
-  if (info.range.max <= 90) {  // shares, angles, levels: all of it
+  const bool of_size = info.unit == "m" || info.unit == "m2";
+  if (info.range.max <= 90 && !of_size) {  // shares, angles, levels: all of it
     scale.low = info.range.min;
     scale.high = info.range.max;
   } else if (info.kind == planes::OptionKind::whole) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "app/commands/inputs.hpp"
+#include "app/desktop/jobs/plane_work.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -87,6 +88,7 @@ constexpr int kThumbnailWidth = 200;  // [px]
 std::string options_key(const planes::PipelineOptions& options, bool preparing) {
   std::string key;
   for (const planes::OptionInfo& info : planes::option_table()) {
+    if (is_about_planes(info)) continue;
     const bool segments = info.steers_segmentation() || info.section == "rivals";
     if (segments != preparing) key += info.get(options) + '|';
   }
@@ -154,6 +156,7 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
   view->home = home;
+  view->outlines = outlines_of_run(*run);
   view->run = std::move(run);
   return view;
 }

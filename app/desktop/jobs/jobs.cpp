@@ -11,6 +11,7 @@
 #include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
+#include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/worker.hpp"
 #include "core/model/error.hpp"
@@ -29,6 +30,12 @@ enum class Analysis : std::uint8_t { none, search, check, sensitivity };
 /// In a world that was turned, nodes and voxels differ: none of them can be found again.
 bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
+}
+
+/// A slider is held, and not one of a foot or of stairs.
+bool drags_a_run(const State& state) {
+  const std::string gesture = state.undo.empty() ? "" : state.undo.back().gesture;
+  return !gesture.empty() && !is_about_planes(planes::find_option(gesture));
 }
 
 void show_arrival(State& state, const ReportArrival& arrival) {
@@ -61,6 +68,8 @@ struct Jobs::Impl {
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
+  std::shared_ptr<const RunView> planes_of;  // what is told of this run's planes ...
+  std::string planes_by;                     // ... by these options
   std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
   std::set<std::string> sensitivity_unfolded;
   Against compared_against = Against::nothing;
@@ -77,8 +86,8 @@ struct Jobs::Impl {
   std::function<void(const std::string&)> failed = [this](const std::string& why) {
     deliver([why](State& state) { say(state, why, true); });
   };
-  Worker runs{rested, failed}, compares{rested, failed}, strip{rested, failed},
-      analysis{rested, failed};
+  Worker runs{rested, failed}, covers{rested, failed}, compares{rested, failed},
+      strip{rested, failed}, analysis{rested, failed};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
 
   void deliver(Delivery delivery) {
@@ -98,6 +107,7 @@ struct Jobs::Impl {
   void analyse(Analysis what, std::function<void(std::stop_token, int number)> work);
   void deliver_analysis(int number, Delivery delivery);
   void pursue_run(State& state);
+  void pursue_planes(State& state);
   void pursue_comparison(State& state);
   void pursue_strip(State& state);
   void pursue_fix(State& state);
@@ -199,6 +209,29 @@ void Jobs::Impl::pursue_run(State& state) {
   run_wanted = wanted;
   runs.replace([this, wanted, place = std::exchange(state.view.report_place, nullptr)](
                    std::stop_token) { run_frame(wanted, place); });
+}
+
+/// Not while a frame is run, or may be run again at once: a slider that is dragged has the machine
+/// for itself.
+void Jobs::Impl::pursue_planes(State& state) {
+  Results& results = state.results;
+  std::erase_if(results.planes, [&](const auto& planes) {
+    return planes->of != results.current && planes->of != results.pinned;
+  });
+  const auto& view = state.view.flash && results.pinned ? results.pinned : results.current;
+  if (!view || runs.busy() || drags_a_run(state)) return;
+  const std::string key = planes_key(state.document.options);
+  if (view == planes_of && key == planes_by) return;
+  planes_of = view;
+  planes_by = key;
+  const RunPlanes* known = state.planes();
+  if (known && known->key == key) return;
+  covers.replace([this, view, options = state.document.options](std::stop_token) {
+    deliver([planes = planes_of_run(view, options)](State& s) {
+      std::erase_if(s.results.planes, [&](const auto& other) { return other->of == planes->of; });
+      s.results.planes.push_back(planes);
+    });
+  });
 }
 
 void Jobs::Impl::pursue_comparison(State& state) {
@@ -379,12 +412,14 @@ Jobs::Jobs(std::function<void()> wake) : impl_(std::make_unique<Impl>()) {
   impl_->wake = std::move(wake);
 }
 Jobs::~Jobs() {
-  for (Worker* worker : {&impl_->runs, &impl_->compares, &impl_->strip, &impl_->analysis})
+  for (Worker* worker :
+       {&impl_->runs, &impl_->covers, &impl_->compares, &impl_->strip, &impl_->analysis})
     worker->cancel();
 }
 
 void Jobs::pursue(State& state) {
   impl_->pursue_run(state);
+  impl_->pursue_planes(state);
   impl_->pursue_comparison(state);
   impl_->pursue_strip(state);
   impl_->pursue_fix(state);
@@ -403,7 +438,7 @@ bool Jobs::collect(State& state) {
 }
 
 bool Jobs::busy(bool background) const {
-  if (impl_->runs.busy() || impl_->compares.busy()) return true;
+  if (impl_->runs.busy() || impl_->covers.busy() || impl_->compares.busy()) return true;
   if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
   const bool sweeps = impl_->analysing == Analysis::sensitivity;
   if (impl_->analysis.busy() && (background || !sweeps)) return true;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/views.hpp"
@@ -20,12 +21,13 @@ void draw_tools(const Ui& ui) {
                 {render::ColorBy::labels, "color.labels", "h or v"},
                 {render::ColorBy::margins, "color.margins", "sureness"},
                 {render::ColorBy::truth, "color.truth", "truth"},
-                {render::ColorBy::camera, "color.camera", "camera"}};
+                {render::ColorBy::camera, "color.camera", "camera"},
+                {render::ColorBy::steppable, "color.steppable", "steppable"}};
   const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open) tooltip("what colours tell apart   1 to 6\nh, v: horizontal, vertical");
+  if (!open) tooltip("what colours tell apart   1 to 7\nh, v: horizontal, vertical");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -34,9 +36,10 @@ void draw_tools(const Ui& ui) {
     ImGui::EndCombo();
   }
   static constexpr const char* kButtons[][2] = {
-      {"show.queue", "queue"}, {"show.settled", "boxes"}, {"show.planes", "planes"},
-      {"camera.home", "home"}, {"camera.node", "node"},   {"camera.top", "top"},
-      {"camera.side", "side"}, {"camera.front", "front"}};
+      {"show.queue", "queue"},  {"show.settled", "boxes"}, {"show.planes", "planes"},
+      {"show.foot", "foot"},    {"show.stairs", "stairs"}, {"camera.home", "home"},
+      {"camera.node", "node"},  {"camera.top", "top"},     {"camera.side", "side"},
+      {"camera.front", "front"}};
   for (const auto& [action, label] : kButtons) {
     if (!same_line_if_room(button_width(label), ImGui::GetStyle().ItemSpacing.x)) break;
     action_button(ui, action, label);
@@ -83,7 +86,7 @@ void tell(const Ui& ui, const render::Picked& what) {
   if (what.kind == render::Picked::Kind::node)
     ImGui::SetTooltip("%s", describe_node(ui.state, what.index).c_str());
   if (what.kind == render::Picked::Kind::plane)
-    ImGui::SetTooltip("%s", debug::plane_name(what.index).c_str());
+    ImGui::SetTooltip("%s", describe_plane(ui.state, what.index).c_str());
 }
 
 }  // namespace

@@ -110,6 +110,8 @@ Json view_json(const ViewState& view) {
           {"show_queue", view.show_queue},
           {"show_settled", view.show_settled},
           {"show_planes", view.show_planes},
+          {"show_foot", view.show_foot},
+          {"show_stairs", view.show_stairs},
           {"backdrop", static_cast<int>(view.backdrop)},
           {"overlay_opacity", view.overlay_opacity},
           {"theme", static_cast<int>(view.theme)},
@@ -134,10 +136,12 @@ Json view_json(const ViewState& view) {
 
 /// Keys that are missing leave what `view` has.
 void view_of(const Json& json, ViewState& view) {
-  enum_of(json, "color_by", 6, view.color_by);
+  enum_of(json, "color_by", render::kColorBys, view.color_by);
   value_of(json, "show_queue", view.show_queue);
   value_of(json, "show_settled", view.show_settled);
   value_of(json, "show_planes", view.show_planes);
+  value_of(json, "show_foot", view.show_foot);
+  value_of(json, "show_stairs", view.show_stairs);
   enum_of(json, "backdrop", 2, view.backdrop);
   value_of(json, "overlay_opacity", view.overlay_opacity);
   enum_of(json, "theme", 2, view.theme);

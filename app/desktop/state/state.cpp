@@ -46,6 +46,18 @@ const RunView* State::run_view() const {
   return view.flash && results.pinned ? results.pinned.get() : results.current.get();
 }
 
+const RunPlanes* State::planes() const {
+  const RunView* shown = run_view();
+  for (const std::shared_ptr<const RunPlanes>& planes : results.planes)
+    if (shown && planes->of.get() == shown) return planes.get();
+  return nullptr;
+}
+
+std::shared_ptr<const render::PlaneScene> State::plane_scene() const {
+  if (const RunPlanes* known = planes()) return known->scene;
+  return run_view() ? run_view()->outlines : nullptr;
+}
+
 const debug::Run* State::run() const {
   const RunView* shown = run_view();
   return shown ? shown->run.get() : nullptr;
@@ -94,6 +106,10 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
                 run->octree().nodes[static_cast<std::size_t>(view.selected.node)].decided)
           : "";
   json["planes"] = run ? run->segmentation.planes.size() : 0;
+  const RunPlanes* known = state.planes();
+  json["steppable"] =
+      known && !known->scene->foot.empty() ? std::ranges::count(known->scene->steppable, true) : -1;
+  json["flights"] = known ? known->found.stairs.flights.size() : 0;
   json["detected"] =
       state.run_view() && state.run_view()->score ? state.run_view()->score->detected : -1;
   json["filter"] = view.search.text;

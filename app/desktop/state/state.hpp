@@ -25,6 +25,7 @@
 #include "core/io/recording.hpp"
 #include "core/model/image.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/report/data/frame_planes.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
@@ -94,6 +95,16 @@ struct RunView {
   std::vector<debug::Histogram> histograms;
   std::optional<debug::QuickScore> score;
   render::Camera home;  // the frame's own, the same for all runs on it
+  std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
+};
+
+/// What is found out about a run's planes a little later, and by options that leave the run as it
+/// is.
+struct RunPlanes {
+  std::shared_ptr<const RunView> of;
+  std::string key;  // of these options
+  report::FramePlanes found;
+  std::shared_ptr<const render::PlaneScene> scene;
 };
 
 struct FixSearch {
@@ -111,12 +122,13 @@ struct FixSearch {
 struct Results {
   std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
   std::shared_ptr<const RunView> pinned;   // A
-  std::shared_ptr<const debug::Comparison> comparison;  // A with B, or truth with B
-  std::shared_ptr<const RunView> compared_a;            // what it compares: `current` may be newer
-  std::shared_ptr<const RunView> compared_b;            // `compared_a` null: the truth
-  std::string refusal;                                  // why the frame could not be run, one line
-  bool loading = false;                                 // a frame is read and prepared
-  std::vector<Thumbnail> strip;                         // of the recording looked at
+  std::vector<std::shared_ptr<const RunPlanes>> planes;  // of these two, as far as they are known
+  std::shared_ptr<const debug::Comparison> comparison;   // A with B, or truth with B
+  std::shared_ptr<const RunView> compared_a;             // what it compares: `current` may be newer
+  std::shared_ptr<const RunView> compared_b;             // `compared_a` null: the truth
+  std::string refusal;                                   // why the frame could not be run, one line
+  bool loading = false;                                  // a frame is read and prepared
+  std::vector<Thumbnail> strip;                          // of the recording looked at
   int strip_done = 0;
   std::map<std::string, debug::Sensitivity> sensitivity;  // by option; of `current`
   FixSearch fix;
@@ -172,6 +184,7 @@ struct ViewState {
   std::optional<render::Camera> camera;  // nothing: the frame's own
   render::ColorBy color_by = render::ColorBy::cases;
   bool show_queue = true, show_settled = true, show_planes = true;
+  bool show_foot = false, show_stairs = false;
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
@@ -181,7 +194,7 @@ struct ViewState {
   render::Theme theme = render::Theme::dark;
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
-  std::string inspector_tab = "inspector";  // inspector | point | bookmarks
+  std::string inspector_tab = "inspector";  // inspector | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
@@ -226,6 +239,10 @@ struct State {
   /// The run that is looked at: B, or A while it is flashed. Null before the first.
   const debug::Run* run() const;
   const RunView* run_view() const;
+  /// What is known of its planes; null while it is found out.
+  const RunPlanes* planes() const;
+  /// What is drawn of them; null: nothing is known yet.
+  std::shared_ptr<const render::PlaneScene> plane_scene() const;
   /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
   const LabelFrame* label_frame() const;
   /// Its labels; null where label_frame() is.

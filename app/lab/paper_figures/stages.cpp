@@ -46,7 +46,7 @@ lab::PaperFigure stages(const Work& work) {
                    100 * options.cloud.voxel_size_m));
   draw(render::scene_cases(result), "octree",
        fmt::format("{} nodes visited, {} candidates", counts.nodes_visited, counts.candidates));
-  draw(render::scene_planes(result, {}), "planes", planes_text(result));
+  draw(render::scene_planes(frame, result, {}), "planes", planes_text(result));
   return figure;
 }
 

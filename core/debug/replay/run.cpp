@@ -224,8 +224,10 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
   run->subject = std::move(subject);
   run->options = options;
   run->segment_options = planes::segment_options(prepared, options);
-  run->segmentation =
-      planes::find_regions(run->subject->frame, prepared, options, &run->trace).segmentation;
+  planes::FoundRegions found =
+      planes::find_regions(run->subject->frame, prepared, options, &run->trace);
+  run->segmentation = std::move(found.segmentation);
+  run->plane_of = std::move(found.plane_of);
   run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation)
                                  : Timeline(run->segmentation, prepared.voxels.points);
   run->facts = facts_of(*run);

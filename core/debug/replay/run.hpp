@@ -64,6 +64,7 @@ struct Run {
   planes::PipelineOptions options;
   planes::SegmentOptions segment_options;  // as they held for this frame
   planes::Segmentation segmentation;
+  std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
   planes::Trace trace;
   Timeline timeline;
   std::vector<NodeFacts> facts;     // per octree node

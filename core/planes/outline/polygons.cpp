@@ -2,10 +2,13 @@
 
 #include <geos_c.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "core/model/error.hpp"
 #include "core/model/plane.hpp"
@@ -141,6 +144,41 @@ Polygons combined(const Polygons& a, const Polygons& b, const Operation& operati
   return geos.polygons_of(geos.make(operation, first.get(), second.get(), kGrid_m).get());
 }
 
+std::vector<Triangle> triangles_of(const Polygons& polygons) {
+  const Geos geos;
+  const Geos::Geometry given = geos.of(polygons);
+  std::vector<Triangle> triangles;
+  for (const Polygon& part :
+       geos.polygons_of(geos.make(GEOSConstrainedDelaunayTriangulation_r, given.get()).get()))
+    if (part.outer.size() == 3) triangles.push_back({part.outer[0], part.outer[1], part.outer[2]});
+  return triangles;
+}
+
+/// GEOS 3.11 cuts holes open towards corners of the other rings, and finds no triangle where a cut
+/// runs through a third corner: so it may where many lie in rows, as those of a grid's cells do.
+/// Turned, they do not.
+std::vector<Triangle> triangles_when_turned(const Polygons& polygons) {
+  const Eigen::Rotation2Dd turn(0.7);
+  std::map<std::pair<double, double>, Vec2d> corner_at;
+  const auto turned = [&](const PolygonRing& ring) {
+    PolygonRing other;
+    for (const Vec2d& p : ring) {
+      other.emplace_back(turn * p);
+      corner_at[{other.back().x(), other.back().y()}] = p;
+    }
+    return other;
+  };
+  Polygons all;
+  for (const Polygon& polygon : polygons) {
+    Polygon& other = all.emplace_back(Polygon{turned(polygon.outer), {}});
+    for (const PolygonRing& hole : polygon.holes) other.holes.push_back(turned(hole));
+  }
+  std::vector<Triangle> triangles = triangles_of(all);
+  for (Triangle& triangle : triangles)
+    for (Vec2d& p : triangle) p = corner_at.at({p.x(), p.y()});
+  return triangles;
+}
+
 }  // namespace
 
 double area(const Polygon& polygon) {
@@ -190,13 +228,11 @@ Polygons inset(const Polygons& polygons, double distance_m) {
 }
 
 std::vector<Triangle> triangulated(const Polygons& polygons) {
-  const Geos geos;
-  const Geos::Geometry given = geos.of(polygons);
-  std::vector<Triangle> triangles;
-  for (const Polygon& part :
-       geos.polygons_of(geos.make(GEOSConstrainedDelaunayTriangulation_r, given.get()).get()))
-    if (part.outer.size() == 3) triangles.push_back({part.outer[0], part.outer[1], part.outer[2]});
-  return triangles;
+  try {
+    return triangles_of(polygons);
+  } catch (const Error&) {
+    return triangles_when_turned(polygons);
+  }
 }
 
 Circle largest_circle(const Polygons& polygons, double tolerance_m) {

@@ -133,7 +133,7 @@ TEST(SceneLabels, EveryVoxelHasTheColourOfItsLabel) {
 }
 
 TEST(ScenePlanes, OutlinesLieOnTheirPlanesAndArrowsFollowTheNormals) {
-  const DrawList list = scene_planes(corner(), {});
+  const DrawList list = scene_planes(make_frame(), corner(), {});
   const auto& planes = corner().segmentation.planes;
   ASSERT_EQ(planes.size(), 2u);
   ASSERT_EQ(list.polygons.size(), 2u);
@@ -150,7 +150,7 @@ TEST(ScenePlanes, OutlinesLieOnTheirPlanesAndArrowsFollowTheNormals) {
 
 TEST(ScenePlanes, ColoursAreThoseAskedFor) {
   const int colors[] = {7, 4};
-  const DrawList list = scene_planes(corner(), colors);
+  const DrawList list = scene_planes(make_frame(), corner(), colors);
   for (std::size_t i = 0; i < list.points[0].colors.size(); ++i) {
     const std::int32_t id = corner().segmentation.plane_of[i];
     EXPECT_EQ(list.points[0].ids[i], static_cast<std::uint32_t>(std::max(id, 0)));
@@ -222,7 +222,7 @@ TEST(Scenes, EmptyFramesGiveEmptyPictures) {
   EXPECT_TRUE(scene_labels(nothing).points[0].positions.empty());
   EXPECT_TRUE(scene_margins(nothing).points[0].positions.empty());
   EXPECT_TRUE(scene_cases(nothing).boxes.empty());
-  EXPECT_TRUE(scene_planes(nothing, {}).polygons.empty());
+  EXPECT_TRUE(scene_planes({}, nothing, {}).polygons.empty());
   EXPECT_TRUE(scene_leftovers(nothing, {}).points[0].positions.empty());
   EXPECT_TRUE(scene_heights(nothing).points[0].positions.empty());
   EXPECT_TRUE(std::isfinite(frame_camera(nothing, 1.5).eye.norm()));

@@ -124,6 +124,100 @@ TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
   EXPECT_EQ(fill, plane_color(1));
 }
 
+/// What is known of the run's planes: all of one shape, the first one carries a foot.
+std::shared_ptr<const PlaneScene> known_planes(const debug::Run& run) {
+  auto scene = std::make_shared<PlaneScene>();
+  const std::size_t count = run.segmentation.planes.size();
+  const std::vector<Vec3f> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const PlaneShape shape = {
+      .rings = {corners[0], corners[1]}, .unknown = {}, .corners = corners, .triangles = {0, 1, 2}};
+  scene->shapes.assign(count, shape);
+  scene->foot.assign(count, {.rings = {corners[0], corners[1]}, .pieces = {corners}});
+  scene->steppable.assign(count, false);
+  scene->steppable.at(0) = true;
+  scene->complete = true;
+  planes::Flight flight;
+  flight.steps.resize(2);
+  scene->stairs.flights = {flight};
+  return scene;
+}
+
+bool legend_says(const DrawList& list, const std::string& text) {
+  return std::ranges::any_of(list.legend, [&](const LegendEntry& entry) {
+    return entry.text.find(text) != std::string::npos;
+  });
+}
+
+TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps());
+  look.planes = known_planes(*run);
+  const DrawList list = scene_step(*run, look);
+  ASSERT_EQ(list.polygons.size(), run->segmentation.planes.size());
+  for (const DrawPolygon& polygon : list.polygons) EXPECT_EQ(polygon.triangles.size(), 3u);
+  look.step -= 1;
+  const DrawList before = scene_step(*run, look);
+  ASSERT_FALSE(before.polygons.empty());
+  for (const DrawPolygon& polygon : before.polygons) {
+    EXPECT_TRUE(polygon.triangles.empty());
+    EXPECT_LT(polygon.fill.a, list.polygons[0].fill.a) << "fainter";
+  }
+}
+
+TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps());
+  look.planes = known_planes(*run);
+  const DrawList plain = scene_step(*run, look);
+  look.show_foot = true;
+  const DrawList foot = scene_step(*run, look);
+  EXPECT_EQ(foot.polygons.size(), plain.polygons.size() + look.planes->foot.size());
+  look.show_foot = false;
+  look.show_stairs = true;
+  const DrawList stairs = scene_step(*run, look);
+  EXPECT_NE(label(stairs, "rise 0 mm"), nullptr);
+  EXPECT_EQ(label(stairs, "P1"), nullptr) << "names would stand among them";
+  look.step = 0;
+  EXPECT_EQ(label(scene_step(*run, look), "rise 0 mm"), nullptr) << "of finished planes alone";
+  PlaneScene flat = *look.planes;
+  flat.stairs = {};
+  look.planes = std::make_shared<const PlaneScene>(flat);
+  look.step = run->steps();
+  const DrawList none = scene_step(*run, look);
+  EXPECT_NE(label(none, "P1"), nullptr);
+  EXPECT_TRUE(legend_says(none, "no stairs, kerb or ramp"));
+}
+
+TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps(), ColorBy::steppable);
+  EXPECT_TRUE(legend_says(scene_step(*run, look), "being found out"));
+  look.planes = known_planes(*run);
+  const DrawList list = scene_step(*run, look);
+  for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
+    if (run->trace.events.back().point == static_cast<std::int32_t>(v)) continue;  // stands out
+    const std::int32_t id = run->segmentation.plane_of[v];
+    ASSERT_EQ(list.points[0].colors[v], id > 0 ? verdict_color(id == 1) : leftover_color()) << v;
+  }
+  EXPECT_TRUE(legend_says(list, "steppable  1"));
+  look.step = 1;
+  EXPECT_TRUE(legend_says(scene_step(*run, look), "at the last step"));
+}
+
+TEST(StepScene, WithoutAFootTheLegendSaysHowToGiveOne) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps());
+  PlaneScene none = *known_planes(*run);
+  none.foot.clear();
+  none.steppable.clear();
+  look.planes = std::make_shared<const PlaneScene>(none);
+  EXPECT_FALSE(legend_says(scene_step(*run, look), "foot_radius_m"));
+  look.show_foot = true;
+  EXPECT_TRUE(legend_says(scene_step(*run, look), "foot_radius_m"));
+  look.color_by = ColorBy::steppable;
+  EXPECT_TRUE(legend_says(scene_step(*run, look), "foot_radius_m"));
+}
+
 TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());

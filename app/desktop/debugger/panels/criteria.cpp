@@ -170,14 +170,17 @@ const char* title_of(const std::string& section) {
   if (section == "gravity") return "Gravity";
   if (section == "method") return "Method";
   if (section == "rivals") return "What steers it";
+  if (section == "foot") return "A foot, and what carries it";
+  if (section == "stairs") return "Stairs, kerbs and ramps";
   return "Cloud and octree";
 }
 
 /// What can be set comes first; the method last where it is ours, as it is nearly always.
 std::vector<const char*> sections_of(planes::Method method) {
   if (method == planes::Method::ours)
-    return {"criteria", "refinements", "classifier", "cloud", "gravity", "method"};
-  return {"method", "rivals", "cloud", "gravity"};
+    return {"criteria", "refinements", "classifier", "cloud",
+            "gravity",  "foot",        "stairs",     "method"};
+  return {"method", "rivals", "cloud", "gravity", "foot", "stairs"};
 }
 
 void draw_row(const Ui& ui, const Row& row) {
@@ -228,7 +231,9 @@ void draw_criteria(const Ui& ui) {
     if (section == std::string("gravity")) draw_gravity(ui);
     std::vector<std::pair<std::string, std::vector<Row>>> groups;
     for (const planes::OptionInfo& info : planes::option_table()) {
-      if (info.section != section || !info.matters(options)) continue;
+      // With its radius a foot begins.
+      if (info.section != section || !(info.matters(options) || info.name == "foot_radius_m"))
+        continue;
       if (groups.empty() || groups.back().first != info.group) groups.push_back({info.group, {}});
       groups.back().second.push_back(
           {info, info.get(options), info.get(defaults), "criteria." + info.name});

@@ -176,12 +176,6 @@ std::string vector_text(const Vec3d& v) {
   return fmt::format("{:.3f}  {:.3f}  {:.3f}", v.x(), v.y(), v.z());
 }
 
-void fact(const Ui& ui, const char* what, const std::string& value) {
-  ImGui::TextDisabled("%s", what);
-  ImGui::SameLine(ui.px(92));
-  paragraph(ui.colors.text, value);
-}
-
 void draw_fit(const Ui& ui, const PlaneFit& fit) {
   if (fit.count < 3) return;
   fact(ui, "normal", vector_text(fit.normal));
@@ -306,6 +300,7 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   fact(ui, "offset", length_text(now->fit.offset_m()));
   if (!now->alive)
     fact(ui, "state", now->into >= 0 ? "merged into " + debug::plane_name(now->into) : "dropped");
+  draw_plane_facts(ui, plane);
   std::size_t past = 0;
   for (const planes::PlaneChange& change : changes)
     past += change.step <= ui.state.view.step ? 1 : 0;

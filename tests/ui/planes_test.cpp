@@ -1,0 +1,180 @@
+// What the window tells about finished planes: room for a foot, what carries one, stairs; by
+// scripted input with no GL.
+
+#include <algorithm>
+
+#include "app/desktop/debugger/plane_text.hpp"
+#include "app/desktop/look.hpp"
+#include "app/desktop/state/session.hpp"
+#include "desktop_fixture.hpp"
+#include "render/palette.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// The sample's stairs, with the profile that finds all of them.
+struct Planes : testing::Test {
+  Shell shell{opened(), nullptr, [] {}};
+  NoStage stage{shell};
+
+  static State opened() {
+    State state = open_state(planes::Profile::refined);
+    state.view.tool_tab = "histograms";  // needs no curves along sliders
+    return state;
+  }
+  void SetUp() override { settle(shell, stage, {}); }
+  const State& state() const { return shell.state(); }
+  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
+  void give_foot() { play(R"({"do": "option.set", "with": "foot_radius_m=0.08"})"); }
+  /// The largest plane of a class, as the trace names it.
+  std::int32_t largest(Label label) const {
+    const debug::Run& run = *state().run();
+    for (const planes::PlaneRegion& plane : run.segmentation.planes)
+      if (plane.label == label)
+        for (std::int32_t p = 0; p < run.timeline.plane_count(); ++p)
+          if (run.timeline.result_of_plane(p) == plane.id) return p;
+    return -1;
+  }
+  std::string value_of(std::int32_t plane, const std::string& name) const {
+    for (const PlaneLine& line : plane_lines(state(), plane))
+      if (line.name == name) return line.value;
+    return "";
+  }
+};
+
+TEST_F(Planes, HaveTrueOutlinesOnceAFrameIsShown) {
+  const auto scene = look_of(state()).planes;
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->shapes.size(), state().run()->segmentation.planes.size());
+  for (const render::PlaneShape& shape : scene->shapes) {
+    EXPECT_FALSE(shape.rings.empty());
+    EXPECT_FALSE(shape.triangles.empty());
+  }
+  ASSERT_TRUE(state().run_view()->outlines);
+  EXPECT_FALSE(state().run_view()->outlines->shapes.at(0).rings.empty()) << "with the run itself";
+}
+
+TEST_F(Planes, OfAFootOrOfStairsChangeNoRun) {
+  const auto run = state().run_view()->run;
+  EXPECT_TRUE(look_of(state()).planes->foot.empty());
+  give_foot();
+  EXPECT_EQ(state().run_view()->run, run);
+  const auto scene = look_of(state()).planes;
+  ASSERT_EQ(scene->foot.size(), run->segmentation.planes.size());
+  EXPECT_GT(std::ranges::count(scene->steppable, true), 0);
+  EXPECT_EQ(stairs_entries(state()).size(), 1u);
+  play(R"({"do": "option.set", "with": "stairs_rise_max_m=0.1"}, {"expect": {"flights": 0}})");
+  EXPECT_EQ(state().run_view()->run, run);
+  EXPECT_TRUE(stairs_entries(state()).empty());
+  play(R"("option.undo", {"expect": {"flights": 1}})");
+}
+
+TEST_F(Planes, LayersAreSwitchedByKeyMenuAndButtonAndRemembered) {
+  EXPECT_FALSE(look_of(state()).show_foot);
+  play(R"({"key": "Shift+F"}, {"click": "button.show.stairs"}, {"key": "7"})");
+  EXPECT_TRUE(look_of(state()).show_foot);
+  EXPECT_TRUE(look_of(state()).show_stairs);
+  const std::filesystem::path path = scratch_dir() / "s.json";
+  save_session(state(), path);
+  State other;
+  open_session(other, path.string());
+  EXPECT_TRUE(other.view.show_foot);
+  EXPECT_TRUE(other.view.show_stairs);
+  EXPECT_EQ(other.view.color_by, render::ColorBy::steppable);
+  play(R"({"click": "menu.View"}, {"click": "menu.show.foot"})");
+  EXPECT_FALSE(look_of(state()).show_foot);
+}
+
+TEST_F(Planes, OptionsOfAFootAndOfStairsAreInThePanel) {
+  play(R"({"do": "tab.tool", "with": "criteria"},
+          {"do": "option.show", "with": "foot_radius_m"})");
+  EXPECT_TRUE(shell.widgets().contains("criteria.section.foot"));
+  EXPECT_TRUE(shell.widgets().contains("criteria.section.stairs"));
+  EXPECT_TRUE(shell.widgets().contains("criteria.foot_radius_m.slider"));
+  EXPECT_FALSE(shell.widgets().contains("criteria.foot_max_rough_m")) << "no foot, no limits";
+  play(R"({"click": "criteria.foot_radius_m.slider", "at": [0.6, 0.5]})");
+  const double radius_m = state().document.options.foot.radius_m;
+  EXPECT_GT(radius_m, 0.03);
+  EXPECT_LT(radius_m, 0.3) << "as wide as feet are";
+  EXPECT_TRUE(shell.widgets().contains("criteria.foot_max_rough_m"));
+}
+
+TEST_F(Planes, TellWhyTheyCarryNoFoot) {
+  const std::int32_t floor = largest(Label::h), wall = largest(Label::v);
+  EXPECT_EQ(verdict_text(state(), floor), "") << "no foot is given";
+  give_foot();
+  EXPECT_EQ(verdict_text(state(), floor), "steppable");
+  EXPECT_EQ(verdict_text(state(), wall).find("not steppable: upright, v"), 0u);
+  EXPECT_NE(describe_plane(state(), wall).find("\nnot steppable: upright"), std::string::npos);
+  play(R"({"do": "option.set", "with": "foot_max_rough_m=0.0001"})");
+  const std::string rough = verdict_text(state(), floor);
+  EXPECT_EQ(rough.find("not steppable: "), 0u) << rough;
+  EXPECT_NE(rough.find("mm rough, limit 0.1"), std::string::npos) << rough;
+}
+
+TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
+  give_foot();
+  const auto& plane_of = state().run()->segmentation.plane_of;
+  const int wall = state().run()->timeline.result_of_plane(largest(Label::v));
+  const auto voxel =
+      static_cast<std::int32_t>(std::ranges::find(plane_of, wall) - plane_of.begin());
+  EXPECT_EQ(describe_voxel(state(), voxel).find("steppable"), std::string::npos);
+  play(R"("color.steppable")");
+  EXPECT_NE(describe_voxel(state(), voxel).find("not steppable: upright"), std::string::npos);
+}
+
+TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
+  give_foot();
+  const std::int32_t floor = largest(Label::h);
+  play(R"({"do": "select.plane", "with": ")" + debug::plane_name(floor) + "\"}");
+  EXPECT_TRUE(shell.widgets().contains("inspector.verdict"));
+  EXPECT_NE(value_of(floor, "area").find("m²"), std::string::npos);
+  EXPECT_NE(value_of(floor, "slope").find("°"), std::string::npos);
+  EXPECT_NE(value_of(floor, "rough").find("mm, steps of"), std::string::npos);
+  EXPECT_NE(value_of(floor, "support").find("%"), std::string::npos);
+  EXPECT_NE(value_of(floor, "known to").find("offset"), std::string::npos);
+  EXPECT_NE(value_of(floor, "clearance").find("mm"), std::string::npos);
+  EXPECT_EQ(value_of(floor, "height"), "0 mm") << "it is the floor";
+  EXPECT_NE(value_of(floor, "for a foot").find("convex piece"), std::string::npos);
+  play(R"("step.first")");
+  EXPECT_TRUE(plane_lines(state(), floor).empty()) << "nothing of the future";
+}
+
+TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
+  play(R"({"click": "tab.stairs"})");
+  EXPECT_TRUE(shell.widgets().contains("stairs.0"));
+  const StairsEntry flight = stairs_entries(state()).at(0);
+  EXPECT_EQ(flight.title.find("4 steps up, rise 15"), 0u) << flight.title;
+  EXPECT_EQ(flight.lines.at(0).find("940 mm wide, from P"), 0u);
+  EXPECT_EQ(flight.lines.at(1).find("step 1: rise 15"), 0u) << flight.lines[1];
+  EXPECT_NE(flight.lines.at(2).find("mm, going 2"), std::string::npos) << flight.lines[2];
+  const std::string tread = debug::plane_name(flight.planes.at(1));
+  play(R"({"click": "stairs.0.)" + tread + "\"}");
+  EXPECT_EQ(state().view.selected.plane, flight.planes[1]);
+}
+
+TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
+  play(R"({"do": "option.set", "with": "stairs_rise_max_m=0.1"})");
+  std::size_t told = 0;
+  for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
+    for (const std::string& text : no_steps_of(state(), p)) {
+      EXPECT_NE(text.find("no step: "), std::string::npos) << text;
+      EXPECT_NE(text.find(debug::plane_name(p)), std::string::npos) << "by the window's names";
+      ++told;
+    }
+  EXPECT_GT(told, 0u);
+}
+
+TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {
+  play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"})");
+  const auto b = look_of(state()).planes;
+  play(R"("run.flash")");
+  ASSERT_TRUE(state().planes());
+  EXPECT_EQ(state().planes()->of, state().results.pinned);
+  EXPECT_NE(look_of(state()).planes, b);
+  play(R"("run.flash")");
+  EXPECT_EQ(look_of(state()).planes, b) << "kept";
+}
+
+}  // namespace
+}  // namespace planescope::desktop

@@ -1,0 +1,180 @@
+#include "render/plane_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gl_fixture.hpp"
+#include "render/palette.hpp"
+
+namespace planescope::render {
+namespace {
+
+constexpr Rgba kFill{220, 20, 20, 255}, kLine{20, 20, 220, 255};
+
+planes::PolygonRing square(double half_m, bool hole) {
+  planes::PolygonRing ring = {
+      {-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}};
+  if (hole) std::reverse(ring.begin(), ring.end());
+  return ring;
+}
+
+/// Upright, across the view of front_camera(): a square of 60 cm with one of 20 cm missing.
+planes::Outline with_hole(bool known) {
+  planes::Outline outline;
+  outline.basis.u = Vec3d::UnitY();
+  outline.basis.v = Vec3d::UnitZ();
+  planes::Outline::Part& part = outline.parts.emplace_back();
+  part.outer = square(0.3, false);
+  (known ? part.holes : part.unknown).push_back(square(0.1, true));
+  return outline;
+}
+
+PlaneShape filled(const planes::Outline& outline) {
+  PlaneShape shape = plane_shapes(std::span(&outline, 1), Vec3d::Zero())[0];
+  fill_shape(outline, Vec3d::Zero(), shape);
+  return shape;
+}
+
+double length_m(const std::vector<Vec3f>& lines) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < lines.size(); i += 2) sum += (lines[i + 1] - lines[i]).norm();
+  return sum;
+}
+
+bool says(const DrawList& list, const std::string& text) {
+  return std::ranges::any_of(list.labels, [&](const DrawLabel& l) { return l.text == text; });
+}
+
+struct PlaneScenePixels : GlTest {};
+
+TEST_F(PlaneScenePixels, AHoleIsNotCovered) {
+  const Image8 empty = render(without_overlay(), front_camera());
+  DrawList list = without_overlay();
+  add_shape(filled(with_hole(true)), {.fill = kFill, .line = kLine, .width_px = 4, .id = 0}, list);
+  const Image8 image = render(list, front_camera());
+  EXPECT_EQ(pixel(image, kWidth / 2, kHeight / 2), pixel(empty, kWidth / 2, kHeight / 2));
+  const double px_per_m = kHeight / (2 * std::tan(22.5 * M_PI / 180));
+  const auto at = [&](double m) {
+    return kWidth / 2 - static_cast<int>(std::lround(m * px_per_m));
+  };
+  EXPECT_EQ(pixel(image, at(0.2), kHeight / 2), kFill);
+  for (const double edge_m : {0.1, 0.3}) {
+    const Rgba edge = pixel(image, at(edge_m), kHeight / 2);
+    EXPECT_GT(edge.b, edge.r + 60) << "a line runs around it, " << edge_m << " m from its middle";
+  }
+}
+
+TEST_F(PlaneScenePixels, APlaneIsNotPickedThroughItsHole) {
+  DrawList list = without_overlay();
+  add_shape(filled(with_hole(true)), {.fill = kFill, .line = kLine, .width_px = 2, .id = 7}, list);
+  const auto ids = renderer().render_ids(list, front_camera(), kWidth, kHeight);
+  EXPECT_EQ(ids.at(kWidth / 2, kHeight / 2), 0u);
+  EXPECT_EQ(ids.at(kWidth / 2 + 28, kHeight / 2), 7u);
+}
+
+TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
+  const PlaneShape known = filled(with_hole(true)), unknown = filled(with_hole(false));
+  EXPECT_NEAR(length_m(known.rings), 2.4 + 0.8, 1e-5);
+  EXPECT_TRUE(known.unknown.empty());
+  EXPECT_NEAR(length_m(unknown.rings), 2.4, 1e-5);
+  EXPECT_NEAR(length_m(unknown.unknown), 0.4, 1e-5) << "half of what is around it";
+  EXPECT_EQ(unknown.triangles.size(), known.triangles.size());
+  DrawList list;
+  add_shape(unknown, {.fill = kFill, .line = kLine, .width_px = 2, .id = 0}, list);
+  ASSERT_EQ(list.lines.size(), 2u);
+  EXPECT_LT(list.lines[1].colors[0].a, list.lines[0].colors[0].a);
+}
+
+TEST(PlaneScene, StandsAboutTheScenesOrigin) {
+  planes::Outline outline = with_hole(true);
+  outline.origin = Vec3d(1000, 2000, 50);
+  const PlaneShape shape = plane_shapes(std::span(&outline, 1), Vec3d(1000, 2000, 49))[0];
+  for (const Vec3f& end : shape.rings) {
+    EXPECT_EQ(end.x(), 0);
+    EXPECT_NEAR(std::abs(end.z() - 1), 0.2, 0.1001);
+  }
+}
+
+/// Two planes, of which the second carries no foot.
+PlaneScene two_planes() {
+  planes::FootSpace space;
+  space.area = {{square(0.2, false), {}}};
+  space.pieces = {square(0.2, false)};
+  std::vector<planes::Foothold> footholds(2);
+  for (planes::Foothold& foothold : footholds) foothold.space = space;
+  footholds[0].steppable = true;
+  footholds[1].why_not = "17 mm rough, limit 10";
+  const std::vector<planes::Outline> outlines(2, with_hole(true));
+  return plane_scene(std::vector<planes::PlaneRegion>(2), outlines, footholds, {}, Vec3d::Zero());
+}
+
+TEST(PlaneScene, FootSpaceIsGreyWhereNoFootIsCarried) {
+  const PlaneScene scene = two_planes();
+  EXPECT_EQ(scene.verdict(1), true);
+  EXPECT_EQ(scene.verdict(2), false);
+  EXPECT_EQ(scene.verdict(3), std::nullopt);
+  DrawList list;
+  add_foot_space(scene, Theme::dark, list);
+  ASSERT_EQ(list.polygons.size(), 2u);
+  EXPECT_EQ(list.polygons[0].corners.size(), 4u);
+  EXPECT_GT(list.polygons[0].fill.g, list.polygons[0].fill.r + 40);
+  EXPECT_NEAR(list.polygons[1].fill.g, list.polygons[1].fill.r, 10);
+  ASSERT_EQ(list.lines.size(), 2u);
+  EXPECT_NEAR(length_m(list.lines[0].positions), 1.6, 1e-5);
+}
+
+/// Up along x: a riser of 16 cm, a going of 28 cm, a second one of 17 cm.
+planes::Stairs two_steps() {
+  planes::Flight flight;
+  flight.steps = {{.tread = {2},
+                   .riser = 0,
+                   .rise_m = 0.16,
+                   .going_m = 0,
+                   .nosing = {Vec3d(1, -0.5, 0.16), Vec3d(1, 0.5, 0.16)}},
+                  {.tread = {3},
+                   .riser = 0,
+                   .rise_m = 0.17,
+                   .going_m = 0.28,
+                   .nosing = {Vec3d(1.28, -0.5, 0.33), Vec3d(1.28, 0.5, 0.33)}}};
+  flight.rise_m = 0.165;
+  flight.going_m = 0.28;
+  planes::Stairs stairs;
+  stairs.flights = {flight};
+  return stairs;
+}
+
+TEST(PlaneScene, StepsTellHowHighAndHowDeepTheyAre) {
+  PlaneScene scene;
+  scene.stairs = two_steps();
+  scene.origin = Vec3d(1, 0, 0);
+  DrawList list;
+  add_stairs(scene, Theme::light, list);
+  EXPECT_TRUE(says(list, "rise 160 mm")) << "there is no nosing before the first";
+  EXPECT_TRUE(says(list, "rise 170 mm, going 280 mm"));
+  ASSERT_EQ(list.lines.size(), 2u);
+  EXPECT_LT((list.lines[1].positions[0] - Vec3f(0.28f, -0.5f, 0.33f)).norm(), 1e-5);
+  ASSERT_EQ(list.arrows.size(), 1u);
+  EXPECT_GT(list.arrows[0].to.x(), list.arrows[0].from.x() + 0.5) << "uphill";
+}
+
+TEST(PlaneScene, KerbsAndRampsAreTold) {
+  PlaneScene scene;
+  scene.centroids = {Vec3f(0, 0, 0), Vec3f(1, 2, 0.3f)};
+  planes::Kerb kerb;
+  kerb.rise_m = 0.12;
+  scene.stairs.kerbs = {kerb};
+  planes::SlopingPlane ramp;
+  ramp.plane = 2;
+  ramp.slope_deg = 7;
+  ramp.rise_m = 0.1;
+  ramp.run_m = 0.8;
+  scene.stairs.ramps = {ramp};
+  DrawList list;
+  add_stairs(scene, Theme::light, list);
+  EXPECT_TRUE(says(list, "kerb, rise 120 mm"));
+  EXPECT_TRUE(says(list, "ramp 7°, rise 100 mm"));
+  EXPECT_LT(((list.arrows[1].from + list.arrows[1].to) / 2 - scene.centroids[1]).norm(), 1e-5);
+}
+
+}  // namespace
+}  // namespace planescope::render
