@@ -58,7 +58,8 @@ int run_bench_outlines(const BenchOutlinesArgs& args, std::stop_token stop) {
         lab::make_evaluation_frame(lab::find_evaluation_set(of_set->set), index, of_frame), options,
         chosen.classifier.get());
   };
-  work_through(static_cast<int>(frames.size()), args.pipeline.threads, measure, Bar("outlines", stop));
+  work_through(static_cast<int>(frames.size()), args.pipeline.threads, measure,
+               Bar("outlines", stop));
   make_output_dir(args.out);
   const std::string json = lab::outline_json(results);
   write_file_text(args.out / "outlines.json", json);
