@@ -7,6 +7,8 @@
 
 namespace planescope::desktop {
 
+struct ImagePlacement;
+struct ScenePlacement;
 struct Ui;
 
 // In every mode.
@@ -48,9 +50,17 @@ void draw_plane_facts(const Ui& ui, std::int32_t plane);
 
 /// A line that says what to click where nobody knows gravity, or while a click is waited for;
 /// otherwise nothing.
-void draw_gravity_line(const Ui& ui);
+void draw_click_line(const Ui& ui);
 /// Where gravity is from, and what picks another one.
 void draw_gravity(const Ui& ui);
+
+// What is measured (panels/measure.cpp).
+
+/// A line that says which end to click, and how far apart the two are.
+void draw_measure_line(const Ui& ui);
+/// The two ends and what is between them, over a view.
+void draw_measured(const Ui& ui, const ScenePlacement& placed);
+void draw_measured(const Ui& ui, const ImagePlacement& placed);
 
 // Panels that share a place, as tabs: the window and the actions that choose one go by these
 // tables.

@@ -110,11 +110,11 @@ TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {
 
 TEST_F(GravityClicks, OneClickOnAFloorTellsIt) {
   run("camera.orbit", "20,5");
-  play(R"({"click": "button.gravity.click.floor"}, {"expect": {"gravity_click": "floor"}})");
+  play(R"({"click": "button.gravity.click.floor"}, {"expect": {"click": "floor"}})");
   click(pixel_of(Label::h));
   EXPECT_EQ(gravity().source, GravitySource::picked) << message();
   EXPECT_LT(angle_deg(gravity().direction, down), 1.5);
-  EXPECT_EQ(state().view.gravity_click, GravityClick::none) << "one click";
+  EXPECT_EQ(state().view.click, Click::selects) << "one click";
   EXPECT_FALSE(shows("gravity.line"));
   EXPECT_FALSE(state().view.camera) << "it stood in another world";
   EXPECT_EQ(state().view.step, state().run()->steps());
@@ -201,9 +201,9 @@ TEST_F(GravityClicks, BadOnesSaySoInOneLineAndChangeNothing) {
   }
   EXPECT_TRUE(state().undo.empty());
   EXPECT_FALSE(std::filesystem::exists(file));
-  EXPECT_EQ(state().view.gravity_click, GravityClick::floor) << "the next click may be better";
+  EXPECT_EQ(state().view.click, Click::floor) << "the next click may be better";
   run("select.none");
-  EXPECT_EQ(state().view.gravity_click, GravityClick::none);
+  EXPECT_EQ(state().view.click, Click::selects);
 }
 
 TEST_F(GravityClicks, AFloorIsNoWall) {
@@ -308,7 +308,7 @@ TEST_F(GravityClicks, InTheLabelModeGiveLabelsTheirClasses) {
   ASSERT_EQ(state().labels()->planes.size(), 1u) << message();
   EXPECT_EQ(state().labels()->planes[0].label, Label::unknown);
   play(R"({"key": "Shift+G"})");
-  EXPECT_EQ(state().view.gravity_click, GravityClick::floor);
+  EXPECT_EQ(state().view.click, Click::floor);
   EXPECT_TRUE(shows("gravity.line"));
   click(pixel_of(Label::h));
   EXPECT_EQ(gravity().source, GravitySource::picked) << message();
@@ -322,7 +322,7 @@ TEST_F(GravityClicks, InTheLabelModeGiveLabelsTheirClasses) {
   EXPECT_EQ(state().labels()->gravity.source, GravitySource::picked)
       << "nobody drew on this frame yet";
   play(R"({"key": "Shift+W"}, {"key": "Escape"})");
-  EXPECT_EQ(state().view.gravity_click, GravityClick::none);
+  EXPECT_EQ(state().view.click, Click::selects);
 }
 
 }  // namespace

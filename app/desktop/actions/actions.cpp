@@ -36,6 +36,7 @@ const std::vector<Action>& action_table() {
          {label_tool_actions, label_draw_actions, label_plane_actions, label_review_actions})
       add(part(), KeyMode::labels);
     add(gravity_actions(), KeyMode::anywhere);
+    add(measure_actions(), KeyMode::debugger);
     return all;
   }();
   return table;
@@ -62,6 +63,20 @@ bool needs_argument(const Action& action) {
 bool fits(const Action& action, Mode mode) {
   return action.mode == KeyMode::anywhere ||
          (action.mode == KeyMode::labels) == (mode == Mode::labels);
+}
+
+const char* click_action(Click click) {
+  switch (click) {
+    case Click::floor:
+      return "gravity.floor";
+    case Click::wall:
+      return "gravity.wall";
+    case Click::point:
+    case Click::plane:
+      return "measure.end";
+    default:
+      return nullptr;
+  }
 }
 
 const Action* action_of_key(const std::string& key, Mode mode) {
@@ -186,6 +201,24 @@ int whole_argument(const std::string& action, const std::string& text, int low, 
                            : fmt::format("action {}: {} is out of range, expected {} to {}", action,
                                          value, low, high));
   return value;
+}
+
+Clicked click_argument(const State& state, const std::string& action, const std::string& text) {
+  const debug::Run& run = *state.run();
+  const auto number = [&](std::size_t after, int low, int high) {
+    return whole_argument(action, text.substr(after), low, high);
+  };
+  if (text == "nothing") throw Error("nothing was measured there");
+  if (text.starts_with("voxel "))
+    return {Clicked::On::voxel, number(6, 0, static_cast<int>(run.subject->voxel_count()) - 1)};
+  if (text.starts_with("plane "))
+    return {Clicked::On::plane, number(6, 1, run.timeline.plane_count()) - 1};
+  const std::vector<double> uv = numbers_argument(action, text, 2);
+  const Image16& depth = run.subject->frame.depth;
+  if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
+  if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
+    throw Error(fmt::format("{} is outside the {} x {} image", text, depth.width, depth.height));
+  return {Clicked::On::pixel, static_cast<int>(uv[1]) * depth.width + static_cast<int>(uv[0])};
 }
 
 int plane_argument(const std::string& action, const std::string& text, int low, int high) {

@@ -37,12 +37,16 @@ struct Action {
 };
 
 const std::vector<Action>& action_table();
+/// What the views emit for a click: "U,V", "voxel N", "plane N", or "nothing".
+inline constexpr const char* kClickTakes = "U,V | voxel N | plane N";
 /// What most actions of the debugger need: a frame was segmented.
 bool has_run(const State& state);
 /// Throws Error naming the nearest existing action.
 const Action& find_action(const std::string& name);
 /// Whether a key or menu must ask for its argument first.
 bool needs_argument(const Action& action);
+/// What a click in a view is handed to as kClickTakes; null where it selects.
+const char* click_action(Click click);
 /// Null where no action has this key ("Ctrl+P") in that mode.
 const Action* action_of_key(const std::string& key, Mode mode);
 /// The action can be used in that mode.
@@ -65,6 +69,7 @@ std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
 std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
+std::vector<Action> measure_actions();       // between points and planes that are clicked
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
@@ -87,6 +92,12 @@ double number_argument(const std::string& action, const std::string& text);
 std::vector<double> numbers_argument(const std::string& action,
                                      const std::string& text,
                                      std::size_t count);
+/// What was clicked, as kClickTakes has it. Throws Error, a phrase, where nothing is there.
+struct Clicked {
+  enum class On : std::uint8_t { pixel, voxel, plane } on = On::pixel;
+  std::int32_t index = 0;  // v * width + u, voxel, plane of the trace
+};
+Clicked click_argument(const State& state, const std::string& action, const std::string& text);
 /// The index of `text` among `names`.
 int choice_argument(const std::string& action,
                     const std::string& text,

@@ -29,7 +29,8 @@ void leave_frame(State& state) {
   state.view.report_place.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
-  state.view.gravity_click = GravityClick::none;
+  state.view.click = Click::selects;
+  state.view.measured.clear();
   LabelView& label = state.view.label;
   let_go(label);
   label.plane = 0;

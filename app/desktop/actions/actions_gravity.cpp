@@ -15,7 +15,6 @@
 namespace planescope::desktop {
 namespace {
 
-constexpr const char* kClickTakes = "U,V | voxel N | plane N";
 constexpr double kLeastArea_m2 = 0.01;  // smaller surfaces do not tell a direction to a degree ...
 constexpr double kMostRoughness =
     0.04;                             // ... nor do those whose RMS is more than this of their size
@@ -68,30 +67,19 @@ ClickedSurface surface_at_voxel(const State& state, int voxel) {
   return surface_of_plane(state, plane);
 }
 
-int number_after(
-    const std::string& action, const std::string& text, const char* word, int least, int most) {
-  return whole_argument(action, text.substr(std::string(word).size()), least, most);
-}
-
 /// What the argument means. Throws Error with a phrase why there is no surface.
 ClickedSurface clicked_surface(const State& state,
                                const std::string& action,
                                const std::string& text) {
-  const debug::Subject& subject = *state.run()->subject;
-  if (text == "nothing") throw Error("nothing was measured there");
-  if (text.starts_with("voxel "))
-    return surface_at_voxel(state, number_after(action, text, "voxel ", 0,
-                                                static_cast<int>(subject.voxel_count()) - 1));
-  if (text.starts_with("plane "))
-    return surface_of_plane(
-        state, number_after(action, text, "plane ", 1, state.run()->timeline.plane_count()) - 1);
-  const std::vector<double> uv = numbers_argument(action, text, 2);
-  const Image16& depth = subject.frame.depth;
-  if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
-  if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
-    throw Error(fmt::format("{} is outside the {} x {} image", text, depth.width, depth.height));
-  return surface_at_pixel(
-      subject, static_cast<std::uint32_t>(uv[1]) * depth.width + static_cast<std::uint32_t>(uv[0]));
+  const Clicked clicked = click_argument(state, action, text);
+  switch (clicked.on) {
+    case Clicked::On::voxel:
+      return surface_at_voxel(state, clicked.index);
+    case Clicked::On::plane:
+      return surface_of_plane(state, clicked.index);
+    default:
+      return surface_at_pixel(*state.run()->subject, static_cast<std::uint32_t>(clicked.index));
+  }
 }
 
 std::string surface_text(const ClickedSurface& surface) {
@@ -161,7 +149,7 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
   options.gravity.mode =
       planes::GravityMode::automatic;  // a direction that they give would hide it
   change_picked(state, after, options);
-  state.view.gravity_click = GravityClick::none;
+  state.view.click = Click::selects;
   std::string text = said;
   if (!subject_of(state).frame.is_cloud()) {
     const double tilt_deg =
@@ -232,19 +220,19 @@ bool has_pick(const State& state) {
   return open && open->picked.of(state.document.frame) != nullptr;
 }
 
-Action click_action(const char* name, const char* title, const char* key, GravityClick what) {
+Action click_action(const char* name, const char* title, const char* key, Click what) {
   return {name,
           title,
           "Gravity",
           key,
           "",
           [what](State& s, const std::string&) {
-            const bool leaves = s.view.gravity_click == what;
-            s.view.gravity_click = leaves ? GravityClick::none : what;
+            const bool leaves = s.view.click == what;
+            s.view.click = leaves ? Click::selects : what;
             s.view.marking = false;
           },
           has_run,
-          [what](const State& s) { return s.view.gravity_click == what; }};
+          [what](const State& s) { return s.view.click == what; }};
 }
 
 }  // namespace
@@ -273,10 +261,8 @@ void keep_picked(State& state,
 std::vector<Action> gravity_actions() {
   const std::string menu = "Gravity";
   return {
-      click_action("gravity.click.floor", "Click a floor: it lies level", "Shift+G",
-                   GravityClick::floor),
-      click_action("gravity.click.wall", "Click a wall: it stands upright", "Shift+W",
-                   GravityClick::wall),
+      click_action("gravity.click.floor", "Click a floor: it lies level", "Shift+G", Click::floor),
+      click_action("gravity.click.wall", "Click a wall: it stands upright", "Shift+W", Click::wall),
       {"gravity.all_frames",
        "What is clicked holds for all frames",
        menu,

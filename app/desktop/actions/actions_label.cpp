@@ -17,6 +17,7 @@ labels::LabelStore* store_of(const State& state) {
 void enter(State& state) {
   open_labels(state);
   state.view.mode = Mode::labels;
+  if (measures(state.view.click)) state.view.click = Click::selects;
   unflash(state);
   state.view.playing.direction = 0;
 }

@@ -270,7 +270,7 @@ std::vector<Action> label_draw_actions() {
        "Escape",
        "",
        [](State& s, const std::string&) {
-         s.view.gravity_click = GravityClick::none;
+         s.view.click = Click::selects;
          cancel(s);
        },
        {},

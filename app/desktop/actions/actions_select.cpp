@@ -148,14 +148,17 @@ std::vector<Action> selection_actions() {
        has_run,
        {}},
       {"select.none",
-       "Select nothing",
+       "Leave what clicks do, or select nothing",
        menu,
        "Escape",
        "",
        [](State& s, const std::string&) {
-         s.view.selected = {};
-         s.view.marking = false;
-         s.view.gravity_click = GravityClick::none;
+         ViewState& view = s.view;
+         const bool leaves = view.click != Click::selects || view.marking || !view.measured.empty();
+         view.click = Click::selects;
+         view.marking = false;
+         view.measured.clear();
+         if (!leaves) view.selected = {};
        },
        {},
        {}},
@@ -168,8 +171,11 @@ std::vector<Action> selection_actions() {
        has_run,
        {}},
       {"mark.toggle", "Mark a region in the image", menu, "M", "",
-       [](State& s, const std::string&) { s.view.marking = !s.view.marking; }, has_run,
-       [](const State& s) { return s.view.marking; }},
+       [](State& s, const std::string&) {
+         s.view.marking = !s.view.marking;
+         s.view.click = Click::selects;
+       },
+       has_run, [](const State& s) { return s.view.marking; }},
       {"mark.pixels",
        "Mark the pixels of a rectangle",
        "",

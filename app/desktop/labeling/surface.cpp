@@ -118,7 +118,7 @@ void click_gravity(const Ui& ui) {
   if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
   if (was_dragged()) return;
   const std::int64_t pixel = ui.state.view.label.hover;
-  const bool is_floor = ui.state.view.gravity_click == GravityClick::floor;
+  const bool is_floor = ui.state.view.click == Click::floor;
   ui.emit(is_floor ? "gravity.floor" : "gravity.wall",
           pixel < 0 ? std::string("nothing")
                     : fmt::format("{},{}", pixel % frame->grid.width, pixel / frame->grid.width));
@@ -332,7 +332,7 @@ bool wheel_sizes(const Ui& ui) {
 void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
   // Released while another tool or mode was in hand: must not be finished when this one is back.
   if (!ImGui::IsMouseDown(0) && !ImGui::IsMouseReleased(0)) ui.memory.label_drag.on = false;
-  if (ui.state.view.gravity_click != GravityClick::none) {
+  if (tells_gravity(ui.state.view.click)) {
     click_gravity(ui);
     return point(ui, surface);
   }

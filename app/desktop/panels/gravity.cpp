@@ -25,15 +25,16 @@ std::string source_text(const Gravity& gravity) {
 
 }  // namespace
 
-void draw_gravity_line(const Ui& ui) {
+void draw_click_line(const Ui& ui) {
   const debug::Run* run = ui.state.run();
   if (!run) return;
-  const GravityClick click = ui.state.view.gravity_click;
+  const Click click = ui.state.view.click;
+  if (measures(click)) return draw_measure_line(ui);
   const Gravity& gravity = run->subject->prepared.gravity;
-  if (click == GravityClick::none && gravity.known()) return;
+  if (click == Click::selects && gravity.known()) return;
   std::string text = "Gravity is not known, so nothing is h or v. Click a floor or a wall:";
-  if (click == GravityClick::floor) text = "Click a floor: it lies level. Esc leaves.";
-  if (click == GravityClick::wall) text = "Click a wall: it stands upright. Esc leaves.";
+  if (click == Click::floor) text = "Click a floor: it lies level. Esc leaves.";
+  if (click == Click::wall) text = "Click a wall: it stands upright. Esc leaves.";
   ImGui::AlignTextToFramePadding();  // beside the buttons, where there is room
   paragraph(ui.colors.warning, text);
   ui.name("gravity.line");

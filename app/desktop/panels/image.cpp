@@ -29,7 +29,6 @@ void mark_by_mouse(const Ui& ui, const ImagePlacement& placed) {
 
 void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   zoom_image(ui, placed);
-  const GravityClick picks = ui.state.view.gravity_click;
   const bool dragged = was_dragged();
   if (ui.state.view.marking && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2)) {
     if (dragged) mark_by_mouse(ui, placed);
@@ -37,10 +36,9 @@ void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
     drag_image(ui, placed);
   }
   const ImVec2 uv = placed.to_image(ImGui::GetIO().MousePos);
+  const char* action = click_action(ui.state.view.click);
   if (ImGui::IsItemHovered() && ImGui::IsMouseReleased(0) && !dragged && placed.holds(uv))
-    ui.emit(picks == GravityClick::floor  ? "gravity.floor"
-            : picks == GravityClick::wall ? "gravity.wall"
-                                          : "select.pixel",
+    ui.emit(action ? action : "select.pixel",
             fmt::format("{},{}", static_cast<int>(uv.x), static_cast<int>(uv.y)));
 }
 
@@ -69,7 +67,7 @@ void draw_image(const Ui& ui) {
   draw_image_tools(ui, "how strongly the segmentation covers the camera's image");
   ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
-  draw_gravity_line(ui);
+  draw_click_line(ui);
   if (!pictured) return draw_notice(ui, "A point cloud has no image.", ui.colors.muted);
   const Image16& depth = run->subject->frame.depth;
   const ViewState& view = ui.state.view;
@@ -90,6 +88,7 @@ void draw_image(const Ui& ui) {
     draw->AddCircle(middle, reach + ui.px(1), IM_COL32(0, 0, 0, 200), 0, ui.px(3));
     draw->AddCircle(middle, reach + ui.px(1), IM_COL32_WHITE, 0, ui.px(1.5f));
   }
+  draw_measured(ui, *placed);
   draw->PopClipRect();
   const ImVec2 uv = placed->to_image(ImGui::GetIO().MousePos);
   const bool still = !ImGui::IsMouseDown(0) && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2);

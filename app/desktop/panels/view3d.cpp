@@ -36,10 +36,10 @@ void draw_tools(const Ui& ui) {
     ImGui::EndCombo();
   }
   static constexpr const char* kButtons[][2] = {
-      {"show.queue", "queue"},  {"show.settled", "boxes"}, {"show.planes", "planes"},
-      {"show.foot", "foot"},    {"show.stairs", "stairs"}, {"camera.home", "home"},
-      {"camera.node", "node"},  {"camera.top", "top"},     {"camera.side", "side"},
-      {"camera.front", "front"}};
+      {"show.queue", "queue"},   {"show.settled", "boxes"},    {"show.planes", "planes"},
+      {"show.foot", "foot"},     {"show.stairs", "stairs"},    {"camera.home", "home"},
+      {"camera.node", "node"},   {"camera.top", "top"},        {"camera.side", "side"},
+      {"camera.front", "front"}, {"measure.points", "measure"}};
   for (const auto& [action, label] : kButtons) {
     if (!same_line_if_room(button_width(label), ImGui::GetStyle().ItemSpacing.x)) break;
     action_button(ui, action, label);
@@ -59,9 +59,7 @@ void move_camera(const Ui& ui, int height) {
 }
 
 void select(const Ui& ui, const render::Picked& what) {
-  const GravityClick picks = ui.state.view.gravity_click;
-  if (picks != GravityClick::none) {
-    const char* action = picks == GravityClick::floor ? "gravity.floor" : "gravity.wall";
+  if (const char* action = click_action(ui.state.view.click)) {
     if (what.kind == render::Picked::Kind::voxel)
       return ui.emit(action, fmt::format("voxel {}", what.index));
     if (what.kind == render::Picked::Kind::plane)
@@ -94,12 +92,13 @@ void tell(const Ui& ui, const render::Picked& what) {
 void draw_view3d(const Ui& ui) {
   draw_tools(ui);
   if (!ui.state.run()) return draw_absence(ui);
-  if (ui.state.run()->subject->frame.is_cloud()) draw_gravity_line(ui);
+  if (ui.state.run()->subject->frame.is_cloud()) draw_click_line(ui);
   const auto placed =
       draw_scene_room(ui, [&](Canvas& canvas, const render::Camera& camera, int width, int height) {
         return canvas.scene(ui.state.run_view()->run, look_of(ui.state), camera, width, height);
       });
   if (!placed) return;
+  draw_measured(ui, *placed);
   move_camera(ui, placed->height);
   if (ui.canvas && ImGui::IsItemHovered()) {
     const ImGuiIO& io = ImGui::GetIO();
@@ -114,7 +113,8 @@ void draw_view3d(const Ui& ui) {
       else
         tell(ui, what);
     }
-    if (ImGui::IsMouseDoubleClicked(0)) ui.emit("camera.node");
+    if (ImGui::IsMouseDoubleClicked(0) && ui.state.view.click == Click::selects)
+      ui.emit("camera.node");
   }
   if (ui.state.view.flash) {
     ImDrawList* draw = ImGui::GetWindowDrawList();

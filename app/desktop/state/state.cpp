@@ -92,9 +92,12 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["refusal"] = state.results.refusal;
   json["step"] = view.step;
   const debug::Run* run = state.run();
-  static constexpr const char* kClicks[] = {"", "floor", "wall"};
+  static constexpr const char* kClicks[] = {"", "floor", "wall", "point", "plane"};
   json["gravity"] = run ? to_string(run->subject->prepared.gravity.source) : "";
-  json["gravity_click"] = kClicks[static_cast<std::size_t>(view.gravity_click)];
+  json["click"] = kClicks[static_cast<std::size_t>(view.click)];
+  json["measured"] = run && view.measured.size() == 2
+                         ? debug::measure(*run->subject, view.measured[0], view.measured[1]).text
+                         : "";
   json["steps"] = run ? run->steps() : 0;
   json["event"] = run && view.step > 0 ? debug::describe_event(*run, view.step) : "";
   json["node"] = view.selected.node;

@@ -18,6 +18,7 @@
 #include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/fix.hpp"
 #include "core/debug/explain/histogram.hpp"
+#include "core/debug/explain/measure.hpp"
 #include "core/debug/explain/score.hpp"
 #include "core/debug/filter/filter.hpp"
 #include "core/debug/replay/run.hpp"
@@ -169,8 +170,11 @@ struct Playing {
 };
 
 enum class Against : std::uint8_t { nothing, pinned, truth };
-/// Whether the next click in a view picks a floor or a wall, from which gravity follows.
-enum class GravityClick : std::uint8_t { none, floor, wall };
+/// What a click in a view does: selects, picks a floor or a wall from which gravity follows, or
+/// measures from a point or a plane.
+enum class Click : std::uint8_t { selects, floor, wall, point, plane };
+inline bool tells_gravity(Click click) { return click == Click::floor || click == Click::wall; }
+inline bool measures(Click click) { return click == Click::point || click == Click::plane; }
 
 struct ViewState {
   Mode mode = Mode::debugger;
@@ -201,7 +205,8 @@ struct ViewState {
   bool only_matches = false;  // the event list shows what the filter finds
   bool show_keys = false, show_palette = false, show_timing = false;
   bool marking = false;  // dragging in the image marks a region
-  GravityClick gravity_click = GravityClick::none;
+  Click click = Click::selects;
+  std::vector<debug::MeasureEnd> measured;  // one end, or two
   bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
   Against against = Against::nothing;
   bool flash = false;            // A is shown in place of B

@@ -18,7 +18,7 @@ const Terrain* terrain_of(const ReportFrame* frame) {
 }
 
 /// Of a plane by its id; null where there is none, or no foot was given.
-const Footing::Foot* foot_of(const ReportFrame& frame, int id) {
+const FootRoom* foot_of(const ReportFrame& frame, int id) {
   if (id < 1) return nullptr;
   const std::optional<Footing>& footing = frame.planes.at(static_cast<std::size_t>(id) - 1).footing;
   return footing && footing->foot ? &*footing->foot : nullptr;
@@ -26,8 +26,8 @@ const Footing::Foot* foot_of(const ReportFrame& frame, int id) {
 
 /// Empty: nothing became of it.
 std::string steppable_change(const FrameComparison& frame, const PlaneComparison& plane) {
-  const Footing::Foot* was = foot_of(*frame.baseline, plane.baseline);
-  const Footing::Foot* is = foot_of(*frame.now, plane.now);
+  const FootRoom* was = foot_of(*frame.baseline, plane.baseline);
+  const FootRoom* is = foot_of(*frame.now, plane.now);
   const bool then = was && was->steppable, now = is && is->steppable;
   if (then == now) return "";
   if (now) return fmt::format("plane {} is steppable, which it was not", plane.now);

@@ -14,6 +14,13 @@ namespace planescope::report {
 
 struct FramePlanes;
 
+struct FootRoom {
+  bool steppable = false;
+  std::string why_not;  // empty: steppable
+  double area_m2 = 0;   // where the foot's centre may go
+  int piece_count = 0;  // convex, of that area
+};
+
 /// Of a plane.
 struct Footing {
   double outline_area_m2 = 0;
@@ -24,13 +31,7 @@ struct Footing {
   double tilt_sigma_deg[2] = {0, 0};  // about the axis of the longer extent, and of the shorter
   double offset_sigma_m = 0;
 
-  struct Foot {
-    bool steppable = false;
-    std::string why_not;  // empty: steppable
-    double area_m2 = 0;   // where its centre may go
-    int piece_count = 0;  // convex, of that area
-  };
-  std::optional<Foot> foot;  // where one was given
+  std::optional<FootRoom> foot;  // where one was given
 };
 
 struct FlightFigures {

@@ -35,7 +35,7 @@ Data footing_data(const PageFrame& frame, const ReportPlane& plane) {
   row.set("clearance", fmt::format("{:.1f}", 100 * footing.clearance_m));
   row.set("has_foot", footing.foot.has_value());
   if (!footing.foot) return row;
-  const Footing::Foot& foot = *footing.foot;
+  const FootRoom& foot = *footing.foot;
   row.set("foot_area", fmt::format("{:.3f}", foot.area_m2));
   row.set("pieces", std::to_string(foot.piece_count));
   row.set("steppable", foot.steppable ? "yes" : "no");

@@ -37,7 +37,7 @@ void draw_label_image(const Ui& ui) {
   draw_image_tools(ui, "how strongly labels cover the camera's image");
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ui.state.labels()) return draw_label_absence(ui);
-  draw_gravity_line(ui);
+  draw_click_line(ui);
   const ViewState& view = ui.state.view;
   const labels::LabelGrid& grid = frame->grid;
   const auto placed = draw_image_room(ui, grid.width, grid.height, [&](Canvas& canvas) {

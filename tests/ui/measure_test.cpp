@@ -1,0 +1,122 @@
+// Measuring by clicks in the views.
+
+#include <fmt/format.h>
+
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// The sample's stairs.
+struct Measuring : testing::Test {
+  Shell shell{opened(), nullptr, [] {}};
+  NoStage stage{shell};
+
+  static State opened() {
+    State state = open_state(planes::Profile::refined);
+    state.view.tool_tab = "histograms";  // needs no curves along sliders
+    return state;
+  }
+  void SetUp() override { settle(shell, stage, {}); }
+  const State& state() const { return shell.state(); }
+  const std::vector<debug::MeasureEnd>& ends() const { return state().view.measured; }
+  std::string fact(const char* name) const { return state_facts(state(), true).at(name); }
+  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
+  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
+  /// A pixel of a level plane of the result, the lowest first.
+  std::string pixel_of_level(int which) const {
+    const debug::Run& run = *state().run();
+    std::vector<const planes::PlaneRegion*> level;
+    for (const planes::PlaneRegion& plane : run.segmentation.planes)
+      if (plane.label == Label::h) level.push_back(&plane);
+    std::ranges::sort(level, {}, [](const auto* plane) { return plane->fit.centroid.z(); });
+    const Image16& depth = run.subject->frame.depth;
+    for (int v = 0; v < depth.height; v += 4)
+      for (int u = 0; u < depth.width; u += 4) {
+        const std::size_t pixel = static_cast<std::size_t>(v) * depth.width + u;
+        const std::uint32_t point = run.subject->point_of_source[pixel];
+        if (point == planes::kNoVoxel) continue;
+        const Vec3d at = run.subject->prepared.cloud.points[point].cast<double>();
+        const PlaneFit& fit = level.at(which)->fit;
+        if (run.plane_of[point] == level.at(which)->id && (at - fit.centroid).norm() < 0.05)
+          return fmt::format("{},{}", u, v);
+      }
+    ADD_FAILURE() << "no such pixel";
+    return "0,0";
+  }
+  void click(const std::string& pixel) {
+    const auto comma = pixel.find(',');
+    play(fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
+                     (std::stod(pixel.substr(0, comma)) + 0.5) / 640,
+                     (std::stod(pixel.substr(comma + 1)) + 0.5) / 480));
+  }
+};
+
+TEST_F(Measuring, TwoClicksOnPointsSayHowFarApartTheyAre) {
+  const std::string low = pixel_of_level(0), high = pixel_of_level(1);
+  play(R"({"key": "U"}, {"expect": {"click": "point"}})");
+  EXPECT_TRUE(shows("measure.line"));
+  click(low);
+  ASSERT_EQ(ends().size(), 1u);
+  EXPECT_EQ(fact("measured"), "");
+  click(high);
+  ASSERT_EQ(ends().size(), 2u);
+  EXPECT_EQ(state().view.message, fact("measured"));
+  EXPECT_NE(fact("measured").find("up"), std::string::npos) << fact("measured");
+  EXPECT_EQ(state().view.selected.source, -1) << "measuring selects nothing";
+  click(low);
+  EXPECT_EQ(ends().size(), 1u) << "a third begins anew";
+  play(R"({"key": "Escape"}, {"expect": {"click": "", "measured": ""}})");
+  EXPECT_TRUE(ends().empty());
+  click(low);
+  EXPECT_GE(state().view.selected.source, 0) << "clicks select again";
+}
+
+TEST_F(Measuring, BetweenTreadsIsTheRiseOfTheFlight) {
+  play(R"({"key": "Shift+U"}, {"expect": {"click": "plane"}})");
+  click(pixel_of_level(1));
+  click(pixel_of_level(2));
+  ASSERT_EQ(ends().size(), 2u) << state().view.message;
+  const debug::Measurement measured = debug::measure(*state().run()->subject, ends()[0], ends()[1]);
+  const planes::Flight& flight = state().planes()->found.stairs.flights.at(0);
+  EXPECT_NEAR(measured.height_m.value(), flight.rise_m, 0.005) << measured.text;
+  EXPECT_LT(measured.angle_deg.value(), 2);
+  EXPECT_NE(measured.text.find(" above P"), std::string::npos) << measured.text;
+}
+
+TEST_F(Measuring, APlaneByItsNumberAndAPointOfTheScene) {
+  play(R"({"do": "measure.end", "with": "plane 1"}, {"do": "measure.end", "with": "voxel 5"})");
+  ASSERT_EQ(ends().size(), 2u) << state().view.message;
+  EXPECT_NE(fact("measured").find(" P1: "), std::string::npos) << fact("measured");
+  play(R"("measure.clear", {"expect": {"measured": ""}})");
+}
+
+TEST_F(Measuring, StaysWhereItWasThroughOptionsAndEndsWithTheFrame) {
+  play(R"({"do": "measure.end", "with": "voxel 5"}, {"do": "measure.end", "with": "voxel 900"})");
+  const std::string before = fact("measured");
+  play(
+      R"({"do": "option.set", "with": "tau_sigmas=4"}, {"do": "option.set", "with": "profile=paper"})");
+  EXPECT_EQ(fact("measured"), before);
+  play(R"({"key": "U"}, "frame.next", {"expect": {"measured": "", "click": ""}})");
+}
+
+TEST_F(Measuring, WhatIsNoPlaceIsToldInOneLineAndChangesNothing) {
+  play(R"({"do": "measure.end", "with": "voxel 5"})");
+  for (const char* bad : {"nothing", "9999,3", "plane 999999", "voxel -1", "here"}) {
+    play(fmt::format(R"({{"do": "measure.end", "with": "{}"}})", bad));
+    EXPECT_TRUE(state().view.message.starts_with("nothing to measure: ")) << state().view.message;
+    EXPECT_TRUE(state().view.message_is_error);
+    EXPECT_EQ(ends().size(), 1u);
+  }
+}
+
+TEST_F(Measuring, OtherUsesOfAClickTakeItsPlace) {
+  play(
+      R"({"key": "U"}, {"key": "M"}, {"expect": {"click": ""}}, {"key": "U"}, {"expect": {"click": "point"}})");
+  EXPECT_FALSE(state().view.marking);
+  play(
+      R"({"key": "Shift+G"}, {"expect": {"click": "floor"}}, {"key": "U"}, "label.mode", {"expect": {"click": ""}})");
+}
+
+}  // namespace
+}  // namespace planescope::desktop
