@@ -88,7 +88,7 @@ TEST_F(Measuring, APlaneByItsNumberAndAPointOfTheScene) {
   play(R"({"do": "measure.end", "with": "plane 1"}, {"do": "measure.end", "with": "voxel 5"})");
   ASSERT_EQ(ends().size(), 2u) << state().view.message;
   EXPECT_NE(fact("measured").find(" P1: "), std::string::npos) << fact("measured");
-  play(R"("measure.clear", {"expect": {"measured": ""}})");
+  play(R"("select.none", {"expect": {"measured": ""}})");
 }
 
 TEST_F(Measuring, StaysWhereItWasThroughOptionsAndEndsWithTheFrame) {
