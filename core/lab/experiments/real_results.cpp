@@ -132,12 +132,21 @@ std::vector<RepeatSummary> repeat_summaries(const RepeatScores& scores) {
     RepeatSummary& summary = summaries.emplace_back();
     summary.method = method.method;
     std::vector<double> offsets, normals;
+    int within = 0;
+    double squares = 0;
     for (const Neighbours& n : method.neighbours) {
       summary.planes += n.planes;
       summary.partners += n.partners;
       offsets.insert(offsets.end(), n.offset_jumps_m.begin(), n.offset_jumps_m.end());
       normals.insert(normals.end(), n.normal_jumps_deg.begin(), n.normal_jumps_deg.end());
+      for (const double sigmas : n.angle_jumps_sigmas) {
+        ++summary.angles;
+        within += std::abs(sigmas) <= 2;
+        squares += sigmas * sigmas;
+      }
     }
+    summary.angles_within = percent(within, summary.angles);
+    if (summary.angles > 0) summary.angle_jump_sigmas = std::sqrt(squares / summary.angles);
     summary.offset_jump_m = median_or_0(offsets);
     summary.normal_jump_deg = median_or_0(normals);
     for (const FloorPieces& floor : method.floor) {
@@ -235,6 +244,9 @@ Json line_of(const RepeatSummary& s) {
           {"partners", s.partners},
           {"offset_jump_m", s.offset_jump_m},
           {"normal_jump_deg", s.normal_jump_deg},
+          {"angles", s.angles},
+          {"angles_within_percent", s.angles_within},
+          {"angle_jump_sigmas", s.angle_jump_sigmas},
           {"floor_pieces", s.floor_pieces},
           {"floor_largest_percent", s.floor_largest},
           {"floor_missing_percent", s.floor_missing},

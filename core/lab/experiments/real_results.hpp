@@ -116,6 +116,10 @@ struct RepeatSummary {
   int planes = 0, partners = 0;  // of all frames but the last
   // Medians over partners, 0 where there are none.
   double offset_jump_m = 0, normal_jump_deg = 0;
+  // Of angles between two of them: how many, % that changed by no more than 2 sigma, and the root
+  // mean square of their changes in sigma.
+  int angles = 0;
+  double angles_within = 0, angle_jump_sigmas = 0;
   // Means over frames.
   double floor_pieces = 0, floor_largest = 0, floor_missing = 0;
   int frames_of_one_floor = 0;  // whose floor's largest piece has at least kWholeFloor

@@ -138,18 +138,22 @@ Table repeat_table(const RepeatScores& scores) {
   table.title =
       fmt::format("From frame to frame: {} of {}",
                   counted(static_cast<std::size_t>(scores.frames), "frame"), scores.recording);
-  table.columns = {"method", "planes",  "again",   "offset",   "normal",
-                   "floor",  "largest", "missing", "one floor"};
+  table.columns = {"method", "planes", "again", "offset",  "normal",  "angles",
+                   "within", "sigmas", "floor", "largest", "missing", "one floor"};
   for (const RepeatSummary& s : repeat_summaries(scores))
-    table.rows.push_back({contestant_name(s.method), std::to_string(s.planes),
-                          fixed(percent(s.partners, s.planes), 1), fixed(s.offset_jump_m, 4),
-                          fixed(s.normal_jump_deg, 3), fixed(s.floor_pieces, 2),
-                          fixed(s.floor_largest, 1), fixed(s.floor_missing, 2),
-                          fmt::format("{} / {}", s.frames_of_one_floor, scores.frames)});
+    table.rows.push_back(
+        {contestant_name(s.method), std::to_string(s.planes),
+         fixed(percent(s.partners, s.planes), 1), fixed(s.offset_jump_m, 4),
+         fixed(s.normal_jump_deg, 3), std::to_string(s.angles), fixed(s.angles_within, 1),
+         fixed(s.angle_jump_sigmas, 2), fixed(s.floor_pieces, 2), fixed(s.floor_largest, 1),
+         fixed(s.floor_missing, 2), fmt::format("{} / {}", s.frames_of_one_floor, scores.frames)});
   table.note = fmt::format(
       "planes: of at least {0} pixels, in all frames but the last; again: % of them that have a "
       "partner in the next frame, with an IoU of at least {1} by pixel; offset, normal: medians "
-      "over partners of how far they jump [m, deg], the camera's movement included. floor: pieces "
+      "over partners of how far they jump [m, deg], the camera's movement included. angles: "
+      "between two partners that stand 60 degrees and more "
+      "to each other, which no movement changes; within: % that changed by no more than 2 sigma of "
+      "their certainty; sigmas: root mean square of the changes in sigma. floor: pieces "
       "a frame, planes with at least {0} of the floor's pixels that are at least half of their "
       "own; largest: % of the floor's pixels in planes that lie in its largest piece; missing: % "
       "of them in no plane; one floor: frames whose largest piece has at least {2} %. The floor is "

@@ -40,6 +40,25 @@ double most_common_height(const planes::Cloud& cloud) {
   return best < 0 ? std::nan("") : -(best + 0.5) * kHeightStepM;
 }
 
+/// The angle between two planes of a frame [rad], and its variance.
+struct Between {
+  double angle = 0, variance = 0;
+};
+
+Between between(const PixelPlanes& frame, int a, int b) {
+  const Vec3d& normal_a = frame.fits[a - 1].normal;
+  const Vec3d& normal_b = frame.fits[b - 1].normal;
+  const double cosine = std::min(1.0, std::abs(normal_a.dot(normal_b)));
+  double variance = 0;  // of the cosine
+  const auto add = [&](const planes::Certainty& certainty, const Vec3d& other) {
+    for (int k = 0; k < 2; ++k)
+      variance += std::pow(certainty.sigma_tilt_rad[k] * certainty.axes[k].dot(other), 2);
+  };
+  add(frame.certainties[a - 1], normal_b);
+  add(frame.certainties[b - 1], normal_a);
+  return {std::acos(cosine), variance / (1 - cosine * cosine)};
+}
+
 double near_m(double depth_m) { return std::max(kNearM, kNearPerM2 * depth_m * depth_m); }
 
 }  // namespace
@@ -51,6 +70,7 @@ PixelPlanes pixel_planes(const planes::FrameResult& result) {
     planes.plane_of[result.cloud.source[i]] = result.plane_of[i];
   for (const planes::PlaneRegion& plane : result.segmentation.planes)
     planes.fits.push_back(plane.fit);
+  planes.certainties = planes::certainties_of(result);
   return planes;
 }
 
@@ -59,12 +79,14 @@ Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next)
   const planes::TruthOverlap overlap = planes::count_truth_overlap(first.plane_of, next.plane_of);
   const std::vector<int> match = planes::found_of_truth(overlap);
   Neighbours result;
+  std::vector<std::pair<int, int>> partners;
   for (int plane = 1; plane <= overlap.truth; ++plane) {
     if (overlap.truth_size[plane] < kLeastRepeatPixels) continue;
     ++result.planes;
     const int partner = match[plane - 1];
     if (partner == 0 || overlap.iou(plane, partner) < kPartnerIou) continue;
     ++result.partners;
+    partners.emplace_back(plane, partner);
     const PlaneFit& a = first.fits[plane - 1];
     const PlaneFit& b = next.fits[partner - 1];
     const double cosine = a.normal.dot(b.normal), sign = cosine < 0 ? -1 : 1;
@@ -72,6 +94,15 @@ Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next)
     result.normal_jumps_deg.push_back(std::acos(std::min(1.0, std::abs(cosine))) * 180 /
                                       std::numbers::pi);
   }
+  constexpr double kLeastAngle = std::numbers::pi / 3;
+  for (std::size_t i = 0; i < partners.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Between then = between(first, partners[i].first, partners[j].first);
+      if (then.angle < kLeastAngle) continue;
+      const Between now = between(next, partners[i].second, partners[j].second);
+      result.angle_jumps_sigmas.push_back((now.angle - then.angle) /
+                                          std::sqrt(now.variance + then.variance));
+    }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/planes/foot/certainty.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 
 namespace planescope::lab {
@@ -17,8 +18,9 @@ inline constexpr double kPartnerIou = 0.5;
 
 /// The planes found in a depth frame, by pixel.
 struct PixelPlanes {
-  std::vector<std::int32_t> plane_of;  // by pixel v * width + u: plane id, 0 none
-  std::vector<PlaneFit> fits;          // by id - 1, about the sensor, z up [m]
+  std::vector<std::int32_t> plane_of;          // by pixel v * width + u: plane id, 0 none
+  std::vector<PlaneFit> fits;                  // by id - 1, about the sensor, z up [m]
+  std::vector<planes::Certainty> certainties;  // likewise
 };
 PixelPlanes pixel_planes(const planes::FrameResult& result);
 
@@ -30,6 +32,9 @@ struct Neighbours {
   // Of partners.
   std::vector<double> offset_jumps_m;
   std::vector<double> normal_jumps_deg;
+  // Of two of them that stand 60 degrees and more to each other: how much the angle between them
+  // changed, which no movement of the camera does, by what the certainty of all four tells.
+  std::vector<double> angle_jumps_sigmas;
 };
 /// Both frames have as many pixels. A pixel is the same in both, wherever the camera went.
 Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next);

@@ -15,6 +15,10 @@ PixelPlanes halves(double offset_m = 1, double tilt_rad = 0) {
   PixelPlanes planes;
   for (int i = 0; i < kSide * kSide; ++i) planes.plane_of.push_back(i % kSide < kSide / 2 ? 1 : 2);
   planes.fits.resize(2);
+  planes.certainties.resize(2);
+  planes.certainties[1].axes[1] = Vec3d::UnitZ();
+  for (planes::Certainty& certainty : planes.certainties)
+    for (double& sigma : certainty.sigma_tilt_rad) sigma = 0.004;
   planes.fits[0].centroid = Vec3d(0, 0, offset_m);
   planes.fits[1].normal = Vec3d(std::sin(tilt_rad), std::cos(tilt_rad), 0);
   return planes;
@@ -35,15 +39,36 @@ TEST(Repeatability, PlanesAreFoundAgainByTheirPixelsWhateverTheirNumbers) {
   EXPECT_NEAR(n.normal_jumps_deg[1], 0.01 * 180 / M_PI, 1e-6);
 }
 
+TEST(Repeatability, ChangesOfAnAngleAreToldInWhatFourCertaintiesTell) {
+  const PixelPlanes first = halves();
+  PixelPlanes next = halves();
+  next.fits[1].normal = Vec3d(0, std::cos(0.01), std::sin(0.01));
+  const Neighbours n = compare_neighbours(first, next);
+  ASSERT_EQ(n.angle_jumps_sigmas.size(), 1u);
+  EXPECT_NEAR(std::abs(n.angle_jumps_sigmas[0]), 0.01 / (2 * 0.004), 1e-3);
+  const double turn = 0.3;  // of the camera
+  next = halves();
+  for (std::size_t p = 0; p < 2; ++p) {
+    const Eigen::AngleAxisd turned(turn, Vec3d::UnitX());
+    next.fits[p].normal = turned * next.fits[p].normal;
+    for (Vec3d& axis : next.certainties[p].axes) axis = turned * axis;
+  }
+  EXPECT_NEAR(compare_neighbours(first, next).angle_jumps_sigmas.at(0), 0, 1e-9);
+  for (PlaneFit& fit : next.fits) fit.normal = Vec3d::UnitZ();
+  EXPECT_TRUE(compare_neighbours(next, next).angle_jumps_sigmas.empty()) << "parallel ones";
+}
+
 TEST(Repeatability, APlaneThatFallsApartOrIsSmallHasNoPartner) {
   PixelPlanes first = halves(), next = halves();
   next.fits.resize(4);
+  next.certainties.resize(4);
   for (int i = 0; i < kSide * kSide; ++i)  // thirds of the left one
     if (next.plane_of[i] == 1 && i >= kSide * kSide / 3)
       next.plane_of[i] = i < kSide * kSide * 2 / 3 ? 3 : 4;
   EXPECT_EQ(compare_neighbours(first, next).planes, 2);
   EXPECT_EQ(compare_neighbours(first, next).partners, 1);
   first.fits.resize(3);
+  first.certainties.resize(3);
   std::fill(first.plane_of.begin(), first.plane_of.begin() + 499, 3);
   EXPECT_EQ(compare_neighbours(first, next).planes, 2) << "499 pixels do not count";
 }
