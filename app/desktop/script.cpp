@@ -58,7 +58,7 @@ class Player {
     else if (step.contains("type"))
       type(step.at("type"));
     else if (step.contains("screenshot"))
-      stage_.screenshot(step.at("screenshot").get<std::string>());
+      screenshot(step);
     else if (step.contains("state"))
       write_file_text(step.at("state").get<std::string>(),
                       state_text(shell_.state(), shell_.idle()));
@@ -173,6 +173,11 @@ class Player {
       push({.type = InputEvent::Type::text, .character = c});
       stage_.draw_frame();
     }
+  }
+  void screenshot(const Json& step) {
+    std::optional<WidgetRect> part;
+    if (step.contains("of")) part = widget(step.at("of"));
+    stage_.screenshot(step.at("screenshot").get<std::string>(), part);
   }
   std::string trace() const {
     const State& state = shell_.state();

@@ -9,7 +9,8 @@
 //   dy]
 //   {"hover": "image"}, {"wheel": "view3d", "by": 2}
 //   {"key": "Ctrl+P"}, {"type": "merge"}
-//   {"screenshot": "a.png"}, {"state": "a.json"}
+//   {"screenshot": "a.png"}, {"state": "a.json"}   the picture with "of": "view3d" of a widget
+//   alone
 //   {"expect": {"step": 12}}                       facts of state_facts(); otherwise exit code 1
 // After each, everything that is under way comes to rest, unless it says "wait": false.
 // docs/desktop.md tells all of it.
@@ -18,6 +19,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "app/desktop/shell.hpp"
@@ -34,7 +36,9 @@ class Stage {
  public:
   virtual ~Stage() = default;
   virtual void draw_frame() = 0;  // one frame of the shell, a sixtieth of a second later
-  virtual void screenshot(const std::filesystem::path& path) = 0;
+  /// Of the whole window, or of a part of it.
+  virtual void screenshot(const std::filesystem::path& path,
+                          const std::optional<WidgetRect>& part = {}) = 0;
 };
 
 class Script {

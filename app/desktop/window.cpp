@@ -99,7 +99,8 @@ class Window : public Stage {
   ~Window() override;
   void run(std::stop_token stop);
   void draw_frame() override;
-  void screenshot(const std::filesystem::path& path) override;
+  void screenshot(const std::filesystem::path& path,
+                  const std::optional<WidgetRect>& part = {}) override;
 
  private:
   static Window& of(GLFWwindow* window) {
@@ -231,11 +232,12 @@ void Window::write_state() {
   write_file_text(options_.state_file, facts);
 }
 
-void Window::screenshot(const std::filesystem::path& path) {
+void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   glReadBuffer(GL_FRONT);
-  io::write_png(path, render::read_picture(width, height));
+  const Image8 whole = render::read_picture(width, height);
+  io::write_png(path, part ? part_of(whole, *part) : whole);
 }
 
 void Window::keep_settings() const {
@@ -313,6 +315,21 @@ Image8 Offscreen::picture() {
   return image;
 }
 
-void Offscreen::screenshot(const std::filesystem::path& path) { io::write_png(path, picture()); }
+void Offscreen::screenshot(const std::filesystem::path& path,
+                           const std::optional<WidgetRect>& part) {
+  const Image8 whole = picture();
+  io::write_png(path, part ? part_of(whole, *part) : whole);
+}
+
+Image8 part_of(const Image8& whole, const WidgetRect& rect) {
+  const auto within = [](float at, int most) { return std::clamp(static_cast<int>(at), 0, most); };
+  const int x0 = within(rect.min.x, whole.width), x1 = within(rect.max.x, whole.width);
+  const int y0 = within(rect.min.y, whole.height), y1 = within(rect.max.y, whole.height);
+  Image8 part(std::max(1, x1 - x0), std::max(1, y1 - y0), whole.channels);
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x)
+      for (int c = 0; c < whole.channels; ++c) part.at(x - x0, y - y0, c) = whole.at(x, y, c);
+  return part;
+}
 
 }  // namespace planescope::desktop

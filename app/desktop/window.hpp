@@ -30,6 +30,9 @@ struct WindowOptions {
 /// Shows the window until it is closed. Throws NoDisplay.
 void run_window(State state, const WindowOptions& options, std::stop_token stop);
 
+/// What a picture shows of a widget, or of a panel.
+Image8 part_of(const Image8& whole, const WidgetRect& rect);
+
 /// The window without a display.
 class Offscreen : public Stage {
  public:
@@ -40,7 +43,8 @@ class Offscreen : public Stage {
   Shell& shell() { return screen_->shell(); }
   Screen& screen() { return *screen_; }
   void draw_frame() override;
-  void screenshot(const std::filesystem::path& path) override;
+  void screenshot(const std::filesystem::path& path,
+                  const std::optional<WidgetRect>& part = {}) override;
   /// Waits until the last frame is drawn.
   void finish();
   /// What the last frame shows. RGB, row 0 at the top.

@@ -325,7 +325,11 @@ TEST(Segment, AlsoWritesItsPlanesForOtherTools) {
   const std::string csv = read_text(frame / "planes.csv");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + static_cast<int>(planes.size()));
   EXPECT_NE(read_text(frame / "planes.obj").find("o plane_1_"), std::string::npos);
-  EXPECT_TRUE(read_text(frame / "planes.svg").ends_with("</svg>\n"));
+  const std::string svg = read_text(frame / "planes.svg");
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  for (const char* told : {"slope ", "rough ", "steps ", "support ", "clearance ", "sigma: tilt ",
+                           "class=\"band\" d=", "class=\"place\" cx="})
+    EXPECT_NE(svg.find(told), std::string::npos) << told;
   EXPECT_TRUE(read_text(frame / "planes.ply").starts_with("ply\nformat ascii 1.0\n"));
 
   const Ran wrong = run(segment_args(dir / "rec", dir / "no", {"--also", "shapefile"}));

@@ -77,7 +77,7 @@ class NoStage : public Stage {
   NoStage(Shell& shell, int width = 1440, int height = 900)
       : shell_(shell), width_(width), height_(height) {}
   void draw_frame() override { shell_.frame(width_, height_, 1, 1.0 / 60); }
-  void screenshot(const std::filesystem::path&) override {}
+  void screenshot(const std::filesystem::path&, const std::optional<WidgetRect>&) override {}
 
  private:
   Shell& shell_;

@@ -24,15 +24,6 @@ double difference(const Image8& a, const Image8& b) {
   return static_cast<double>(differing) * 3 / static_cast<double>(a.data.size());
 }
 
-Image8 part_of(const Image8& whole, const WidgetRect& rect) {
-  const int x0 = static_cast<int>(rect.min.x), y0 = static_cast<int>(rect.min.y);
-  Image8 part(static_cast<int>(rect.max.x) - x0, static_cast<int>(rect.max.y) - y0, 3);
-  for (int y = 0; y < part.height; ++y)
-    for (int x = 0; x < part.width; ++x)
-      for (int c = 0; c < 3; ++c) part.at(x, y, c) = whole.at(x + x0, y + y0, c);
-  return part;
-}
-
 /// A window of its own, and what it shows after some actions.
 struct Window {
   explicit Window(render::Theme theme = render::Theme::dark)
@@ -150,6 +141,17 @@ TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
   window.after({{"color.steppable", ""}});
   EXPECT_GT(difference(plain, window.panel("view3d")), 0.1);
   EXPECT_GT(difference(image, window.panel("image")), 0.1);
+}
+
+TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {
+  Window window;
+  const std::filesystem::path path = scratch_dir() / "script.json", drawn = scratch_dir() / "a.png";
+  std::ofstream(path) << R"({"actions": [{"screenshot": ")" << drawn.string()
+                      << R"(", "of": "panel.view3d"}]})";
+  Script::read(path).play(window.offscreen.shell(), window.offscreen, {});
+  EXPECT_LE(difference(window.panel("view3d"), io::read_png_rgb(drawn)), kSame);
+  std::ofstream(path) << R"({"actions": [{"screenshot": "b.png", "of": "panel.view3"}]})";
+  EXPECT_THROW(Script::read(path).play(window.offscreen.shell(), window.offscreen, {}), Error);
 }
 
 TEST_F(Pictures, AClickInTheSceneSelectsWhatIsThere) {

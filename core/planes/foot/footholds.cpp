@@ -49,6 +49,9 @@ std::vector<Foothold> footholds_of(const Frame& frame,
     Foothold& foothold = footholds[k];
     foothold.surface = surfaces[k];
     foothold.certainty = certainties[k];
+    const PlaneBasis& basis = outlines[k].basis;
+    const Vec3d& axis = certainties[k].axes[0];
+    foothold.cut = places[k].cut(Vec2d::Zero(), {basis.u.dot(axis), basis.v.dot(axis)});
     if (!(options.radius_m > 0)) continue;
     foothold.space = foot_space(outlines[k], places[k], options);
     foothold.why_not =

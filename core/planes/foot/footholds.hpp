@@ -15,6 +15,8 @@ namespace planescope::planes {
 struct Foothold {
   Surface surface;
   Certainty certainty;
+  std::vector<Vec2d> cut;  // measured places along the first of its axes, through the centroid:
+                           // how far from it, how high above the plane [m], in that order
   std::optional<FootSpace> space;  // where a foot is given, as are the following
   bool steppable = false;
   std::string why_not;  // "17 mm rough, limit 10; slope 31.0 deg, limit 25.0"; empty: steppable

@@ -112,6 +112,20 @@ Polygons Places::near_off(double limit_m, double reach_m) const {
   return is_valid(smooth) ? smooth : polygons;
 }
 
+std::vector<Vec2d> Places::cut(const Vec2d& at, const Vec2d& towards) const {
+  std::vector<Vec2d> along;
+  for (int y = 0; y < rows_; ++y)
+    for (int x = 0; x < columns_; ++x) {
+      const Cell& cell = cells_[index(x, y)];
+      const Vec2d from_at = low_ + cell_m_ * Vec2d(x + 0.5, y + 0.5) - at;
+      const double off = towards.x() * from_at.y() - towards.y() * from_at.x();
+      if (cell.weight > 0 && std::abs(off) <= 0.5 * cell_m_)
+        along.emplace_back(towards.dot(from_at), cell.height_m);
+    }
+  std::ranges::sort(along, {}, [](const Vec2d& p) { return p.x(); });
+  return along;
+}
+
 std::vector<Places> places_of(const FrameResult& result,
                               const std::vector<Outline>& outlines,
                               double cell_m) {

@@ -27,6 +27,9 @@ class Places {
   /// What is within reach of cells that, in the mean with those about them, are farther than the
   /// limit from the plane: cells, and corners between them to 1.5 cells. Valid.
   Polygons near_off(double limit_m, double reach_m) const;
+  /// Measured places along the line through `at` towards a unit vector, to half a cell: how far
+  /// from `at`, and how high [m], in that order.
+  std::vector<Vec2d> cut(const Vec2d& at, const Vec2d& towards) const;
 
  private:
   struct Cell {

@@ -89,6 +89,21 @@ TEST(FootSpace, StaysOffPlacesThatAreNotOnThePlane) {
   EXPECT_GT(space.area_m2, 0.3);
 }
 
+TEST(Places, AreCutAlongALineByHowFarAndHowHigh) {
+  std::vector<Places::Measured> measured;
+  for (int y = 0; y < 5; ++y)
+    for (int x = 4; x >= 0; --x)
+      if (x != 3) measured.push_back({{0.02 * x, 0.02 * y}, 0.001 * x + 0.1 * (y != 2), 1});
+  const std::vector<Vec2d> cut = Places(measured, 0.02).cut({0.05, 0.05}, Vec2d::UnitX());
+  ASSERT_EQ(cut.size(), 4u) << "a row, but for the place where nothing was measured";
+  constexpr double kFar_m[] = {-0.04, -0.02, 0, 0.04}, kHigh_m[] = {0, 0.001, 0.002, 0.004};
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(cut[i].x(), kFar_m[i], 1e-9);
+    EXPECT_NEAR(cut[i].y(), kHigh_m[i], 1e-9);
+  }
+  EXPECT_TRUE(Places({}, 0.02).cut({0, 0}, Vec2d::UnitX()).empty());
+}
+
 TEST(FootSpace, KeepsTheWholeFootOnTheOutlineAndNeverCrashes) {
   Random random(7);
   for (int trial = 0; trial < 300; ++trial) {
