@@ -76,13 +76,23 @@ struct DrawArrow {
   bool operator==(const DrawArrow&) const = default;
 };
 
-struct DrawLabel {  // text at a place in the world, always on top
+/// Which of two labels stays where they would stand on each other: the lower, of equal ones the
+/// nearer.
+enum LabelRank : std::int32_t {
+  kSelectedLabel = 0,
+  kCurrentLabel = 1,
+  kFigureLabel = 2,      // of stairs
+  kPlaneLabel = 100,     // up to 1100, the smaller the plane
+  kNumeralLabel = 2000,  // of a node's case
+};
+
+struct DrawLabel {  // text at a place in the world, on top of all but another label
   Vec3f anchor;
   std::string text;  // UTF-8
   Rgba color;
   float size_px = 14;
   bool centered = true;
-  bool dispensable = false;  // left out where it would stand on another label
+  std::int32_t rank = kSelectedLabel;
   bool operator==(const DrawLabel&) const = default;
 };
 

@@ -218,7 +218,7 @@ void add_scale_bar(const Pen& pen, const View& view, double right, double bottom
 struct PlacedLabel {
   double depth_m = 0;
   double width = 0;
-  bool dispensable = false;
+  std::int32_t rank = kSelectedLabel;
   OverlayText text;
 
   bool overlaps(const PlacedLabel& other) const {
@@ -230,44 +230,42 @@ struct PlacedLabel {
   }
 };
 
-// Those that must stay first, then the nearest.
+// By rank, then the nearest.
 void drop_overlapping(std::vector<PlacedLabel>& labels) {
   std::stable_sort(labels.begin(), labels.end(), [](const PlacedLabel& a, const PlacedLabel& b) {
-    return a.dispensable != b.dispensable ? b.dispensable : a.depth_m < b.depth_m;
+    return a.rank != b.rank ? a.rank < b.rank : a.depth_m < b.depth_m;
   });
   std::vector<PlacedLabel> kept;
   for (PlacedLabel& label : labels) {
     const auto covers = [&](const PlacedLabel& other) { return label.overlaps(other); };
-    if (label.dispensable && std::any_of(kept.begin(), kept.end(), covers)) continue;
-    kept.push_back(std::move(label));
+    if (std::none_of(kept.begin(), kept.end(), covers)) kept.push_back(std::move(label));
   }
   labels = std::move(kept);
 }
 
 void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
   std::vector<PlacedLabel> placed;
+  const double scale = std::max(1.0, pen.scale);
   for (const DrawLabel& label : labels) {
     const auto at = project(view, label.anchor);
     if (!at || label.text.empty()) continue;
-    const double width = default_font().layout(label.text, label.size_px).width;
+    const double size_px = scale * label.size_px;
+    const double width = default_font().layout(label.text, size_px).width;
     const double x = at->px.x() - (label.centered ? width / 2 : 0);
     if (x > pen.width || x + width < 0) continue;
-    if (at->px.y() < -label.size_px || at->px.y() > pen.height + label.size_px) continue;
+    if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
     placed.push_back({at->depth_m,
                       width,
-                      label.dispensable,
+                      label.rank,
                       {.x = x,
-                       .baseline = at->px.y() + default_font().cap_height(label.size_px) / 2,
-                       .size_px = label.size_px,
+                       .baseline = at->px.y() + default_font().cap_height(size_px) / 2,
+                       .size_px = size_px,
                        .text = label.text,
                        .color = label.color,
                        .halo = pen.theme.halo,
-                       .halo_px = std::clamp(0.16 * label.size_px, 1.5, 4.0)}});
+                       .halo_px = std::clamp(0.16 * size_px, 1.5, 4.0)}});
   }
   drop_overlapping(placed);
-  std::stable_sort(placed.begin(), placed.end(), [](const PlacedLabel& a, const PlacedLabel& b) {
-    return a.depth_m > b.depth_m;  // the nearest on top
-  });
   for (PlacedLabel& label : placed) pen.overlay.labels.push_back(std::move(label.text));
 }
 

@@ -70,6 +70,11 @@ bool is_named(std::size_t voxels, std::size_t all) {
   return static_cast<double>(voxels) >= 0.008 * static_cast<double>(all);
 }
 
+std::int32_t plane_label_rank(std::size_t voxels, std::size_t all) {
+  return kPlaneLabel +
+         static_cast<std::int32_t>(1000 * (all - voxels) / std::max<std::size_t>(1, all));
+}
+
 float normal_arrow_m(std::span<const Vec3f> voxels) {
   return std::clamp(0.05F * robust_bounds(voxels).diagonal(), 0.06F, 1.0F);
 }

@@ -43,6 +43,8 @@ RobustBounds robust_bounds(std::span<const Vec3f> points);
 
 /// Whether a plane is large enough, as a share of all voxels, to get an arrow and a name.
 bool is_named(std::size_t voxels, std::size_t all);
+/// Of the name of a plane with so many of all voxels.
+std::int32_t plane_label_rank(std::size_t voxels, std::size_t all);
 /// Length of the arrows along planes' normals in a scene of these voxels.
 float normal_arrow_m(std::span<const Vec3f> voxels);
 

@@ -149,7 +149,8 @@ void add_numerals(const planes::FrameResult& result, double least_edge_m, DrawLi
   if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
   for (const planes::OctreeNode* node : nodes) {
     const DrawBox box = tile_of(result, *node);
-    list.labels.push_back({(box.min + box.max) / 2, case_numeral(*node), kSceneText, 15, true});
+    list.labels.push_back(
+        {(box.min + box.max) / 2, case_numeral(*node), kSceneText, 15, true, kNumeralLabel});
   }
 }
 
@@ -242,8 +243,8 @@ void add_plane_shapes(const Frame& frame,
     const Vec3f from = plane.fit.centroid.cast<float>();
     const Vec3f normal = plane.fit.normal.cast<float>();
     list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
-    list.labels.push_back(
-        {from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText, 19, true});
+    list.labels.push_back({from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText,
+                           19, true, plane_label_rank(plane.points, result.voxels.points.size())});
   }
 }
 
@@ -298,8 +299,9 @@ DrawList scene_overlay(const Frame& frame,
   list.points.push_back(std::move(points));
   for (const planes::PlaneRegion& plane : result.segmentation.planes)
     if (is_named(plane.points, result.voxels.points.size()))
-      list.labels.push_back(
-          {plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText, 19, true});
+      list.labels.push_back({plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText,
+                             19, true,
+                             plane_label_rank(plane.points, result.voxels.points.size())});
   add_gravity(result, list);
   add_plane_legend(result, color_of_plane, list);
   return list;

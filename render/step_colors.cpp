@@ -99,7 +99,8 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
 
 }  // namespace
 
-StepState step_state(const debug::Run& run, std::int32_t step) {
+StepState step_state(const debug::Run& run, const StepLook& look) {
+  const std::int32_t step = look.step;
   const debug::Timeline& timeline = run.timeline;
   const planes::Octree& octree = run.octree();
   const std::size_t n = run.subject->voxel_count();
@@ -118,7 +119,7 @@ StepState step_state(const debug::Run& run, std::int32_t step) {
                         : change.leftover ? StepState::kLeftover
                                           : StepState::kOpen;
   }
-  if (const planes::TraceEvent* event = run.event_at(step)) {
+  if (const planes::TraceEvent* event = look.show_current ? run.event_at(step) : nullptr) {
     state.node = event->node;
     state.plane = event->plane;
     state.voxel = event->point;

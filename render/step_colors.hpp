@@ -21,7 +21,7 @@ struct StepState {
   std::int32_t plane = -1;
   std::int32_t voxel = -1;
 };
-StepState step_state(const debug::Run& run, std::int32_t step);
+StepState step_state(const debug::Run& run, const StepLook& look);
 
 /// Colours of marks, not of data.
 struct MarkColors {

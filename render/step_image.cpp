@@ -60,7 +60,7 @@ Image8 image_backdrop(const debug::Subject& subject, Backdrop backdrop) {
 void paint_step(Image8& image, const debug::Run& run, const StepLook& look, double opacity) {
   if (image.empty()) return;
   const debug::Subject& subject = *run.subject;
-  const StepState state = step_state(run, look.step);
+  const StepState state = step_state(run, look);
   const std::vector<Rgba> colors = voxel_colors(run, look, state);
   const Rgba selected = mark_colors(look.theme).selected;
   // The camera's own picture is not painted over with itself.

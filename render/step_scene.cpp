@@ -47,7 +47,8 @@ struct Boxes {
   void add_waiting() const;
   void add_numerals(const std::vector<std::int32_t>& settled) const;
   void add_parents(std::int32_t of, Rgba color) const;
-  void add_frame(std::int32_t i, Rgba color, float width_px, const std::string& text) const;
+  void add_children(std::int32_t of) const;
+  void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const;
 };
 
 void Boxes::add_settled() const {
@@ -65,7 +66,7 @@ void Boxes::add_settled() const {
       box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
     list.boxes.push_back(box);
   }
-  if (by_case) add_numerals(settled);
+  if (by_case && look.show_numerals) add_numerals(settled);
 }
 
 /// Numerals on the largest, so that cases need not be told by colour alone.
@@ -77,14 +78,15 @@ void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
     if (octree.node_edge_m(node(i)) < least_edge_m || ++count > kMostNumerals) return;
     const DrawBox box = tile(i);
     list.labels.push_back({(box.min + box.max) / 2, case_numeral(node(i)),
-                           theme_colors(look.theme).ink, 15, true, true});
+                           theme_colors(look.theme).ink, 15, true, kNumeralLabel});
   }
 }
 
+Rgba waiting_color(Theme theme) { return with_alpha(theme_colors(theme).muted, 90); }
+
 /// The head of the queue.
 void Boxes::add_waiting() const {
-  Rgba color = theme_colors(look.theme).muted;
-  color.a = 90;
+  const Rgba color = waiting_color(look.theme);
   const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
   std::size_t count = 0;
   for (std::int32_t i = 0; i < n && count < kMostWaiting; ++i) {
@@ -107,7 +109,19 @@ void Boxes::add_parents(std::int32_t of, Rgba color) const {
   }
 }
 
-void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::string& text) const {
+/// What the node was divided into at this step.
+void Boxes::add_children(std::int32_t of) const {
+  const std::int32_t first = node(of).first_child;
+  const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
+  for (std::int32_t i = std::max(first, 0); first >= 0 && i < n && node(i).parent == of; ++i) {
+    if (run.timeline.node_state(i, look.step) != debug::NodeState::queued) continue;
+    DrawBox box = tile(i);
+    box.color = waiting_color(look.theme);
+    list.boxes.push_back(box);
+  }
+}
+
+void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const {
   DrawBox box = tile(i);
   DrawLines edges;
   edges.width_px = width_px;
@@ -122,7 +136,7 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, const std::str
   list.boxes.push_back(box);  // to be picked by
   // Below: above it stands the name of its voxel.
   const Vec3f foot((box.min.x() + box.max.x()) / 2, (box.min.y() + box.max.y()) / 2, box.min.z());
-  list.labels.push_back({foot, text, color, 15, true});
+  list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
 }
 
 void add_node_boxes(const debug::Run& run,
@@ -134,15 +148,15 @@ void add_node_boxes(const debug::Run& run,
   if (look.show_settled) boxes.add_settled();
   if (look.show_queue) boxes.add_waiting();
   const bool selected = look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step;
-  const auto name = [](std::int32_t node) { return "node " + std::to_string(node); };
+  if (state.node >= 0 && !look.show_queue) boxes.add_children(state.node);
   if (state.node >= 0 && state.node != look.node) {
     boxes.add_parents(state.node, marks.current);
-    boxes.add_frame(state.node, marks.current, 3, name(state.node));
+    boxes.add_frame(state.node, marks.current, 3, kCurrentLabel);
   }
   if (selected) {
     boxes.add_parents(look.node, marks.selected);
     boxes.add_frame(look.node, marks.selected, look.node == state.node ? 5.0F : 3.0F,
-                    name(look.node));
+                    kSelectedLabel);
   }
 }
 
@@ -189,7 +203,8 @@ void add_planes(const debug::Run& run,
                 const StepState& state,
                 DrawList& list) {
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
-  const float arrow_m = normal_arrow_m(points);
+  const float most_arrow_m = normal_arrow_m(points);
+  const auto voxel_m = static_cast<float>(run.subject->prepared.voxels.size_m);
   const Rgba ink = theme_colors(look.theme).ink;
   const Rgba selected_color = mark_colors(look.theme).selected;
   const auto members = points_by_plane(run, state);
@@ -212,19 +227,29 @@ void add_planes(const debug::Run& run,
                    list))
       continue;
 
-    const bool large = is_named(own.size(), points.size());
-    // Names of all others would stand among what is told about stairs.
-    if ((!large || (shapes && look.show_stairs && shapes->has_stairs())) && !selected && !current)
-      continue;
+    // While planes grow, the large ones; in the end those of the result, but for names that would
+    // stand among what is told about stairs.
+    const bool among_stairs = shapes && look.show_stairs && shapes->has_stairs();
+    const bool named =
+        shapes ? run.timeline.result_of_plane(plane) > 0 : is_named(own.size(), points.size());
+    if ((!named || among_stairs) && !selected && !current) continue;
     const Vec3f from = change->fit.centroid.cast<float>();
+    const float arrow_m = std::clamp(0.5F * voxel_m * std::sqrt(static_cast<float>(own.size())),
+                                     most_arrow_m / 3, most_arrow_m);
     // Towards the viewer: up, or to the sensor's side.
     Vec3f normal = change->fit.normal.cast<float>();
     const Vec3f to_sensor = run.subject->prepared.sensor().cast<float>() - from;
     if (run.timeline.label_of_plane(plane) == Label::h ? normal.z() < 0 : normal.dot(to_sensor) < 0)
       normal = -normal;
-    list.arrows.push_back({from, from + arrow_m * normal, strong, selected ? 3.5F : 2.5F});
-    list.labels.push_back({from + 1.35F * arrow_m * normal, debug::plane_name(plane),
-                           selected ? selected_color : ink, selected ? 19.0F : 16.0F, true});
+    if (look.show_normals)
+      list.arrows.push_back({from, from + arrow_m * normal, strong, selected ? 3.5F : 2.5F});
+    if (!look.show_names && !selected && !current) continue;
+    const std::int32_t rank = selected  ? kSelectedLabel
+                              : current ? kCurrentLabel
+                                        : plane_label_rank(own.size(), points.size());
+    list.labels.push_back({from + (look.show_normals ? 1.35F * arrow_m : 0.0F) * normal,
+                           debug::plane_name(plane), selected ? selected_color : ink,
+                           selected ? 19.0F : 16.0F, true, rank});
   }
 }
 
@@ -341,11 +366,8 @@ void add_step_legend(const debug::Run& run,
 // ---- The whole scene ----
 
 /// One voxel made large, so that it is found among its neighbours.
-void add_voxel(const debug::Run& run,
-               std::int32_t voxel,
-               Rgba color,
-               const std::string& text,
-               DrawList& list) {
+void add_voxel(
+    const debug::Run& run, std::int32_t voxel, Rgba color, LabelRank rank, DrawList& list) {
   if (voxel < 0) return;
   const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(voxel)];
   DrawPoints dot = voxel_points(planes::VoxelCloud{});
@@ -355,7 +377,8 @@ void add_voxel(const debug::Run& run,
   dot.min_px = 14;
   list.points.push_back(std::move(dot));
   const auto above = static_cast<float>(1.5 * run.subject->prepared.voxels.size_m + 0.01);
-  list.labels.push_back({at + Vec3f(0, 0, above), text, color, 15, true});
+  list.labels.push_back(
+      {at + Vec3f(0, 0, above), "voxel " + std::to_string(voxel), color, 15, true, rank});
 }
 
 }  // namespace
@@ -367,7 +390,7 @@ Picked picked(std::uint32_t id) {
 }
 
 DrawList scene_step(const debug::Run& run, const StepLook& look) {
-  const StepState state = step_state(run, look.step);
+  const StepState state = step_state(run, look);
   const MarkColors marks = mark_colors(look.theme);
   DrawList list;
   list.pick_points_first = true;
@@ -376,17 +399,15 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
   points.max_px = 120;  // surfaces stay closed when seen from nearby
-  list.points.push_back(std::move(points));
+  if (look.show_points) list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
   if (const PlaneScene* planes = finished(run, look)) {
     if (look.show_foot) add_foot_space(*planes, look.theme, list);
     if (look.show_stairs) add_stairs(*planes, look.theme, list);
   }
-  const auto name = [](std::int32_t voxel) { return "voxel " + std::to_string(voxel); };
-  if (state.voxel != look.voxel)
-    add_voxel(run, state.voxel, marks.current, name(state.voxel), list);
-  add_voxel(run, look.voxel, marks.selected, name(look.voxel), list);
+  if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
+  add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
   add_step_legend(run, look, state, list);
   return list;
 }

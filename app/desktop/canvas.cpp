@@ -22,7 +22,9 @@ struct LookKey {
             const render::StepLook& other) const {
     return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
            look.show_queue == other.show_queue && look.show_settled == other.show_settled &&
-           look.show_planes == other.show_planes && look.show_foot == other.show_foot &&
+           look.show_planes == other.show_planes && look.show_numerals == other.show_numerals &&
+           look.show_points == other.show_points && look.show_names == other.show_names &&
+           look.show_normals == other.show_normals && look.show_foot == other.show_foot &&
            look.show_stairs == other.show_stairs && look.planes == other.planes &&
            look.node == other.node && look.plane == other.plane && look.voxel == other.voxel &&
            look.theme == other.theme &&

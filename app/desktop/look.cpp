@@ -121,7 +121,11 @@ render::StepLook look_of(const State& state) {
   look.color_by = view.color_by;
   look.show_queue = view.show_queue;
   look.show_settled = view.show_settled;
+  look.show_numerals = view.show_numerals;
+  look.show_points = view.show_points;
   look.show_planes = view.show_planes;
+  look.show_normals = view.show_normals;
+  look.show_names = view.show_names;
   look.show_foot = view.show_foot;
   look.show_stairs = view.show_stairs;
   look.planes = state.plane_scene();
@@ -130,7 +134,9 @@ render::StepLook look_of(const State& state) {
   look.voxel = view.selected.voxel;
   look.marked = state.document.marked;
   look.theme = view.theme;
-  if (const planes::TraceEvent* event = state.event()) {
+  // Among finished planes nothing stands out that was not selected.
+  look.show_current = state.run() && view.step < state.run()->steps();
+  if (const planes::TraceEvent* event = look.show_current ? state.event() : nullptr) {
     const bool on_point = event->point >= 0 && event->point == look.voxel;
     if (event->node == look.node || on_point) look.node = -1;
     if (event->plane == look.plane) look.plane = -1;

@@ -54,6 +54,22 @@ TEST_F(Planes, HaveTrueOutlinesOnceAFrameIsShown) {
   EXPECT_FALSE(state().run_view()->outlines->shapes.at(0).rings.empty()) << "with the run itself";
 }
 
+TEST_F(Planes, AreWhatAFrameOpensOnWithNothingElse) {
+  const render::StepLook look = look_of(state());
+  EXPECT_EQ(look.step, state().run()->steps());
+  EXPECT_EQ(look.color_by, render::ColorBy::planes);
+  const render::DrawList list = render::scene_step(*state().run(), look);
+  EXPECT_TRUE(list.boxes.empty());
+  EXPECT_TRUE(list.arrows.empty());
+  EXPECT_EQ(list.points.size(), 1u) << "no voxel stands out";
+  EXPECT_EQ(list.labels.size(), state().run()->segmentation.planes.size()) << "each name once";
+  play(R"("step.previous")");
+  EXPECT_TRUE(look_of(state()).show_current);
+  play(R"({"key": "End"}, {"key": "V"}, {"key": "Y"}, {"key": "W"}, {"key": "B"})");
+  const render::StepLook shown = look_of(state());
+  EXPECT_TRUE(shown.show_normals && shown.show_settled && !shown.show_names && !shown.show_points);
+}
+
 TEST_F(Planes, OfAFootOrOfStairsChangeNoRun) {
   const auto run = state().run_view()->run;
   EXPECT_TRUE(look_of(state()).planes->foot.empty());

@@ -144,7 +144,9 @@ void go_to_step(State& state, std::int32_t step) {
   state.view.step = std::clamp(step, 0, run->steps());
   const planes::TraceEvent* event = state.event();
   Selection selected;
-  if (event) {
+  if (state.view.step == run->steps() && event) {
+    // Finished planes: nothing stands out among them.
+  } else if (event) {
     selected.node = event->node;
     selected.plane = event->plane;
     selected.voxel = event->point;

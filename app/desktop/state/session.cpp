@@ -109,7 +109,11 @@ Json view_json(const ViewState& view) {
   return {{"color_by", static_cast<int>(view.color_by)},
           {"show_queue", view.show_queue},
           {"show_settled", view.show_settled},
+          {"show_numerals", view.show_numerals},
+          {"show_points", view.show_points},
           {"show_planes", view.show_planes},
+          {"show_names", view.show_names},
+          {"show_normals", view.show_normals},
           {"show_foot", view.show_foot},
           {"show_stairs", view.show_stairs},
           {"backdrop", static_cast<int>(view.backdrop)},
@@ -139,7 +143,11 @@ void view_of(const Json& json, ViewState& view) {
   enum_of(json, "color_by", render::kColorBys, view.color_by);
   value_of(json, "show_queue", view.show_queue);
   value_of(json, "show_settled", view.show_settled);
+  value_of(json, "show_numerals", view.show_numerals);
+  value_of(json, "show_points", view.show_points);
   value_of(json, "show_planes", view.show_planes);
+  value_of(json, "show_names", view.show_names);
+  value_of(json, "show_normals", view.show_normals);
   value_of(json, "show_foot", view.show_foot);
   value_of(json, "show_stairs", view.show_stairs);
   enum_of(json, "backdrop", 2, view.backdrop);

@@ -186,8 +186,9 @@ struct ViewState {
 
   // 3D and image.
   std::optional<render::Camera> camera;  // nothing: the frame's own
-  render::ColorBy color_by = render::ColorBy::cases;
-  bool show_queue = true, show_settled = true, show_planes = true;
+  render::ColorBy color_by = render::ColorBy::planes;
+  bool show_points = true, show_planes = true, show_names = true, show_normals = false;
+  bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "render/font.hpp"
 #include "render/view.hpp"
@@ -150,11 +151,12 @@ TEST(Overlay, LongLegendFlowsIntoColumnsInsideThePicture) {
   EXPECT_LT(rightmost, 800);
 }
 
-TEST(Overlay, DispensableLabelGivesWayToWhatItWouldStandOn) {
+TEST(Overlay, ALabelGivesWayToAMoreImportantOneThatItWouldStandOn) {
   DrawList list;
-  list.labels = {{{0, 0, 0}, "IV", {}, 14, true, true},
-                 {{0, 0, 0}, "P3", {}, 14},
-                 {{0.3f, -0.3f, 0}, "II", {}, 14, true, true}};
+  list.labels = {{{0, 0, 0}, "IV", {}, 14, true, kNumeralLabel},
+                 {{0.01f, 0.01f, 0}, "P7", {}, 14, true, kPlaneLabel + 900},
+                 {{0, 0, 0}, "P3", {}, 14, true, kPlaneLabel + 10},
+                 {{0.3f, -0.3f, 0}, "II", {}, 14, true, kNumeralLabel}};
   const Overlay overlay = layout(list);
   std::vector<std::string> shown;
   for (const OverlayText& label : overlay.labels) shown.push_back(label.text);
@@ -162,15 +164,45 @@ TEST(Overlay, DispensableLabelGivesWayToWhatItWouldStandOn) {
   EXPECT_EQ(shown, (std::vector<std::string>{"II", "P3"}));
 }
 
-TEST(Overlay, LabelsBehindTheCameraAreLeftOutAndTheNearestComesLast) {
+TEST(Overlay, NoTwoLabelsStandOnEachOther) {
+  std::mt19937 random(7);
+  const auto number = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (int scene = 0; scene < 50; ++scene) {
+    DrawList list;
+    for (int i = 0; i < 60; ++i) {
+      const auto place = [&] { return 0.02f * static_cast<float>(number(80)) - 0.8f; };
+      list.labels.push_back({{place(), place(), place()},
+                             "P" + std::to_string(number(300)),
+                             {},
+                             static_cast<float>(12 + number(8)),
+                             true,
+                             number(3)});
+    }
+    const Overlay overlay = layout(list);
+    EXPECT_GE(overlay.labels.size(), 10u);
+    for (std::size_t a = 0; a < overlay.labels.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        const OverlayText &one = overlay.labels[a], &other = overlay.labels[b];
+        const auto width = [](const OverlayText& text) {
+          return default_font().layout(text.text, text.size_px).width;
+        };
+        const bool beside = one.x >= other.x + width(other) || other.x >= one.x + width(one);
+        const double high = 0.9 * std::max(one.size_px, other.size_px);
+        EXPECT_TRUE(beside || std::abs(one.baseline - other.baseline) >= high)
+            << one.text << " on " << other.text;
+      }
+  }
+}
+
+TEST(Overlay, LabelsBehindTheCameraAreLeftOut) {
   DrawList list;
   list.labels = {{{-0.5f, -0.5f, 0.5f}, "near", {}, 14, true},
-                 {{1, 1, -1}, "far", {}, 14, true},
+                 {{1, -0.5f, -1}, "far", {}, 14, true},
                  {{-3, -3, 3}, "behind", {}, 14, true}};
   const Overlay overlay = layout(list);
   ASSERT_EQ(overlay.labels.size(), 2u);
-  EXPECT_EQ(overlay.labels[0].text, "far");
-  EXPECT_EQ(overlay.labels[1].text, "near");
+  EXPECT_EQ(overlay.labels[0].text, "near");
+  EXPECT_EQ(overlay.labels[1].text, "far");
 }
 
 }  // namespace

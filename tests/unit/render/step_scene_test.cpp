@@ -124,6 +124,42 @@ TEST(StepScene, PlanesAppearWhenTheyAreFoundedInTheirOwnColour) {
   EXPECT_EQ(fill, plane_color(1));
 }
 
+TEST(StepScene, ADividedNodeShowsItsChildrenWithoutTheWholeQueue) {
+  const auto run = stairs_run();
+  std::int32_t step = first_step(*run, planes::EventType::decide);
+  while (run->octree().nodes[static_cast<std::size_t>(run->event_at(step)->node)].first_child < 0)
+    ++step;
+  StepLook look = look_at(step);
+  look.show_queue = look.show_settled = false;
+  const planes::OctreeNode& node =
+      run->octree().nodes[static_cast<std::size_t>(run->event_at(step)->node)];
+  std::set<std::int32_t> boxes;
+  for (const DrawBox& box : scene_step(*run, look).boxes) boxes.insert(picked(box.id).index);
+  for (std::int32_t child = 0; child < node.child_count; ++child)
+    EXPECT_TRUE(boxes.contains(node.first_child + child)) << child;
+  look.show_current = false;
+  EXPECT_TRUE(scene_step(*run, look).boxes.empty());
+}
+
+TEST(StepScene, PointsNamesAndNormalsAreSwitchedByThemselves) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps());
+  look.show_current = false;
+  const DrawList all = scene_step(*run, look);
+  EXPECT_NE(label(all, "P1"), nullptr);
+  EXPECT_FALSE(all.arrows.empty());
+  look.show_normals = false;
+  EXPECT_TRUE(scene_step(*run, look).arrows.empty());
+  EXPECT_NE(label(scene_step(*run, look), "P1"), nullptr);
+  look.show_names = false;
+  EXPECT_EQ(label(scene_step(*run, look), "P1"), nullptr);
+  look.plane = 0;
+  EXPECT_NE(label(scene_step(*run, look), "P1"), nullptr) << "selected";
+  look.show_points = false;
+  EXPECT_TRUE(scene_step(*run, look).points.empty());
+  EXPECT_FALSE(scene_step(*run, look).polygons.empty());
+}
+
 /// What is known of the run's planes: all of one shape, the first one carries a foot.
 std::shared_ptr<const PlaneScene> known_planes(const debug::Run& run) {
   auto scene = std::make_shared<PlaneScene>();

@@ -236,6 +236,14 @@ void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 c
                                       sign.c_str());
 }
 
+/// The event in words, without the refinement's name where that is the row's sign.
+std::string words_of(const debug::Run& run, std::int32_t step) {
+  const planes::TraceEvent& event = *run.event_at(step);
+  std::string text = debug::describe_event(run, step);
+  const std::string name = sign_of(event) + ": ";
+  return text.starts_with(name) ? text.substr(name.size()) : text;
+}
+
 void draw_row(const Ui& ui,
               const debug::Run& run,
               std::int32_t step,
@@ -280,9 +288,10 @@ void draw_row(const Ui& ui,
   const std::string number = std::to_string(step);
   draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
                 ui.colors.muted, number.c_str());
-  draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, text);
+  const std::string words = words_of(run, step);
+  draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, words);
   if (wrong)
-    draw->AddText(ImVec2(at.x + columns.text + math_width(ui, text) + ui.px(8), at.y),
+    draw->AddText(ImVec2(at.x + columns.text + math_width(ui, words) + ui.px(8), at.y),
                   ui.colors.bad, "≠ truth");
   const ImVec2 below = ImGui::GetCursorScreenPos();
   draw_sign(ui, event, ImVec2(at.x + columns.sign, at.y), color);
