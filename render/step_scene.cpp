@@ -353,7 +353,10 @@ void add_step_legend(const debug::Run& run,
   }
   const PlaneScene* planes = finished(run, look);
   if (look.show_stairs && planes && planes->complete && !planes->has_stairs())
-    list.legend.push_back({Mark::line, waiting, "no stairs, kerb or ramp"});
+    list.legend.push_back({Mark::line, waiting,
+                           run.subject->prepared.gravity.known()
+                               ? "no stairs, kerb or ramp"
+                               : "stairs were not sought: gravity is not known"});
   if (look.show_foot && look.color_by != ColorBy::steppable) {
     if (const std::string why = no_verdicts(run, look); !why.empty())
       list.legend.push_back({Mark::line, waiting, "foot space: " + why});

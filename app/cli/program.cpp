@@ -183,7 +183,9 @@ std::string message_of(const CLI::App& app, const CLI::ParseError& error) {
         return missing(path_of(app, *command), *option);
     for (const CLI::Option* option : command->get_options())
       if (error.get_name() == "ArgumentMismatch" && is_named(*option, error.what()))
-        return fmt::format("{} needs a value: {}", option->get_name(), option->get_type_name());
+        return option->count() > 1 ? option->get_name() + " is given more than once"
+                                   : fmt::format("{} needs a value: {}", option->get_name(),
+                                                 option->get_type_name());
     std::string text = error.what();
     return text.substr(0, text.find('\n'));
   }

@@ -80,10 +80,21 @@ WrittenFrame write_frame(const OpenInput& input,
                                 args.also);
     written.unknown_gravity = !loaded.result.gravity.known();
     written.line = line_of((out / folder).string(), loaded.result);
-    if (const std::string stairs = report::terrain_of(found.stairs).text(); !stairs.empty())
-      written.line += "\n  " + stairs;
+    const bool has_foot = options.foot.radius_m > 0;
+    const report::Terrain terrain = report::terrain_of(found, has_foot);
+    const auto steppable = std::ranges::count_if(found.footholds, &planes::Foothold::steppable);
     written.json = frame_json((out / folder).string(), loaded.result);
+    if (has_foot) {
+      written.line +=
+          fmt::format("\n  steppable: {} of {}, {:.2f} m2 for the foot's centre", steppable,
+                      counted(found.footholds.size(), "plane"), terrain.steppable_area_m2);
+      written.json["steppable"] = steppable;
+      written.json["steppable_area_m2"] = terrain.steppable_area_m2;
+    }
+    if (const std::string stairs = terrain.text(); !stairs.empty()) written.line += "\n  " + stairs;
     written.json["flights"] = found.stairs.flights.size();
+    written.json["kerbs"] = found.stairs.kerbs.size();
+    written.json["ramps"] = found.stairs.ramps.size();
   } catch (const FrameRefused& refusal) {
     written.refused = refusal.what();
   }

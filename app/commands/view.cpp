@@ -166,6 +166,7 @@ void define_view(CLI::App& app, Line& line) {
   view->get_option("--frames")->description("The frame to begin with; all are in the strip");
   view->get_option("--frames")->type_name("N");
   add_method(view, args->input.pipeline);
+  add_foot(view, args->input.pipeline);
   const std::string window = "Window";
   const auto option = [&](const char* name, auto& value, const char* type, const char* help) {
     return add(view, name, value, type, help)->group(window);

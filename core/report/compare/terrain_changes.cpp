@@ -56,6 +56,10 @@ std::string sentence(const std::string& start, const std::string& text) {
   return all;
 }
 
+std::string without_gravity(const ReportFrame& frame) {
+  return frame.gravity.known() ? "" : ": gravity is not known";
+}
+
 }  // namespace
 
 std::string flights_change(const FrameComparison& frame) {
@@ -103,11 +107,13 @@ std::string steppable_text(const ReportFrame& frame) {
   const auto steppable = std::ranges::count_if(frame.planes, [](const ReportPlane& plane) {
     return plane.footing && plane.footing->foot && plane.footing->foot->steppable;
   });
-  return fmt::format("{} of {} steppable", steppable, counted(frame.planes.size(), "plane"));
+  return fmt::format("{} of {} steppable{}", steppable, counted(frame.planes.size(), "plane"),
+                     without_gravity(frame));
 }
 
-std::string flights_text(const Terrain& terrain) {
-  return terrain.flights.empty() ? "no stairs are found" : texts_of(terrain.flights);
+std::string flights_text(const ReportFrame& frame) {
+  return frame.terrain->flights.empty() ? "no stairs are found" + without_gravity(frame)
+                                        : texts_of(frame.terrain->flights);
 }
 
 }  // namespace planescope::report

@@ -20,6 +20,6 @@ std::vector<std::string> terrain_changes(const FrameComparison& frame);
 
 /// "3 of 5 planes are steppable"; "no stairs are found".
 std::string steppable_text(const ReportFrame& frame);
-std::string flights_text(const Terrain& terrain);
+std::string flights_text(const ReportFrame& frame);
 
 }  // namespace planescope::report

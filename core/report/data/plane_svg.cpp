@@ -172,9 +172,17 @@ std::string facts_svg(const FramePlanes& found, std::size_t k, const Vec2d& corn
       corner + Vec2d(0, 14),
       fmt::format("Plane {}, {}, {:.2f} m2", s.id, to_string(s.label), found.outlines[k].area_m2),
       "title");
-  if (foothold.space)
-    svg += written(corner + Vec2d(0, 30),
-                   foothold.steppable ? "steppable" : "not steppable: " + foothold.why_not);
+  if (foothold.space) {
+    // Reasons that are too long for the panel: how many, the first in full.
+    constexpr std::size_t kMostLetters = 58;
+    std::string why = foothold.why_not;
+    if (why.size() > kMostLetters) {
+      const auto more = std::ranges::count(why, ';');
+      why = fmt::format("{}; {} more", why.substr(0, why.find(';')), more);
+    }
+    svg +=
+        written(corner + Vec2d(0, 30), foothold.steppable ? "steppable" : "not steppable: " + why);
+  }
   const std::string slope = std::isnan(surface.slope_deg)
                                 ? std::string("slope not known")
                                 : fmt::format("slope {:.1f} deg", surface.slope_deg);

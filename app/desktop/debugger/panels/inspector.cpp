@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/debug/explain/explain.hpp"
@@ -286,7 +287,10 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   ImGui::Separator();
   heading(ui, "Plane " + debug::plane_name(plane));
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", word_of(run.timeline.label_of_plane(plane)));
+  std::string what = word_of(run.timeline.label_of_plane(plane));
+  if (const int id = finished_plane(ui.state, plane); id > 0)
+    what += fmt::format(", plane {} of the result", id);
+  ImGui::TextDisabled("%s", what.c_str());
   const auto changes = run.timeline.changes_of_plane(plane);
   if (!now) {
     ImGui::TextDisabled("not founded yet at this step");

@@ -12,6 +12,8 @@ namespace {
 
 /// Why there is nothing to tell at the cursor; empty where there is.
 std::string why_untold(const State& state) {
+  if (!state.run()->subject->prepared.gravity.known())
+    return "Gravity is not known, so stairs, kerbs and ramps were not sought.";
   if (!state.planes()) return "Finding out about the planes …";
   return state.view.step == state.run()->steps() ? ""
                                                  : "At the last step, where planes are finished.";
