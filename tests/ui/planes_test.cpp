@@ -174,6 +174,13 @@ TEST_F(Planes, TellOfTheFootThatIsSetAlsoWhereAnotherWasTriedInPassing) {
   EXPECT_EQ(state().planes()->key, planes_key(state().document.options));
 }
 
+TEST_F(Planes, HaveTheSameFootInBothOfTwoRunsAndKeepItWhereOptionsGoBackToThoseOfA) {
+  give_foot();
+  play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"}, "run.restore")");
+  EXPECT_EQ(state().document.options.segment.theta_n_out, 5);
+  EXPECT_EQ(state().document.options.foot.radius_m, 0.08);
+}
+
 TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {
   play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"})");
   const auto b = look_of(state()).planes;
