@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/model/error.hpp"
 #include "core/planes/outline/mesh.hpp"
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
@@ -130,7 +131,12 @@ std::vector<PlaneShape> plane_shapes(std::span<const planes::Outline> outlines,
 }
 
 void fill_shape(const planes::Outline& outline, const Vec3d& origin, PlaneShape& shape) {
-  const planes::Mesh mesh = planes::mesh_of(outline);
+  planes::Mesh mesh;
+  try {
+    mesh = planes::mesh_of(outline);
+  } catch (const Error&) {
+    return;  // its lines tell as much; one fill is not worth all that is drawn with it
+  }
   for (const Vec3d& corner : mesh.vertices)
     shape.corners.push_back((corner - origin).cast<float>());
   for (const std::array<int, 3>& triangle : mesh.triangles)

@@ -28,6 +28,7 @@ struct PlaneShape {
 /// One for each plane, by id - 1, not filled yet. `origin`: of the scene, in the world.
 std::vector<PlaneShape> plane_shapes(std::span<const planes::Outline> outlines,
                                      const Vec3d& origin);
+/// Leaves a shape unfilled where its outline has no triangulation.
 void fill_shape(const planes::Outline& outline, const Vec3d& origin, PlaneShape& shape);
 
 struct FootShape {

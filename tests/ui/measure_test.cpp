@@ -110,6 +110,15 @@ TEST_F(Measuring, WhatIsNoPlaceIsToldInOneLineAndChangesNothing) {
   }
 }
 
+TEST_F(Measuring, APlaneHasNoDistanceToItself) {
+  const std::string pixel = pixel_of_level(0);
+  play("\"measure.planes\"");
+  click(pixel);
+  click(pixel);
+  EXPECT_TRUE(state().view.message.ends_with(" was clicked before")) << state().view.message;
+  EXPECT_EQ(ends().size(), 1u);
+}
+
 TEST_F(Measuring, OtherUsesOfAClickTakeItsPlace) {
   play(
       R"({"key": "U"}, {"key": "M"}, {"expect": {"click": ""}}, {"key": "U"}, {"expect": {"click": "point"}})");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "app/desktop/debugger/plane_text.hpp"
+#include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/state/session.hpp"
 #include "desktop_fixture.hpp"
@@ -179,6 +180,21 @@ TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
       ++told;
     }
   EXPECT_GT(told, 0u);
+}
+
+TEST_F(Planes, TellOfTheFootThatIsSetAlsoWhereAnotherWasTriedInPassing) {
+  give_foot();
+  play(R"({"do": "option.set", "with": "foot_radius_m=0.3", "wait": false},
+          {"frames": 1, "wait": false},
+          {"do": "option.set", "with": "foot_radius_m=0.08"})");
+  EXPECT_EQ(state().planes()->key, planes_key(state().document.options));
+}
+
+TEST_F(Planes, HaveTheSameFootInBothOfTwoRunsAndKeepItWhereOptionsGoBackToThoseOfA) {
+  give_foot();
+  play(R"("run.pin", {"do": "option.set", "with": "theta_n_out=9"}, "run.restore")");
+  EXPECT_EQ(state().document.options.segment.theta_n_out, 5);
+  EXPECT_EQ(state().document.options.foot.radius_m, 0.08);
 }
 
 TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {

@@ -14,6 +14,14 @@ bool has_truth(const State& state) {
   return has_current(state) && state.results.current->run->subject->voxel_truth.known();
 }
 
+/// A foot and stairs stay: they are no run's own, both A and B are told of by the same.
+void restore(State& state) {
+  planes::PipelineOptions after = state.results.pinned->run->options;
+  after.foot = state.document.options.foot;
+  after.stairs = state.document.options.stairs;
+  change_options(state, after);
+}
+
 void pin(State& state) {
   unflash(state);
   state.results.pinned = state.results.current;
@@ -76,7 +84,7 @@ std::vector<Action> compare_actions() {
        menu,
        "Ctrl+Shift+A",
        "",
-       [](State& s, const std::string&) { change_options(s, s.results.pinned->run->options); },
+       [](State& s, const std::string&) { restore(s); },
        has_pinned,
        {}},
       {"compare.against",

@@ -33,6 +33,8 @@ void add_end(State& state, const std::string& text) {
   std::vector<debug::MeasureEnd>& ends = state.view.measured;
   try {
     debug::MeasureEnd end = end_at(state, text);
+    if (ends.size() == 1 && end.normal && end.name == ends[0].name && end.normal == ends[0].normal)
+      throw Error(end.name + " was clicked before");
     if (ends.size() >= 2) ends.clear();
     ends.push_back(std::move(end));
   } catch (const Error& error) {

@@ -148,7 +148,7 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
       {"known to",
        fmt::format("tilt {:.2g}°, {:.2g}°; offset {}", kDegrees * certainty.sigma_tilt_rad[0],
                    kDegrees * certainty.sigma_tilt_rad[1], fine_mm(certainty.sigma_offset_m)),
-       "standard deviations: of the tilt about its two axes, the longer extent first, "
+       "standard deviations: of the tilt towards its two axes, the longer extent first, "
        "and of the offset at its centroid"});
   lines.push_back(
       {"clearance", mm(surface.clearance_m), "radius of the largest circle in its outline"});

@@ -227,7 +227,8 @@ void Jobs::Impl::pursue_planes(State& state) {
   const RunPlanes* known = state.planes();
   if (known && known->key == key) return;
   covers.replace([this, view, options = state.document.options](std::stop_token) {
-    deliver([planes = planes_of_run(view, options)](State& s) {
+    deliver([this, planes = planes_of_run(view, options)](State& s) {
+      if (planes->key != planes_by) return;  // what is asked for by now may have been known before
       std::erase_if(s.results.planes, [&](const auto& other) { return other->of == planes->of; });
       s.results.planes.push_back(planes);
     });

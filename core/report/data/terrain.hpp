@@ -28,7 +28,7 @@ struct Footing {
   // As planes::Surface has them.
   double slope_deg = std::nan("");
   double rough_rms_m = 0, rough_step_m = 0, support = 0, clearance_m = 0;
-  double tilt_sigma_deg[2] = {0, 0};  // about the axis of the longer extent, and of the shorter
+  double tilt_sigma_deg[2] = {0, 0};  // towards the axis of the longer extent, the shorter
   double offset_sigma_m = 0;
 
   std::optional<FootRoom> foot;  // where one was given

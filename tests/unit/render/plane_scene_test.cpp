@@ -72,6 +72,14 @@ TEST_F(PlaneScenePixels, APlaneIsNotPickedThroughItsHole) {
   EXPECT_EQ(ids.at(kWidth / 2 + 28, kHeight / 2), 7u);
 }
 
+TEST(PlaneScene, AnOutlineWithoutATriangulationIsDrawnByItsLines) {
+  planes::Outline outline = with_hole(true);
+  outline.parts[0].holes.push_back({{0.2, 0.2}, {0.25, 0.2}});  // no ring
+  const PlaneShape shape = filled(outline);
+  EXPECT_TRUE(shape.triangles.empty());
+  EXPECT_FALSE(shape.rings.empty());
+}
+
 TEST(PlaneScene, WhatIsUnknownIsDashedAndNotFilled) {
   const PlaneShape known = filled(with_hole(true)), unknown = filled(with_hole(false));
   EXPECT_NEAR(length_m(known.rings), 2.4 + 0.8, 1e-5);

@@ -47,8 +47,11 @@ void draw_compare_controls(const Ui& ui) {
 
 void draw_options(const Ui& ui, const debug::Run& a, const debug::Run& b) {
   bool any = false;
+  planes::PipelineOptions of_b = b.options;
+  of_b.foot = a.options.foot;  // no run's own: both are told of by the same
+  of_b.stairs = a.options.stairs;
   for (const planes::OptionInfo& info : planes::option_table()) {
-    const std::string before = info.get(a.options), after = info.get(b.options);
+    const std::string before = info.get(a.options), after = info.get(of_b);
     if (before == after) continue;
     any = true;
     ImGui::TextUnformatted(info.name.c_str());
