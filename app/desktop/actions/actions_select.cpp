@@ -157,6 +157,7 @@ std::vector<Action> selection_actions() {
          const bool leaves = view.click != Click::selects || view.marking || !view.measured.empty();
          view.click = Click::selects;
          view.marking = false;
+         if (!view.measured.empty()) view.message.clear();  // what was measured
          view.measured.clear();
          if (!leaves) view.selected = {};
        },

@@ -25,13 +25,22 @@ std::string height_text(double height_m) {
   return distance_text(std::abs(height_m)) + (height_m < 0 ? " down" : " up");
 }
 
-/// "12 cm above P3", "P5 12 cm in front of P3".
+/// Planes at a larger angle have no one distance: it is that of the place that was clicked.
+constexpr double kParallelDeg = 15;
+
+double angle_deg(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
+}
+
+/// "12 cm above P3", "P5 12 cm in front of P3", "a place on P5 12 cm above P3".
 std::string text_from_plane(const MeasureEnd& plane, const MeasureEnd& other, double off_m) {
   const char* side = plane.is_level ? off_m < 0 ? "below" : "above"
                      : off_m < 0    ? "behind"
                                     : "in front of";
-  return fmt::format("{}{}{} {} {}", other.name, other.name.empty() ? "" : " ",
-                     distance_text(std::abs(off_m)), side, plane.name);
+  std::string what = other.name.empty() ? "" : other.name + " ";
+  if (other.normal && angle_deg(*plane.normal, *other.normal) > kParallelDeg)
+    what = "a place on " + what;
+  return fmt::format("{}{} {} {}", what, distance_text(std::abs(off_m)), side, plane.name);
 }
 
 }  // namespace
@@ -100,8 +109,7 @@ Measurement measure(const Subject& subject, const MeasureEnd& first, const Measu
     measured.text += "; gravity is not known, so no heights";
   }
   if (first.normal && second.normal) {
-    const double cosine = std::abs(first.normal->dot(*second.normal));
-    measured.angle_deg = std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi;
+    measured.angle_deg = angle_deg(*first.normal, *second.normal);
     const std::string angle = fmt::format("{:.1f}°", *measured.angle_deg);
     measured.text += ", at an angle of " + angle;
     measured.label += ", " + angle;
