@@ -130,6 +130,10 @@ TEST(Searching, NextAndPreviousMatchWalkTheMatches) {
   apply(state, {"filter.previous", ""});
   EXPECT_EQ(state.view.step, state.view.search.matches[0]);
   EXPECT_EQ(event_of(state).node_case, 4);
+  apply(state, {"filter.previous", ""});
+  EXPECT_EQ(state.view.step, state.view.search.matches.back()) << "round the beginning";
+  apply(state, {"filter.next", ""});
+  EXPECT_EQ(state.view.step, state.view.search.matches[0]) << "round the end";
 }
 
 TEST(Searching, AWrongFilterSaysWhereAndFindsNothing) {

@@ -24,15 +24,17 @@ void to_match(State& state, int direction) {
   const Search& search = state.view.search;
   if (!search.filter) return say(state, "no filter is set: type one above the events (Ctrl+F)");
   const auto& matches = search.matches;
+  if (matches.empty()) return say(state, "no event matches " + search.text);
+  // Round the ends: a frame opens at its last step.
   const std::int32_t step = state.view.step;
   if (direction > 0) {
     const auto next = std::upper_bound(matches.begin(), matches.end(), step);
-    if (next == matches.end()) return say(state, "no later event matches " + search.text);
-    go_to_step(state, *next);
+    if (next == matches.end()) say(state, "no later event matches: from the beginning");
+    go_to_step(state, next == matches.end() ? matches.front() : *next);
   } else {
     const auto next = std::lower_bound(matches.begin(), matches.end(), step);
-    if (next == matches.begin()) return say(state, "no earlier event matches " + search.text);
-    go_to_step(state, *(next - 1));
+    if (next == matches.begin()) say(state, "no earlier event matches: from the end");
+    go_to_step(state, next == matches.begin() ? matches.back() : *(next - 1));
   }
   state.view.playing.direction = 0;
 }
