@@ -1,5 +1,6 @@
 #include "render/step_colors.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "render/palette.hpp"
@@ -148,6 +149,23 @@ MarkColors mark_colors(Theme theme) {
           .waiting = dark ? Rgba{86, 92, 102, 255} : Rgba{201, 205, 211, 255}};
 }
 
+std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
+                                           const StepLook& look,
+                                           const StepState& state) {
+  std::vector<std::uint8_t> concerned(run.subject->voxel_count(), 0);
+  for (const std::int32_t i : {look.node, state.node}) {
+    if (i < 0 || run.timeline.queued_at()[i] > look.step) continue;
+    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(i)];
+    for (std::uint32_t k = node.begin; k < node.end; ++k) concerned[run.octree().order[k]] = 1;
+  }
+  for (const std::int32_t plane : {look.plane, state.plane})
+    for (std::size_t v = 0; plane >= 0 && v < concerned.size(); ++v)
+      if (state.plane_of[v] == plane) concerned[v] = 1;
+  const auto count = static_cast<std::size_t>(std::ranges::count(concerned, 1));
+  if (count == 0 || count == concerned.size()) concerned.clear();
+  return concerned;
+}
+
 std::vector<Rgba> voxel_colors(const debug::Run& run,
                                const StepLook& look,
                                const StepState& state) {
@@ -157,14 +175,6 @@ std::vector<Rgba> voxel_colors(const debug::Run& run,
   const auto emphasise = [&](std::size_t voxel, Rgba mark) {
     if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
   };
-  if (look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step) {
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
-    for (std::uint32_t k = node.begin; k < node.end; ++k)
-      emphasise(run.octree().order[k], marks.selected);
-  }
-  if (look.plane >= 0)
-    for (std::size_t v = 0; v < colors.size(); ++v)
-      if (state.plane_of[v] == look.plane) emphasise(v, marks.selected);
   for (const std::uint32_t voxel : look.marked) emphasise(voxel, marks.marked);
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
     if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size())

@@ -32,7 +32,13 @@ struct MarkColors {
 };
 MarkColors mark_colors(Theme theme);
 
-/// Per voxel, as `look` asks, with what is selected and marked standing out.
+/// Per voxel: 1 where it belongs to the node or plane that is selected or that the step is about.
+/// Empty where there is none, and where it is all of them: nothing recedes then.
+std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
+                                           const StepLook& look,
+                                           const StepState& state);
+
+/// Per voxel, as `look` asks, with single ones and the marked region standing out.
 std::vector<Rgba> voxel_colors(const debug::Run& run, const StepLook& look, const StepState& state);
 
 /// What the colours show: only our method has cases and margins, for others planes and labels take

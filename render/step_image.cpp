@@ -67,16 +67,14 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
   const int share = look.color_by == ColorBy::camera
                         ? 0
                         : static_cast<int>(std::lround(256 * std::clamp(opacity, 0.0, 1.0)));
-  // What is pointed at is seen however faint the rest is.
+  // What is pointed at is seen however faint the rest is, which recedes.
   constexpr int kLeastShare = 140;
-  std::vector<std::uint8_t> pointed(colors.size(), 0);
+  std::vector<std::uint8_t> pointed = concerned_voxels(run, look, state);
+  const int rest = pointed.empty() ? share : share / 2;
+  pointed.resize(colors.size(), 0);
   const auto point_at = [&](std::size_t voxel) {
     if (voxel < pointed.size()) pointed[voxel] = 1;
   };
-  if (look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step) {
-    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(look.node)];
-    for (std::uint32_t k = node.begin; k < node.end; ++k) point_at(run.octree().order[k]);
-  }
   for (const std::uint32_t voxel : look.marked) point_at(voxel);
   for (const std::int32_t voxel : {look.voxel, state.voxel})
     if (voxel >= 0) point_at(static_cast<std::size_t>(voxel));
@@ -90,7 +88,7 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
     for (int x = 0; x < image.width; ++x, pixel += 3) {
       const std::uint32_t voxel = row.voxels[x];
       if (voxel != planes::kNoVoxel)
-        blend(pixel, colors[voxel], pointed[voxel] ? std::max(share, kLeastShare) : share);
+        blend(pixel, colors[voxel], pointed[voxel] ? std::max(share, kLeastShare) : rest);
       if (!look.show_planes) continue;
       const std::int32_t plane = row.planes[x];
       std::int32_t contour = last ? -1 : contour_between(plane, below.planes[x]);

@@ -399,6 +399,13 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   list.pick_points_first = true;
   DrawPoints points = voxel_points(run.subject->prepared.voxels);
   points.colors = voxel_colors(run, look, state);
+  // Lightness tells what is concerned; the hue is the colours' own.
+  constexpr double kReceded = 0.45;
+  const std::vector<std::uint8_t> concerned = concerned_voxels(run, look, state);
+  for (std::size_t v = 0; v < concerned.size(); ++v)
+    if (!concerned[v])
+      points.colors[v] =
+          mix(points.colors[v], theme_colors(look.theme).background_bottom, kReceded);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
   points.max_px = 120;  // surfaces stay closed when seen from nearby

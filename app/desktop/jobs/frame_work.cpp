@@ -173,6 +173,7 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
     render::StepLook look;
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
+    look.show_current = false;
     thumbnail.image =
         run->subject->frame.depth.empty()
             ? cloud_thumbnail(*run, kThumbnailWidth)

@@ -101,13 +101,13 @@ TEST(StepScene, BeforeTheFirstEventAllVoxelsWaitInTheRoot) {
 
 TEST(StepScene, SettledVoxelsHaveTheColourOfTheirCaseAtTheEnd) {
   const auto run = stairs_run();
-  const DrawList list = scene_step(*run, look_at(run->steps()));
+  StepLook look = look_at(run->steps());
+  look.show_current = false;
+  const DrawList list = scene_step(*run, look);
   for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
     const std::int32_t node =
         run->timeline.node_of_point(static_cast<std::int32_t>(v), run->steps());
     const Rgba expected = case_color(run->octree().nodes[static_cast<std::size_t>(node)].decided);
-    const planes::TraceEvent& last = run->trace.events.back();
-    if (last.point == static_cast<std::int32_t>(v)) continue;  // stands out
     ASSERT_EQ(list.points[0].colors[v], expected) << v;
   }
 }
@@ -227,11 +227,11 @@ TEST(StepScene, FootSpaceAndStairsAreLayersOfTheirOwn) {
 TEST(StepScene, VoxelsShowWhetherTheirPlaneCarriesAFoot) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps(), ColorBy::steppable);
+  look.show_current = false;
   EXPECT_TRUE(legend_says(scene_step(*run, look), "being found out"));
   look.planes = known_planes(*run);
   const DrawList list = scene_step(*run, look);
   for (std::size_t v = 0; v < run->subject->voxel_count(); ++v) {
-    if (run->trace.events.back().point == static_cast<std::int32_t>(v)) continue;  // stands out
     const std::int32_t id = run->segmentation.plane_of[v];
     ASSERT_EQ(list.points[0].colors[v], id > 0 ? verdict_color(id == 1) : leftover_color()) << v;
   }
@@ -254,9 +254,10 @@ TEST(StepScene, WithoutAFootTheLegendSaysHowToGiveOne) {
   EXPECT_TRUE(legend_says(scene_step(*run, look), "foot_radius_m"));
 }
 
-TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
+TEST(StepScene, WhatIsSelectedHasItsNameAndKeepsItsColourAsTheRestRecedes) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
+  look.show_current = false;
   const DrawList plain = scene_step(*run, look);
   look.node = run->octree().nodes[0].first_child;
   look.plane = 0;
@@ -269,10 +270,18 @@ TEST(StepScene, WhatIsSelectedStandsOutByNameAndColour) {
   EXPECT_NE(label(list, "node " + std::to_string(look.node)), nullptr);
   EXPECT_GT(list.lines.size(), plain.lines.size());
   const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
-  for (std::uint32_t i = node.begin; i < node.end; ++i) {
-    const std::uint32_t v = run->octree().order[i];
-    EXPECT_FALSE(list.points[0].colors[v] == plain.points[0].colors[v]);
+  std::set<std::uint32_t> concerned = {17};
+  for (std::uint32_t i = node.begin; i < node.end; ++i) concerned.insert(run->octree().order[i]);
+  for (std::uint32_t v = 0; v < run->subject->voxel_count(); ++v) {
+    if (v == 17) continue;
+    const bool is_concerned =
+        concerned.contains(v) ||
+        run->timeline.point_at(static_cast<std::int32_t>(v), look.step).plane == 0;
+    EXPECT_EQ(list.points[0].colors[v] == plain.points[0].colors[v], is_concerned) << v;
   }
+  look.node = 0;  // all of them: nothing recedes
+  look.voxel = look.plane = -1;
+  EXPECT_EQ(scene_step(*run, look).points[0].colors, plain.points[0].colors);
 }
 
 TEST(StepScene, SelectedNodeThatIsNotThereYetIsNotDrawn) {
@@ -330,7 +339,7 @@ TEST(StepImage, PaintsMeasuredPixelsOnly) {
 TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
-  look.show_planes = false;
+  look.show_planes = look.show_current = false;
   look.node = run->octree().nodes[0].first_child;
   const Image8 before = image_backdrop(*run->subject, Backdrop::depth);
   const Image8 after = image_step(*run, look, Backdrop::depth, 0);
@@ -339,9 +348,7 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
                                  run->octree().order.begin() + node.end);
   for (std::size_t i = 0; i < before.pixels(); ++i) {
     const std::uint32_t voxel = run->subject->voxel_of_source(i);
-    if (voxel == planes::kNoVoxel ||
-        static_cast<std::int32_t>(voxel) == run->trace.events.back().point)
-      continue;
+    if (voxel == planes::kNoVoxel) continue;
     const bool changed = differs(before, after, i);
     ASSERT_EQ(changed, inside.count(voxel) == 1) << i;
   }
