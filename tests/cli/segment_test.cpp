@@ -258,7 +258,8 @@ TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall());
   ASSERT_EQ(run(segment_args(dir / "rec", dir / "bare")).code, 0);
-  for (const Json& plane : planes_of(dir / "bare")["planes"]) {
+  const Json bare = planes_of(dir / "bare");
+  for (const Json& plane : bare["planes"]) {
     EXPECT_GT(plane["outline_area_m2"].get<double>(), 0.1);
     EXPECT_GT(plane["certainty"]["offset_sigma_m"].get<double>(), 0);
     EXPECT_EQ(plane["certainty"]["covariance"].size(), 3u);
@@ -268,6 +269,7 @@ TEST(Segment, TellsHowWellEachPlaneIsKnownAndWhereAFootMayGo) {
   const Ran ran =
       run(segment_args(dir / "rec", dir / "foot", {"--gravity", "0,1,0", "--foot", "0.08x0.06"}));
   ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("steppable: 1 of 2 planes, "), std::string::npos) << ran.out;
   const Json json = planes_of(dir / "foot");
   EXPECT_EQ(json["options"]["foot_radius_m"], 0.05) << "half of its diagonal: any yaw is allowed";
   for (const Json& plane : json["planes"]) {
