@@ -237,10 +237,9 @@ void add_planes(const debug::Run& run,
     const float arrow_m = std::clamp(0.5F * voxel_m * std::sqrt(static_cast<float>(own.size())),
                                      most_arrow_m / 3, most_arrow_m);
     // Towards the viewer: up, or to the sensor's side.
-    Vec3f normal = change->fit.normal.cast<float>();
-    const Vec3f to_sensor = run.subject->prepared.sensor().cast<float>() - from;
-    if (run.timeline.label_of_plane(plane) == Label::h ? normal.z() < 0 : normal.dot(to_sensor) < 0)
-      normal = -normal;
+    const Vec3f normal = planes::outward_normal(change->fit, run.timeline.label_of_plane(plane),
+                                                run.subject->prepared.sensor())
+                             .cast<float>();
     if (look.show_normals)
       list.arrows.push_back({from, from + arrow_m * normal, strong, selected ? 3.5F : 2.5F});
     if (!look.show_names && !selected && !current) continue;

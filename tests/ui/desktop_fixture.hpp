@@ -3,6 +3,7 @@
 // A desktop on the sample recording: its state alone, or the whole shell with no window, in the
 // debugger or in the label mode with labels in a folder of the test's own.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -105,14 +106,33 @@ inline void play_actions(Shell& shell,
 
 /// The sample has been opened and run; panels are drawn nowhere.
 struct OpenDesktop : testing::Test {
-  Shell shell{open_state(), nullptr, [] {}};
+  Shell shell;
   NoStage stage{shell};
 
+  explicit OpenDesktop(State opened = open_state()) : shell(std::move(opened), nullptr, [] {}) {}
   void SetUp() override { settle(shell, stage, {}); }
   const State& state() const { return shell.state(); }
   bool shown(const std::string& widget) const { return shell.widgets().contains(widget); }
   void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
 };
+
+/// The same with the profile that finds all of the sample's planes.
+struct RefinedDesktop : OpenDesktop {
+  RefinedDesktop() : OpenDesktop(opened()) {}
+  static State opened() {
+    State state = open_state(planes::Profile::refined);
+    state.view.tool_tab = "histograms";  // needs no curves along sliders
+    return state;
+  }
+};
+
+/// A script's step: a click of the mouse on a pixel "U,V" of the sample's image.
+inline std::string click_on(const std::string& pixel) {
+  const auto comma = pixel.find(',');
+  return fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
+                     (std::stod(pixel.substr(0, comma)) + 0.5) / 640,
+                     (std::stod(pixel.substr(comma + 1)) + 0.5) / 480);
+}
 
 inline State open_state_with_labels(const std::filesystem::path& label_dir,
                                     const std::filesystem::path& recording = sample_path()) {

@@ -84,12 +84,7 @@ struct GravityClicks : testing::Test {
     return pixel_of([label](const LabelPlane& plane) { return plane.label == label; });
   }
   /// A click of the mouse on that pixel.
-  void click(const std::string& pixel) {
-    const auto comma = pixel.find(',');
-    play(fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
-                     (std::stod(pixel.substr(0, comma)) + 0.5) / 640,
-                     (std::stod(pixel.substr(comma + 1)) + 0.5) / 480));
-  }
+  void click(const std::string& pixel) { play(click_on(pixel)); }
 };
 
 TEST_F(GravityClicks, AFrameWithoutGravityShowsItsPlanesAndWhatToClick) {

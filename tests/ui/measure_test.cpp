@@ -8,21 +8,9 @@ namespace planescope::desktop {
 namespace {
 
 /// The sample's stairs.
-struct Measuring : testing::Test {
-  Shell shell{opened(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  static State opened() {
-    State state = open_state(planes::Profile::refined);
-    state.view.tool_tab = "histograms";  // needs no curves along sliders
-    return state;
-  }
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
+struct Measuring : RefinedDesktop {
   const std::vector<debug::MeasureEnd>& ends() const { return state().view.measured; }
   std::string fact(const char* name) const { return state_facts(state(), true).at(name); }
-  bool shows(const std::string& widget) const { return shell.widgets().contains(widget); }
-  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
   /// A pixel of a level plane of the result, the lowest first.
   std::string pixel_of_level(int which) const {
     const debug::Run& run = *state().run();
@@ -44,18 +32,13 @@ struct Measuring : testing::Test {
     ADD_FAILURE() << "no such pixel";
     return "0,0";
   }
-  void click(const std::string& pixel) {
-    const auto comma = pixel.find(',');
-    play(fmt::format(R"({{"click": "image", "at": [{}, {}]}})",
-                     (std::stod(pixel.substr(0, comma)) + 0.5) / 640,
-                     (std::stod(pixel.substr(comma + 1)) + 0.5) / 480));
-  }
+  void click(const std::string& pixel) { play(click_on(pixel)); }
 };
 
 TEST_F(Measuring, TwoClicksOnPointsSayHowFarApartTheyAre) {
   const std::string low = pixel_of_level(0), high = pixel_of_level(1);
   play(R"({"key": "U"}, {"expect": {"click": "point"}})");
-  EXPECT_TRUE(shows("measure.line"));
+  EXPECT_TRUE(shown("measure.line"));
   click(low);
   ASSERT_EQ(ends().size(), 1u);
   EXPECT_EQ(fact("measured"), "");

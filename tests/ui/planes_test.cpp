@@ -14,18 +14,7 @@ namespace planescope::desktop {
 namespace {
 
 /// The sample's stairs, with the profile that finds all of them.
-struct Planes : testing::Test {
-  Shell shell{opened(), nullptr, [] {}};
-  NoStage stage{shell};
-
-  static State opened() {
-    State state = open_state(planes::Profile::refined);
-    state.view.tool_tab = "histograms";  // needs no curves along sliders
-    return state;
-  }
-  void SetUp() override { settle(shell, stage, {}); }
-  const State& state() const { return shell.state(); }
-  void play(const std::string& actions) { play_actions(shell, stage, scratch_dir(), actions); }
+struct Planes : RefinedDesktop {
   void give_foot() { play(R"({"do": "option.set", "with": "foot_radius_m=0.08"})"); }
   /// The largest plane of a class, as the trace names it.
   std::int32_t largest(Label label) const {

@@ -144,16 +144,14 @@ void go_to_step(State& state, std::int32_t step) {
   state.view.step = std::clamp(step, 0, run->steps());
   const planes::TraceEvent* event = state.event();
   Selection selected;
-  if (state.view.step == run->steps() && event) {
-    // Finished planes: nothing stands out among them.
-  } else if (event) {
+  if (!event) {
+    selected.node = root_of(*run);
+  } else if (state.view.step < run->steps()) {  // among finished planes nothing stands out
     selected.node = event->node;
     selected.plane = event->plane;
     selected.voxel = event->point;
     if (selected.node < 0 && event->point >= 0)
       selected.node = run->timeline.node_of_point(event->point, state.view.step);
-  } else {
-    selected.node = root_of(*run);
   }
   state.view.selected = selected;
 }

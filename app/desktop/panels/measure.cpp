@@ -10,7 +10,6 @@
 #include "app/desktop/panels.hpp"
 #include "app/desktop/views.hpp"
 #include "app/desktop/widgets.hpp"
-#include "core/debug/explain/explain.hpp"
 #include "render/view.hpp"
 
 namespace planescope::desktop {
@@ -76,8 +75,7 @@ void draw_over(const Ui& ui, const ToScreen& to_screen) {
   const float side = has_legs && a && b && b->x > a->x ? 1.0f : -1.0f;
   draw_text(ui, to_screen, (from + to) / 2, -side, measured.label);
   if (has_legs)
-    draw_text(ui, to_screen, (corner + to) / 2, side,
-              debug::distance_text(up_m) + (*measured.height_m < 0 ? " down" : " up"));
+    draw_text(ui, to_screen, (corner + to) / 2, side, debug::height_text(*measured.height_m));
 }
 
 }  // namespace

@@ -21,10 +21,6 @@ double distance_m(const MeasureEnd& plane, const Vec3d& point) {
   return plane.normal->dot(point - plane.point);
 }
 
-std::string height_text(double height_m) {
-  return distance_text(std::abs(height_m)) + (height_m < 0 ? " down" : " up");
-}
-
 /// Planes at a larger angle have no one distance: it is that of the place that was clicked.
 constexpr double kParallelDeg = 15;
 
@@ -44,6 +40,10 @@ std::string text_from_plane(const MeasureEnd& plane, const MeasureEnd& other, do
 }
 
 }  // namespace
+
+std::string height_text(double height_m) {
+  return distance_text(std::abs(height_m)) + (height_m < 0 ? " down" : " up");
+}
 
 Vec3f in_scene(const Subject& subject, const Vec3d& at) {
   const planes::Cloud& cloud = subject.prepared.cloud;
@@ -67,14 +67,10 @@ MeasureEnd measured_plane(const Run& run,
   const planes::PlaneChange* now = plane >= 0 ? run.timeline.plane_at(plane, step) : nullptr;
   if (!now || !now->alive) throw Error("no plane there");
   const Subject& subject = *run.subject;
-  Vec3d normal = now->fit.normal;
-  const bool is_level = now->label == Label::h;
-  const bool looks_away =
-      is_level ? normal.z() < 0 : normal.dot(subject.prepared.sensor() - now->fit.centroid) < 0;
-  if (looks_away) normal = -normal;
+  const Vec3d normal = planes::outward_normal(now->fit, now->label, subject.prepared.sensor());
   MeasureEnd end{.point = in_sensor(subject, now->fit.centroid),
                  .normal = subject.prepared.cloud.T_world_sensor.linear().transpose() * normal,
-                 .is_level = is_level,
+                 .is_level = now->label == Label::h,
                  .name = plane_name(plane)};
   if (near) end.point = near->point - distance_m(end, near->point) * *end.normal;
   return end;

@@ -42,6 +42,8 @@ struct Measurement {
 /// Of two planes: where the second end is.
 Measurement measure(const Subject& subject, const MeasureEnd& first, const MeasureEnd& second);
 
+std::string height_text(double height_m);  // "16.8 cm up"
+
 /// Of the sensor's axes in the scene's, which are about Cloud::origin.
 Vec3f in_scene(const Subject& subject, const Vec3d& at);
 
