@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/debug/explain/explain.hpp"
 #include "core/model/error.hpp"
+#include "core/planes/evaluate/plane_match.hpp"
 
 namespace planescope::debug {
 namespace {
@@ -24,17 +24,13 @@ double distance_m(const MeasureEnd& plane, const Vec3d& point) {
 /// Planes at a larger angle have no one distance: it is that of the place that was clicked.
 constexpr double kParallelDeg = 15;
 
-double angle_deg(const Vec3d& a, const Vec3d& b) {
-  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
-}
-
 /// "12 cm above P3", "P5 12 cm in front of P3", "a place on P5 12 cm above P3".
 std::string text_from_plane(const MeasureEnd& plane, const MeasureEnd& other, double off_m) {
   const char* side = plane.is_level ? off_m < 0 ? "below" : "above"
                      : off_m < 0    ? "behind"
                                     : "in front of";
   std::string what = other.name.empty() ? "" : other.name + " ";
-  if (other.normal && angle_deg(*plane.normal, *other.normal) > kParallelDeg)
+  if (other.normal && planes::plane_angle_deg(*plane.normal, *other.normal) > kParallelDeg)
     what = "a place on " + what;
   return fmt::format("{}{} {} {}", what, distance_text(std::abs(off_m)), side, plane.name);
 }
@@ -105,7 +101,7 @@ Measurement measure(const Subject& subject, const MeasureEnd& first, const Measu
     measured.text += "; gravity is not known, so no heights";
   }
   if (first.normal && second.normal) {
-    measured.angle_deg = angle_deg(*first.normal, *second.normal);
+    measured.angle_deg = planes::plane_angle_deg(*first.normal, *second.normal);
     const std::string angle = fmt::format("{:.1f}°", *measured.angle_deg);
     measured.text += ", at an angle of " + angle;
     measured.label += ", " + angle;

@@ -91,8 +91,7 @@ Neighbours compare_neighbours(const PixelPlanes& first, const PixelPlanes& next)
     const PlaneFit& b = next.fits[partner - 1];
     const double cosine = a.normal.dot(b.normal), sign = cosine < 0 ? -1 : 1;
     result.offset_jumps_m.push_back(std::abs(a.offset_m() - sign * b.offset_m()));
-    result.normal_jumps_deg.push_back(std::acos(std::min(1.0, std::abs(cosine))) * 180 /
-                                      std::numbers::pi);
+    result.normal_jumps_deg.push_back(planes::plane_angle_deg(a.normal, b.normal));
   }
   constexpr double kLeastAngle = std::numbers::pi / 3;
   for (std::size_t i = 0; i < partners.size(); ++i)

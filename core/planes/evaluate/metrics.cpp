@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include "core/model/plane.hpp"
 #include "core/planes/evaluate/label_accuracy.hpp"
@@ -30,10 +29,6 @@ std::vector<Vec3d> truth_normals(const MetricsInput& input, int planes) {
   return normals;
 }
 
-double angle_deg(const Vec3d& a, const Vec3d& b) {
-  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
-}
-
 /// Sec. V: mean angle between each found plane's normal and that of the true plane which most of
 /// its points belong to.
 double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
@@ -45,7 +40,7 @@ double mean_normal_error(const MetricsInput& input, const TruthOverlap& o) {
     for (int t = 1; t <= o.truth; ++t)
       if (o.at(t, f) > 0 && (majority == 0 || o.at(t, f) > o.at(majority, f))) majority = t;
     if (majority == 0) continue;
-    sum += angle_deg(input.found_normals[f - 1], normals[majority]);
+    sum += plane_angle_deg(input.found_normals[f - 1], normals[majority]);
     ++count;
   }
   return count > 0 ? sum / count : 0;

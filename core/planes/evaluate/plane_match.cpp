@@ -1,7 +1,9 @@
 #include "core/planes/evaluate/plane_match.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace planescope::planes {
 
@@ -89,6 +91,10 @@ std::vector<int> found_of_truth(const TruthOverlap& o) {
   std::vector<int> match = best_assignment(iou, o.truth, o.found);
   for (int& column : match) ++column;
   return match;
+}
+
+double plane_angle_deg(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, std::abs(a.dot(b)))) * 180 / std::numbers::pi;
 }
 
 }  // namespace planescope::planes

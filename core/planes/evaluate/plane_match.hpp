@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/model/types.hpp"
+
 namespace planescope::planes {
 
 /// Points shared by each true and each found plane. Row 0 / column 0: in no plane.
@@ -34,5 +36,8 @@ std::vector<int> found_of_truth(const TruthOverlap& overlap);
 /// the greatest total of `value` (row-major, rows x columns, values >= 0). Per row its column, -1
 /// where the row got none or a pair of value 0.
 std::vector<int> best_assignment(const std::vector<double>& value, int rows, int columns);
+
+/// Between the unit normals of two planes, whichever way they look: 0 to 90 degrees.
+double plane_angle_deg(const Vec3d& a, const Vec3d& b);
 
 }  // namespace planescope::planes
