@@ -21,6 +21,7 @@
 #include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
+#include "core/report/data/build_info.hpp"
 
 namespace planescope::app {
 namespace {
@@ -215,11 +216,20 @@ Job print_job(const std::string& text) {
   };
 }
 
+/// "planescope 0.1.0, commit 1234567": what a report says of the binary, too.
+std::string version_text(const Program& program) {
+  const report::BuildInfo build = report::build_info();
+  const bool has_hash = build.commit.size() == 40;
+  return fmt::format("{} {}, commit {}{}", program.name, build.version,
+                     has_hash ? build.commit.substr(0, 12) : build.commit,
+                     build.modified ? " with changes" : "");
+}
+
 /// `--help` and `--version` become jobs that print. Throws Error on anything that is not
 /// understood.
 Job parse(const Program& program, int argc, char** argv) {
   CLI::App app(program.about, program.name);
-  app.set_version_flag("--version", std::string(program.name) + " " PLANESCOPE_VERSION);
+  app.set_version_flag("--version", version_text(program));
   app.get_formatter()->column_width(34);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.footer(fmt::format(

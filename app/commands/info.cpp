@@ -86,6 +86,11 @@ void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
   facts.max_m = counts.back() * frame.depth_unit_m;
 }
 
+/// Clouds need none.
+bool knows_camera(const io::RecordingInfo& info) {
+  return info.width == 0 || !info.intrinsics_source.empty();
+}
+
 Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
@@ -103,11 +108,14 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   }
   facts.color_width = frame.color.width;
   facts.color_height = frame.color.height;
-  try {
-    facts.gravity = planes::resolve_gravity(frame, options.gravity);
-  } catch (const Error& error) {
-    facts.gravity_error = error.what();
-  }
+  if (!knows_camera(facts.info))
+    facts.gravity_error = "without intrinsics the scene cannot be measured";
+  else
+    try {
+      facts.gravity = planes::resolve_gravity(frame, options.gravity);
+    } catch (const Error& error) {
+      facts.gravity_error = error.what();
+    }
   facts.label_dir = input.label_dir.string();
   for (int i = 0; i < facts.frame_count; ++i)
     facts.labelled += facts.info.width > 0 && may_have_truth(input, i);
@@ -133,8 +141,11 @@ Json to_json(const Facts& f) {
                      {"height", f.info.height},
                      {"unit_m", f.info.depth_unit_m},
                      {"unit_source", f.info.depth_unit_source}};
-    json["intrinsics"] = intrinsics_json(f.info.intrinsics);
-    json["intrinsics"]["source"] = f.info.intrinsics_source;
+    json["intrinsics"] = nullptr;
+    if (knows_camera(f.info)) {
+      json["intrinsics"] = intrinsics_json(f.info.intrinsics);
+      json["intrinsics"]["source"] = f.info.intrinsics_source;
+    }
     json["color"] = nullptr;
     if (f.info.has_color)
       json["color"] = {
@@ -188,8 +199,10 @@ void print_depth(const Facts& f, double max_range_m) {
         "{} {:.5g}",
         k.distortion == Distortion::brown_conrady ? "Brown-Conrady" : "inverse Brown-Conrady",
         fmt::join(k.coefficients, " "));
-  line("intrinsics", fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx, k.fy,
-                                 k.cx, k.cy, distortion, f.info.intrinsics_source));
+  line("intrinsics",
+       !knows_camera(f.info) ? std::string("not known; ") + io::kHowToGiveIntrinsics : "intrinsics",
+       fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx, k.fy, k.cx, k.cy,
+                   distortion, f.info.intrinsics_source));
   line("colour", f.info.has_color
                      ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                      : "none");
@@ -254,7 +267,9 @@ int run_info(const InfoArgs& args, std::stop_token) {
   Json json;
   json["schema"] = "planescope.info/1";
   json["recordings"] = Json::array();
-  for (const OpenInput& input : open_inputs(args.input)) {
+  InputArgs input_args = args.input;
+  input_args.recording.intrinsics_may_lack = true;
+  for (const OpenInput& input : open_inputs(input_args)) {
     const Facts facts = gather(input, args.input.pipeline);
     if (args.json)
       json["recordings"].push_back(to_json(facts));

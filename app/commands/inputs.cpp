@@ -112,6 +112,21 @@ double parse_depth_unit(const std::string& text) {
   return unit;
 }
 
+/// Says where gravity that was given contradicts the first frame of those asked for.
+void check_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
+  if (options.mode != planes::GravityMode::fixed ||
+      input.recording->info().intrinsics_source.empty())
+    return;
+  try {
+    const Frame frame = input.recording->frame(input.frames.front());
+    const std::string doubt = planes::doubt_in_gravity(frame, options.direction, options);
+    if (!doubt.empty())
+      notice("warning: {}, frame {}: {}", input.path.string(), input.frames.front(), doubt);
+  } catch (const Error&) {
+    // Damaged: whoever needs the frame says so.
+  }
+}
+
 }  // namespace
 
 void set_input_option(InputArgs& args, const std::string& name, const std::string& text) {
@@ -166,6 +181,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args) {
     }
     for (const std::string& warning : input.recording->info().warnings)
       notice("warning: {}", warning);
+    check_given_gravity(input, args.pipeline.gravity);
     inputs.push_back(std::move(input));
   }
   return inputs;

@@ -162,13 +162,12 @@ void settle_camera(const RecordingOptions& options,
   } else if (facts.intrinsics) {
     info.intrinsics = *facts.intrinsics;
     info.intrinsics_source = facts.intrinsics_source;
-  } else {
-    throw Error(info.path.string() +
-                ": the recording does not say its camera intrinsics; give them with "
-                "--intrinsics FX,FY,CX,CY");
+  } else if (!options.intrinsics_may_lack) {
+    throw Error(info.path.string() + ": the recording does not say its camera intrinsics; " +
+                kHowToGiveIntrinsics);
   }
   Intrinsics& k = info.intrinsics;
-  if (!usable(k)) {
+  if (!info.intrinsics_source.empty() && !usable(k)) {
     throw Error(info.path.string() + ": intrinsics fx " + std::to_string(k.fx) + ", fy " +
                 std::to_string(k.fy) + " from " + info.intrinsics_source +
                 " are not usable, expected focal lengths above 0 in pixels");

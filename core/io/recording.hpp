@@ -18,9 +18,14 @@ struct RecordingOptions {
   /// Folders: a damaged frame is an Error when it is read, not when the recording is opened, as
   /// long as another one is whole.
   bool damaged_frames_later = false;
+  /// Intrinsics that nobody knows stay zero, for who only looks at what is there; else an Error.
+  bool intrinsics_may_lack = false;
   /// Off: depth alone, for who does not look at colour; frames come without it, and quicker.
   bool color = true;
 };
+
+/// What to do where intrinsics are not known, as a hint for people.
+inline constexpr const char* kHowToGiveIntrinsics = "give them with --intrinsics FX,FY,CX,CY";
 
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.
 struct RecordingInfo {
@@ -31,7 +36,7 @@ struct RecordingInfo {
   double depth_unit_m = 0;
   std::string depth_unit_source;  // "bag topic .../Depth Units", "assumed (RealSense default)", ...
   Intrinsics intrinsics;
-  std::string intrinsics_source;  // file or topic name, "option"
+  std::string intrinsics_source;  // file or topic name, "option"; empty: nobody knows them
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts

@@ -52,6 +52,33 @@ TEST(Info, WhatTheUserSaysWins) {
   EXPECT_EQ(info["intrinsics"]["cx"], 79.5);
 }
 
+TEST(Info, WhatIsKnownIsShownWhereIntrinsicsLack) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  for (const auto& file : std::filesystem::directory_iterator(dir / "rec"))
+    if (file.is_regular_file()) std::filesystem::remove(file);  // who says what the camera is
+  const Ran ran = run({"info", "--json", (dir / "rec").string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json info = Json::parse(ran.out)["recordings"][0];
+  EXPECT_EQ(info["frames"], 2);
+  EXPECT_EQ(info["depth"]["width"], 160);
+  EXPECT_EQ(info["intrinsics"], nullptr);
+  EXPECT_EQ(info["gravity"], nullptr);
+  const Ran text = run({"info", (dir / "rec").string()});
+  EXPECT_NE(text.out.find("not known; give them with --intrinsics"), std::string::npos) << text.out;
+  EXPECT_EQ(run({"segment", (dir / "rec").string(), "-o", (dir / "out").string()}).code, 2);
+}
+
+TEST(Info, GravityThatContradictsTheSceneIsWarnedOf) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const std::string rec = (dir / "rec").string();
+  EXPECT_EQ(run({"info", rec, "--gravity", "0,1,0.1"}).err, "");
+  const Ran ran = run({"info", rec, "--gravity", "0.6,0.8,0"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.err.find("contradicts the scene by 37\u00b0"), std::string::npos) << ran.err;
+}
+
 TEST(Eval, TrueLabelsBesideARecordingAreFound) {
   const auto dir = scratch();
   const Image16 depth = floor_and_wall();

@@ -58,10 +58,11 @@ TEST(Usage, AListIsOneWordAndARecordingMayFollow) {
   EXPECT_NE(ran.err.find("/nowhere: no such file"), std::string::npos) << ran.err;
 }
 
-TEST(Usage, TheVersionIsOneLine) {
+TEST(Usage, TheVersionIsOneLineAndNamesTheCommit) {
   const Ran ran = run({"--version"});
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out.rfind("planescope ", 0), 0u);
+  EXPECT_NE(ran.out.find(", commit "), std::string::npos) << ran.out;
   EXPECT_EQ(ran.out.find('\n'), ran.out.size() - 1);
 }
 

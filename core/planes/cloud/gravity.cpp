@@ -1,5 +1,7 @@
 #include "core/planes/cloud/gravity.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -102,6 +104,9 @@ constexpr double kLeastCorner_deg = 20;
 
 double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
+constexpr double kDoubt_deg = 20;
+constexpr double kClearConfidence = 0.3;  // of an estimate that may cast doubt on what was given
+
 std::string whole_degrees(double angle_deg) {
   return std::to_string(static_cast<int>(std::lround(angle_deg))) + "\u00b0";
 }
@@ -117,6 +122,25 @@ std::optional<Vec3d> of_one_wall(const Vec3d& normal, const Vec3d& before, std::
 }
 
 }  // namespace
+
+std::string doubt_in_gravity(const Frame& frame,
+                             const Vec3d& given,
+                             const GravityOptions& options) {
+  const Vec3d direction = given.normalized();
+  const auto tilt_deg = [](const Vec3d& gravity) { return in_degrees(std::acos(gravity.y())); };
+  if (frame.is_cloud() || tilt_deg(direction) > options.max_tilt_deg) return "";
+  const auto seen = estimate_gravity(frame, options);
+  if (!seen || seen->confidence < kClearConfidence) return "";
+  const double off_deg =
+      in_degrees(std::acos(std::clamp(direction.dot(seen->direction), -1.0, 1.0)));
+  if (off_deg <= kDoubt_deg) return "";
+  const Vec3d& d = seen->direction;
+  return fmt::format(
+      "gravity {:.3f},{:.3f},{:.3f} contradicts the scene by {}, which says {:.3f},{:.3f},{:.3f} "
+      "({}, confidence {:.2f})",
+      direction.x(), direction.y(), direction.z(), whole_degrees(off_deg), d.x(), d.y(), d.z(),
+      seen->note, seen->confidence);
+}
 
 Vec3d gravity_of_floor(const Vec3d& normal) { return -normal.normalized(); }
 

@@ -31,6 +31,13 @@ std::optional<Gravity> estimate_gravity(const Frame& frame, const GravityOptions
 /// even the estimate fails, unless the options go without.
 Gravity resolve_gravity(const Frame& frame, const GravityOptions& options);
 
+/// Doubt in a direction that was given (sensor frame), for people: where the scene clearly tells
+/// another one, more than 20 degrees off. Empty where it does not, of clouds, and of cameras that
+/// are tilted farther than an estimate looks.
+std::string doubt_in_gravity(const Frame& frame,
+                             const Vec3d& given,
+                             const GravityOptions& options = {});
+
 /// The direction of a frame whose gravity is not known, with source `none`: things are taken to
 /// fall to the lower edge of the image, along -z of a cloud. `why` goes into the note.
 Gravity unknown_gravity(const Frame& frame, const std::string& why);
