@@ -199,10 +199,10 @@ void print_depth(const Facts& f, double max_range_m) {
         "{} {:.5g}",
         k.distortion == Distortion::brown_conrady ? "Brown-Conrady" : "inverse Brown-Conrady",
         fmt::join(k.coefficients, " "));
-  line("intrinsics",
-       !knows_camera(f.info) ? std::string("not known; ") + io::kHowToGiveIntrinsics : "intrinsics",
-       fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx, k.fy, k.cx, k.cy,
-                   distortion, f.info.intrinsics_source));
+  line("intrinsics", knows_camera(f.info)
+                         ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
+                                       k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
+                         : std::string("not known; ") + io::kHowToGiveIntrinsics);
   line("colour", f.info.has_color
                      ? fmt::format("{}x{}, {}", f.color_width, f.color_height, f.info.color_note)
                      : "none");
