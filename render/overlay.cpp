@@ -271,14 +271,20 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
 
 }  // namespace
 
-Overlay layout_overlay(const DrawList& list, const View& view, const ThemeColors& theme) {
+Overlay layout_overlay(const DrawList& list,
+                       const View& view,
+                       const ThemeColors& theme,
+                       OverlayPart part) {
   Overlay overlay;
   const Pen pen = {overlay, theme, overlay_scale(view.width, view.height),
                    static_cast<double>(view.width), static_cast<double>(view.height)};
-  add_labels(pen, list.labels, view);
-  add_heading(pen, list);
-  const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
-  add_legend(pen, list.legend, below_heading + pen.px(10));
+  if (part != OverlayPart::panels) add_labels(pen, list.labels, view);
+  if (part != OverlayPart::scene) {
+    add_heading(pen, list);
+    const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
+    add_legend(pen, list.legend, below_heading + pen.px(10));
+  }
+  if (part == OverlayPart::panels) return overlay;
   double right = pen.width - pen.px(22);
   if (list.show_axes) {
     const double reach = pen.px(50);

@@ -36,7 +36,12 @@ struct Overlay {  // drawn in this order
   std::vector<OverlayText> texts;
 };
 
-Overlay layout_overlay(const DrawList& list, const View& view, const ThemeColors& theme);
+/// `panels`: title and legend; `scene`: all else.
+enum class OverlayPart : std::uint8_t { all, scene, panels };
+Overlay layout_overlay(const DrawList& list,
+                       const View& view,
+                       const ThemeColors& theme,
+                       OverlayPart part = OverlayPart::all);
 
 /// Scale of text and line widths, which grow with the picture: 1 for one of 500 to 720 rows, so
 /// that text stays legible in a panel of a window.

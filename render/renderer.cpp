@@ -399,7 +399,7 @@ std::uint32_t Renderer::draw(
 std::span<const Part> Renderer::changes() const { return state_->changes; }
 
 Image8 Renderer::render(
-    const DrawList& list, const Camera& camera, int width, int height, Theme theme) {
+    const DrawList& list, const Camera& camera, int width, int height, Theme theme, Image8* bare) {
   const ThemeColors& colors = theme_colors(theme);
   PictureTarget& target = state_->picture;
   const RestoredBindings restored;
@@ -411,8 +411,15 @@ Image8 Renderer::render(
   glBindFramebuffer(GL_FRAMEBUFFER, target.scene);
   state_->draw_over_points(list, target.scene, target.boxes, {0, 0, width, height}, view, colors);
   glDisable(GL_DEPTH_TEST);
-  state_->draw_overlay(layout_overlay(list, view, colors), view);
-  check_gl("drawing a picture");
+  const auto draw_part = [&](OverlayPart part) {
+    state_->draw_overlay(layout_overlay(list, view, colors, part), view);
+    check_gl("drawing a picture");
+  };
+  if (bare) {
+    draw_part(OverlayPart::scene);
+    *bare = read_picture(width, height);
+  }
+  draw_part(bare ? OverlayPart::panels : OverlayPart::all);
   Image8 image = read_picture(width, height);
   check_gl("reading a picture back");
   return image;

@@ -26,7 +26,13 @@ class Renderer {
   /// RGB picture, row 0 at the top, antialiased: points, drawn on the CPU (splats.hpp), with 4
   /// samples, all else by soft edges. Same input, same renderer: same pixels. Quicker where only
   /// colours of points differ from the picture before.
-  Image8 render(const DrawList& list, const Camera& camera, int width, int height, Theme theme);
+  /// `bare`: becomes the picture without title and legend.
+  Image8 render(const DrawList& list,
+                const Camera& camera,
+                int width,
+                int height,
+                Theme theme,
+                Image8* bare = nullptr);
 
   /// The same left on the GPU, drawn there alone with 4 samples, for a window: a GL texture of
   /// exactly width x height, opaque, row 0 at the bottom (draw it upside down). The renderer's own,

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/io/image/png.hpp"
+#include "core/io/image/webp.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
@@ -17,9 +18,11 @@ namespace {
 
 constexpr int kWidth = 1280, kHeight = 960;  // of the three-dimensional pictures [px]
 constexpr int kThumbnailWidth = 200;
-constexpr int kJpegQuality = 86;
+constexpr float kCopyQuality = 72;
 
+/// `shown`: what the page shows of it.
 report::ReportPicture keep(const Image8& image,
+                           const Image8& shown,
                            const std::string& name,
                            const std::string& title,
                            const std::string& alt,
@@ -34,12 +37,12 @@ report::ReportPicture keep(const Image8& image,
   picture.pixels_sha256 = sha256_hex(std::as_bytes(std::span(image.data)));
   io::write_png(job.dir / "pictures" / (name + ".png"), image);
   const auto copy = [&](const char* ending, int width) {
-    const Image8 small = image.width > width ? report::shrink(image, width) : Image8();
+    const Image8 small = shown.width > width ? report::shrink(shown, width) : Image8();
     write_file_bytes(job.dir / "report" / (name + ending),
-                     report::encode_jpeg(small.empty() ? image : small, kJpegQuality));
+                     io::encode_webp(small.empty() ? shown : small, kCopyQuality));
   };
-  copy(".jpg", job.copy_width);
-  copy(".small.jpg", kThumbnailWidth);
+  copy(".webp", job.copy_width);
+  copy(".small.webp", kThumbnailWidth);
   return picture;
 }
 
@@ -47,9 +50,10 @@ Image8 render(render::Renderer& renderer,
               const render::DrawList& list,
               const render::Camera& camera,
               int width,
-              int height) {
+              int height,
+              Image8* bare = nullptr) {
   try {
-    return renderer.render(list, camera, width, height, render::Theme::light);
+    return renderer.render(list, camera, width, height, render::Theme::light, bare);
   } catch (const Error& error) {
     throw DrawingFailed(error.what());
   }
@@ -70,6 +74,14 @@ std::optional<Image8> draw_truth(const LoadedFrame& loaded,
   for (const render::DrawList& list : render::scenes_truth(loaded.result, judged, color_of_plane))
     panels.push_back(render(*renderer, list, camera, kPanelWidth, kPanelHeight));
   return render::side_by_side(panels);
+}
+
+std::vector<report::LegendMark> marks_of(const std::vector<render::LegendEntry>& legend) {
+  const char* const shapes[] = {"dot", "box", "hatched_box", "line", "arrow"};  // by Mark
+  std::vector<report::LegendMark> marks;
+  for (const render::LegendEntry& entry : legend)
+    marks.push_back({shapes[static_cast<int>(entry.mark)], css_color(entry.color), entry.text});
+  return marks;
 }
 
 std::string in_planes(const planes::FrameResult& result) {
@@ -93,24 +105,28 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
   const render::Camera camera = render::frame_camera(result, static_cast<double>(kWidth) / kHeight);
   const auto draw = [&](const render::DrawList& list, const std::string& name,
                         const std::string& title, const std::string& alt) {
-    const Image8 image = render(*renderer, list, camera, kWidth, kHeight);
-    pictures.push_back(keep(image, name, title, alt, job));
+    Image8 bare;
+    const Image8 image = render(*renderer, list, camera, kWidth, kHeight, &bare);
+    pictures.push_back(keep(image, bare, name, title, alt, job));
+    pictures.back().legend = marks_of(list.legend);
+  };
+  const auto keep_image = [&](const Image8& image, const std::string& name,
+                              const std::string& title, const std::string& alt) {
+    pictures.push_back(keep(image, image, name, title, alt, job));
   };
 
   if (!frame.is_cloud()) {
     const std::string backdrop = frame.color.empty() ? "shaded depth image" : "colour image";
-    pictures.push_back(keep(
+    keep_image(
         render::image_overlay(frame, result, color_of_plane), "overlay",
         "Planes over the camera image",
-        fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)),
-        job));
-    pictures.push_back(keep(
+        fmt::format("The {} with {} tinted, outlined and numbered.", backdrop, in_planes(result)));
+    keep_image(
         render::image_depth(frame, job.max_range_m), "depth", "Depth",
         fmt::format("The depth image as a colour ramp up to {:.6g} m; {} of {} pixels were not "
                     "measured.",
                     job.max_range_m, result.cloud.counts.no_measurement,
-                    result.cloud.counts.pixels),
-        job));
+                    result.cloud.counts.pixels));
   } else if (renderer) {
     draw(render::scene_overlay(frame, result, color_of_plane), "overlay", "Planes over the cloud",
          fmt::format("The cloud's points with {} coloured and numbered.", in_planes(result)));
@@ -120,11 +136,10 @@ std::vector<report::ReportPicture> draw_pictures(const LoadedFrame& loaded,
   if (loaded.truth) {
     const planes::JudgedFrame judged = planes::judge_frame(result, *loaded.truth);
     if (const auto image = draw_truth(loaded, judged, color_of_plane, renderer))
-      pictures.push_back(keep(*image, "truth", "Labels, found, and errors",
-                              fmt::format("Side by side the labelled planes, the planes found in "
-                                          "the same colours, and the points where they differ: {}.",
-                                          render::errors_text(judged)),
-                              job));
+      keep_image(*image, "truth", "Labels, found, and errors",
+                 fmt::format("Side by side the labelled planes, the planes found in "
+                             "the same colours, and the points where they differ: {}.",
+                             render::errors_text(judged)));
   }
   if (!renderer) return pictures;
 

@@ -102,6 +102,15 @@
   }
 
   // ---- Pictures that lie beside the page, where they do ----
+  const beside = document.querySelector("main").dataset.beside;
+  if (beside) {
+    const probe = new Image();
+    probe.addEventListener("error", () => {
+      document.documentElement.classList.add("alone");
+      by_id("alone").hidden = false;
+    });
+    probe.src = beside;
+  }
   for (const details of all("details.frame"))
     details.addEventListener("toggle", () => {
       if (!details.open) return;

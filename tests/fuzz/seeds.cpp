@@ -18,10 +18,10 @@
 #include "core/report/compare/rules.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
-#include "core/report/page/pictures.hpp"
 #include "fuzz/pieces.hpp"
 #include "fuzz/samples.hpp"
 #include "support/empty_report.hpp"
+#include "support/jpeg_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 
 namespace planescope::fuzz {
@@ -132,7 +132,7 @@ void add_images(const Seeds& seeds) {
   for (const int channels : {1, 3, 4})
     seeds.add("png", "channels_" + std::to_string(channels),
               io::encode_png(Image8(kWidth, kHeight, channels, 100)));
-  seeds.add("jpeg", "color", report::encode_jpeg(Image8(kWidth, kHeight, 3, 100), 80));
+  seeds.add("jpeg", "color", encode_jpeg(kWidth, kHeight, true));
 }
 
 void add_clouds(const Seeds& seeds) {

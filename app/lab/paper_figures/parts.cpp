@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/io/image/png.hpp"
+#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/report/page/pictures.hpp"
 #include "render/palette.hpp"
@@ -43,7 +44,7 @@ void add_picture(lab::PaperFigure& figure,
   picture.caption = caption;
   picture.png = fmt::format("{}_{:02}.png", figure.id, figure.pictures.size());
   picture.bytes = io::encode_png(image);
-  picture.jpeg = report::encode_jpeg(report::shrink(image, copy_width), kCopyQuality);
+  picture.copy = io::encode_webp(report::shrink(image, copy_width), kCopyQuality);
   picture.width = image.width;
   picture.height = image.height;
   figure.pictures.push_back(std::move(picture));

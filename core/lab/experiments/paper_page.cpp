@@ -113,7 +113,7 @@ Data picture_data(const PaperFigure& figure, std::size_t index) {
   Data data;
   data.set("anchor", fmt::format("{}-{}", figure.id, index));
   data.set("back", figure.id);
-  data.set("jpeg", report::base64(picture.jpeg));
+  data.set("copy", report::base64(picture.copy));
   data.set("width", std::to_string(picture.width));
   data.set("height", std::to_string(picture.height));
   data.set("caption", picture.caption);

@@ -17,7 +17,7 @@ struct PaperPicture {
   std::string caption;               // "10 planes found, 10 true"
   std::string png;                   // file name beside the page
   std::vector<unsigned char> bytes;  // of the PNG
-  std::vector<unsigned char> jpeg;   // a smaller copy, for the page
+  std::vector<unsigned char> copy;   // smaller, WebP, for the page
   int width = 0, height = 0;         // of the PNG [px]
 };
 struct PaperFigure {

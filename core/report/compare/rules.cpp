@@ -216,12 +216,48 @@ std::string rules_json(const std::vector<Rule>& rules) {
   return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+namespace {
+
+/// In as many digits as it is worth: three, and whole numbers in full.
+std::string digits_of(double value, int digits) {
+  const bool is_whole = value == std::round(value) && std::abs(value) < 1e9;
+  const double size = std::abs(value);
+  if (is_whole || size >= std::pow(10, digits)) return fmt::format("{:.0f}", value + 0.0);
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+/// "1 plane", "2 planes", "5 mm", "1.2 % points", "1.5 times".
+std::string with_unit(const std::string& number, const RuleMetric& metric) {
+  if (metric.unit.empty()) return number;
+  std::string_view unit = metric.unit == "m2" ? "m\u00b2" : metric.unit;
+  if (number == "1" &&
+      (unit == "planes" || unit == "frames" || unit == "steps" || unit == "degrees"))
+    unit.remove_suffix(1);
+  return fmt::format("{} {}", number, unit);
+}
+
+}  // namespace
+
 std::string Breach::text() const {
   const RuleMetric& metric = find_metric(rule.metric).metric;
   const bool low = value < rule.at_least;
-  return fmt::format("{} is {:.6g}, {} {:.6g} {}{}{}", metric.name, value,
-                     low ? "at least" : "at most", low ? rule.at_least : rule.at_most, metric.unit,
-                     why.empty() ? "" : ": ", why);
+  const double limit = low ? rule.at_least : rule.at_most;
+  int digits = 3;
+  std::string is, may_be;
+  do {  // until the two can be told apart
+    is = digits_of(value, digits);
+    may_be = digits_of(limit, digits);
+  } while (is == may_be && ++digits < 17);
+  const bool is_one = is == "1";
+  std::string text = fmt::format(
+      fmt::runtime(metric.sentence), fmt::arg("n", with_unit(is, metric)),
+      fmt::arg("are", is_one ? "is" : "are"), fmt::arg("have", is_one ? "has" : "have"));
+  text += fmt::format("; the rule {} ", metric.name);
+  if (low)
+    text += "asks for at least " + with_unit(may_be, metric);
+  else
+    text += limit == 0 ? "allows none" : "allows at most " + with_unit(may_be, metric);
+  return why.empty() ? text : text + ": " + why;
 }
 
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,

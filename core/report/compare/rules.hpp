@@ -40,7 +40,9 @@ enum class RuleFold : std::uint8_t { mean, sum, largest };
 enum class RuleNeed : std::uint8_t { nothing, foot, stairs };
 
 struct RuleMetric {
-  std::string_view name, unit, meaning;
+  std::string_view name, unit;
+  std::string_view sentence;  // of a value: {n} is the value with its unit, {are}, {have} agree
+  std::string_view meaning;
   bool needs_baseline = false, needs_truth = false;
   RuleFold fold = RuleFold::mean;
   bool is_timing = false;  // only ever warns
@@ -64,7 +66,7 @@ struct Breach {
   int frame = -1;         // -1: of the whole recording, or of all
   double value = 0;
   std::string why;  // what more there is to tell of the frame; may be empty
-  /// "planes_lost is 2, at most 0 planes", ": " and why.
+  /// "2 planes of the baseline are gone; the rule planes_lost allows none", ": " and why.
   std::string text() const;
 };
 

@@ -170,6 +170,11 @@ void picture_fields(auto& fields, auto& picture) {
   fields.whole("width", picture.width, kPlain, 1);
   fields.whole("height", picture.height, kPlain, 1);
   fields("pixels_sha256", picture.pixels_sha256);
+  fields.list("legend", picture.legend, kLate, [](auto& of, auto& mark) {
+    of("shape", mark.shape);
+    of("color", mark.color);
+    of("text", mark.text);
+  });
 }
 
 void timings_fields(auto& fields, auto& frame) {

@@ -82,9 +82,9 @@ ValueHistogram over_limits(const char* name, std::span<const float> values) {
 
 }  // namespace
 
-std::string copy_of(const ReportPicture& picture) { return in_report_folder(picture, ".jpg"); }
+std::string copy_of(const ReportPicture& picture) { return in_report_folder(picture, ".webp"); }
 std::string thumbnail_of(const ReportPicture& picture) {
-  return in_report_folder(picture, ".small.jpg");
+  return in_report_folder(picture, ".small.webp");
 }
 
 double ReportFrame::time_ratio() const {

@@ -31,6 +31,13 @@ struct ReportPlane {
   std::optional<Footing> footing{};  // reports before schema 3 have none
 };
 
+/// One entry of a picture's legend.
+struct LegendMark {
+  std::string shape;  // "dot", "box", "hatched_box", "line", "arrow"
+  std::string color;  // "#rrggbb"
+  std::string text;
+};
+
 /// One picture of a stage: a PNG beside the page. Two smaller copies for the page lie in the
 /// frame's folder `report`, as copy_of() and thumbnail_of() name them.
 struct ReportPicture {
@@ -40,8 +47,10 @@ struct ReportPicture {
   std::string file;           // of the PNG, relative to the report
   int width = 0, height = 0;  // of the PNG [px]
   std::string pixels_sha256;  // of the PNG's pixels (RGB, row by row)
+  // Of pictures whose copies come without the legend that the PNG has, for the page to set as text.
+  std::vector<LegendMark> legend;
 };
-/// "frames/000012/report/overlay.jpg" of "frames/000012/pictures/overlay.png".
+/// "frames/000012/report/overlay.webp" of "frames/000012/pictures/overlay.png".
 std::string copy_of(const ReportPicture& picture);
 std::string thumbnail_of(const ReportPicture& picture);
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "core/report/data/report_files.hpp"
 #include "core/report/page/charts.hpp"
 #include "core/report/page/pictures.hpp"
+#include "core/report/page/signs.hpp"
 
 extern "C" {
 extern const char planescope_asset_report_css[], planescope_asset_report_css_end[];
@@ -53,13 +55,12 @@ Standing standing_of(const PageFrame& frame, bool is_judged) {
   return std::max(standing, frame.frame->unreadable ? Standing::failed : Standing::warned);
 }
 
-/// Orders frames that no rule tells apart: the smaller the share of labels, or of points, on the
-/// right planes, the worse.
+/// Orders frames that no rule tells apart: the smaller the share of labels on the right planes, or
+/// without labels the more signs of trouble, the worse.
 double doubt(const PageFrame& frame) {
-  if (!frame.frame || frame.is_refused()) return 2;
+  if (!frame.frame || frame.is_refused()) return std::numeric_limits<double>::infinity();
   if (frame.frame->metrics) return 1 - frame.frame->metrics->mean_iou / 100;
-  const auto points = static_cast<double>(frame.frame->counts.kept);
-  return points > 0 ? 1 - static_cast<double>(frame.frame->points_on_planes) / points : 1;
+  return signs_of(*frame.frame).weight();
 }
 
 void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::size_t>& order) {
@@ -270,16 +271,9 @@ const char* case_meaning(planes::Case c) {
   return "";
 }
 
-std::string text_of(const Breach& breach) {
-  const bool low = breach.value < breach.rule.at_least;
-  return fmt::format("{} is {:.4g}, at {} {:.4g}{}{}", breach.rule.metric, breach.value,
-                     low ? "least" : "most", low ? breach.rule.at_least : breach.rule.at_most,
-                     breach.why.empty() ? "" : ": ", breach.why);
-}
-
-std::string jpeg_source(const std::filesystem::path& file) {
+std::string webp_source(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return "";  // the page links the picture instead
-  return "data:image/jpeg;base64," + base64(read_file_bytes(file));
+  return "data:image/webp;base64," + base64(read_file_bytes(file));
 }
 
 Template::Template(const char* begin, const char* end) : mustache_(std::string(begin, end)) {
@@ -323,6 +317,14 @@ Data columns_of(const PageSource& page) {
   return list_of("name", names);
 }
 
+/// The smallest of the files that the page links: whether its folder is there.
+std::string picture_beside(const Report& report) {
+  for (const ReportRecording& recording : report.recordings)
+    for (const ReportFrame& frame : recording.frames)
+      for (const ReportPicture& picture : frame.pictures) return href(thumbnail_of(picture));
+  return "";
+}
+
 Data page_data(const PageSource& page) {
   Data data;
   const std::string script(planescope_asset_report_js, planescope_asset_report_js_end);
@@ -338,6 +340,7 @@ Data page_data(const PageSource& page) {
   data.set("has_change", page.has_baseline());
   data.set("columns", columns_of(page));
   data.set("frames_text", counted(page.plan.frames.size(), "frame"));
+  data.set("beside", text_or_false(picture_beside(page.report)));
   set_verdict(page, data);
   return data;
 }

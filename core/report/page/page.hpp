@@ -133,10 +133,8 @@ Data text_or_false(const std::string& text);
 Data list_of(const char* name, const std::vector<std::string>& values);
 /// One phrase per case of the paper's figure.
 const char* case_meaning(planes::Case c);
-/// "planes_lost is 2, at most 0": as Breach::text() has it, in few digits.
-std::string text_of(const Breach& breach);
-/// "data:image/jpeg;base64,..." of a file; empty where it cannot be read.
-std::string jpeg_source(const std::filesystem::path& file);
+/// "data:image/webp;base64,..." of a file; empty where it cannot be read.
+std::string webp_source(const std::filesystem::path& file);
 
 /// A template of assets/report, parsed once.
 class Template {

@@ -116,6 +116,23 @@ std::string not_compared(FrameFate fate) {
   return "";
 }
 
+/// In words beside the picture: in it they would be too small to read.
+Data legend_data(const ReportPicture& picture) {
+  constexpr std::size_t kMost = 12;  // more than a table of planes tells better
+  Data legend{Data::type::list};
+  for (std::size_t k = 0; k < std::min(picture.legend.size(), kMost); ++k) {
+    const LegendMark& mark = picture.legend[k];
+    Data entry;
+    entry.set("shape", mark.shape == "dot"           ? "dot"
+                       : mark.shape == "hatched_box" ? "hatched"
+                                                     : "box");
+    entry.set("color", safe_color(mark.color));
+    entry.set("text", mark.text);
+    legend.push_back(entry);
+  }
+  return legend;
+}
+
 /// Pictures inside the page, and links to those that are not.
 void set_pictures(const PageSource& page, const PageFrame& frame, Data& data) {
   Data pictures{Data::type::list}, files{Data::type::list};
@@ -124,7 +141,7 @@ void set_pictures(const PageSource& page, const PageFrame& frame, Data& data) {
     one.set("title", picture.title);
     one.set("file", href(picture.file));
     const std::string source =
-        frame.embedded ? jpeg_source(page.dir / copy_of(picture)) : std::string();
+        frame.embedded ? webp_source(page.dir / copy_of(picture)) : std::string();
     if (source.empty()) {
       one.set("copy", href(copy_of(picture)));
       files.push_back(one);
@@ -139,6 +156,8 @@ void set_pictures(const PageSource& page, const PageFrame& frame, Data& data) {
     one.set("width", std::to_string(picture.width));
     one.set("height", std::to_string(picture.height));
     one.set("source", source);
+    one.set("has_legend", !picture.legend.empty());
+    one.set("legend", legend_data(picture));
     pictures.push_back(one);
   }
   data.set("has_pictures", pictures.is_non_empty_list());
@@ -374,7 +393,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
            is_bad ? Data(of.is_refused() ? "refused" : name_of(of.standing)) : Data(false));
   data.set("standing", name_of(of.standing));
   std::vector<std::string> reasons;
-  for (const Breach* breach : of.breaches) reasons.push_back(text_of(*breach));
+  for (const Breach* breach : of.breaches) reasons.push_back(breach->text());
   data.set("has_reasons", !reasons.empty());
   data.set("reasons", list_of("text", reasons));
   set_comparison(page, of, data);

@@ -13,6 +13,7 @@
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/page/charts.hpp"
 #include "core/report/page/page.hpp"
+#include "core/report/page/signs.hpp"
 
 namespace planescope::report::html {
 namespace {
@@ -166,8 +167,7 @@ Data differences_of(const Judgement& judgement) {
 std::string doubt_text(const PageSource& page, const PageFrame& frame) {
   if (frame.frame->metrics) return fmt::format("mean IoU {:.1f} %", frame.frame->metrics->mean_iou);
   if (page.report.judgement) return "";
-  return fmt::format("{} of the points on planes",
-                     share(frame.frame->points_on_planes, frame.frame->counts.kept));
+  return signs_of(*frame.frame).text();
 }
 
 Data worst_data(const PageSource& page, const PageFrame& frame) {
@@ -183,7 +183,7 @@ Data worst_data(const PageSource& page, const PageFrame& frame) {
   data.set("thumbnails", thumbnails(page, frame, 1));
   std::vector<std::string> reasons;
   if (frame.is_refused()) reasons.push_back(frame.frame->refused);
-  for (const Breach* breach : frame.breaches) reasons.push_back(text_of(*breach));
+  for (const Breach* breach : frame.breaches) reasons.push_back(breach->text());
   if (reasons.empty()) reasons.push_back(doubt_text(page, frame));
   const std::size_t more = reasons.size() > kMostReasons ? reasons.size() - kMostReasons : 0;
   reasons.resize(reasons.size() - more);
@@ -208,7 +208,7 @@ Data general_data(const PagePlan& plan, const Judgement* judgement) {
     row.set("level", to_string(breach->rule.level));
     row.set("class", breach->rule.level == RuleLevel::error ? "failed" : "warning");
     row.set("where", breach->recording.empty() ? "all frames" : breach->recording);
-    row.set("text", text_of(*breach));
+    row.set("text", breach->text());
     list.push_back(row);
   }
   return list;
@@ -223,9 +223,9 @@ std::string worst_note(const PageSource& page) {
     return fmt::format("{} of {} break rules or were refused{}.", bad, counted(all, "frame"),
                        bad > shown ? fmt::format("; these are the worst {}", shown) : "");
   }
-  return fmt::format("The {} of {} that fare worst: refused ones, then those with the least {}.",
-                     shown, counted(all, "frame"),
-                     page.has_metrics() ? "IoU with the labels" : "points on planes");
+  return fmt::format("The {} of {} that fare worst: refused ones, then those with the {}.", shown,
+                     counted(all, "frame"),
+                     page.has_metrics() ? "least IoU with the labels" : "most signs of trouble");
 }
 
 std::vector<ValueHistogram> summed(const Report& report) {

@@ -212,7 +212,7 @@ Data thumbnails(const PageSource& page, const PageFrame& frame, std::size_t most
     const auto& pictures = frame.frame->pictures;
     const auto picture = std::ranges::find(pictures, name, &ReportPicture::name);
     if (picture == pictures.end() || count == most) continue;
-    const std::string source = jpeg_source(page.dir / thumbnail_of(*picture));
+    const std::string source = webp_source(page.dir / thumbnail_of(*picture));
     if (source.empty()) continue;
     add_thumbnail(list, source,
                   frame.embedded ? "#" + frame.anchor + "/" + picture->name : href(picture->file),
@@ -245,7 +245,7 @@ Data row_data(const PageSource& page, const PageFrame& frame) {
                            : frame.is_refused() ? "refused"
                                                 : name_of(frame.standing));
   row.set("reason", text_or_false(frame.is_refused()        ? now->refused
-                                  : !frame.breaches.empty() ? text_of(*frame.breaches[0])
+                                  : !frame.breaches.empty() ? frame.breaches[0]->text()
                                                             : ""));
   row.set("more", frame.breaches.size() > 1
                       ? Data(fmt::format("and {} more", frame.breaches.size() - 1))

@@ -1,23 +1,16 @@
 #include "core/report/page/pictures.hpp"
 
-// jpeglib.h needs size_t and FILE declared before it.
-#include <jpeglib.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
-#include <csetjmp>
-#include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
 #include "core/io/image/apng.hpp"
-#include "core/io/image/jpeg.hpp"
+#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/data/report_files.hpp"
@@ -161,7 +154,7 @@ Image8 fitted(const Image8& image, int width, int height) {
 }
 
 Image8 small_copy(const fs::path& copy) {
-  Image8 image = shrink(io::read_jpeg_rgb(copy), kOverviewWidth);
+  Image8 image = shrink(io::read_webp_rgb(copy), kOverviewWidth);
   for (std::uint8_t& value : image.data)
     value = static_cast<std::uint8_t>((value * (kShades - 1) + 127) / 255 * 255 / (kShades - 1));
   return image;
@@ -215,75 +208,6 @@ Image8 shrink(const Image8& image, int max_width) {
       }
   }
   return small;
-}
-
-namespace {
-
-/// libjpeg comes back by a jump, past no object of C++, and would end the process otherwise.
-struct JpegEncoder {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  std::jmp_buf jump{};
-  char message[JMSG_LENGTH_MAX] = "";
-  unsigned char* buffer = nullptr;
-  unsigned long size = 0;
-  bool is_done = false;
-
-  JpegEncoder() = default;
-  ~JpegEncoder() {
-    // Where encoding broke off, only the encoder knows where its growing buffer is by now.
-    if (!is_done && jpeg.dest) jpeg.dest->term_destination(&jpeg);
-    jpeg_destroy_compress(&jpeg);
-    std::free(buffer);
-  }
-  JpegEncoder(const JpegEncoder&) = delete;
-  JpegEncoder& operator=(const JpegEncoder&) = delete;
-};
-
-void leave_encoder(j_common_ptr jpeg) {
-  auto& encoder = *static_cast<JpegEncoder*>(jpeg->client_data);
-  jpeg->err->format_message(jpeg, encoder.message);
-  std::longjmp(encoder.jump, 1);
-}
-
-/// False where it fails: encoder.message says why.
-bool encode(JpegEncoder& encoder, const Image8& image, int quality) {
-  if (setjmp(encoder.jump)) return false;
-  jpeg_compress_struct& jpeg = encoder.jpeg;
-  jpeg_create_compress(&jpeg);
-  jpeg.client_data = &encoder;
-  jpeg_mem_dest(&jpeg, &encoder.buffer, &encoder.size);
-  jpeg.image_width = static_cast<JDIMENSION>(image.width);
-  jpeg.image_height = static_cast<JDIMENSION>(image.height);
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, quality, TRUE);
-  jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
-  jpeg.optimize_coding = FALSE;  // in a third of the time, bytes are a few percent more
-  jpeg_start_compress(&jpeg, TRUE);
-  const std::size_t stride = static_cast<std::size_t>(image.width) * 3;
-  while (jpeg.next_scanline < jpeg.image_height) {
-    auto* row = const_cast<JSAMPROW>(image.data.data() + jpeg.next_scanline * stride);
-    jpeg_write_scanlines(&jpeg, &row, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  encoder.is_done = true;
-  return true;
-}
-
-}  // namespace
-
-std::vector<unsigned char> encode_jpeg(const Image8& image, int quality) {
-  assert(image.channels == 3 && !image.empty());
-  JpegEncoder encoder;
-  encoder.jpeg.err = jpeg_std_error(&encoder.errors);
-  encoder.jpeg.client_data = &encoder;
-  encoder.errors.error_exit = leave_encoder;
-  if (!encode(encoder, image, quality))
-    throw Error("a picture of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
-                " pixels cannot be written as JPEG (" + encoder.message + ")");
-  return {encoder.buffer, encoder.buffer + encoder.size};
 }
 
 std::string base64(const std::vector<unsigned char>& bytes) {

@@ -14,9 +14,6 @@ namespace planescope::report {
 /// enlarged).
 Image8 shrink(const Image8& image, int max_width);
 
-/// Baseline JPEG of an RGB image, colour at full resolution: thin lines keep their hue.
-std::vector<unsigned char> encode_jpeg(const Image8& image, int quality);
-
 std::string base64(const std::vector<unsigned char>& bytes);
 
 // Which plane is where in an image, drawn from the samples that a report keeps: available even

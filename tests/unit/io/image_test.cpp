@@ -1,20 +1,18 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
-// jpeglib.h needs stdio's FILE and must come after it.
-#include <jpeglib.h>
 
 #include "core/io/image/apng.hpp"
 #include "core/io/image/jpeg.hpp"
 #include "core/io/image/png.hpp"
+#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/jpeg_bytes.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::io {
@@ -235,36 +233,29 @@ TEST(Png, MissingFilesAndUnwritablePathsAreNamed) {
   EXPECT_NE(error_of([&] { write_png(unwritable, Image16(2, 2)); }), "");
 }
 
-std::vector<unsigned char> encode_jpeg(int width, int height, bool color) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* buffer = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &buffer, &size);
-  jpeg.image_width = static_cast<JDIMENSION>(width);
-  jpeg.image_height = static_cast<JDIMENSION>(height);
-  jpeg.input_components = color ? 3 : 1;
-  jpeg.in_color_space = color ? JCS_RGB : JCS_GRAYSCALE;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, 95, TRUE);
-  jpeg_start_compress(&jpeg, TRUE);
-  std::vector<unsigned char> row(static_cast<std::size_t>(width) * jpeg.input_components);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      for (int c = 0; c < jpeg.input_components; ++c) {
-        row[x * jpeg.input_components + c] = c == 0 ? 200 : c == 1 ? 100 : 30;
-      }
-    }
-    JSAMPROW pointer = row.data();
-    jpeg_write_scanlines(&jpeg, &pointer, 1);
+TEST(WebP, KeepsAPictureWithinItsLoss) {
+  Image8 image(120, 80, 3, 230);
+  for (int y = 20; y < 60; ++y)
+    for (int x = 30; x < 90; ++x) image.at(x, y, 1) = 60;
+  write_file_bytes(temp_file("a.webp"), encode_webp(image, 72));
+  const Image8 read = read_webp_rgb(temp_file("a.webp"));
+  ASSERT_EQ(read.width, 120);
+  ASSERT_EQ(read.height, 80);
+  EXPECT_NEAR(read.at(5, 5, 1), 230, 4);
+  EXPECT_NEAR(read.at(60, 40, 1), 60, 4);
+  EXPECT_NEAR(read.at(60, 40, 0), 230, 4);
+  EXPECT_THROW(encode_webp(Image8(20'000, 1, 3), 72), Error);
+}
+
+TEST(WebP, DamageIsTold) {
+  const auto file = temp_file("damaged.webp");
+  const auto bytes = encode_webp(noise_image<std::uint8_t>(64, 48, 3, 1), 72);
+  for (const std::size_t kept : {std::size_t{0}, std::size_t{11}, bytes.size() / 2}) {
+    write_file_bytes(file, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(kept)});
+    EXPECT_NE(error_of([&] { read_webp_rgb(file); }).find("damaged.webp: not a readable WebP"),
+              std::string::npos)
+        << kept;
   }
-  jpeg_finish_compress(&jpeg);
-  jpeg_destroy_compress(&jpeg);
-  std::vector<unsigned char> out(buffer, buffer + size);
-  std::free(buffer);
-  return out;
 }
 
 const std::filesystem::path kPath = temp_dir() / "image.jpg";

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/report/compare/judgement.hpp"
@@ -105,7 +106,7 @@ std::string report_html(const Report& report) {
       for (const ReportPicture& picture : frame.pictures)
         for (const std::string& copy : {copy_of(picture), thumbnail_of(picture)}) {
           std::filesystem::create_directories((dir / copy).parent_path());
-          write_file_bytes(dir / copy, encode_jpeg(Image8(8, 8, 3, 200), 80));
+          write_file_bytes(dir / copy, io::encode_webp(Image8(8, 8, 3, 200), 80));
         }
   std::ostringstream page;
   write_report_page(page, report, dir);
@@ -355,7 +356,8 @@ TEST(Judgement, IsInTheReportWorstFirst) {
   EXPECT_EQ(json["verdict"]["errors"], 1);
   EXPECT_EQ(json["verdict"]["breaches"][0]["metric"], "planes_gained");
   EXPECT_EQ(json["verdict"]["breaches"][0]["frame"], 0);
-  EXPECT_NE(report.judgement->text().find("error  a<b>.bag frame 0: planes_gained is 1, at most 0"),
+  EXPECT_NE(report.judgement->text().find("error  a<b>.bag frame 0: 1 plane is not in the "
+                                          "baseline; the rule planes_gained allows none"),
             std::string::npos)
       << report.judgement->text();
 }
@@ -364,7 +366,8 @@ TEST(Junit, NamesFramesThatBreakRulesAndThoseThatWereRefused) {
   Report report = make_judged_report();
   const std::string xml = junit_xml(report);
   EXPECT_NE(xml.find("tests=\"2\" failures=\"1\" errors=\"1\""), std::string::npos) << xml;
-  EXPECT_NE(xml.find("<failure message=\"planes_gained is 1, at most 0 planes\""),
+  EXPECT_NE(xml.find("<failure message=\"1 plane is not in the baseline; the rule planes_gained "
+                     "allows none\""),
             std::string::npos)
       << xml;
   EXPECT_NE(xml.find("frames/000000/pictures/planes.png"), std::string::npos);

@@ -66,7 +66,7 @@ TEST(Rules, AMoveOfSixMillimetresIsAnErrorOfItsFrame) {
   EXPECT_EQ(found[0].recording, "a");
   EXPECT_EQ(found[0].frame, 1);
   EXPECT_EQ(found[0].rule.level, RuleLevel::error);
-  EXPECT_EQ(found[0].text(), "offset_mm is 6, at most 5 mm");
+  EXPECT_EQ(found[0].text(), "a plane moved by 6 mm; the rule offset_mm allows at most 5 mm");
 }
 
 TEST(Rules, TheFrameThatBreaksMostComesFirstAndWarningsLast) {
@@ -175,19 +175,22 @@ TEST(Rules, WhatOneCanStandOnIsHeldToLimitsAndToTheBaseline) {
   const ReportFrame same = frame_to_climb(true, 4, 0.17), worse = frame_to_climb(false, 2, 0.176);
   EXPECT_EQ(broken_of(same, "steppable_area_m2", 0.5, kAny), Texts{});
   EXPECT_EQ(broken_of(worse, "steppable_area_m2", 0.5, kAny),
-            Texts{"steppable_area_m2 is 0, at least 0.5 m2: 0 of 1 plane steppable"});
+            Texts{"a foot's centre may go on 0 m\u00b2; the rule steppable_area_m2 asks for at "
+                  "least 0.5 m\u00b2: 0 of 1 plane steppable"});
   EXPECT_EQ(broken_of(same, "steppable_area_change", 0, kAny), Texts{});
   EXPECT_EQ(
       broken_of(worse, "steppable_area_change", -0.1, kAny),
-      Texts{"steppable_area_change is -0.5, at least -0.1 m2: 0.50 m2 in the baseline, 0.00 m2 "
+      Texts{"where a foot's centre may go changed by -0.5 m\u00b2; the rule steppable_area_change "
+            "asks for at least -0.1 m\u00b2: 0.50 m2 in the baseline, 0.00 m2 "
             "now; plane 1 is no longer steppable: 17.2 mm rough, limit 10"});
   EXPECT_EQ(broken_of(same, "stairs_steps", 4, 4), Texts{});
   EXPECT_EQ(broken_of(frame_to_climb(true, 0, 0), "stairs_steps", 1, kAny),
-            Texts{"stairs_steps is 0, at least 1 steps: no stairs are found"});
-  EXPECT_EQ(
-      broken_of(worse, "stairs_steps_change", 0, kAny),
-      Texts{"stairs_steps_change is -2, at least 0 steps: 4 steps up, rise 170 mm, going 290 mm "
-            "in the baseline, 2 steps up, rise 176 mm, going 290 mm now"});
+            Texts{"0 steps of stairs are found; the rule stairs_steps asks for at least 1 step: no "
+                  "stairs are found"});
+  EXPECT_EQ(broken_of(worse, "stairs_steps_change", 0, kAny),
+            Texts{"the stairs changed by -2 steps; the rule stairs_steps_change asks for at least "
+                  "0 steps: 4 steps up, rise 170 mm, going 290 mm "
+                  "in the baseline, 2 steps up, rise 176 mm, going 290 mm now"});
   EXPECT_EQ(broken_of(same, "rise_mm", 165, 175), Texts{});
   EXPECT_EQ(broken_of(worse, "rise_mm", 165, 175).size(), 1u);
   EXPECT_EQ(broken_of(same, "rise_change", -1, 1), Texts{});
@@ -260,7 +263,9 @@ TEST(Rules, TimesOnlyEverWarn) {
     }
   const auto found = broken_rules(built_in_rules(), compare_reports(before, now));
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].text(), "time_growth is 3, at most 2 times");
+  EXPECT_EQ(found[0].text(),
+            "the time from voxel grid to planes is 3 times the baseline's; the rule time_growth "
+            "allows at most 2 times");
   EXPECT_EQ(found[0].rule.level, RuleLevel::warn);
 }
 

@@ -65,7 +65,7 @@ lab::PaperPicture picture(const std::string& row, const std::string& column) {
   picture.row = row;
   picture.column = column;
   picture.caption = row + " < " + column;
-  picture.jpeg = {1, 2, 3};
+  picture.copy = {1, 2, 3};
   picture.width = 640;
   picture.height = 480;
   return picture;
@@ -142,7 +142,7 @@ TEST_F(PaperPage, DrawsOursBesideThePrintedCurveAndTheRivals) {
 }
 
 TEST_F(PaperPage, PutsPicturesWhereTheirRowAndColumnMeet) {
-  EXPECT_TRUE(has(page_, "data:image/jpeg;base64,AQID"));
+  EXPECT_TRUE(has(page_, "data:image/webp;base64,AQID"));
   for (const char* place : {"id=\"stairs_noise-0\" style=\"grid-row:2;grid-column:2\"",
                             "id=\"stairs_noise-1\" style=\"grid-row:2;grid-column:3\"",
                             "id=\"stairs_noise-2\" style=\"grid-row:3;grid-column:3\""})
