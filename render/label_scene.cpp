@@ -108,6 +108,23 @@ void paint_outlines(Image8& image, const labels::LabelGrid& grid, const LabelLoo
     }
 }
 
+/// What lies farther off than the scale goes is none of the plane's business, and keeps its ground.
+void tint_residuals(const labels::LabelGrid& grid,
+                    const Residual& residual,
+                    double opacity,
+                    std::vector<Rgba>& tints) {
+  const auto alpha =
+      static_cast<std::uint8_t>(std::lround(255 * std::clamp(opacity + 0.25, 0.0, 1.0)));
+  for (std::size_t i = 0; i < tints.size(); ++i) {
+    tints[i] = {0, 0, 0, 0};
+    if (!grid.measured[i]) continue;
+    const double share = residual.distance_m(grid.points[i]) / residual.most_m;
+    if (std::abs(share) > 1) continue;
+    tints[i] = residual_color(share);
+    tints[i].a = alpha;
+  }
+}
+
 }  // namespace
 
 Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop) {
@@ -137,6 +154,7 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
     for (int y = 0; y < grid.height; ++y)
       for (int x = 0; x < grid.width; ++x) *tint++ = palette.at(*plane++, *hv++, x, y);
   }
+  if (look.residual) tint_residuals(grid, *look.residual, opacity, tints);
   const Marks marks = marks_of(look.theme);
   for (std::size_t i = 0; i < look.doubt.size() && i < tints.size(); ++i)
     if (look.doubt[i]) tints[i] = marks.doubt;
@@ -145,6 +163,7 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
       if (pixel < tints.size()) tints[pixel] = color;
   };
   mark(look.marked, marks.marked);
+  mark(look.taken, marks.takes);
   mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
   return tints;
 }

@@ -73,6 +73,7 @@ std::vector<Action> measure_actions();       // between points and planes that a
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
+std::vector<Action> label_finish_actions();  // holes, borders, specks, the view of distances
 std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
 std::vector<Action> label_review_actions();  // queue, checks
 

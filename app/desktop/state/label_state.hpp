@@ -17,6 +17,7 @@
 #include "core/labels/review/carry.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
+#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "render/draw_list.hpp"
 
@@ -97,6 +98,13 @@ struct WandPreview {
   std::string why_not;
 };
 
+/// What a gesture that finishes a plane would change; Enter does it.
+struct FinishPreview {
+  int plane = 0;
+  std::string title;  // "Fill the holes of P3"
+  labels::Finish finish;
+};
+
 /// What a stroke that is being drawn would change, in both views.
 struct StrokePreview {
   labels::PixelSet pixels;
@@ -122,6 +130,12 @@ struct OpenPolygon {
   render::Camera camera;                            // in space: it is let go of where that moves
 };
 
+/// The lasso that the wand stays in.
+struct WandBound {
+  OpenPolygon drawn;                 // closed
+  std::vector<std::uint8_t> within;  // per pixel
+};
+
 struct LabelView {
   LabelTool tool = LabelTool::wand;
   Paints paints = Paints::plane;
@@ -130,12 +144,15 @@ struct LabelView {
   bool through = false;  // strokes in space take hidden points too
   labels::WandOptions wand_options;
   WandPreview wand;
+  std::shared_ptr<const WandBound> bound;  // null: the wand takes what it finds anywhere
+  std::optional<FinishPreview> finish;
   std::optional<StrokePreview> stroke;
   std::optional<OpenPolygon> polygon;
   std::shared_ptr<const SpaceSight> sight;  // of the latest gesture in space
   std::int64_t hover = -1;                  // pixel under the mouse in either view; -1: none
   std::size_t hover_hidden = 0;             // points under the brush in space that are not visible
   bool show_class = false;                  // colours by h and v instead of by plane
+  bool show_residual = false;               // colours by distance to the active plane
   std::string tab = "planes";               // planes | review | checks | statistics
   std::string compare_with;  // the review's other side: empty: the run, else a label folder
   int review_item = -1;      // of the queue

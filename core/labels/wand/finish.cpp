@@ -1,6 +1,7 @@
 #include "core/labels/wand/finish.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <string>
 
@@ -12,8 +13,10 @@
 namespace planescope::labels {
 namespace {
 
-constexpr int kSmooth_px = 3;    // radius of the disc whose majority counts
-constexpr int kPartsGap_px = 2;  // without a measurement, that keeps parts not apart
+constexpr int kSmooth_px = 3;          // radius of the disc whose majority counts
+constexpr std::size_t kMostParts = 8;  // of a plane, that it grows from
+constexpr float kSameCosine = 0.98f;   // of the plane that grows, to that which was labelled
+constexpr int kPartsGap_px = 2;        // without a measurement, that keeps parts not apart
 
 /// One plane of the labels, and what could be added to it.
 struct Plane {
@@ -49,13 +52,6 @@ Plane plane_of(const FrameLabels& labels,
     if (labels.hv.data[i] != 0) plane.field.allowed[i] = 0;  // a class alone is a label, too
   for (const std::uint32_t i : plane.pixels) plane.region[i] = 1;
   return plane;
-}
-
-PixelSet added(const Plane& plane, const std::vector<std::uint8_t>& region) {
-  PixelSet adds;
-  for (std::uint32_t i = 0; i < region.size(); ++i)
-    if (region[i] && !plane.region[i]) adds.push_back(i);
-  return adds;
 }
 
 /// Own pixels minus others in a disc around a pixel. Opposite places count together or not at all,
@@ -118,18 +114,23 @@ Finish grow_to_border(const FrameLabels& labels,
                       int id,
                       const WandOptions& options) {
   const Plane plane = plane_of(labels, grid, id, options);
-  const PixelBox whole{0, 0, grid.width, grid.height};
-  std::vector<std::uint8_t> passable(grid.pixels(), 0), grown = plane.region;
-  for (std::uint32_t i = 0; i < grid.pixels(); ++i)
-    passable[i] = plane.takes(i) && plane.field.faces(plane.sheet, i);
-  spread(passable, grid.width, grid.height, static_cast<int>(grid.pixels()), grown);
-  cut_at_creases(plane.field, plane.sheet, whole, grown);
-  // What the cut left without a way to the plane is another part of its sheet.
-  for (const std::uint32_t i : plane.pixels) grown[i] = 1;
-  for (std::uint32_t i = 0; i < grid.pixels(); ++i) passable[i] = grown[i] && !plane.region[i];
-  std::vector<std::uint8_t> reached = plane.region;
-  spread(passable, grid.width, grid.height, static_cast<int>(grid.pixels()), reached);
-  return {added(plane, reached), {}};
+  // The wand, from within each part: what it finds is bounded as its own planes are.
+  std::vector<PixelSet> parts = connected_parts(grid, plane.pixels, kPartsGap_px);
+  std::ranges::stable_sort(parts, std::ranges::greater{}, &PixelSet::size);
+  if (parts.size() > kMostParts) parts.resize(kMostParts);
+  std::vector<std::uint32_t> seeds;
+  for (const PixelSet& part : parts) seeds.push_back(deepest_pixel(part, grid.width, grid.height));
+  FrameLabels others = labels;
+  for (const std::uint32_t i : plane.pixels) others.plane.data[i] = 0;
+  WandOptions free_only = options;
+  free_only.take_labelled = false;
+  const auto found = seeds.empty() ? std::nullopt : grow_plane(grid, &others, seeds, free_only);
+  Finish finish;
+  if (!found || found->plane.normal.cast<float>().dot(plane.sheet.normal) < kSameCosine)
+    return finish;
+  std::ranges::copy_if(found->pixels, std::back_inserter(finish.adds),
+                       [&](std::uint32_t i) { return plane.field.allowed[i] && !plane.region[i]; });
+  return finish;
 }
 
 Finish drop_specks(const FrameLabels& labels, const LabelGrid& grid, int id, double area_m2) {

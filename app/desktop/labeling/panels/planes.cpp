@@ -135,10 +135,11 @@ void draw_active(const Ui& ui, const FrameLabels& labels) {
                         plane->normal.y(), plane->normal.z(), tilt_text(*plane, labels)));
   paragraph(ui.colors.text,
             fmt::format("offset {:.3f} m  ·  RMS {:.1f} mm", plane->offset_m, 1000 * plane->rms_m));
-  constexpr const char* kButtons[][2] = {{"label.class.h", "h"},   {"label.class.v", "v"},
-                                         {"label.split", "split"}, {"label.lock", "lock"},
-                                         {"label.hide", "hide"},   {"label.remove", "remove"},
-                                         {"label.look", "look"}};
+  constexpr const char* kButtons[][2] = {
+      {"label.class.h", "h"}, {"label.class.v", "v"},     {"label.split", "split"},
+      {"label.lock", "lock"}, {"label.hide", "hide"},     {"label.remove", "remove"},
+      {"label.look", "look"}, {"label.fill", "fill"},     {"label.smooth", "smooth"},
+      {"label.grow", "grow"}, {"label.specks", "specks"}, {"label.residual", "distance"}};
   bool first = true;
   for (const auto& [action, label] : kButtons) {
     if (!first) same_line_if_fits(label);
