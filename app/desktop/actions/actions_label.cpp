@@ -35,7 +35,7 @@ void leave(State& state) {
 void travel(State& state, bool back) {
   labels::LabelStore& store = *store_of(state);
   const std::optional<int> frame = back ? store.undo_frame() : store.redo_frame();
-  if (!frame) return say(state, back ? "nothing to undo" : "nothing to redo");
+  if (!frame) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
   if (*frame != state.document.frame) {
     apply(state, {"frame.show", std::to_string(*frame)});
     return say(state, fmt::format("the step is on frame {}: once more to {} it", *frame,

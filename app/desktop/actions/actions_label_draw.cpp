@@ -61,7 +61,7 @@ void cut(State& state, const std::string& text) {
   const FrameLabels after = labels::split_by_side(labels, grid, plane, sides);
   const std::string name = name_of_paint({.plane = plane});
   if (after.planes.size() == labels.planes.size())
-    return say(state, "all of " + name + " lies on one side of the line");
+    return say_nothing_done(state, "all of " + name + " lies on one side of the line");
   commit_labels(state, "Cut " + name, after);
   say(state, "Cut " + name);
 }
@@ -106,7 +106,9 @@ void grow(State& state) {
   std::optional<labels::WandResult> found = labels::grow_plane(
       state.label_frame()->grid, state.labels().get(), wand.seeds, options_of(view), &wand.why_not);
   wand.found = found ? std::make_shared<labels::WandResult>(std::move(*found)) : nullptr;
-  if (!wand.found) say(state, "no plane there: " + wand.why_not, true);
+  if (wand.found) return;
+  say_nothing_done(state, "no plane there: " + wand.why_not);
+  state.view.message_is_error = true;
 }
 
 std::uint32_t seed_argument(State& state, const std::string& action, const std::string& text) {
@@ -134,7 +136,7 @@ void add(State& state, const std::string& text) {
   grow(state);
   if (wand.found && wand.found->fragment_pixels.back() == 0) {
     wand.seeds.pop_back();
-    say(state, "nothing there is part of this plane");
+    say_nothing_done(state, "nothing there is part of this plane");
   }
 }
 
@@ -219,7 +221,7 @@ void accept(State& state) {
   if (view.wand.found) return accept_wand(state);
   if (view.finish) return accept_finish(state);
   if (view.tab == "review" && view.review_item >= 0) return apply(state, {"review.keep", ""});
-  say(state, "there is nothing to accept");
+  say_nothing_done(state, "there is nothing to accept");
 }
 
 /// Cancels what was begun last, one thing at a time.

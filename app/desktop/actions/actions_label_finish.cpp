@@ -24,7 +24,7 @@ void show(State& state,
   let_go(view);
   view.plane = plane;
   view.paints = Paints::plane;
-  if (finish.empty()) return say(state, fmt::format("P{} {}", plane, nothing));
+  if (finish.empty()) return say_nothing_done(state, fmt::format("P{} {}", plane, nothing));
   std::string what;
   if (!finish.adds.empty()) what = counted(finish.adds.size(), "pixel") + " more";
   if (!finish.takes.empty())

@@ -43,6 +43,7 @@ struct ReviewQueue {
   std::string other;                      // "refined", or the folder of another annotator
   std::shared_ptr<const labels::OtherLabels> other_labels;
   std::vector<labels::Disagreement> items;     // undecided first, then by area
+  double smallest_cm2 = 0;                     // of them
   std::optional<labels::Agreement> agreement;  // with another annotator
   bool labels_decided = false;                 // and changed by that: the queue after it goes on
 
@@ -61,6 +62,9 @@ struct Audit {
 struct CarryJob {
   bool running = false, begun = false;  // begun: the job knows of it
   int from = 0;
+  int left = 0;            // frames to go after this one
+  double least_share = 0;  // a plane less sure than that ends it; 0: none does
+  int gone = 0;            // frames that it went over, this one not among them
   std::shared_ptr<const LabelFrame> from_frame;
   std::shared_ptr<const FrameLabels> from_labels;
   double progress = 0;
@@ -154,9 +158,10 @@ struct LabelView {
   bool show_class = false;                  // colours by h and v instead of by plane
   bool show_residual = false;               // colours by distance to the active plane
   std::string tab = "planes";               // planes | review | checks | statistics
-  std::string compare_with;  // the review's other side: empty: the run, else a label folder
-  int review_item = -1;      // of the queue
-  int finding = -1;          // of the audit
+  std::string compare_with;        // the review's other side: empty: the run, else a label folder
+  double review_smallest_cm2 = 5;  // regions below it are left out of the review
+  int review_item = -1;            // of the queue
+  int finding = -1;                // of the audit
 };
 
 }  // namespace planescope::desktop
