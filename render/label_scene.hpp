@@ -17,6 +17,7 @@ namespace planescope::render {
 
 /// Distances to a plane, as colours from -most_m, behind it, to +most_m, before it.
 struct Residual {
+  int plane = 0;                  // of the labels; 0: of the preview
   Vec3d normal = Vec3d::UnitZ();  // towards the sensor, in its frame: normal . x = offset
   double offset_m = 0, most_m = 0.016;
   std::string name;

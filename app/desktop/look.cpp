@@ -176,11 +176,12 @@ std::optional<render::Residual> residual_of(const State& state) {
   const double most_m = kTolerances * view.wand_options.tolerance_m;
   if (view.wand.found) {
     const labels::FittedPlane& plane = view.wand.found->plane;
-    return render::Residual{plane.normal, plane.offset_m, most_m, "wand"};
+    return render::Residual{0, plane.normal, plane.offset_m, most_m, "wand"};
   }
   const LabelPlane* plane = labels::find_plane(*labels, view.plane);
   if (!plane) return std::nullopt;
-  return render::Residual{plane->normal, plane->offset_m, most_m, fmt::format("P{}", plane->id)};
+  return render::Residual{plane->id, plane->normal, plane->offset_m, most_m,
+                          fmt::format("P{}", plane->id)};
 }
 
 std::string describe_node(const State& state, std::int32_t node) {

@@ -311,13 +311,13 @@ std::string pointed_text(const State& state) {
   return text;
 }
 
-/// In the lower right corner: what the colours of distances mean.
+/// In the upper right corner: what the colours of distances mean.
 void draw_residual_scale(const Ui& ui, const DrawingSurface& surface) {
   const std::optional<render::Residual> residual = residual_of(ui.state);
   if (!residual) return;
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float width = ui.px(150), height = ui.px(10), line = ImGui::GetTextLineHeight();
-  const ImVec2 from(surface.max.x - width - ui.px(24), surface.max.y - height - line - ui.px(20));
+  const ImVec2 from(surface.max.x - width - ui.px(24), surface.min.y + line + ui.px(18));
   draw->AddRectFilled(ImVec2(from.x - ui.px(12), from.y - line - ui.px(8)),
                       ImVec2(from.x + width + ui.px(12), from.y + height + line + ui.px(8)),
                       with_alpha(ui.colors.panel, 225), ui.px(4));
