@@ -86,10 +86,8 @@ LabelledRecording open_labels(const LabelsArgs& args) {
 
 Frame frame_as_drawn(const LabelledRecording& source, int index, const FrameLabels& labels) {
   Frame frame = source.recording->frame(index);
-  if (frame.intrinsics.fx == 0) frame.intrinsics = labels.intrinsics;
   const bool assumed = source.recording->info().depth_unit_source.starts_with("assumed");
-  if ((assumed || !(frame.depth_unit_m > 0)) && labels.depth_unit_m > 0)
-    frame.depth_unit_m = labels.depth_unit_m;
+  if (assumed && labels.depth_unit_m > 0) frame.depth_unit_m = labels.depth_unit_m;
   return frame;
 }
 
