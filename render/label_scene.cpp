@@ -108,6 +108,31 @@ void paint_outlines(Image8& image, const labels::LabelGrid& grid, const LabelLoo
     }
 }
 
+/// The plane's own pixels have a colour however far off they are: those are to be trimmed. Others
+/// keep their ground where they lie farther off than the scale goes.
+void tint_residuals(const labels::LabelGrid& grid,
+                    const LabelLook& look,
+                    double opacity,
+                    std::vector<Rgba>& tints) {
+  const Residual& residual = *look.residual;
+  std::vector<std::uint8_t> own(tints.size(), 0);
+  if (residual.plane == 0)
+    for (const std::uint32_t pixel : look.preview) own[pixel] = 1;
+  else if (look.labels)
+    for (std::size_t i = 0; i < tints.size(); ++i)
+      own[i] = look.labels->plane.data[i] == residual.plane;
+  const auto alpha =
+      static_cast<std::uint8_t>(std::lround(255 * std::clamp(opacity + 0.25, 0.0, 1.0)));
+  for (std::size_t i = 0; i < tints.size(); ++i) {
+    tints[i] = {0, 0, 0, 0};
+    if (!grid.measured[i]) continue;
+    const double share = residual.distance_m(grid.points[i]) / residual.most_m;
+    if (std::abs(share) > 1 && !own[i]) continue;
+    tints[i] = residual_color(share);
+    tints[i].a = alpha;
+  }
+}
+
 }  // namespace
 
 Image8 label_ground(const labels::LabelGrid& grid, Backdrop backdrop) {
@@ -137,6 +162,7 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
     for (int y = 0; y < grid.height; ++y)
       for (int x = 0; x < grid.width; ++x) *tint++ = palette.at(*plane++, *hv++, x, y);
   }
+  if (look.residual) tint_residuals(grid, look, opacity, tints);
   const Marks marks = marks_of(look.theme);
   for (std::size_t i = 0; i < look.doubt.size() && i < tints.size(); ++i)
     if (look.doubt[i]) tints[i] = marks.doubt;
@@ -145,7 +171,9 @@ std::vector<Rgba> label_tints(const labels::LabelGrid& grid,
       if (pixel < tints.size()) tints[pixel] = color;
   };
   mark(look.marked, marks.marked);
-  mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
+  mark(look.taken, marks.takes);
+  const bool is_told = look.residual && look.residual->plane == 0;  // by its distances
+  if (!is_told) mark(look.preview, look.preview_takes ? marks.takes : marks.preview);
   return tints;
 }
 

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/labels/model/grid.hpp"
@@ -13,6 +15,19 @@
 
 namespace planescope::render {
 
+/// Distances to a plane, as colours from -most_m, behind it, to +most_m, before it.
+struct Residual {
+  int plane = 0;                  // of the labels; 0: of the preview
+  Vec3d normal = Vec3d::UnitZ();  // towards the sensor, in its frame: normal . x = offset
+  double offset_m = 0, most_m = 0.016;
+  std::string name;
+
+  double distance_m(const Vec3f& point) const {
+    return normal.dot(point.cast<double>()) - offset_m;
+  }
+  bool operator==(const Residual&) const = default;
+};
+
 /// What is drawn and what stands out.
 struct LabelLook {
   std::shared_ptr<const FrameLabels> labels;  // null: none yet
@@ -20,6 +35,8 @@ struct LabelLook {
   bool show_class = false;                    // colours of h and v instead of the planes' own
   std::span<const std::uint32_t> preview;     // pixels that a gesture would change
   bool preview_takes = false;                 // ... by taking labels off
+  std::span<const std::uint32_t> taken;       // pixels that it would take off besides
+  std::optional<Residual> residual;           // colours by distance, in place of labels
   std::span<const std::uint8_t> doubt;        // per pixel; empty: none
   std::span<const std::uint32_t> marked;      // pixels that a question is about
   Theme theme = Theme::dark;

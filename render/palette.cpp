@@ -81,6 +81,11 @@ Rgba margin_color(Label label, double margin) {
   return mixed(rgb(0x3E3E3E), label_color(label), std::clamp(margin, 0.0, 1.0));
 }
 
+Rgba residual_color(double share) {
+  const double t = std::clamp(share, -1.0, 1.0);
+  return mixed(rgb(0xF7F7F7), t < 0 ? rgb(0x2166AC) : rgb(0xB2182B), std::abs(t));
+}
+
 Rgba leftover_color() { return rgb(0x8A8F98); }
 
 Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x009E73 : 0xD55E00); }

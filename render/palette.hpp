@@ -12,6 +12,8 @@ namespace planescope::render {
 /// in every picture, report and window.
 Rgba case_color(planes::Case c);
 Rgba label_color(Label label);  // h, v, unknown
+/// From blue at -1, behind a plane, over near white on it to red at +1, before it.
+Rgba residual_color(double share);
 /// How sure a label is: from a dark grey that h and v share at margin 0 to the label's own colour
 /// at 1, lighter and more saturated all the way.
 Rgba margin_color(Label label, double margin);

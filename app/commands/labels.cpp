@@ -84,6 +84,13 @@ LabelledRecording open_labels(const LabelsArgs& args) {
   return source;
 }
 
+Frame frame_as_drawn(const LabelledRecording& source, int index, const FrameLabels& labels) {
+  Frame frame = source.recording->frame(index);
+  const bool assumed = source.recording->info().depth_unit_source.starts_with("assumed");
+  if (assumed && labels.depth_unit_m > 0) frame.depth_unit_m = labels.depth_unit_m;
+  return frame;
+}
+
 FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   const auto& recording = source.recording;
   if (recording && frame >= recording->frame_count())

@@ -31,7 +31,7 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
     checked.width = labels.plane.width;
     if (source.recording)
       checked.findings = labels::audit_labels(
-          labels, labels::make_label_grid(source.recording->frame(frame), labels.gravity));
+          labels, labels::make_label_grid(frame_as_drawn(source, frame, labels), labels.gravity));
   } catch (const Error& error) {
     checked.damage = error.what();
   }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -15,11 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kSure = 0.8;  // of a carried plane
+
 struct FrameStatistics {
   int frame = 0;
   std::string annotator, review_state;
   labels::LabelStatistics of;
   std::vector<labels::WorkTime> work;
+  int doubtful = 0;  // planes
 
   double seconds() const {
     double sum = 0;
@@ -48,6 +52,46 @@ std::string work_text(const std::vector<labels::WorkTime>& work) {
     text += fmt::format("{}{} {} ({} gestures)", text.empty() ? "" : ", ", w.annotator,
                         minutes_text(w.seconds), w.gestures);
   return text.empty() ? "-" : text;
+}
+
+/// What of a recording is still to do, by frame.
+struct Left {
+  std::vector<int> unlabelled, unreviewed;
+  std::vector<int> doubtful;  // with carried planes that nobody has touched
+};
+
+Left what_is_left(const LabelledRecording& source, const std::vector<FrameStatistics>& frames) {
+  Left left;
+  std::vector<int> labelled;
+  for (const FrameStatistics& f : frames) {
+    if (f.of.planes > 0) labelled.push_back(f.frame);
+    if (f.of.planes > 0 && f.review_state != "reviewed") left.unreviewed.push_back(f.frame);
+    if (f.doubtful > 0) left.doubtful.push_back(f.frame);
+  }
+  const int count = source.recording ? source.recording->frame_count() : 0;
+  for (int i = 0; i < count; ++i)
+    if (!std::ranges::binary_search(labelled, i)) left.unlabelled.push_back(i);
+  return left;
+}
+
+/// "5: 0-3, 7"
+std::string frames_text(const std::vector<int>& frames) {
+  std::string text = std::to_string(frames.size());
+  for (std::size_t i = 0, end = 0; i < frames.size(); i = end) {
+    for (end = i + 1; end < frames.size() && frames[end] == frames[end - 1] + 1;) ++end;
+    text += fmt::format("{}{}", i == 0 ? ": " : ", ", frames[i]);
+    if (end > i + 1) text += fmt::format("-{}", frames[end - 1]);
+  }
+  return text;
+}
+
+void print_left(const Left& left, bool with_recording) {
+  fmt::print("\nleft to do, frames\n  without labels: {}\n  not reviewed: {}\n",
+             with_recording ? frames_text(left.unlabelled)
+                            : "not known, --recording RECORDING says how many there are",
+             frames_text(left.unreviewed));
+  fmt::print("  with a carried plane less than {:.0f} % sure, that nobody has touched: {}\n",
+             100 * kSure, frames_text(left.doubtful));
 }
 
 void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
@@ -86,7 +130,8 @@ Json to_json(const FrameStatistics& f, bool with_depth) {
                {"v", f.of.v},
                {"labelled", f.of.labelled},
                {"ignored", f.of.ignored},
-               {"hidden", f.of.hidden}};
+               {"hidden", f.of.hidden},
+               {"doubtful", f.doubtful}};
   json["measured"] = with_depth ? Json(f.of.measured) : Json(nullptr);
   json["labelled_m2"] = with_depth ? Json(f.of.labelled_m2) : Json(nullptr);
   json["work"] = Json::array();
@@ -109,16 +154,19 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
       if (stop.stop_requested()) throw Cancelled();
       progress.show(static_cast<int>(frames.size()), fmt::format("frame {}", frame));
       const FrameLabels labels = read_labels_of(source, frame);
-      frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame]});
+      frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame], 0});
+      frames.back().doubtful = static_cast<int>(std::ranges::count_if(
+          labels.planes, [](const LabelPlane& plane) { return plane.confidence < kSure; }));
       frames.back().of =
-          source.recording
-              ? labels::statistics_of(
-                    labels, labels::make_label_grid(source.recording->frame(frame), labels.gravity))
-              : count_pixels(labels);
+          source.recording ? labels::statistics_of(
+                                 labels, labels::make_label_grid(
+                                             frame_as_drawn(source, frame, labels), labels.gravity))
+                           : count_pixels(labels);
     }
   }
   if (!args.json) {
     print_table(frames, source.recording != nullptr);
+    print_left(what_is_left(source, frames), source.recording != nullptr);
     return 0;
   }
   Json json = {{"schema", "planescope.labels_stats/1"}, {"labels", source.labels.dir.string()}};
@@ -126,6 +174,10 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
   json["frames"] = Json::array();
   for (const FrameStatistics& f : frames)
     json["frames"].push_back(to_json(f, source.recording != nullptr));
+  const Left left = what_is_left(source, frames);
+  json["left"] = {{"unlabelled", source.recording ? Json(left.unlabelled) : Json(nullptr)},
+                  {"unreviewed", left.unreviewed},
+                  {"doubtful", left.doubtful}};
   fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   return 0;
 }

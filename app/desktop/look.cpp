@@ -154,14 +154,34 @@ render::LabelLook label_look_of(const State& state) {
   if (view.stroke) {
     look.preview = view.stroke->pixels;
     look.preview_takes = view.stroke->takes;
+  } else if (view.finish) {
+    look.preview = view.finish->finish.adds;
+    look.taken = view.finish->finish.takes;
   } else if (view.wand.found) {
     look.preview = view.wand.found->pixels;
     look.preview_takes = view.paints == Paints::erase;
   }
   if (state.results.label.carry.done) look.doubt = state.results.label.carry.done->doubt;
   look.marked = marked_pixels(state);
+  look.residual = residual_of(state);
   look.theme = state.view.theme;
   return look;
+}
+
+std::optional<render::Residual> residual_of(const State& state) {
+  constexpr double kTolerances = 2;  // that the scale goes to, either way
+  const LabelView& view = state.view.label;
+  const std::shared_ptr<const FrameLabels> labels = state.labels();
+  if (!view.show_residual || !labels) return std::nullopt;
+  const double most_m = kTolerances * view.wand_options.tolerance_m;
+  if (view.wand.found) {
+    const labels::FittedPlane& plane = view.wand.found->plane;
+    return render::Residual{0, plane.normal, plane.offset_m, most_m, "wand"};
+  }
+  const LabelPlane* plane = labels::find_plane(*labels, view.plane);
+  if (!plane) return std::nullopt;
+  return render::Residual{plane->id, plane->normal, plane->offset_m, most_m,
+                          fmt::format("P{}", plane->id)};
 }
 
 std::string describe_node(const State& state, std::int32_t node) {

@@ -33,6 +33,8 @@ render::StepLook look_of(const State& state);
 
 /// What both views of the label mode draw. Its spans are the state's.
 render::LabelLook label_look_of(const State& state);
+/// Of the plane that the wand shows, or else of the active one; nullopt where it is not looked at.
+std::optional<render::Residual> residual_of(const State& state);
 
 /// "voxel 812 (h), in P3, true plane 2", and its node in a second line: what is known at the
 /// cursor.

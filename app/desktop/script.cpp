@@ -243,7 +243,10 @@ void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
       return fmt::format("{}, action {} ({})", path_.string(), number, step.dump());
     };
     try {
+      shell.forget_nothing_done();
       player.play(step);
+      if (shell.state().view.did_nothing)
+        fmt::print(stderr, "{}: nothing was done: {}\n", where(), shell.state().view.message);
     } catch (const Json::exception& error) {
       throw Error(where() + ": " + json_problem(error));
     } catch (const ExpectationFailed& error) {

@@ -30,6 +30,8 @@ class Shell {
   void frame(int width, int height, float screen_scale, double seconds);
   /// Applies a command as a key or a click would; errors go to the status bar unless `strict`.
   void perform(const Command& command, bool strict = false);
+  /// So that a script can tell whether its next step does something.
+  void forget_nothing_done() { state_.view.did_nothing = false; }
   /// Something is left to show.
   bool needs_frame() const;
   /// Nothing is under way and nothing is left to show.

@@ -61,6 +61,7 @@ struct ReviewNote {
 struct FrameLabels {
   std::string depth_sha256;  // Recording::frame_hash of the frame that was labelled
   Intrinsics intrinsics;
+  double depth_unit_m = 0;  // metres per count of that depth; 0: not known, as in older files
   Gravity gravity;
   Image16 plane;  // plane id; 0 unlabelled, kPlaneIgnore
   Image8 hv;      // 0 unknown, 1 h, 2 v, kHvIgnore

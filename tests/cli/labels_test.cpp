@@ -91,6 +91,13 @@ TEST_F(Labels, CheckRefusesLabelsOfAnotherDepthImage) {
   EXPECT_NE(ran.out.find("made for a depth image with SHA-256"), std::string::npos) << ran.out;
 }
 
+TEST_F(Labels, CheckNamesAnotherCameraThanTheyWereDrawnWith) {
+  const Ran ran = labels("check", {own.string(), "--intrinsics", "240,240,80,60"});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.out.find("camera: drawn with fx 120, the frame has 240"), std::string::npos)
+      << ran.out;
+}
+
 TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = labels("check", {(dir / "alone.labels").string()});
@@ -258,8 +265,12 @@ TEST_F(Labels, StatsCountAreaPlanesAndTime) {
   // The wall: 1.2 m / 120 per pixel, in the rows above the foot at 60 + 120 * 0.5 / 1.2.
   EXPECT_GT(frame["labelled_m2"], 1.6 * 1.1);
   EXPECT_LT(frame["labelled_m2"], 1.6 * 1.1 + 0.4);
+  EXPECT_EQ(json["left"]["unlabelled"], Json::parse("[2]"));
+  EXPECT_EQ(json["left"]["unreviewed"], Json::parse("[0, 1]"));
   const Ran text = labels("stats", {own.string()});
   EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_NE(text.out.find("without labels: 1: 2\n  not reviewed: 2: 0-1\n"), std::string::npos)
+      << text.out;
   EXPECT_NE(text.out.find("sum"), std::string::npos) << text.out;
   expect_refused(labels("stats", {(dir / "rec/depth").string(), "--labels", dir.string()}),
                  "no labels in it");

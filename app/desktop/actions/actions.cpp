@@ -32,8 +32,8 @@ const std::vector<Action>& action_table() {
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})
       add(part(), KeyMode::debugger);
-    for (auto part :
-         {label_tool_actions, label_draw_actions, label_plane_actions, label_review_actions})
+    for (auto part : {label_tool_actions, label_draw_actions, label_finish_actions,
+                      label_plane_actions, label_chain_actions, label_review_actions})
       add(part(), KeyMode::labels);
     add(gravity_actions(), KeyMode::anywhere);
     add(measure_actions(), KeyMode::debugger);
@@ -136,6 +136,12 @@ std::vector<const Action*> matching_actions(const std::string& typed, Mode mode)
 void say(State& state, std::string message, bool is_error) {
   state.view.message = std::move(message);
   state.view.message_is_error = is_error;
+  state.view.did_nothing = false;
+}
+
+void say_nothing_done(State& state, std::string why) {
+  say(state, std::move(why));
+  state.view.did_nothing = true;
 }
 
 void go_to_step(State& state, std::int32_t step) {

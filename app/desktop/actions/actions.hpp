@@ -73,6 +73,8 @@ std::vector<Action> measure_actions();       // between points and planes that a
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
+std::vector<Action> label_finish_actions();  // holes, borders, specks, the view of distances
+std::vector<Action> label_chain_actions();   // a plane on all frames it was carried over
 std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
 std::vector<Action> label_review_actions();  // queue, checks
 
@@ -143,5 +145,7 @@ void save_labels(State& state);
 void save_labels_if_possible(State& state);
 /// In the status bar.
 void say(State& state, std::string message, bool is_error = false);
+/// That what was asked for changed nothing, and why; whoever plays a script is told.
+void say_nothing_done(State& state, std::string why);
 
 }  // namespace planescope::desktop

@@ -35,7 +35,7 @@ void leave(State& state) {
 void travel(State& state, bool back) {
   labels::LabelStore& store = *store_of(state);
   const std::optional<int> frame = back ? store.undo_frame() : store.redo_frame();
-  if (!frame) return say(state, back ? "nothing to undo" : "nothing to redo");
+  if (!frame) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
   if (*frame != state.document.frame) {
     apply(state, {"frame.show", std::to_string(*frame)});
     return say(state, fmt::format("the step is on frame {}: once more to {} it", *frame,
@@ -52,6 +52,8 @@ void travel(State& state, bool back) {
 
 void let_go(LabelView& view) {
   view.wand = {};
+  view.bound = nullptr;
+  view.finish.reset();
   view.stroke.reset();
   view.polygon.reset();
 }
@@ -61,6 +63,7 @@ void commit_labels(State& state, const std::string& title, const FrameLabels& af
   const std::shared_ptr<const FrameLabels> before = state.labels();
   if (!store || !before) throw Error("the frame is not ready for labels yet");
   if (!store->read_only().empty()) throw Error(store->read_only());
+  state.view.label.finish.reset();  // was of the labels before
   store->commit(labels::make_edit(state.document.frame, title, *before, after));
 }
 

@@ -61,7 +61,7 @@ void cut(State& state, const std::string& text) {
   const FrameLabels after = labels::split_by_side(labels, grid, plane, sides);
   const std::string name = name_of_paint({.plane = plane});
   if (after.planes.size() == labels.planes.size())
-    return say(state, "all of " + name + " lies on one side of the line");
+    return say_nothing_done(state, "all of " + name + " lies on one side of the line");
   commit_labels(state, "Cut " + name, after);
   say(state, "Cut " + name);
 }
@@ -95,6 +95,7 @@ constexpr double kLeastTolerance_m = 0.001, kLargestTolerance_m = 0.1;
 labels::WandOptions options_of(const LabelView& view) {
   labels::WandOptions options = view.wand_options;
   if (view.paints == Paints::erase) options.take_labelled = true;
+  if (view.bound) options.within = view.bound->within;
   return options;
 }
 
@@ -105,7 +106,9 @@ void grow(State& state) {
   std::optional<labels::WandResult> found = labels::grow_plane(
       state.label_frame()->grid, state.labels().get(), wand.seeds, options_of(view), &wand.why_not);
   wand.found = found ? std::make_shared<labels::WandResult>(std::move(*found)) : nullptr;
-  if (!wand.found) say(state, "no plane there: " + wand.why_not, true);
+  if (wand.found) return;
+  say_nothing_done(state, "no plane there: " + wand.why_not);
+  state.view.message_is_error = true;
 }
 
 std::uint32_t seed_argument(State& state, const std::string& action, const std::string& text) {
@@ -133,7 +136,7 @@ void add(State& state, const std::string& text) {
   grow(state);
   if (wand.found && wand.found->fragment_pixels.back() == 0) {
     wand.seeds.pop_back();
-    say(state, "nothing there is part of this plane");
+    say_nothing_done(state, "nothing there is part of this plane");
   }
 }
 
@@ -142,6 +145,30 @@ void set_tolerance(State& state, const std::string& text) {
   LabelView& view = state.view.label;
   view.wand_options.tolerance_m = std::clamp(wanted, kLeastTolerance_m, kLargestTolerance_m);
   if (!view.wand.seeds.empty() && labels_at_hand(state)) grow(state);
+}
+
+/// A plane that is shown already grows anew within it.
+void bound_wand(State& state, const std::string& text) {
+  LabelView& view = state.view.label;
+  view.bound = nullptr;
+  if (text != "none") {
+    const LabelGesture gesture = gesture_argument("label.wand.within", text, 3);
+    auto bound = std::make_shared<WandBound>();
+    bound->drawn = {
+        .where = gesture.where,
+        .corners = gesture.path,
+        .view_size = {static_cast<float>(gesture.width), static_cast<float>(gesture.height)},
+        .camera = camera_of(state)};
+    bound->within.resize(state.label_frame()->grid.pixels(), 0);
+    const labels::PixelSet pixels = selected_by(state, gesture).pixels;
+    if (pixels.empty()) throw Error("no point is seen inside of the lasso");
+    for (const std::uint32_t pixel : pixels) bound->within[pixel] = 1;
+    view.bound = std::move(bound);
+  }
+  if (!view.wand.seeds.empty())
+    grow(state);
+  else
+    say(state, view.bound ? "the wand stays in the lasso, until Escape" : "the wand is free");
 }
 
 /// The wand makes a plane at each click, unless one was chosen that has no pixels yet, or the first
@@ -162,6 +189,7 @@ void accept_wand(State& state) {
       options_of(state.view.label).take_labelled ? labels::PaintMode::over : labels::PaintMode::add;
   paint_pixels(state, "Wand", found->pixels, paint_of_wand(state), mode);
   state.view.label.wand = {};
+  state.view.label.bound = nullptr;
 }
 
 void close_polygon(State& state) {
@@ -179,18 +207,29 @@ void close_polygon(State& state) {
   state.view.label.polygon.reset();
 }
 
+void accept_finish(State& state) {
+  const FinishPreview preview = *state.view.label.finish;
+  const LabelWork work = label_work(state);
+  commit_and_say(state, preview.title,
+                 labels::finished(*work.labels, work.frame.grid, preview.plane, preview.finish),
+                 "");
+}
+
 void accept(State& state) {
   LabelView& view = state.view.label;
   if (view.polygon) return close_polygon(state);
   if (view.wand.found) return accept_wand(state);
+  if (view.finish) return accept_finish(state);
   if (view.tab == "review" && view.review_item >= 0) return apply(state, {"review.keep", ""});
-  say(state, "there is nothing to accept");
+  say_nothing_done(state, "there is nothing to accept");
 }
 
 /// Cancels what was begun last, one thing at a time.
 void cancel(State& state) {
   LabelView& view = state.view.label;
-  if (view.stroke || view.polygon || !view.wand.seeds.empty()) return let_go(view);
+  const bool begun =
+      view.stroke || view.polygon || !view.wand.seeds.empty() || view.bound || view.finish;
+  if (begun) return let_go(view);
   CarryJob& carry = state.results.label.carry;
   if (carry.running) say(state, "nothing was carried");
   if (carry.running || carry.done) {
@@ -253,6 +292,14 @@ std::vector<Action> label_draw_actions() {
        "",
        "U,V or space:WxH X,Y",
        add,
+       labels_at_hand,
+       {}},
+      {"label.wand.within",
+       "Keep the wand inside of a lasso",
+       "",
+       "",
+       "VIEW X,Y X,Y ... or none",
+       bound_wand,
        labels_at_hand,
        {}},
       {"label.wand.tolerance", "Tolerance of the wand", "", "", "METRES", set_tolerance, {}, {}},

@@ -4,14 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
+
+constexpr double kLeastShare = 0.8;  // of a carried plane's expected pixels that lie on it
 
 std::string name_of(int plane) { return fmt::format("P{}", plane); }
 
@@ -80,7 +84,7 @@ void remove(State& state, const std::string& text) {
   const LabelWork work = label_work(state);
   const int plane = plane_argument(state, "label.remove", text);
   commit_and_say(state, fmt::format("Remove {}", name_of(plane)),
-                 labels::without_plane(*work.labels, work.frame.grid, plane), "");
+                 labels::without_plane(*work.labels, plane), "");
   if (state.view.label.plane == plane) state.view.label.plane = 0;
 }
 
@@ -127,22 +131,52 @@ void take(State& state) {
   state.view.label.wand = {};
 }
 
-void carry(State& state) {
-  const LabelWork work = label_work(state);
+/// "[FRAMES] [doubt [SHARE]]": one frame, or so many, or until a plane is less sure than the share.
+CarryJob carry_argument(const std::string& text) {
+  constexpr int kMostFrames = 1'000'000;
+  CarryJob plan;
+  std::vector<std::string> words = planescope::split(text, ' ');
+  std::erase(words, "");
+  std::size_t next = 0;
+  const auto is_number = [&] {
+    return next < words.size() && std::isdigit(static_cast<unsigned char>(words[next][0]));
+  };
+  int frames = 1;
+  const bool counts = is_number();
+  if (counts) frames = whole_argument("label.carry", words[next++], 1, kMostFrames);
+  if (next < words.size() && words[next] == "doubt") {
+    ++next;
+    if (!counts) frames = kMostFrames;
+    plan.least_share = is_number() ? number_argument("label.carry", words[next++]) : kLeastShare;
+    if (!(plan.least_share > 0 && plan.least_share <= 1))
+      throw Error(
+          fmt::format("action label.carry: a share of {}, expected 0 to 1", plan.least_share));
+  }
+  if (next < words.size())
+    throw Error(fmt::format("action label.carry: '{}', expected [FRAMES] [doubt [SHARE]]", text));
+  plan.left = frames - 1;
+  return plan;
+}
+
+void show_next(State& state, const char* what, bool (*is_wanted)(const FrameMark&)) {
   const int frame = state.document.frame;
-  const OpenRecording& open = *state.document.current();
-  if (work.labels->planes.empty())
-    throw Error(fmt::format("frame {} has no planes that could be carried on", frame));
-  if (frame + 1 >= open.recording->frame_count())
-    throw Error(fmt::format("frame {} is the last one", frame));
-  if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
-  CarryJob job;
-  job.running = true;
-  job.from = frame;
-  job.from_frame = state.results.label.frame;
-  job.from_labels = work.labels;
-  apply(state, {"frame.show", std::to_string(frame + 1)});
-  state.results.label.carry = std::move(job);
+  const int frames = state.document.current()->recording->frame_count();
+  for (int step = 1; step < frames; ++step) {  // on from here, and round the end
+    const int next = (frame + step) % frames;
+    if (is_wanted(frame_mark(state, next)))
+      return apply(state, {"frame.show", std::to_string(next)});
+  }
+  say_nothing_done(state, fmt::format("no other frame is {}", what));
+}
+
+Action next_frame(const char* name,
+                  const char* title,
+                  const char* key,
+                  const char* what,
+                  bool (*is_wanted)(const FrameMark&)) {
+  return {name,      title, "Labels",
+          key,       "",    [=](State& s, const std::string&) { show_next(s, what, is_wanted); },
+          can_label, {}};
 }
 
 /// Of the active plane, or of the one that the argument names.
@@ -175,7 +209,27 @@ std::vector<Action> label_plane_actions() {
   };
   return {
       on_frame("label.take", "Start from the algorithm", "T", take),
-      on_frame("label.carry", "Carry the labels to the next frame", ".", carry),
+      {"label.carry",
+       "Carry the labels to the next frame",
+       "Planes",
+       ".",
+       "[FRAMES] [doubt [SHARE]]",
+       [](State& s, const std::string& text) { begin_carry(s, carry_argument(text)); },
+       can_label,
+       {}},
+      {"label.carry.doubt",
+       "Carry the labels on until one is in doubt",
+       "Planes",
+       "Ctrl+.",
+       "",
+       [](State& s, const std::string&) { begin_carry(s, carry_argument("doubt")); },
+       can_label,
+       {}},
+      next_frame("label.next.unlabelled", "Next frame without labels", "U", "without labels",
+                 [](const FrameMark& mark) { return !mark.labelled; }),
+      next_frame("label.next.unreviewed", "Next frame with labels that are not reviewed", "Y",
+                 "labelled and not reviewed",
+                 [](const FrameMark& mark) { return mark.labelled && !mark.reviewed; }),
       class_action("label.class.h", "Horizontal", "H", Label::h),
       class_action("label.class.v", "Vertical", "V", Label::v),
       on_plane("label.join", "Join the plane under the mouse into the active one", "J", join),

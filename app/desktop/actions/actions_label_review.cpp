@@ -13,6 +13,8 @@
 namespace planescope::desktop {
 namespace {
 
+constexpr double kLargestRegion_cm2 = 1e6;
+
 int item_count(const State& state) {
   const ReviewQueue* queue = state.results.label.review.get();
   return queue ? static_cast<int>(queue->items.size()) : 0;
@@ -151,6 +153,20 @@ std::vector<Action> label_review_actions() {
          choose_item(s, whole_argument("review.item", text, 0, item_count(s) - 1));
        },
        can_label,
+       {}},
+      {"review.smallest",
+       "Smallest region of the review",
+       "Review",
+       "",
+       "CM2",
+       [](State& s, const std::string& text) {
+         const double cm2 = number_argument("review.smallest", text);
+         if (!(cm2 >= 0 && cm2 <= kLargestRegion_cm2))
+           throw Error(fmt::format("action review.smallest: {} cm2, expected 0 to {:g}", text,
+                                   kLargestRegion_cm2));
+         s.view.label.review_smallest_cm2 = cm2;
+       },
+       {},
        {}},
       {"review.against",
        "Compare with another annotator's labels",

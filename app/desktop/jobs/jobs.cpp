@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <set>
 #include <utility>
@@ -65,6 +67,9 @@ struct Jobs::Impl {
   std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
   std::shared_ptr<const io::Recording> strip_of;
+  bool strip_plain = false;             // pictures alone, as the label mode needs them
+  std::optional<Wanted> strip_ran_as;   // what the frames were run as ...
+  std::vector<std::uint8_t> strip_ran;  // ... those that were
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
@@ -271,12 +276,14 @@ void Jobs::Impl::pursue_strip(State& state) {
   Wanted wanted = wanted_of(state.document, 0);
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
-  if (same_recording && strip_next && *strip_next == wanted) {
+  const bool plain = state.view.mode == Mode::labels;
+  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain) {
     if (strip_wanted && state.view.strip_stopped) strip.cancel();
     if (strip_wanted) return;
   } else {
     stop_strip();
     strip_next = wanted;
+    strip_plain = plain;
     strip_due = std::chrono::steady_clock::now() + kStripDelay;
   }
   strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
@@ -285,18 +292,31 @@ void Jobs::Impl::pursue_strip(State& state) {
   strip_of = wanted.recording;
   state.view.strip_stopped = false;
   if (!same_recording) state.results.strip.assign(count, {});
-  state.results.strip_done = 0;
+  if (!plain && (!same_recording || strip_ran_as != wanted)) {
+    strip_ran_as = wanted;
+    strip_ran.assign(count, 0);
+  }
+  if (!same_recording && plain) strip_ran_as.reset();
+  std::vector<std::uint8_t> has = strip_ran;  // what need not be made
+  if (plain) {
+    has.clear();
+    for (const Thumbnail& thumbnail : state.results.strip) has.push_back(thumbnail.ready);
+  }
+  state.results.strip_done = static_cast<int>(std::ranges::count_if(has, std::identity()));
   const int first = state.document.frame, number = ++strip_number;
-  strip.replace([this, wanted, first, count, number](std::stop_token stop) mutable {
+  strip.replace([this, wanted, first, count, number, plain,
+                 has = std::move(has)](std::stop_token stop) mutable {
     for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
-      wanted.frame = static_cast<int>((static_cast<std::size_t>(first) + i) % count);
+      const std::size_t index = (static_cast<std::size_t>(first) + i) % count;
+      if (has[index]) continue;
+      wanted.frame = static_cast<int>(index);
       if (stop.stop_requested()) return;
-      Thumbnail thumbnail = thumbnail_of(wanted, classifiers);
+      Thumbnail thumbnail = plain ? picture_of(wanted) : thumbnail_of(wanted, classifiers);
       if (stop.stop_requested()) return;
-      deliver([this, thumbnail = std::move(thumbnail), frame = wanted.frame, number](State& s) {
-        const auto index = static_cast<std::size_t>(frame);
+      deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;
         s.results.strip[index] = thumbnail;
+        if (!plain) strip_ran[index] = 1;
         ++s.results.strip_done;
       });
     }

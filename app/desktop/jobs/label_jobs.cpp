@@ -6,9 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/actions/actions.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -95,6 +97,18 @@ void take_audit(State& state,
   if (state.view.label.tab == "checks") apply(state, {"check.next", ""});
 }
 
+/// The plane that is least sure, where that is less than the share; empty: none, or none is asked.
+std::string doubt_of(const labels::CarriedLabels& carried, double least_share) {
+  if (carried.planes.empty()) return "";
+  const labels::CarriedPlane& worst = *std::ranges::min_element(
+      carried.planes, {},
+      [](const labels::CarriedPlane& plane) { return plane.pixels == 0 ? 0 : plane.confidence; });
+  if (worst.pixels > 0 && worst.confidence >= least_share) return "";
+  if (least_share == 0) return "";
+  if (worst.pixels == 0) return fmt::format("P{} was not found again", worst.id);
+  return fmt::format("P{} is {:.0f} % sure", worst.id, 100 * worst.confidence);
+}
+
 }  // namespace
 
 LabelJobs::LabelJobs(std::function<void(std::function<void(State&)>)> deliver,
@@ -158,6 +172,7 @@ void LabelJobs::pursue_review(State& state) {
   wanted.frame = label.frame;
   wanted.labels = state.labels();
   wanted.folder = state.view.label.compare_with;
+  wanted.smallest_cm2 = state.view.label.review_smallest_cm2;
   if (wanted.folder.empty()) {
     if (!state.results.current) return;
     wanted.run = state.results.current->run;
@@ -165,6 +180,7 @@ void LabelJobs::pursue_review(State& state) {
   }
   const ReviewQueue* shown = label.review.get();
   const bool is_shown = shown && shown->labels == wanted.labels && shown->run == wanted.run &&
+                        shown->smallest_cm2 == wanted.smallest_cm2 &&
                         (wanted.run || shown->other == wanted.folder.string());
   if (is_shown || (wanted == reviewed_ && (reviewing_ || !label.review_refusal.empty()))) return;
   reviewed_ = wanted;
@@ -291,15 +307,27 @@ void LabelJobs::deliver_carried(State& state,
     return;
   }
   const int from = carry.from;
+  CarryJob plan;
+  plan.left = carry.left - 1;
+  plan.least_share = carry.least_share;
+  plan.gone = carry.gone + 1;
+  const bool goes_on =
+      carry.left > 0 && from + 2 < state.document.current()->recording->frame_count();
   carry = {};
   try {
     commit_labels(state, fmt::format("Carry labels from frame {}", from), carried->labels);
   } catch (const std::exception& error) {
     return say(state, message_of(error), true);
   }
+  const std::string doubt = doubt_of(*carried, plan.least_share);
+  if (goes_on && doubt.empty() && !state.labels()->planes.empty()) return begin_carry(state, plan);
   carry.from = from;
   carry.done = carried;
   const auto doubtful = std::ranges::count(carried->doubt, std::uint8_t{1});
+  if (plan.gone > 1 || !doubt.empty())
+    return say(state, fmt::format("carried over {}{}{}",
+                                  counted(static_cast<std::size_t>(plan.gone), "frame"),
+                                  doubt.empty() ? "" : ", in doubt: ", doubt));
   say(state,
       fmt::format("{} planes carried from frame {} by {}, {} pixels in doubt are left to you",
                   carried->planes.size(), from, carried->method, doubtful));

@@ -91,7 +91,9 @@ std::shared_ptr<const ReviewQueue> make_queue(const ReviewSides& sides) {
     queue->other_labels = std::make_shared<const labels::OtherLabels>(labels::other_of(other));
     queue->agreement = labels::agreement_of(*sides.labels, other);
   }
-  queue->items = labels::find_disagreements(*sides.labels, *queue->other_labels, grid);
+  queue->smallest_cm2 = sides.smallest_cm2;
+  queue->items = labels::find_disagreements(*sides.labels, *queue->other_labels, grid,
+                                            {.min_area_m2 = 1e-4 * sides.smallest_cm2});
   return queue;
 }
 

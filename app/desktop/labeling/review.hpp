@@ -16,6 +16,7 @@ struct ReviewSides {
   std::shared_ptr<const FrameLabels> labels;
   std::shared_ptr<const debug::Run> run;  // null: `folder`
   std::filesystem::path folder;
+  double smallest_cm2 = 0;  // regions below it are no question
 
   bool operator==(const ReviewSides&) const = default;
 };

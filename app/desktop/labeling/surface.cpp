@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/labels/edit/operations.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -19,7 +21,13 @@ namespace {
 constexpr float kStep = 1.5f;    // [px] of a path
 constexpr double kNotch = 1.15;  // of the wheel
 
-bool draws(LabelTool tool) { return tool != LabelTool::wand && tool != LabelTool::polygon; }
+/// With Alt or Ctrl the wand draws the lasso that it is to stay in.
+bool draws(const Ui& ui) {
+  const LabelTool tool = ui.state.view.label.tool;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (tool == LabelTool::wand) return io.KeyAlt || io.KeyCtrl || ui.memory.label_drag.on;
+  return tool != LabelTool::polygon;
+}
 
 /// Window managers like to keep drags with Alt to themselves: Ctrl takes off, too.
 labels::PaintMode mode_of(const ImGuiIO& io) {
@@ -58,8 +66,14 @@ bool follow(const DrawingSurface& surface, LabelTool tool, LabelDrag& drag) {
 
 void finish(const Ui& ui, const DrawingSurface& surface, const LabelDrag& drag) {
   const LabelTool tool = ui.state.view.label.tool;
-  const std::size_t least = tool == LabelTool::brush ? 1 : tool == LabelTool::lasso ? 3 : 2;
+  const bool closes = tool == LabelTool::lasso || tool == LabelTool::wand;
+  const std::size_t least = tool == LabelTool::brush ? 1 : closes ? 3 : 2;
   if (drag.path.size() < least) return;
+  if (tool == LabelTool::wand) {
+    LabelGesture gesture = gesture_of(ui, surface, drag);
+    gesture.mode = labels::PaintMode::over;
+    return ui.emit("label.wand.within", gesture_text(gesture));
+  }
   const char* action = tool == LabelTool::brush ? "label.stroke"
                        : tool == LabelTool::cut ? "label.cut"
                                                 : "label.area";
@@ -88,7 +102,7 @@ void drag_tool(const Ui& ui, const DrawingSurface& surface) {
     finish(ui, surface, drag);
     return;
   }
-  if (changed && tool != LabelTool::cut)
+  if (changed && tool != LabelTool::cut && tool != LabelTool::wand)
     ui.emit("label.preview", gesture_text(gesture_of(ui, surface, drag)));
 }
 
@@ -229,6 +243,19 @@ void draw_polygon(const Ui& ui, const DrawingSurface& surface) {
   draw_line(ui, line, line.size() > 2);
 }
 
+/// The lasso that the wand stays in, in the view that it was drawn in.
+void draw_bound(const Ui& ui, const DrawingSurface& surface) {
+  const std::shared_ptr<const WandBound>& bound = ui.state.view.label.bound;
+  if (!bound || bound->drawn.where != surface.where) return;
+  const bool moved =
+      surface.where == DrawnIn::space && !same_camera(bound->drawn.camera, camera_of(ui.state));
+  if (moved) return;
+  std::vector<ImVec2> line;
+  for (const labels::Vec2f& corner : bound->drawn.corners)
+    line.push_back(surface.to_screen(corner));
+  draw_line(ui, line, true);
+}
+
 /// Where the mouse is in the other view.
 void draw_pointed(const Ui& ui, const DrawingSurface& surface) {
   const std::int64_t pixel = ui.state.view.label.hover;
@@ -270,6 +297,9 @@ std::string pointed_text(const State& state) {
   std::string text = fmt::format("{}, {}", pixel % grid.width, pixel / grid.width);
   if (!grid.measured[at]) return text + "   no measurement";
   text += fmt::format("   {:.3f} m", grid.points[at].z());
+  if (const std::optional<render::Residual> residual = residual_of(state))
+    text += fmt::format("   {:+.1f} mm of {}", 1000 * residual->distance_m(grid.points[at]),
+                        residual->name);
   const FrameLabels& labels = *state.labels();
   const int id = labels.plane.data[at], hv = labels.hv.data[at];
   const char* label = hv == 1 ? " h" : hv == 2 ? " v" : "";
@@ -279,6 +309,35 @@ std::string pointed_text(const State& state) {
   if (const LabelPlane* plane = labels::find_plane(labels, id))
     text += std::string(plane->locked ? ", locked" : "") + (plane->hidden ? ", hidden" : "");
   return text;
+}
+
+/// In the upper right corner: what the colours of distances mean.
+void draw_residual_scale(const Ui& ui, const DrawingSurface& surface) {
+  const std::optional<render::Residual> residual = residual_of(ui.state);
+  if (!residual) return;
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float width = ui.px(150), height = ui.px(10), line = ImGui::GetTextLineHeight();
+  const ImVec2 from(surface.max.x - width - ui.px(24), surface.min.y + line + ui.px(18));
+  draw->AddRectFilled(ImVec2(from.x - ui.px(12), from.y - line - ui.px(8)),
+                      ImVec2(from.x + width + ui.px(12), from.y + height + line + ui.px(8)),
+                      with_alpha(ui.colors.panel, 225), ui.px(4));
+  const auto text = [&](float x, float y, float align, const std::string& what) {
+    const float extent = ImGui::CalcTextSize(what.c_str()).x;
+    draw->AddText(ImVec2(x - align * extent, y), ui.colors.text, what.c_str());
+  };
+  text(from.x, from.y - line - ui.px(3), 0, residual->name + ": behind");
+  text(from.x + width, from.y - line - ui.px(3), 1, "before");
+  constexpr int kSteps = 60;
+  for (int k = 0; k < kSteps; ++k) {
+    const float a = static_cast<float>(k) / kSteps, b = static_cast<float>(k + 1) / kSteps;
+    draw->AddRectFilled(ImVec2(from.x + a * width, from.y),
+                        ImVec2(from.x + b * width, from.y + height),
+                        to_imgui(render::residual_color(a + b - 1)));
+  }
+  const double most_mm = 1000 * residual->most_m;
+  text(from.x, from.y + height + ui.px(2), 0, fmt::format("-{:.3g} mm", most_mm));
+  text(from.x + width / 2, from.y + height + ui.px(2), 0.5f, "0");
+  text(from.x + width, from.y + height + ui.px(2), 1, fmt::format("+{:.3g} mm", most_mm));
 }
 
 /// In a corner on the left of the view that the mouse is or was over, away from it.
@@ -314,7 +373,9 @@ float draw_badge(const Ui& ui, ImVec2 at, const std::string& text, ImU32 ground,
   return end.y - at.y;
 }
 
-bool left_button_moves(const State& state) { return state.view.label.tool == LabelTool::wand; }
+bool left_button_moves(const Ui& ui) {
+  return ui.state.view.label.tool == LabelTool::wand && !ui.memory.label_drag.on;
+}
 
 bool wheel_sizes(const Ui& ui) {
   const ImGuiIO& io = ImGui::GetIO();
@@ -336,7 +397,7 @@ void use_label_tool(const Ui& ui, const DrawingSurface& surface) {
     click_gravity(ui);
     return point(ui, surface);
   }
-  draws(ui.state.view.label.tool) ? drag_tool(ui, surface) : click_tool(ui, surface);
+  draws(ui) ? drag_tool(ui, surface) : click_tool(ui, surface);
   point(ui, surface);
 }
 
@@ -347,6 +408,8 @@ void draw_label_overlay(const Ui& ui, const DrawingSurface& surface) {
   draw_pointed(ui, surface);
   draw_drag(ui, surface);
   draw_polygon(ui, surface);
+  draw_bound(ui, surface);
+  draw_residual_scale(ui, surface);
   draw_facts(ui, surface);
   ImGui::GetWindowDrawList()->PopClipRect();
 }

@@ -35,7 +35,7 @@ void use_label_tool(const Ui& ui, const DrawingSurface& surface);
 /// does not zoom.
 bool wheel_sizes(const Ui& ui);
 /// Whether the left button moves the view: the tool in hand does not drag.
-bool left_button_moves(const State& state);
+bool left_button_moves(const Ui& ui);
 
 void draw_label_overlay(const Ui& ui, const DrawingSurface& surface);
 /// A few words in a box with its upper left corner at `at`; returns its height.

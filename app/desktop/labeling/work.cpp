@@ -82,7 +82,31 @@ void commit_and_say(State& state,
                     const std::string& unchanged) {
   const std::shared_ptr<const FrameLabels> before = state.labels();
   commit_labels(state, title, after);
-  say(state, state.labels() == before ? unchanged : title);
+  if (state.labels() == before)
+    say_nothing_done(state, unchanged);
+  else
+    say(state, title);
+}
+
+FrameMark frame_mark(const State& state, int frame) {
+  const OpenRecording* open = state.document.current();
+  const std::vector<FrameMark>& files = state.results.label.marks;
+  if (const auto labels = open && open->labels ? open->labels->labels(frame) : nullptr)
+    return {.labelled = !labels->planes.empty(), .reviewed = labels->review_state == "reviewed"};
+  if (frame < static_cast<int>(files.size())) return files[static_cast<std::size_t>(frame)];
+  return {};
+}
+
+LabelProgress progress_of(const State& state) {
+  LabelProgress progress;
+  const OpenRecording* open = state.document.current();
+  progress.frames = open ? open->recording->frame_count() : 0;
+  for (int i = 0; i < progress.frames; ++i) {
+    const FrameMark mark = frame_mark(state, i);
+    progress.labelled += mark.labelled;
+    progress.reviewed += mark.reviewed;
+  }
+  return progress;
 }
 
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
@@ -90,6 +114,25 @@ void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
   if (!frame || pixels.empty()) return;
   look_on_image(state.view, frame->grid, pixels);
   state.view.camera = camera_at(camera_of(state), *frame, pixels);
+}
+
+void begin_carry(State& state, const CarryJob& plan) {
+  const LabelWork work = label_work(state);
+  const int frame = state.document.frame;
+  const OpenRecording& open = *state.document.current();
+  if (work.labels->planes.empty())
+    throw Error(fmt::format("frame {} has no planes that could be carried on", frame));
+  if (frame + 1 >= open.recording->frame_count())
+    throw Error(fmt::format("frame {} is the last one", frame));
+  if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
+  CarryJob job = plan;
+  job.running = true;
+  job.begun = false;
+  job.from = frame;
+  job.from_frame = state.results.label.frame;
+  job.from_labels = work.labels;
+  apply(state, {"frame.show", std::to_string(frame + 1)});
+  state.results.label.carry = std::move(job);
 }
 
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {
@@ -147,7 +190,7 @@ void paint_pixels(State& state,
   if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
     throw Error(fmt::format("P{} has no pixels yet that could be taken off", paint.plane));
   const std::size_t changed = labels::changed_by_painting(labels, grid, pixels, paint, mode).size();
-  if (changed == 0) return say(state, "nothing to change there");
+  if (changed == 0) return say_nothing_done(state, "nothing to change there");
   const std::string title = fmt::format(
       "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
   commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));

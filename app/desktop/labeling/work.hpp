@@ -29,8 +29,20 @@ void commit_and_say(State& state,
                     const FrameLabels& after,
                     const std::string& unchanged);
 
+/// What is known of a frame's labels: what is at hand, or what the label folder had.
+FrameMark frame_mark(const State& state, int frame);
+/// Of the whole recording.
+struct LabelProgress {
+  int frames = 0, labelled = 0, reviewed = 0;
+};
+LabelProgress progress_of(const State& state);
+
 /// Moves both views there, with room around. Nothing for no pixels.
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels);
+
+/// Shows the next frame, and asks for the labels of this one on it. `plan`: how far to go on.
+/// Throws Error where nothing can be carried.
+void begin_carry(State& state, const CarryJob& plan);
 
 /// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid);

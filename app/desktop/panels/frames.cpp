@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/model/text.hpp"
@@ -70,7 +71,8 @@ WidgetRect draw_flag(
 
 /// What became of the frame, in the thumbnail's corner: found of the true planes, or just found.
 void draw_outcome(const Ui& ui, const Thumbnail& thumbnail, ImVec2 corner) {
-  std::string text = counted(static_cast<std::size_t>(thumbnail.planes), "plane");
+  if (thumbnail.planes < 0 && thumbnail.refusal.empty()) return;
+  std::string text = counted(static_cast<std::size_t>(std::max(0, thumbnail.planes)), "plane");
   ImU32 color = ui.colors.muted;
   if (!thumbnail.refusal.empty()) {
     text = "refused";
@@ -92,6 +94,8 @@ void tell(const Thumbnail& thumbnail, int frame) {
     text += ": not run yet";
   } else if (!thumbnail.refusal.empty()) {
     text += " was refused: " + thumbnail.refusal;
+  } else if (thumbnail.planes < 0) {
+    text += ": no plane was looked for, labels need none";
   } else if (thumbnail.score) {
     const std::size_t total = thumbnail.score->planes.size();
     text += fmt::format(
@@ -109,31 +113,14 @@ void tell(const Thumbnail& thumbnail, int frame) {
   ImGui::EndTooltip();
 }
 
-/// What the label mode knows of a frame: what is at hand, or what the label folder had.
-struct LabelMark {
-  bool labelled = false, reviewed = false, unsaved = false;
-};
-LabelMark label_mark(const State& state, int frame) {
-  LabelMark mark;
-  const labels::LabelStore* store = state.document.current()->labels.get();
-  if (state.view.mode != Mode::labels || !store) return mark;
-  const std::vector<FrameMark>& files = state.results.label.marks;
-  if (const auto labels = store->labels(frame)) {
-    mark.labelled = !labels->planes.empty();
-    mark.reviewed = labels->review_state == "reviewed";
-  } else if (frame < static_cast<int>(files.size())) {
-    const FrameMark& file = files[static_cast<std::size_t>(frame)];
-    mark = {.labelled = file.labelled, .reviewed = file.reviewed};
-  }
-  mark.unsaved = store->unsaved(frame);
-  return mark;
-}
-
 void draw_label_mark(const Ui& ui, int frame, ImVec2 corner) {
-  const LabelMark mark = label_mark(ui.state, frame);
-  if (!mark.labelled && !mark.unsaved) return;
+  const labels::LabelStore* store = ui.state.document.current()->labels.get();
+  if (ui.state.view.mode != Mode::labels || !store) return;
+  const FrameMark mark = frame_mark(ui.state, frame);
+  const bool unsaved = store->unsaved(frame);
+  if (!mark.labelled && !unsaved) return;
   const std::string text =
-      std::string(mark.reviewed ? "reviewed" : "labels") + (mark.unsaved ? " *" : "");
+      std::string(mark.reviewed ? "reviewed" : "labels") + (unsaved ? " *" : "");
   const float height = ImGui::GetTextLineHeight() + ui.px(4);
   const auto [from, to] =
       draw_flag(ui, ImVec2(corner.x - ui.px(4), corner.y - ui.px(4) - height), text,

@@ -17,6 +17,7 @@
 #include "core/labels/review/carry.hpp"
 #include "core/labels/review/review.hpp"
 #include "core/labels/store/store.hpp"
+#include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "render/draw_list.hpp"
 
@@ -42,6 +43,7 @@ struct ReviewQueue {
   std::string other;                      // "refined", or the folder of another annotator
   std::shared_ptr<const labels::OtherLabels> other_labels;
   std::vector<labels::Disagreement> items;     // undecided first, then by area
+  double smallest_cm2 = 0;                     // of them
   std::optional<labels::Agreement> agreement;  // with another annotator
   bool labels_decided = false;                 // and changed by that: the queue after it goes on
 
@@ -60,6 +62,9 @@ struct Audit {
 struct CarryJob {
   bool running = false, begun = false;  // begun: the job knows of it
   int from = 0;
+  int left = 0;            // frames to go after this one
+  double least_share = 0;  // a plane less sure than that ends it; 0: none does
+  int gone = 0;            // frames that it went over, this one not among them
   std::shared_ptr<const LabelFrame> from_frame;
   std::shared_ptr<const FrameLabels> from_labels;
   double progress = 0;
@@ -97,6 +102,13 @@ struct WandPreview {
   std::string why_not;
 };
 
+/// What a gesture that finishes a plane would change; Enter does it.
+struct FinishPreview {
+  int plane = 0;
+  std::string title;  // "Fill the holes of P3"
+  labels::Finish finish;
+};
+
 /// What a stroke that is being drawn would change, in both views.
 struct StrokePreview {
   labels::PixelSet pixels;
@@ -122,6 +134,12 @@ struct OpenPolygon {
   render::Camera camera;                            // in space: it is let go of where that moves
 };
 
+/// The lasso that the wand stays in.
+struct WandBound {
+  OpenPolygon drawn;                 // closed
+  std::vector<std::uint8_t> within;  // per pixel
+};
+
 struct LabelView {
   LabelTool tool = LabelTool::wand;
   Paints paints = Paints::plane;
@@ -130,16 +148,20 @@ struct LabelView {
   bool through = false;  // strokes in space take hidden points too
   labels::WandOptions wand_options;
   WandPreview wand;
+  std::shared_ptr<const WandBound> bound;  // null: the wand takes what it finds anywhere
+  std::optional<FinishPreview> finish;
   std::optional<StrokePreview> stroke;
   std::optional<OpenPolygon> polygon;
   std::shared_ptr<const SpaceSight> sight;  // of the latest gesture in space
   std::int64_t hover = -1;                  // pixel under the mouse in either view; -1: none
   std::size_t hover_hidden = 0;             // points under the brush in space that are not visible
   bool show_class = false;                  // colours by h and v instead of by plane
+  bool show_residual = false;               // colours by distance to the active plane
   std::string tab = "planes";               // planes | review | checks | statistics
-  std::string compare_with;  // the review's other side: empty: the run, else a label folder
-  int review_item = -1;      // of the queue
-  int finding = -1;          // of the audit
+  std::string compare_with;        // the review's other side: empty: the run, else a label folder
+  double review_smallest_cm2 = 5;  // regions below it are left out of the review
+  int review_item = -1;            // of the queue
+  int finding = -1;                // of the audit
 };
 
 }  // namespace planescope::desktop

@@ -84,8 +84,8 @@ struct Document {
 /// A frame as the strip shows it.
 struct Thumbnail {
   bool ready = false;
-  Image8 image;  // planes over the camera's image; empty where the frame was refused
-  int planes = 0;
+  Image8 image;    // planes over the camera's image; empty where the frame was refused
+  int planes = 0;  // -1: none were looked for, a picture is all that labeling needs
   std::optional<debug::QuickScore> score;  // where it has ground truth
   std::string refusal;                     // why there is none
 };
@@ -220,6 +220,7 @@ struct ViewState {
   std::string focus;    // widget that takes the keyboard in the next frame
   std::string message;  // status bar, until the next
   bool message_is_error = false;
+  bool did_nothing = false;  // it says that what was asked for changed nothing
   bool quit = false;
 };
 

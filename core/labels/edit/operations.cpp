@@ -161,12 +161,12 @@ FrameLabels with_class(const FrameLabels& labels, int id, Label label) {
   return result;
 }
 
-FrameLabels without_plane(const FrameLabels& labels, const LabelGrid& grid, int id) {
+FrameLabels without_plane(const FrameLabels& labels, int id) {
   FrameLabels result = labels;
   editable_plane(result, id);
   for (std::size_t i = 0; i < result.plane.data.size(); ++i)
     if (result.plane.data[i] == id) result.plane.data[i] = result.hv.data[i] = 0;
-  refit_planes(result, grid, std::array{id});
+  std::erase_if(result.planes, [id](const LabelPlane& plane) { return plane.id == id; });
   return result;
 }
 

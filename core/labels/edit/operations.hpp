@@ -48,7 +48,7 @@ LabelPlane& add_plane(FrameLabels& labels, const LabelPlane& plane);
 
 // All throw Error where there is no such plane, or it is locked.
 FrameLabels with_class(const FrameLabels& labels, int plane, Label label);
-FrameLabels without_plane(const FrameLabels& labels, const LabelGrid& grid, int plane);
+FrameLabels without_plane(const FrameLabels& labels, int plane);
 FrameLabels joined(const FrameLabels& labels, const LabelGrid& grid, int into, int from);
 /// Each connected part (eight neighbours, bridging gaps of up to `gap_px` pixels that were not
 /// measured) of at least `min_area_m2` becomes a plane of its own, the largest keeps the id;

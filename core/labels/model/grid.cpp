@@ -238,6 +238,7 @@ LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
   grid.width = frame.depth.width;
   grid.height = frame.depth.height;
   grid.intrinsics = frame.intrinsics;
+  grid.depth_unit_m = frame.depth_unit_m;
   grid.gravity = gravity;
   const std::size_t pixels = frame.depth.pixels();
   grid.measured.resize(pixels, 0);
@@ -304,6 +305,7 @@ FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256)
   FrameLabels labels;
   labels.depth_sha256 = depth_sha256;
   labels.intrinsics = grid.intrinsics;
+  labels.depth_unit_m = grid.depth_unit_m;
   labels.gravity = grid.gravity;
   labels.plane = Image16(grid.width, grid.height);
   labels.hv = Image8(grid.width, grid.height);

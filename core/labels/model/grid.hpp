@@ -22,6 +22,7 @@ using PixelSet = std::vector<std::uint32_t>;
 struct LabelGrid {
   int width = 0, height = 0;
   Intrinsics intrinsics;
+  double depth_unit_m = 0;  // metres per count
   Gravity gravity;
   std::vector<std::uint8_t> measured;  // per pixel, 1 where depth is a measurement
   std::vector<Vec3f> points;           // per pixel, sensor frame [m]; NaN where not measured

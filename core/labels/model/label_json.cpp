@@ -13,6 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kLargestUnit_m = 1;  // of a count
 constexpr const char* kSchema = "planescope.labels/1";
 constexpr std::array kOrigins = {"hand", "wand", "algorithm", "carried", "imported"};
 constexpr std::array kDisagreements = {"missed", "invented",   "split",
@@ -160,6 +161,10 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
   FrameLabels labels;
   labels.depth_sha256 = json.at("depth_sha256").get<std::string>();
   labels.intrinsics = intrinsics_from(json.at("intrinsics"), where);
+  labels.depth_unit_m = json.value("depth_unit_m", 0.0);
+  if (!(labels.depth_unit_m >= 0 && labels.depth_unit_m <= kLargestUnit_m))
+    throw Error(where + ": depth_unit_m is " + std::to_string(labels.depth_unit_m) +
+                ", expected 0 to 1");
   labels.gravity = gravity_from(json.at("gravity"), where);
   for (const Json& plane : json.at("planes")) labels.planes.push_back(plane_from(plane, where));
   labels.annotator = json.at("annotator").get<std::string>();
@@ -178,11 +183,12 @@ std::string label_json(int frame_index, const FrameLabels& labels) {
   Json json = {{"schema", kSchema},
                {"frame", frame_index},
                {"depth_sha256", labels.depth_sha256},
-               {"intrinsics", to_json(labels.intrinsics)},
-               {"gravity", to_json(labels.gravity)},
+               {"intrinsics", to_json(labels.intrinsics)}};
+  if (labels.depth_unit_m > 0) json["depth_unit_m"] = labels.depth_unit_m;
+  json.update({{"gravity", to_json(labels.gravity)},
                {"planes", planes},
                {"annotator", labels.annotator},
-               {"review_state", labels.review_state}};
+               {"review_state", labels.review_state}});
   for (const ReviewNote& note : labels.review) json["review"].push_back(to_json(note));
   // Text that people typed may hold any bytes: what is not UTF-8 is replaced, not refused.
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -184,11 +184,12 @@ void spread(const std::vector<std::uint8_t>& passable,
   }
 }
 
-std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
-                                       int width,
-                                       int height,
-                                       int most) {
-  std::vector<std::uint32_t> holes, hole;
+std::vector<PixelSet> small_holes(const std::vector<std::uint8_t>& region,
+                                  int width,
+                                  int height,
+                                  int most) {
+  std::vector<PixelSet> holes;
+  PixelSet hole;
   enum : std::uint8_t { kOpen, kRegion, kThisHole, kNoHole };
   std::vector<std::uint8_t> seen = region;
   for (std::size_t first = 1; first < region.size(); ++first) {
@@ -213,7 +214,7 @@ std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
     }
     // What was too large is left half visited; whatever touches it is no hole either.
     for (const std::uint32_t i : hole) seen[i] = closed ? kRegion : kNoHole;
-    if (closed) holes.insert(holes.end(), hole.begin(), hole.end());
+    if (closed) holes.push_back(hole);
   }
   return holes;
 }

@@ -94,10 +94,11 @@ void spread(const std::vector<std::uint8_t>& passable,
             int reach,
             std::vector<std::uint8_t>& region);
 
-/// The holes of a region with at most `most` pixels each; none of them touches the image's border.
-std::vector<std::uint32_t> small_holes(const std::vector<std::uint8_t>& region,
-                                       int width,
-                                       int height,
-                                       int most);
+/// The holes of a region with at most `most` pixels each, by their first pixels; none of them
+/// touches the image's border.
+std::vector<PixelSet> small_holes(const std::vector<std::uint8_t>& region,
+                                  int width,
+                                  int height,
+                                  int most);
 
 }  // namespace planescope::labels

@@ -5,13 +5,18 @@
 #include <cstdarg>
 #include <cstdio>
 #include <numeric>
+#include <optional>
 
 #include "core/labels/model/pixel_sets.hpp"
+#include "core/labels/wand/wand_field.hpp"
 
 namespace planescope::labels {
 namespace {
 
 constexpr double kOutlierSigmas = 4;
+constexpr double kLeastPlanar = 0.5;  // of a region without a label: below it, it is clutter
+constexpr double kSameCamera = 1e-3;  // of a focal length or a unit
+constexpr double kSameCentre_px = 0.5;
 // Strips along the borders of labels are no region: one has a pixel this far from any label.
 constexpr int kStrip_px = 2;
 constexpr std::size_t kSpeck_px =
@@ -82,7 +87,8 @@ class Audit {
       check_area(surface);
       check_class(surface);
     }
-    check_unlabelled();
+    check_camera();
+    if (labels_.review_state != "reviewed") check_unlabelled();
     std::stable_sort(findings_.begin(), findings_.end(), [](const Finding& a, const Finding& b) {
       return a.kind != b.kind ? a.kind < b.kind : a.pixels.size() > b.pixels.size();
     });
@@ -153,6 +159,58 @@ class Audit {
                 to_string(s.plane.label), tilt_deg, is_h ? "most" : "least", limit));
   }
 
+  /// Labels keep what they were drawn with: with another camera planes lie elsewhere.
+  void check_camera() {
+    const Intrinsics &ours = labels_.intrinsics, &k = grid_.intrinsics;
+    const auto name = [&](const char* what, double was, double is) {
+      findings_.push_back({FindingKind::camera,
+                           0,
+                           0,
+                           {},
+                           was,
+                           is,
+                           text_of("drawn with %s %.6g, the frame has %.6g", what, was, is)});
+    };
+    const auto differ = [](double a, double b) {
+      return std::abs(a - b) > kSameCamera * std::max(std::abs(a), std::abs(b));
+    };
+    const double unit = labels_.depth_unit_m;
+    if (unit > 0 && grid_.depth_unit_m > 0 && differ(unit, grid_.depth_unit_m))
+      name("a depth unit [m] of", unit, grid_.depth_unit_m);
+    if (ours.fx == 0 || k.fx == 0) return;
+    if (differ(ours.fx, k.fx)) name("fx", ours.fx, k.fx);
+    if (differ(ours.fy, k.fy)) name("fy", ours.fy, k.fy);
+    if (std::abs(ours.cx - k.cx) > kSameCentre_px) name("cx", ours.cx, k.cx);
+    if (std::abs(ours.cy - k.cy) > kSameCentre_px) name("cy", ours.cy, k.cy);
+  }
+
+  /// Somebody has looked at about as much, and kept it without a plane.
+  bool is_decided(const PixelSet& region) const {
+    return std::ranges::any_of(labels_.review, [&](const ReviewNote& note) {
+      return note.kind == DisagreementKind::invented && note.decision == ReviewDecision::keep &&
+             2 * std::size_t{note.pixels} >= region.size() &&
+             std::ranges::binary_search(region, note.pixel);
+    });
+  }
+
+  /// Of a region's pixels, on the plane that holds most of them. Clutter lies on none.
+  double share_on_a_plane(const PixelSet& region) const {
+    if (!field_) field_.emplace(make_wand_field(grid_, nullptr, {}));
+    std::vector<std::uint8_t> usable(grid_.pixels(), 0);
+    PixelBox box{grid_.width, grid_.height, 0, 0};
+    for (const std::uint32_t i : region) {
+      usable[i] = 1;
+      const int u = static_cast<int>(i) % grid_.width, v = static_cast<int>(i) / grid_.width;
+      box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1),
+             std::max(box.v1, v + 1)};
+    }
+    LocalFitOptions all_alike;
+    all_alike.half_px = 10.0 * grid_.width;
+    all_alike.most_pixels = 4000;
+    const auto fit = fit_around(*field_, usable, box, region[region.size() / 2], all_alike);
+    return fit ? fit->share : 0;
+  }
+
   void check_unlabelled() {
     PixelSet labelled, open;
     for (std::uint32_t i = 0; i < grid_.pixels(); ++i) {
@@ -166,7 +224,9 @@ class Audit {
     for (PixelSet& region : connected_parts(grid_, open, 0)) {
       double value = 0;
       for (const std::uint32_t pixel : region) value += 1e4 * grid_.pixel_area_m2(pixel);
-      if (value < limit) continue;
+      if (value < limit || is_decided(region)) continue;
+      const double share = share_on_a_plane(region);
+      if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
           text_of("%s without a label (%zu pixels), expected less than %s",
@@ -178,13 +238,14 @@ class Audit {
   const LabelGrid& grid_;
   const AuditOptions& options_;
   std::vector<Finding> findings_;
+  mutable std::optional<WandField> field_;  // made when it is needed
 };
 
 }  // namespace
 
 const char* to_string(FindingKind kind) {
-  constexpr const char* kNames[] = {"rms",  "outliers",     "parts",
-                                    "tiny", "class_normal", "unlabelled"};
+  constexpr const char* kNames[] = {"camera", "rms",          "outliers",  "parts",
+                                    "tiny",   "class_normal", "unlabelled"};
   return kNames[static_cast<int>(kind)];
 }
 

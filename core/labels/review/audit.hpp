@@ -10,12 +10,13 @@
 namespace planescope::labels {
 
 enum class FindingKind : std::uint8_t {
+  camera,        // drawn with other intrinsics or another depth unit than the frame has
   rms,           // the plane does not fit its pixels
   outliers,      // some of its pixels lie far off
   parts,         // it is in several pieces that lie apart
   tiny,          // smaller than the minimum area
   class_normal,  // its class and its tilt contradict
-  unlabelled,    // a measured region without a label
+  unlabelled,    // a measured region without a label, most of it on one plane
 };
 const char* to_string(FindingKind kind);
 /// Hints: labels can be right in spite of these (a plane in parts behind a pole, a small plane, a
@@ -40,7 +41,9 @@ struct AuditOptions {
   int gap_px = 8;                    // parts nearer than this count as one
 };
 
-/// In order of kind, then size. Ignored pixels are in order.
+/// In order of kind, then size. Ignored pixels are in order; so is what no plane is: most of it
+/// lies on none, or a reviewer has decided so (a kept "invented" region, or the whole frame
+/// reviewed).
 std::vector<Finding> audit_labels(const FrameLabels& labels,
                                   const LabelGrid& grid,
                                   const AuditOptions& options = {});

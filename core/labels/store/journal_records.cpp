@@ -67,6 +67,7 @@ class RecordReader {
     bytes_ = bytes_.subspan(size);
     return value;
   }
+  bool at_end() const { return bytes_.empty(); }
   /// How many things of at least a byte each follow.
   std::size_t count() {
     const std::uint64_t value = number();  // taken before it is compared with what is left
@@ -304,6 +305,7 @@ JournalBytes base_record(const RecordHead& head, const FrameLabels& labels) {
   out.number(static_cast<std::uint64_t>(labels.plane.width));
   out.number(static_cast<std::uint64_t>(labels.plane.height));
   write_images(out, labels.plane, labels.hv);
+  out.real(labels.depth_unit_m);
   return out.take();
 }
 
@@ -366,6 +368,7 @@ FrameLabels read_base(std::span<const unsigned char> record) {
   labels.plane = Image16(width, height);
   labels.hv = Image8(width, height);
   read_images(in, labels.plane, labels.hv);
+  if (!in.at_end()) labels.depth_unit_m = in.real();  // older journals end here
   return labels;
 }
 

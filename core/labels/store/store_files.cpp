@@ -68,6 +68,7 @@ LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
   if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
   FrameLabels labels = blank;
   if (found) labels = std::move(*found);
+  if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // of an older file
   if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
   std::sort(labels.planes.begin(), labels.planes.end(),
             [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
@@ -93,6 +94,7 @@ LabelStore::State::OpenFrame& LabelStore::State::open(int frame, const FrameLabe
   }
   FrameLabels labels = replay(frame);
   if (blank) require_same_depth(labels, *blank, journal->path().string());
+  if (blank && labels.depth_unit_m == 0) labels.depth_unit_m = blank->depth_unit_m;
   frames[frame].labels = std::make_shared<const FrameLabels>(std::move(labels));
   try {
     compare_with_files(frame);

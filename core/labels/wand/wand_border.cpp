@@ -206,7 +206,6 @@ constexpr int kLeastColorPixels = 8;  // of each side
 constexpr float kContrast = 36;       // between them, of 255 per channel
 constexpr float kClearly = 0.6f;      // nearer to one than to the other
 constexpr float kDoubtful = 0.6f;     // of the tolerance: what fits worse inside may be wrong
-constexpr float kNearly = 2;          // times the tolerance: what fits better outside may belong
 
 struct MeanColor {
   Vec3f sum = Vec3f::Zero();
@@ -244,7 +243,7 @@ void settle_border_by_color(const WandField& field,
     if (!grid.measured[i]) return;
     const bool in_doubt =
         strip[i] && field.allowed[i] &&
-        (region[i] ? !field.lies_on(sheet, i, kDoubtful) : field.lies_on(sheet, i, kNearly));
+        (region[i] ? !field.lies_on(sheet, i, kDoubtful) : field.lies_on(sheet, i, kLoosely));
     if (in_doubt)
       doubtful.push_back(i);
     else

@@ -73,6 +73,8 @@ WandField make_wand_field(const LabelGrid& grid,
   field.noise.resize(grid.pixels(), 0);
   for (std::size_t i = 0; i < grid.pixels(); ++i)
     field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
+  for (std::size_t i = 0; i < options.within.size(); ++i)
+    if (!options.within[i]) field.allowed[i] = 0;
   if (!labels) return field;
   std::vector<std::uint8_t> keeps(kPlaneIgnore + 1, options.take_labelled ? 0 : 1);
   keeps[0] = 0;

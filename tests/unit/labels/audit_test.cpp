@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <span>
 
 #include "core/labels/model/pixel_sets.hpp"
+#include "small_frames.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::labels {
@@ -153,6 +155,58 @@ TEST_F(AuditTest, AnUnlabelledRegionIsNamedAndStripsAreNot) {
 
   in_box(200, 300, 400, 400, [&](std::size_t i) { set(i, kPlaneIgnore, kHvIgnore); });
   EXPECT_TRUE(audit_labels(labels, grid).empty());
+}
+
+TEST_F(AuditTest, WhatWasDrawnWithAnotherCameraIsNamed) {
+  labels.intrinsics.fx *= 1.5;
+  labels.depth_unit_m = 2 * grid.depth_unit_m;
+  const auto findings = audit_labels(labels, grid);
+  ASSERT_GE(findings.size(), 2u);
+  for (const Finding& finding : std::span(findings).first(2)) {
+    EXPECT_EQ(finding.kind, FindingKind::camera);
+    EXPECT_FALSE(is_hint(finding.kind));
+    EXPECT_NE(finding.text.find("drawn with"), std::string::npos) << finding.text;
+  }
+  labels.intrinsics = grid.intrinsics;
+  labels.depth_unit_m = 0;  // an older file does not say
+  EXPECT_TRUE(audit_labels(labels, grid).empty());
+}
+
+TEST_F(AuditTest, ARegionThatAReviewerKeptWithoutAPlaneIsNoHint) {
+  in_box(200, 300, 400, 400, [&](std::size_t i) { set(i, 0, 0); });
+  const Finding finding = only();
+  FrameLabels decided = labels;
+  ReviewNote note;
+  note.kind = DisagreementKind::invented;
+  note.pixel = finding.pixel;
+  note.pixels = static_cast<std::uint32_t>(finding.pixels.size());
+  note.decision = ReviewDecision::keep;
+  decided.review.push_back(note);
+  EXPECT_TRUE(audit_labels(decided, grid).empty());
+  labels.review_state = "reviewed";
+  EXPECT_TRUE(audit_labels(labels, grid).empty());
+}
+
+TEST(Clutter, IsNoHintWhereNoPlaneHoldsMostOfIt) {
+  // A heap of things before a wall: steps of 5 cm from one to the next.
+  const auto depth = [](bool heap) {
+    return [heap](int u, int v) {
+      const bool inside = u >= 30 && u < 90 && v >= 20 && v < 80;
+      if (!inside) return 1.0;
+      return heap ? 0.9 - 0.02 * ((u / 10 * 7 + v / 10 * 5) % 9) : 0.9;
+    };
+  };
+  for (const bool heap : {true, false}) {
+    const LabelGrid grid = make_label_grid(test::frame_of(120, 100, depth(heap)), Gravity{});
+    FrameLabels labels = empty_labels(grid, std::string(64, 'a'));
+    for (std::size_t i = 0; i < grid.pixels(); ++i)
+      if (grid.points[i].z() > 0.95f) labels.plane.data[i] = 1;
+    labels.planes = {{.id = 1}};
+    refit_planes(labels, grid);
+    auto findings = audit_labels(labels, grid);
+    std::erase_if(findings, [](const Finding& f) { return f.kind != FindingKind::unlabelled; });
+    EXPECT_EQ(findings.size(), heap ? 0u : 1u) << (heap ? "heap" : "box");
+  }
 }
 
 TEST_F(AuditTest, StatisticsCountPixelsPlanesAndArea) {

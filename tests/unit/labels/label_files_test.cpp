@@ -45,6 +45,16 @@ fs::path fresh_dir(const std::string& name) {
   return dir;
 }
 
+TEST(LabelFiles, KeepTheDepthUnitAndOlderOnesAreReadWithoutIt) {
+  const fs::path dir = fresh_dir("depth_unit");
+  FrameLabels labels = two_planes();
+  write_frame_labels(dir, 0, labels);  // as older files are
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0);
+  labels.depth_unit_m = 0.0002;
+  write_frame_labels(dir, 0, labels);
+  EXPECT_EQ(read_frame_labels(dir, 0, "")->depth_unit_m, 0.0002);
+}
+
 TEST(LabelFiles, WithoutGravityHaveNoDirection) {
   const fs::path dir = fresh_dir("no_gravity");
   FrameLabels labels = two_planes();

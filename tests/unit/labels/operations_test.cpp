@@ -121,7 +121,7 @@ TEST_F(Operations, LockedPlanesNeitherLoseNorGainPixels) {
   EXPECT_EQ(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).plane.data, labels.plane.data);
   EXPECT_TRUE(with_plane(labels, 2, rectangle(grid, 0, 0, 10, 10)).planes.size() == 1);
   EXPECT_THROW(with_class(labels, 1, Label::h), Error);
-  EXPECT_THROW(without_plane(labels, grid, 1), Error);
+  EXPECT_THROW(without_plane(labels, 1), Error);
   EXPECT_THROW(split_by_parts(labels, grid, 1, 0), Error);
   EXPECT_FALSE(with_flag(labels, 1, PlaneFlag::locked, false).planes[0].locked);
 }

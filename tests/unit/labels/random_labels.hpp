@@ -17,6 +17,7 @@ namespace planescope::labels {
 inline FrameLabels blank_labels(int width, int height, char hash = 'a') {
   FrameLabels labels;
   labels.depth_sha256 = std::string(64, hash);
+  labels.depth_unit_m = 0.001;
   labels.intrinsics = {width, height, 385.25, 384.75, width / 2.0, height / 2.0};
   labels.plane = Image16(width, height);
   labels.hv = Image8(width, height);
@@ -91,6 +92,7 @@ inline void expect_same(const FrameLabels& a, const FrameLabels& b) {
   EXPECT_EQ(a.depth_sha256, b.depth_sha256);
   EXPECT_EQ(a.intrinsics.width, b.intrinsics.width);
   EXPECT_EQ(a.intrinsics.fx, b.intrinsics.fx);
+  EXPECT_EQ(a.depth_unit_m, b.depth_unit_m);
   EXPECT_EQ(a.gravity.direction, b.gravity.direction);
   EXPECT_EQ(a.gravity.source, b.gravity.source);
   EXPECT_EQ(a.gravity.note, b.gravity.note);

@@ -12,6 +12,8 @@ namespace {
 
 const char* title_of(labels::FindingKind kind) {
   switch (kind) {
+    case labels::FindingKind::camera:
+      return "Drawn with another camera";
     case labels::FindingKind::rms:
       return "Does not fit its pixels";
     case labels::FindingKind::outliers:

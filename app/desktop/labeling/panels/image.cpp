@@ -27,7 +27,7 @@ DrawingSurface surface_of(const ImagePlacement& placed) {
 
 void move_image(const Ui& ui, const ImagePlacement& placed) {
   if (ImGui::IsItemHovered() && !wheel_sizes(ui)) zoom_image(ui, placed);
-  const bool dragged = ImGui::IsMouseDragging(0) && left_button_moves(ui.state);
+  const bool dragged = ImGui::IsMouseDragging(0) && left_button_moves(ui);
   if (dragged || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2)) drag_image(ui, placed);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/labels/edit/operations.hpp"
@@ -26,6 +27,12 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
   share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
   ui.name("planes.labelled");
   tooltip(fmt::format("{} of {} measured pixels, {} ignored", s.labelled, s.measured, s.ignored));
+  const LabelProgress progress = progress_of(ui.state);
+  if (progress.frames > 1) {
+    paragraph(ui.colors.muted, fmt::format("{} of {} frames labelled, {} reviewed",
+                                           progress.labelled, progress.frames, progress.reviewed));
+    ui.name("planes.progress");
+  }
   if (labels.planes.empty()) return;
   std::string text =
       fmt::format("{}: {} h, {} v", counted(labels.planes.size(), "plane"), s.h, s.v);
@@ -135,10 +142,11 @@ void draw_active(const Ui& ui, const FrameLabels& labels) {
                         plane->normal.y(), plane->normal.z(), tilt_text(*plane, labels)));
   paragraph(ui.colors.text,
             fmt::format("offset {:.3f} m  ·  RMS {:.1f} mm", plane->offset_m, 1000 * plane->rms_m));
-  constexpr const char* kButtons[][2] = {{"label.class.h", "h"},   {"label.class.v", "v"},
-                                         {"label.split", "split"}, {"label.lock", "lock"},
-                                         {"label.hide", "hide"},   {"label.remove", "remove"},
-                                         {"label.look", "look"}};
+  constexpr const char* kButtons[][2] = {
+      {"label.class.h", "h"}, {"label.class.v", "v"},     {"label.split", "split"},
+      {"label.lock", "lock"}, {"label.hide", "hide"},     {"label.remove", "remove"},
+      {"label.look", "look"}, {"label.fill", "fill"},     {"label.smooth", "smooth"},
+      {"label.grow", "grow"}, {"label.specks", "specks"}, {"label.residual", "distance"}};
   bool first = true;
   for (const auto& [action, label] : kButtons) {
     if (!first) same_line_if_fits(label);

@@ -38,12 +38,24 @@ void draw_sides(const Ui& ui) {
                                ImGuiInputTextFlags_EnterReturnsTrue))
     ui.emit("review.against", text);
   ui.name("review.folder");
-  if (folder.empty()) return;
+  auto cm2 = static_cast<float>(ui.state.view.label.review_smallest_cm2);
+  const auto draw_smallest = [&] {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("from");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(ui.px(90));
+    if (ImGui::SliderFloat("##smallest", &cm2, 0, 200, "%.0f cm²", ImGuiSliderFlags_AlwaysClamp))
+      ui.emit("review.smallest", fmt::format("{:.0f}", cm2));
+    ui.name("review.smallest");
+    tooltip("smaller regions are left out of the list");
+  };
+  if (folder.empty()) return draw_smallest();
   ImGui::SameLine();
   if (button(ui, "algorithm", "review.algorithm")) {
     text.clear();
     ui.emit("review.against");
   }
+  draw_smallest();
 }
 
 void draw_agreement(const Ui& ui, const labels::Agreement& agreement) {

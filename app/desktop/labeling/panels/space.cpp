@@ -50,7 +50,7 @@ void move_camera(const Ui& ui, int height) {
   if (ImGui::IsItemHovered() && !wheel_sizes(ui)) zoom_scene(ui);
   if (!ImGui::IsItemActive() || (io.MouseDelta.x == 0 && io.MouseDelta.y == 0)) return;
   const bool turns = ImGui::IsMouseDown(1) && !io.KeyShift;
-  const bool left = ImGui::IsMouseDragging(0) && left_button_moves(ui.state);
+  const bool left = ImGui::IsMouseDragging(0) && left_button_moves(ui);
   if (turns || left)
     orbit_scene(ui, height);
   else if (ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2))
