@@ -301,6 +301,8 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   }
 
   ImGui::NewFrame();
+  if (!state_.view.to_clipboard.empty())
+    ImGui::SetClipboardText(std::exchange(state_.view.to_clipboard, {}).c_str());
   draw(width, height);
   ImGui::Render();
   jobs_.pursue(state_);
@@ -342,8 +344,6 @@ void Shell::draw(int width, int height) {
   if (state_.view.show_timing) draw_timing(ui);
   state_.view.focus.clear();
   for (const Command& command : commands) perform(command);
-  if (!state_.view.copied.empty()) ImGui::SetClipboardText(state_.view.copied.c_str());
-  state_.view.copied.clear();
   note_scene_shape();
 }
 

@@ -184,7 +184,7 @@ std::vector<Action> selection_actions() {
        "",
        "TEXT",
        [](State& s, const std::string& text) {
-         s.view.copied = text;
+         s.view.to_clipboard = text;
          say(s, "copied: " + text);
        },
        {},

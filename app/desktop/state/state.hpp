@@ -241,10 +241,10 @@ struct ViewState {
   std::optional<Bookmark> arrival;                  // where to go once the frame's run is there
   std::shared_ptr<const ReportPlace> report_place;  // likewise; A is run, too
   bool strip_stopped = false;
-  std::string copied;   // for the clipboard, until it has it
   std::string focus;    // widget that takes the keyboard in the next frame
   std::string message;  // status bar, until the next
   bool message_is_error = false;
+  std::string to_clipboard;  // the window takes it in the next frame
   bool quit = false;
 };
 
