@@ -118,7 +118,8 @@ struct DrawList {
   std::string title;                // overlay, top left
   std::string subtitle;             // below the title, smaller
   std::vector<LegendEntry> legend;  // overlay, bottom left
-  bool pick_points_first = false;   // boxes and polygons are picked only where no point is seen
+  bool pick_points_first = false;   // faces of boxes are picked only where nothing else is, and
+                                    // polygons where the points that lie on them are not
   bool show_axes = true;            // axes triad with x y z, bottom right
   bool show_scale_bar = true;       // a round length at the camera's target distance
   bool operator==(const DrawList&) const = default;

@@ -23,7 +23,7 @@ Rgba mixed(Rgba a, Rgba b, double share_b) {
 // Chosen greedily in OKLab from a grid of hues, chromas and lightnesses that show on both themes:
 // each the farthest from the eight before it, as seen by normal, protanopic and deuteranopic eyes
 // (Machado et al. 2009), and unlike any earlier one.
-constexpr std::array<std::uint32_t, 32> kPlaneColors = {
+constexpr std::array<std::uint32_t, kPlaneColors> kPlaneHues = {
     0x0072B2, 0xB4481E, 0xABAC1D, 0xCE83DE, 0x84D9F3, 0xFBBA96, 0x4B916E, 0x8267E2,
     0xAE388F, 0x52A9FE, 0x7E541B, 0xD37812, 0xF46EB4, 0x73D25D, 0xDDBBF7, 0xBC5F70,
     0x4861D5, 0x54578F, 0xA492FB, 0x227008, 0x4CAB34, 0x58B7B1, 0xF0C543, 0x8874AE,
@@ -91,8 +91,8 @@ Rgba leftover_color() { return rgb(0x8A8F98); }
 Rgba verdict_color(bool steppable) { return rgb(steppable ? 0x009E73 : 0xD55E00); }
 
 Rgba plane_color(int plane_id) {
-  const int n = static_cast<int>(kPlaneColors.size());
-  return rgb(kPlaneColors[static_cast<std::size_t>((((plane_id - 1) % n) + n) % n)]);
+  const int n = static_cast<int>(kPlaneHues.size());
+  return rgb(kPlaneHues[static_cast<std::size_t>((((plane_id - 1) % n) + n) % n)]);
 }
 
 void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane>& now) {

@@ -20,8 +20,9 @@ Rgba margin_color(Label label, double margin);
 Rgba leftover_color();
 /// Whether a plane carries a foot.
 Rgba verdict_color(bool steppable);
+inline constexpr int kPlaneColors = 32;
 /// A colour per plane, by its id from 1 on: neighbours in id are far apart in hue and lightness.
-/// They repeat after 32.
+/// They repeat after kPlaneColors.
 Rgba plane_color(int plane_id);
 
 /// Ids for a frame's planes that follow the planes of the frame before: a plane that continues one

@@ -454,18 +454,21 @@ Image<std::uint32_t> Renderer::render_ids(const DrawList& list,
   const auto draw_points = [&] { state_->points.draw(list.points, view, Output::id); };
   if (!list.pick_points_first) draw_points();
   state_->boxes.draw(list.boxes, view, 0, 1, Output::id);
-  const float bias_m = polygon_bias_m(list);
-  state_->polygons.draw(back_to_front(list.polygons, view), view, bias_m, Output::id);
+  // From here on what is nearest counts: faces of boxes only tint what is seen through them.
+  if (list.pick_points_first) {
+    glClearBufferfv(GL_DEPTH, 0, &farthest);
+    draw_points();
+  }
+  std::vector<const DrawPolygon*> solid = back_to_front(list.polygons, view);
+  std::erase_if(solid, [](const DrawPolygon* polygon) { return polygon->id == 0; });
+  const float bias_m = (list.pick_points_first ? -1.0F : 1.0F) * polygon_bias_m(list);
+  state_->polygons.draw(solid, view, bias_m, Output::id);
   std::vector<Segment> edges;  // of open boxes, wide enough to hit
   for (const DrawBox& box : list.boxes) {
     if (!is_solid(box) && box.id != 0) append_edges(box, view, edges);
   }
   for (Segment& edge : edges) edge.width_px = 5;
   state_->segments.draw(edges, view, {}, Output::id);
-  if (list.pick_points_first) {
-    glClearBufferfv(GL_DEPTH, 0, &farthest);
-    draw_points();
-  }
 
   Image<std::uint32_t> ids(width, height);
   glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data.data());

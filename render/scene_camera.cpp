@@ -1,9 +1,10 @@
-// The view that the pictures of one frame share.
+// The view that the pictures of one frame share, and the one in which the window opens it.
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "render/framing.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::render {
@@ -65,18 +66,33 @@ double facing(const planes::Segmentation& segmentation, const Vec3d& forward) {
   return sum;
 }
 
+/// From where the points were seen: the mean direction to them, as far as all lie to one side.
+Vec3d sight_of(const planes::PreparedFrame& prepared) {
+  const Vec3f sensor = prepared.sensor().cast<float>();
+  Vec3d sum = Vec3d::Zero();
+  for (const Vec3f& point : prepared.voxels.points)
+    sum += (point - sensor).normalized().cast<double>();
+  return sum / std::max<double>(1, static_cast<double>(prepared.voxels.points.size()));
+}
+
 Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
   // Only depth cameras look along their z axis; a cloud's pose turns gravity to -z, nothing more.
   const Vec3d forward = prepared.cloud.T_world_sensor.linear() * Vec3d::UnitZ();
   const bool depth_camera = forward.x() > 0.05 || forward.z() < -0.9;
-  Placed left{35, 35};
+  Placed left{35, 35}, right{35, -35};
   if (depth_camera) {
     // A little above the sensor's own line of sight: far from it, the sensor's shadows open.
     const double pitch_deg = std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree;
     left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
+    right = {left.elevation_deg, -left.yaw_deg};
+  } else if (const Vec3d sight = sight_of(prepared); sight.norm() > 0.7) {
+    // A scan from one place: from about there, or it is seen from behind.
+    const double pitch_deg = std::asin(std::clamp(-sight.normalized().z(), -1.0, 1.0)) / kDegree;
+    const double yaw_deg = std::atan2(sight.y(), sight.x()) / kDegree;
+    left = {std::clamp(pitch_deg + 10, -60.0, 60.0), yaw_deg + 18};
+    right = {left.elevation_deg, yaw_deg - 18};
   }
   // To the side from which more is seen.
-  const Placed right{left.elevation_deg, -left.yaw_deg};
   return facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left))
              ? right
              : left;
@@ -117,6 +133,16 @@ Camera frame_camera(const planes::PreparedFrame& prepared,
   camera.near_m = std::max(0.01, 0.02 * (middle - along));
   camera.far_m = std::max(200.0, 20 * (middle - along));
   return camera;
+}
+
+Home home_of(const planes::PreparedFrame& prepared, const planes::Segmentation& segmentation) {
+  const std::vector<Vec3f> all = reach_of(prepared.voxels.points, kOutliers);
+  float size_m = 0;
+  for (const Vec3f& a : all) size_m = std::max(size_m, (a - all[0]).norm());
+  constexpr double kCells = 40;  // what is apart by more than one or two of them stands apart
+  const double cell_m = std::max({size_m / kCells, 2 * prepared.voxels.size_m, 0.01});
+  return {direction_of(view_of(prepared, segmentation)),
+          reach_of(bulk_of(prepared.voxels.points, cell_m), kOutliers)};
 }
 
 }  // namespace planescope::render

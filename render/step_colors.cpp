@@ -44,12 +44,13 @@ Rgba truth_color(const debug::VoxelTruth& truth, std::size_t voxel, Rgba unknown
   return truth.plane[voxel] == 0 ? leftover_color() : plane_color(truth.plane[voxel]);
 }
 
-Rgba color_at_step(ColorBy by, const StepState& state, std::size_t voxel, Rgba waiting) {
+Rgba color_at_step(
+    const StepLook& look, ColorBy by, const StepState& state, std::size_t voxel, Rgba waiting) {
   if (by == ColorBy::cases)
     return state.case_of[voxel] == planes::Case::none ? waiting : case_color(state.case_of[voxel]);
   const std::int32_t plane = state.plane_of[voxel];
   if (plane == StepState::kLeftover) return leftover_color();
-  return plane >= 0 ? plane_color(plane + 1) : waiting;
+  return plane >= 0 ? look.plane_color(plane) : waiting;
 }
 
 /// The classifier's label or, of methods that have none, that of the plane.
@@ -92,13 +93,18 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
         colors[v] = truth_color(run.subject->voxel_truth, v, waiting);
         break;
       default:
-        colors[v] = color_at_step(by, state, v, waiting);
+        colors[v] = color_at_step(look, by, state, v, waiting);
     }
   }
   return colors;
 }
 
 }  // namespace
+
+Rgba StepLook::plane_color(std::int32_t of) const {
+  const auto i = static_cast<std::size_t>(of);
+  return render::plane_color(i < color_of_plane.size() ? color_of_plane[i] : of + 1);
+}
 
 StepState step_state(const debug::Run& run, const StepLook& look) {
   const std::int32_t step = look.step;
@@ -121,8 +127,10 @@ StepState step_state(const debug::Run& run, const StepLook& look) {
                                           : StepState::kOpen;
   }
   if (const planes::TraceEvent* event = look.show_current ? run.event_at(step) : nullptr) {
-    state.node = event->node;
+    state.node = event->node >= 0 || event->point < 0 ? event->node
+                                                      : timeline.node_of_point(event->point, step);
     state.plane = event->plane;
+    state.other = event->other;
     state.voxel = event->point;
   }
   return state;
@@ -153,14 +161,19 @@ std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
                                            const StepLook& look,
                                            const StepState& state) {
   std::vector<std::uint8_t> concerned(run.subject->voxel_count(), 0);
-  for (const std::int32_t i : {look.node, state.node}) {
-    if (i < 0 || run.timeline.queued_at()[i] > look.step) continue;
+  const auto add_node = [&](std::int32_t i) {
+    if (i < 0 || run.timeline.queued_at()[i] > look.step) return;
     const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(i)];
     for (std::uint32_t k = node.begin; k < node.end; ++k) concerned[run.octree().order[k]] = 1;
-  }
-  for (const std::int32_t plane : {look.plane, state.plane})
+  };
+  add_node(look.node);
+  add_node(state.node);
+  for (const std::int32_t plane : {look.plane, state.plane, state.other})
     for (std::size_t v = 0; plane >= 0 && v < concerned.size(); ++v)
       if (state.plane_of[v] == plane) concerned[v] = 1;
+  // A plane that has no points of its own any more: where it began.
+  if (look.show_current && std::ranges::count(concerned, 1) == 0)
+    add_node(debug::node_at_step(run, look.step));
   const auto count = static_cast<std::size_t>(std::ranges::count(concerned, 1));
   if (count == 0 || count == concerned.size()) concerned.clear();
   return concerned;
@@ -176,6 +189,16 @@ std::vector<Rgba> voxel_colors(const debug::Run& run,
     if (voxel < colors.size()) colors[voxel] = mix(colors[voxel], mark, kHighlight);
   };
   for (const std::uint32_t voxel : look.marked) emphasise(voxel, marks.marked);
+  // The node that the step is about, whatever its colours: lighter on dark, darker on light.
+  constexpr double kLit = 0.3;
+  if (state.node >= 0 && state.node < static_cast<std::int32_t>(run.octree().nodes.size())) {
+    const planes::OctreeNode& node = run.octree().nodes[static_cast<std::size_t>(state.node)];
+    const bool all = node.size() == colors.size();
+    for (std::uint32_t k = node.begin; k < node.end && !all; ++k) {
+      Rgba& color = colors[run.octree().order[k]];
+      color = mix(color, marks.current, kLit);
+    }
+  }
   const auto replace = [&](std::int32_t voxel, Rgba mark) {
     if (voxel >= 0 && static_cast<std::size_t>(voxel) < colors.size())
       colors[static_cast<std::size_t>(voxel)] = mark;

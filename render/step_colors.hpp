@@ -17,8 +17,9 @@ struct StepState {
   std::vector<planes::Case> case_of;             // per voxel: of the node that settled it
   std::vector<std::int32_t> plane_of;            // per voxel: plane of the trace
   // What the event that led here was about; -1 none.
-  std::int32_t node = -1;
+  std::int32_t node = -1;  // its own, or that of its point
   std::int32_t plane = -1;
+  std::int32_t other = -1;  // the second plane
   std::int32_t voxel = -1;
 };
 StepState step_state(const debug::Run& run, const StepLook& look);
@@ -32,8 +33,8 @@ struct MarkColors {
 };
 MarkColors mark_colors(Theme theme);
 
-/// Per voxel: 1 where it belongs to the node or plane that is selected or that the step is about.
-/// Empty where there is none, and where it is all of them: nothing recedes then.
+/// Per voxel: 1 where it belongs to the node or the planes that is selected or that the step is
+/// about. Empty where there is none, and where it is all of them: nothing recedes then.
 std::vector<std::uint8_t> concerned_voxels(const debug::Run& run,
                                            const StepLook& look,
                                            const StepState& state);

@@ -71,6 +71,11 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
   constexpr int kLeastShare = 140;
   std::vector<std::uint8_t> pointed = concerned_voxels(run, look, state);
   const int rest = pointed.empty() ? share : share / 2;
+  const bool alone = look.isolated && !pointed.empty();
+  const Rgba ground = theme_colors(look.theme).background_bottom;
+  const auto stands_out = [&](std::int32_t plane) {
+    return plane == look.plane || plane == state.plane || plane == state.other;
+  };
   pointed.resize(colors.size(), 0);
   const auto point_at = [&](std::size_t voxel) {
     if (voxel < pointed.size()) pointed[voxel] = 1;
@@ -87,14 +92,18 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
     std::uint8_t* pixel = &image.at(0, y);
     for (int x = 0; x < image.width; ++x, pixel += 3) {
       const std::uint32_t voxel = row.voxels[x];
+      if (alone && (voxel == planes::kNoVoxel || !pointed[voxel])) {
+        blend(pixel, ground, 200);
+        continue;
+      }
       if (voxel != planes::kNoVoxel)
         blend(pixel, colors[voxel], pointed[voxel] ? std::max(share, kLeastShare) : rest);
       if (!look.show_planes) continue;
       const std::int32_t plane = row.planes[x];
       std::int32_t contour = last ? -1 : contour_between(plane, below.planes[x]);
       if (contour < 0 && x + 1 < image.width) contour = contour_between(plane, row.planes[x + 1]);
-      if (contour >= 0)
-        blend(pixel, contour == look.plane ? selected : plane_color(contour + 1), 230);
+      if (contour >= 0 && (!alone || stands_out(contour)))
+        blend(pixel, contour == look.plane ? selected : look.plane_color(contour), 230);
     }
     std::swap(row, below);
   }

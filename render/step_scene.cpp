@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -145,8 +144,9 @@ void add_node_boxes(const debug::Run& run,
                     DrawList& list) {
   const Boxes boxes{run, look, state, list};
   const MarkColors marks = mark_colors(look.theme);
-  if (look.show_settled) boxes.add_settled();
-  if (look.show_queue) boxes.add_waiting();
+  const bool alone = look.isolated && (state.node >= 0 || look.node >= 0);
+  if (look.show_settled && !alone) boxes.add_settled();
+  if (look.show_queue && !alone) boxes.add_waiting();
   const bool selected = look.node >= 0 && run.timeline.queued_at()[look.node] <= look.step;
   if (state.node >= 0 && !look.show_queue) boxes.add_children(state.node);
   if (state.node >= 0 && state.node != look.node) {
@@ -192,8 +192,7 @@ bool add_plane(const PlaneShape* shape,
   if (hull.corners.size() < 3) return false;
   hull.fill = with_alpha(look.fill, look.fill.a / 2);
   hull.outline = with_alpha(look.line, look.line.a / 2);
-  hull.outline_px = 0.6f * look.width_px;
-  hull.id = look.id;
+  hull.outline_px = 0.6f * look.width_px;  // not picked: much of it is air
   list.polygons.push_back(std::move(hull));
   return true;
 }
@@ -209,19 +208,22 @@ void add_planes(const debug::Run& run,
   const Rgba selected_color = mark_colors(look.theme).selected;
   const auto members = points_by_plane(run, state);
   const PlaneScene* shapes = finished(run, look);
+  const bool any_stands_out = look.plane >= 0 || state.plane >= 0 || state.other >= 0;
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     const planes::PlaneChange* change = run.timeline.plane_at(plane, look.step);
     if (change == nullptr || !change->alive) continue;
     const auto& own = members[static_cast<std::size_t>(plane)];
     const bool selected = plane == look.plane;
-    const bool current = plane == state.plane;
-    const Rgba color = plane_color(plane + 1);
+    const bool current = plane == state.plane || plane == state.other;
+    const bool recedes = any_stands_out && !selected && !current;
+    if (recedes && look.isolated) continue;
+    const Rgba color = look.plane_color(plane);
     const Rgba strong = selected ? selected_color : mix(color, ink, 0.35);
     const auto k = static_cast<std::size_t>(run.timeline.result_of_plane(plane)) - 1;
     const PlaneShape* shape = shapes && k < shapes->shapes.size() ? &shapes->shapes[k] : nullptr;
     if (!add_plane(shape, change->fit, own,
-                   {.fill = with_alpha(color, 45),
-                    .line = with_alpha(strong, 235),
+                   {.fill = with_alpha(color, recedes ? 20 : 45),
+                    .line = with_alpha(strong, recedes ? 100 : 235),
                     .width_px = selected || current ? 3.0F : 1.6F,
                     .id = pick_id(Picked::Kind::plane, plane)},
                    list))
@@ -383,6 +385,20 @@ void add_voxel(
       {at + Vec3f(0, 0, above), "voxel " + std::to_string(voxel), color, 15, true, rank});
 }
 
+void keep_only(const std::vector<std::uint8_t>& kept, DrawPoints& points) {
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < kept.size(); ++v) {
+    if (!kept[v]) continue;
+    points.positions[count] = points.positions[v];
+    points.colors[count] = points.colors[v];
+    points.ids[count] = points.ids[v];
+    ++count;
+  }
+  points.positions.resize(count);
+  points.colors.resize(count);
+  points.ids.resize(count);
+}
+
 }  // namespace
 
 Picked picked(std::uint32_t id) {
@@ -407,13 +423,15 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
           mix(points.colors[v], theme_colors(look.theme).background_bottom, kReceded);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
+  const bool alone = look.isolated && !concerned.empty();
+  if (alone) keep_only(concerned, points);
   points.max_px = 120;  // surfaces stay closed when seen from nearby
   if (look.show_points) list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);
   if (look.show_planes) add_planes(run, look, state, list);
   if (const PlaneScene* planes = finished(run, look)) {
-    if (look.show_foot) add_foot_space(*planes, look.theme, list);
-    if (look.show_stairs) add_stairs(*planes, look.theme, list);
+    if (look.show_foot && !alone) add_foot_space(*planes, look.theme, list);
+    if (look.show_stairs && !alone) add_stairs(*planes, look.theme, list);
   }
   if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
   add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
@@ -421,25 +439,21 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   return list;
 }
 
-Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& camera) {
-  const planes::Octree& octree = run.octree();
-  const DrawBox box = points_box(octree, octree.nodes[static_cast<std::size_t>(node)],
-                                 run.subject->prepared.voxels.size_m);
-  const Vec3d middle = ((box.min + box.max) / 2).cast<double>();
-  const double radius_m = std::max({0.5 * (box.max - box.min).cast<double>().norm(),
-                                    4 * run.subject->prepared.voxels.size_m, 0.02});
-  constexpr double kRoom = 2;  // some of the node's surroundings stay in view
-  const double half_view = camera.fov_y_deg * std::numbers::pi / 360;
-  const double distance_m = kRoom * radius_m / std::sin(half_view);
-  Vec3d back = camera.eye - camera.target;
-  if (back.norm() < 1e-9) back = Vec3d(-1, 0, 1);
-  Camera moved = camera;
-  moved.target = middle;
-  moved.eye = middle + distance_m * back.normalized();
-  moved.ortho_height_m = 2 * kRoom * radius_m;
-  moved.near_m = std::max(0.005, 0.02 * distance_m);
-  moved.far_m = std::max(camera.far_m, 20 * distance_m);
-  return moved;
+std::vector<Vec3f> node_points(const debug::Run& run, std::int32_t node) {
+  const planes::OctreeNode& of = run.octree().nodes[static_cast<std::size_t>(node)];
+  std::vector<Vec3f> points;
+  for (std::uint32_t k = of.begin; k < of.end; ++k)
+    points.push_back(run.subject->prepared.voxels.points[run.octree().order[k]]);
+  return points;
+}
+
+std::vector<Vec3f> plane_points(const debug::Run& run, std::int32_t plane, std::int32_t step) {
+  const std::vector<Vec3f>& all = run.subject->prepared.voxels.points;
+  std::vector<Vec3f> points;
+  for (std::size_t v = 0; v < all.size(); ++v)
+    if (run.timeline.point_at(static_cast<std::int32_t>(v), step).plane == plane)
+      points.push_back(all[v]);
+  return points;
 }
 
 }  // namespace planescope::render

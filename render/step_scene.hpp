@@ -33,6 +33,7 @@ struct StepLook {
   bool show_foot = false;    // of the finished planes: where the centre of a foot may go
   bool show_stairs = false;  // between them: flights, kerbs and ramps
   bool show_current = true;  // what the step is about
+  bool isolated = false;     // what is selected or current alone, where there is such a thing
   std::int32_t node = -1;    // selected
   std::int32_t plane = -1;   // of the trace
   std::int32_t voxel = -1;
@@ -41,6 +42,9 @@ struct StepLook {
   // Of the run's planes as they are at its last step; null: not known yet. What has no outline, a
   // plane that still grows as well, is drawn as the convex hull of its voxels, fainter.
   std::shared_ptr<const PlaneScene> planes = {};
+  std::vector<int> color_of_plane = {};  // colour ids of the trace's planes; empty: their own
+
+  Rgba plane_color(std::int32_t of) const;  // a plane of the trace
 };
 
 DrawList scene_step(const debug::Run& run, const StepLook& look);
@@ -64,8 +68,8 @@ void paint_step(Image8& image, const debug::Run& run, const StepLook& look, doub
 /// Both at once.
 Image8 image_step(const debug::Run& run, const StepLook& look, Backdrop backdrop, double opacity);
 
-/// `camera` moved so that the node's box and some of its surroundings fill the view, looking the
-/// same way.
-Camera camera_on_node(const debug::Run& run, std::int32_t node, const Camera& camera);
+/// The voxels that a node, or a plane as it is at the step, holds.
+std::vector<Vec3f> node_points(const debug::Run& run, std::int32_t node);
+std::vector<Vec3f> plane_points(const debug::Run& run, std::int32_t plane, std::int32_t step);
 
 }  // namespace planescope::render

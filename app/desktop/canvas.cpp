@@ -1,6 +1,7 @@
 #include "app/desktop/canvas.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "app/desktop/look.hpp"
@@ -26,8 +27,9 @@ struct LookKey {
            look.show_points == other.show_points && look.show_names == other.show_names &&
            look.show_normals == other.show_normals && look.show_foot == other.show_foot &&
            look.show_stairs == other.show_stairs && look.planes == other.planes &&
-           look.node == other.node && look.plane == other.plane && look.voxel == other.voxel &&
-           look.theme == other.theme &&
+           look.isolated == other.isolated && look.color_of_plane == other.color_of_plane &&
+           look.show_current == other.show_current && look.node == other.node &&
+           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
            std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
   }
   void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {
@@ -66,20 +68,64 @@ struct LabelLookKey {
   }
 };
 
+/// A scene as a texture of its own, drawn again where the list, the camera or the size has changed.
+struct SceneView {
+  render::Renderer renderer;
+  render::DrawList list;
+  render::Camera camera;
+  int width = 0, height = 0;
+  TextureId texture = 0;
+  bool fine = false;
+  Image<std::uint32_t> ids;  // of what was drawn last; empty until someone asks
+
+  /// True where it was drawn again.
+  bool draw(bool same_list, const render::Camera& from, int w, int h, render::Theme theme) {
+    const bool same = same_list && same_camera(from, camera) && w == width && h == height;
+    if (same && fine) return false;
+    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
+    fine = same;
+    if (!same) ids = {};
+    camera = from;
+    width = w;
+    height = h;
+    texture =
+        renderer.draw(list, from, w, h, theme, fine ? render::Effort::fine : render::Effort::quick);
+    return true;
+  }
+};
+
+/// The camera's image at a step.
+struct StepPicture {
+  render::ImageTexture texture;
+  LookKey key;
+  render::Backdrop backdrop = render::Backdrop::color;
+  double opacity = 0;
+};
+
 class GlCanvas : public Canvas {
  public:
   TextureId scene(const std::shared_ptr<const debug::Run>& run,
                   const render::StepLook& look,
                   const render::Camera& camera,
                   int width,
-                  int height) override {
+                  int height,
+                  Side side) override {
+    if (side == Side::beside) {
+      if (!beside_) beside_ = std::make_unique<SceneView>();
+      const bool same_list = beside_key_.same(run, look);
+      if (!same_list) {
+        beside_->list = render::scene_step(*run, look);
+        beside_key_.set(run, look);
+      }
+      return drawn(*beside_, same_list, camera, width, height, look.theme);
+    }
     const bool same_list = shows_ == Shows::step && scene_key_.same(run, look);
     if (!same_list) {
-      list_ = render::scene_step(*run, look);
+      scene_.list = render::scene_step(*run, look);
       scene_key_.set(run, look);
       shows_ = Shows::step;
     }
-    return draw(same_list, camera, width, height, look.theme);
+    return drawn(scene_, same_list, camera, width, height, look.theme);
   }
 
   TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
@@ -93,43 +139,57 @@ class GlCanvas : public Canvas {
       std::vector<std::uint8_t> shown;
       if (look.labels) shown = labels::shown_pixels(*look.labels);
       if (shows_ != Shows::labels || label_key_.frame.lock() != frame || shown != shown_) {
-        list_ = {};
-        list_.points.push_back(render::label_points(frame->grid, frame->world, shown));
+        scene_.list = {};
+        scene_.list.points.push_back(render::label_points(frame->grid, frame->world, shown));
         point_ground_ = render::label_ground(frame->grid, render::Backdrop::color);
         shown_ = std::move(shown);
       }
-      render::color_label_points(list_.points.back(), point_ground_, frame->grid, look);
+      render::color_label_points(scene_.list.points.back(), point_ground_, frame->grid, look);
       label_key_.set(frame, look);
       shows_ = Shows::labels;
     }
-    return draw(same_list, camera, width, height, look.theme);
+    return drawn(scene_, same_list, camera, width, height, look.theme);
   }
 
-  render::Picked pick(int x, int y) override {
-    if (scene_texture_ == 0 || x < 0 || y < 0 || x >= width_ || y >= height_) return {};
-    if (ids_.empty()) ids_ = renderer_.render_ids(list_, camera_, width_, height_);
-    return render::picked(ids_.at(x, y));
+  render::Picked pick(int x, int y, int reach_px) override {
+    SceneView& view = scene_;
+    if (view.texture == 0 || x < 0 || y < 0 || x >= view.width || y >= view.height) return {};
+    if (view.ids.empty())
+      view.ids = view.renderer.render_ids(view.list, view.camera, view.width, view.height);
+    std::uint32_t id = view.ids.at(x, y);
+    int nearest = id != 0 ? 0 : reach_px * reach_px + 1;
+    for (int v = std::max(0, y - reach_px); v <= std::min(view.height - 1, y + reach_px); ++v)
+      for (int u = std::max(0, x - reach_px); u <= std::min(view.width - 1, x + reach_px); ++u) {
+        const int distance = (u - x) * (u - x) + (v - y) * (v - y);
+        if (distance >= nearest || view.ids.at(u, v) == 0) continue;
+        nearest = distance;
+        id = view.ids.at(u, v);
+      }
+    return render::picked(id);
   }
 
   TextureId image(const std::shared_ptr<const debug::Run>& run,
                   const render::StepLook& look,
                   render::Backdrop backdrop,
-                  double opacity) override {
-    const bool same = image_.id() != 0 && image_key_.same(run, look) && backdrop == backdrop_ &&
-                      opacity == opacity_;
-    if (same) return image_.id();
+                  double opacity,
+                  Side side) override {
+    StepPicture& shown = images_[static_cast<std::size_t>(side)];
+    const bool same = shown.texture.id() != 0 && shown.key.same(run, look) &&
+                      backdrop == shown.backdrop && opacity == shown.opacity;
+    if (same) return shown.texture.id();
     if (backdrop_subject_.lock() != run->subject || backdrop != backdrop_) {
       backdrop_image_ = render::image_backdrop(*run->subject, backdrop);
       backdrop_subject_ = run->subject;
+      backdrop_ = backdrop;
     }
     Image8 picture = backdrop_image_;
     if (picture.empty()) return 0;
     render::paint_step(picture, *run, look, opacity);
-    upload(image_, picture);
-    image_key_.set(run, look);
-    backdrop_ = backdrop;
-    opacity_ = opacity;
-    return image_.id();
+    upload(shown.texture, picture);
+    shown.key.set(run, look);
+    shown.backdrop = backdrop;
+    shown.opacity = opacity;
+    return shown.texture.id();
   }
 
   TextureId label_image(const std::shared_ptr<const LabelFrame>& frame,
@@ -166,22 +226,14 @@ class GlCanvas : public Canvas {
  private:
   enum class Shows : std::uint8_t { nothing, step, labels };
 
-  /// The scene as a texture, drawn again where the list, the camera or the size has changed.
-  TextureId draw(
-      bool same_list, const render::Camera& camera, int width, int height, render::Theme theme) {
-    const bool same =
-        same_list && same_camera(camera, camera_) && width == width_ && height == height_;
-    if (same && fine_) return scene_texture_;
-    // What moves is drawn quickly; what has come to rest, once more with smooth edges.
-    fine_ = same;
-    if (!same) ids_ = {};
-    camera_ = camera;
-    width_ = width;
-    height_ = height;
-    scene_texture_ = renderer_.draw(list_, camera, width, height, theme,
-                                    fine_ ? render::Effort::fine : render::Effort::quick);
-    versions_[scene_texture_] = ++changes_;
-    return scene_texture_;
+  TextureId drawn(SceneView& view,
+                  bool same_list,
+                  const render::Camera& camera,
+                  int width,
+                  int height,
+                  render::Theme theme) {
+    if (view.draw(same_list, camera, width, height, theme)) versions_[view.texture] = ++changes_;
+    return view.texture;
   }
 
   void upload(render::ImageTexture& texture, const Image8& image) {
@@ -193,23 +245,18 @@ class GlCanvas : public Canvas {
     render::ImageTexture texture;
     std::uint64_t version = 0;
   };
-  render::Renderer renderer_;
-  render::DrawList list_;
-  Shows shows_ = Shows::nothing;  // in list_
-  LookKey scene_key_, image_key_;
+  SceneView scene_;
+  std::unique_ptr<SceneView> beside_;  // once two runs were shown
+  Shows shows_ = Shows::nothing;       // in scene_
+  LookKey scene_key_, beside_key_;
   LabelLookKey label_key_, label_image_key_;
-  std::vector<std::uint8_t> shown_;  // of the labels in list_
+  std::vector<std::uint8_t> shown_;  // of the labels in scene_
   Image8 point_ground_, image_ground_;
-  render::Camera camera_;
-  int width_ = 0, height_ = 0;
-  TextureId scene_texture_ = 0;
-  bool fine_ = false;
-  Image<std::uint32_t> ids_;  // of the scene drawn last; empty until someone asks
-  render::ImageTexture image_, label_image_;
+  std::array<StepPicture, 2> images_;  // by Side
+  render::ImageTexture label_image_;
   render::Backdrop backdrop_ = render::Backdrop::color;
   std::weak_ptr<const debug::Subject> backdrop_subject_;
   Image8 backdrop_image_;
-  double opacity_ = 0;
   render::Backdrop label_backdrop_ = render::Backdrop::color;
   double label_opacity_ = 0;
   std::map<std::string, Picture> pictures_;

@@ -16,6 +16,9 @@ using TextureId = std::uint64_t;  // 0: nothing to show
 
 struct LabelFrame;
 
+/// Of two runs that are shown beside each other: the one that is looked at, and the other one.
+enum class Side : std::uint8_t { here, beside };
+
 class Canvas {
  public:
   virtual ~Canvas() = default;
@@ -25,14 +28,17 @@ class Canvas {
                           const render::StepLook& look,
                           const render::Camera& camera,
                           int width,
-                          int height) = 0;
-  /// What lies under pixel (x, y) from the top left of the scene drawn last.
-  virtual render::Picked pick(int x, int y) = 0;
+                          int height,
+                          Side side = Side::here) = 0;
+  /// What is seen at pixel (x, y) from the top left of the scene drawn last, or else within
+  /// `reach_px` of it.
+  virtual render::Picked pick(int x, int y, int reach_px) = 0;
   /// image_step() as a texture of one texel per pixel. Row 0 at the top.
   virtual TextureId image(const std::shared_ptr<const debug::Run>& run,
                           const render::StepLook& look,
                           render::Backdrop backdrop,
-                          double opacity) = 0;
+                          double opacity,
+                          Side side = Side::here) = 0;
   /// The same for labels: the frame's points, and one texel per depth pixel.
   virtual TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
                                 const render::LabelLook& look,

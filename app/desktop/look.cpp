@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
+#include "render/palette.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -33,33 +35,116 @@ std::span<const std::uint32_t> marked_pixels(const State& state) {
   return {};
 }
 
+/// A narrow view shows as much from side to side as one of 4:3.
+double fov_y_deg(double aspect) {
+  constexpr double kOf = 45, kMadeFor = 4.0 / 3;
+  if (aspect >= kMadeFor) return kOf;
+  return 2 / kDeg * std::atan(std::tan(kOf * kDeg / 2) * kMadeFor / aspect);
+}
+
+render::Lens lens_of(const State& state, double aspect) {
+  return {
+      .fov_y_deg = fov_y_deg(aspect), .aspect = aspect, .orthographic = state.view.orthographic};
+}
+
+/// From which all of the frame fills the view. Gravity's direction is down.
+render::Camera whole_camera(const State& state, double aspect) {
+  if (!state.run_view()) return {};
+  const render::Home& home = state.run_view()->home;
+  const Vec3d level(home.forward.x(), home.forward.y(), 0);
+  const Vec3d ahead = level.norm() > 1e-9 ? Vec3d(level.normalized()) : Vec3d(Vec3d::UnitX());
+  render::Lens lens = lens_of(state, aspect);
+  switch (state.view.facing) {
+    case Facing::home:
+      lens.forward = home.forward;
+      break;
+    case Facing::top:
+      lens.forward = -Vec3d::UnitZ();
+      lens.up = ahead;
+      break;
+    case Facing::side:
+      lens.forward = -ahead.cross(Vec3d::UnitZ());
+      break;
+    case Facing::front:
+      lens.forward = ahead;
+  }
+  return render::camera_holding(home.reach, lens);
+}
+
+/// Plane of the trace by its id in the result; -1 where there is none, at 0 too.
+std::vector<std::int32_t> planes_of_result(const debug::Run& run) {
+  std::vector<std::int32_t> planes(run.segmentation.planes.size() + 1, -1);
+  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane)
+    if (const std::int32_t id = run.timeline.result_of_plane(plane); id > 0)
+      planes[static_cast<std::size_t>(id)] = plane;
+  return planes;
+}
+
+/// The other run's plane that matches one of the run looked at; -1 where none is known to.
+std::int32_t matching_plane(const State& state, std::int32_t plane) {
+  const Results& results = state.results;
+  const std::int32_t id = state.run()->timeline.result_of_plane(plane);
+  const bool known = results.comparison && results.compared_a == results.pinned &&
+                     results.compared_b == results.current;
+  if (!known || id == 0) return -1;
+  for (const debug::PlanePair& pair : results.comparison->planes) {
+    const int here = state.view.flash ? pair.a : pair.b, there = state.view.flash ? pair.b : pair.a;
+    if (here == id && there > 0)
+      return planes_of_result(*state.other_view()->run)[static_cast<std::size_t>(there)];
+  }
+  return -1;
+}
+
 }  // namespace
 
-render::Camera preset_camera(const render::Camera& home, CameraPreset preset) {
-  render::Camera camera = home;
-  if (preset == CameraPreset::home) return camera;
-  const double distance = (camera.eye - camera.target).norm();
-  const Vec3d looks = camera.target - camera.eye;
-  const Vec3d ahead = Vec3d(looks.x(), looks.y(), 0).norm() > 1e-9
-                          ? Vec3d(looks.x(), looks.y(), 0).normalized()
-                          : Vec3d(Vec3d::UnitX());
-  switch (preset) {
-    case CameraPreset::top:
-      camera.eye = camera.target + distance * Vec3d::UnitZ();
-      camera.up = ahead;
-      break;
-    case CameraPreset::side:
-      camera.eye = camera.target + distance * ahead.cross(Vec3d::UnitZ());
-      break;
-    default:
-      camera.eye = camera.target - distance * ahead;
-  }
+render::Camera camera_of(const State& state) {
+  if (!state.view.camera) return whole_camera(state, state.view.scene_aspect);
+  render::Camera camera = *state.view.camera;
+  camera.fov_y_deg = fov_y_deg(state.view.scene_aspect);
   return camera;
 }
 
-render::Camera camera_of(const State& state) {
-  if (state.view.camera) return *state.view.camera;
-  return state.run_view() ? state.run_view()->home : render::Camera{};
+render::Camera scene_camera(const State& state, double aspect) {
+  render::Camera camera = state.view.camera ? *state.view.camera : whole_camera(state, aspect);
+  camera.fov_y_deg = fov_y_deg(aspect);
+  if (!state.view.orthographic) return camera;
+  // As much as is seen at the target's distance; from far enough that nothing is behind the eye.
+  const Vec3d back = camera.eye - camera.target;
+  camera.orthographic = true;
+  camera.ortho_height_m = 2 * back.norm() * std::tan(camera.fov_y_deg * kDeg / 2);
+  camera.eye = camera.target + camera.far_m / 2 * back.normalized();
+  return camera;
+}
+
+std::vector<Vec3f> selected_points(const State& state) {
+  const debug::Run& run = *state.run();
+  const Selection& selected = state.view.selected;
+  if (selected.voxel >= 0) {
+    // Itself and as much around it as lets one see where it is.
+    const Vec3f at = run.subject->prepared.voxels.points[static_cast<std::size_t>(selected.voxel)];
+    const auto reach_m = static_cast<float>(8 * run.subject->prepared.voxels.size_m);
+    std::vector<Vec3f> around;
+    for (int i = 0; i < 6; ++i)
+      around.push_back(at + (i % 2 == 0 ? reach_m : -reach_m) * Vec3f::Unit(i / 2));
+    return around;
+  }
+  if (selected.plane >= 0) return render::plane_points(run, selected.plane, state.view.step);
+  if (selected.node >= 0) return render::node_points(run, selected.node);
+  std::vector<Vec3f> marked;
+  for (const std::uint32_t voxel : state.document.marked)
+    if (voxel < run.subject->voxel_count())
+      marked.push_back(run.subject->prepared.voxels.points[voxel]);
+  return marked;
+}
+
+render::Camera camera_on(const State& state, std::span<const Vec3f> points) {
+  constexpr double kRoom = 1.3;  // some of the surroundings stay in view
+  const render::Camera now = camera_of(state);
+  render::Lens lens = lens_of(state, state.view.scene_aspect);
+  lens.forward = (now.target - now.eye).normalized();
+  lens.up = now.up;
+  lens.room = kRoom;
+  return render::camera_holding(render::reach_of(points, 0), lens);
 }
 
 render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg) {
@@ -101,14 +186,6 @@ render::Camera zoomed(const render::Camera& camera, double factor) {
   return result;
 }
 
-render::Camera fitted(render::Camera camera, double aspect) {
-  constexpr double kMadeFor = 4.0 / 3;
-  if (aspect >= kMadeFor) return camera;
-  const double half = camera.fov_y_deg * kDeg / 2;
-  camera.fov_y_deg = 2 / kDeg * std::atan(std::tan(half) * kMadeFor / aspect);
-  return camera;
-}
-
 bool same_camera(const render::Camera& a, const render::Camera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_deg == b.fov_y_deg &&
          a.orthographic == b.orthographic && a.ortho_height_m == b.ortho_height_m;
@@ -128,21 +205,71 @@ render::StepLook look_of(const State& state) {
   look.show_names = view.show_names;
   look.show_foot = view.show_foot;
   look.show_stairs = view.show_stairs;
-  look.planes = state.plane_scene();
+  look.planes = state.plane_scene(state.run_view());
   look.node = view.selected.node;
   look.plane = view.selected.plane;
   look.voxel = view.selected.voxel;
   look.marked = state.document.marked;
   look.theme = view.theme;
+  look.isolated = view.isolated;
+  look.color_of_plane = colors_of_planes(state, *state.run_view());
   // Among finished planes nothing stands out that was not selected.
   look.show_current = state.run() && view.step < state.run()->steps();
   if (const planes::TraceEvent* event = look.show_current ? state.event() : nullptr) {
     const bool on_point = event->point >= 0 && event->point == look.voxel;
-    if (event->node == look.node || on_point) look.node = -1;
+    if (look.node == debug::node_at_step(*state.run(), view.step)) look.node = -1;
     if (event->plane == look.plane) look.plane = -1;
     if (on_point) look.voxel = -1;
   }
   return look;
+}
+
+render::StepLook other_look_of(const State& state) {
+  const debug::Run& here = *state.run();
+  const RunView& beside = *state.other_view();
+  const debug::Run& there = *beside.run;
+  const debug::Correspondence same(here, there);
+  render::StepLook look = look_of(state);
+  const bool at_end = look.step == here.steps();
+  look.step = at_end ? there.steps() : debug::same_step(here, look.step, there);
+  look.show_current = !at_end;
+  look.planes = state.plane_scene(&beside);
+  look.color_of_plane = colors_of_planes(state, beside);
+  if (look.node >= 0) look.node = same.node(look.node);
+  if (look.voxel >= 0) look.voxel = same.voxel(look.voxel);
+  if (!same.same_voxels()) look.marked = {};
+  if (look.plane >= 0) look.plane = matching_plane(state, look.plane);
+  return look;
+}
+
+std::vector<int> colors_of_planes(const State& state, const RunView& of) {
+  const Results& results = state.results;
+  const bool known = results.comparison && results.pinned && results.compared_a == results.pinned &&
+                     results.compared_b == results.current && &of == results.current.get();
+  if (!known || &of == results.pinned.get()) return {};
+  const debug::Run& a = *results.pinned->run;
+  const std::vector<std::int32_t> planes_a = planes_of_result(a);
+  std::set<int> taken;
+  for (const std::int32_t plane : planes_a)
+    if (plane >= 0) taken.insert(plane % render::kPlaneColors);
+  std::vector<int> of_result(of.run->segmentation.planes.size() + 1, 0);
+  for (const debug::PlanePair& pair : results.comparison->planes)
+    if (pair.a > 0 && pair.b > 0)
+      of_result[static_cast<std::size_t>(pair.b)] = planes_a[static_cast<std::size_t>(pair.a)] + 1;
+  // What A has not, in a colour that is none of A's, as long as there are such.
+  int next = 0;
+  std::vector<int> colors;
+  for (std::int32_t plane = 0; plane < of.run->timeline.plane_count(); ++plane) {
+    const auto id = static_cast<std::size_t>(of.run->timeline.result_of_plane(plane));
+    int color = id > 0 ? of_result[id] : plane + 1;
+    if (color == 0) {
+      while (taken.size() < render::kPlaneColors && taken.contains(next)) ++next;
+      taken.insert(next % render::kPlaneColors);
+      color = next % render::kPlaneColors + 1;
+    }
+    colors.push_back(color);
+  }
+  return colors;
 }
 
 render::LabelLook label_look_of(const State& state) {

@@ -3,6 +3,7 @@
 // How the state is looked at: where the camera stands, what both views draw, what is under the
 // mouse. Pure functions.
 
+#include <span>
 #include <string>
 
 #include "app/desktop/state/state.hpp"
@@ -10,12 +11,15 @@
 
 namespace planescope::desktop {
 
-enum class CameraPreset : std::uint8_t { home, top, side, front };
-/// `home`: the frame's own camera, at whose distance the others stand.
-render::Camera preset_camera(const render::Camera& home, CameraPreset preset);
-
-/// The one in force: the user's, or the frame's own.
+/// The one in force: the user's, or one from which all of the frame fills the view.
 render::Camera camera_of(const State& state);
+/// The same as it is drawn in a view of that shape.
+render::Camera scene_camera(const State& state, double aspect);
+
+/// What is selected, in space: a point, a plane, a node, or else what was marked.
+std::vector<Vec3f> selected_points(const State& state);
+/// From which the points and some of their surroundings fill the view, looking the same way.
+render::Camera camera_on(const State& state, std::span<const Vec3f> points);
 
 render::Camera orbited(const render::Camera& camera, double right_deg, double up_deg);
 /// `right`, `up`: in heights of the view at the target's distance.
@@ -23,13 +27,16 @@ render::Camera panned(const render::Camera& camera, double right, double up);
 /// Nearer to the target for factors above 1.
 render::Camera zoomed(const render::Camera& camera, double factor);
 
-/// Cameras are made for views of 4:3; a narrower one shows as much from side to side.
-render::Camera fitted(render::Camera camera, double aspect);
 bool same_camera(const render::Camera& a, const render::Camera& b);
 
 /// What the 3D view and the image draw. What is only selected because the cursor is on it is shown
 /// as the cursor's, not as a choice of the user's.
 render::StepLook look_of(const State& state);
+/// The same place and selection in the run that is shown beside it (State::other_view()).
+render::StepLook other_look_of(const State& state);
+/// Colour ids of the planes of a run's trace: B's have those of the planes of A that they match.
+/// Empty: each has its own.
+std::vector<int> colors_of_planes(const State& state, const RunView& of);
 
 /// What both views of the label mode draw. Its spans are the state's.
 render::LabelLook label_look_of(const State& state);

@@ -7,18 +7,16 @@
 #include <span>
 #include <utility>
 
+#include "app/desktop/arrange.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/ui.hpp"
+#include "app/desktop/views.hpp"
 #include "render/font.hpp"
 
 namespace planescope::desktop {
 namespace {
 
 constexpr float kTextPx = 15;
-
-struct Rect {
-  float x = 0, y = 0, w = 0, h = 0;
-};
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
@@ -141,14 +139,16 @@ void draw_debugger(const Ui& ui, const Places& at) {
   const float timeline = std::round(ui.px(78)), grip = at.grip, x1 = at.x1, middle = at.middle;
   const float bottom = std::round(at.body * share(layout.bottom, 0.1, 0.6));
   const float top = at.body - bottom - timeline - grip;
-  const float image = std::round(middle * share(layout.image, 0.0, 0.8));
   const float octree = std::round(middle * share(layout.octree, 0.15, 0.85));
   const float tools = std::round(at.body * share(layout.tools, 0.15, 0.8));
   const float y1 = at.top + top, y2 = at.top + at.body - bottom, y3 = at.top + at.body - tools;
   const float x3 = at.x2 + grip;
 
-  panel(ui, "view3d", {x1, at.top, middle - image - grip, top}, kStill, [&] { draw_view3d(ui); });
-  panel(ui, "image", {x1 + middle - image, at.top, image, top}, kStill, [&] { draw_image(ui); });
+  const float bar = ImGui::GetFrameHeight() + ui.px(16);
+  const Arrangement views = arrange({x1, at.top, middle, top}, picture_shape(ui.state), view.views,
+                                    share(layout.image, 0.0, 0.8), bar, grip);
+  if (views.scene) panel(ui, "view3d", *views.scene, kStill, [&] { draw_view3d(ui); });
+  if (views.image) panel(ui, "image", *views.image, kStill, [&] { draw_image(ui); });
   panel(ui, "timeline", {x1, y1, middle, timeline}, kStill, [&] { draw_timeline(ui); });
   panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
   panel(ui, "events", {x1 + octree + grip, y2, middle - octree - grip, bottom}, kStill,
@@ -157,8 +157,9 @@ void draw_debugger(const Ui& ui, const Places& at) {
         [&] { tabs(ui, "##inspector_tabs", view.inspector_tab, "tab.inspector", kInspectorTabs); });
   panel(ui, "tools", {x3, y3, at.right, tools}, kStill,
         [&] { tabs(ui, "##tool_tabs", view.tool_tab, "tab.tool", kToolTabs); });
-  splitter(ui, "image", {x1 + middle - image - grip, at.top, grip, top}, true, layout.image, middle,
-           -1);
+  if (views.between)
+    splitter(ui, "image", *views.between, views.beside, layout.image, views.beside ? middle : top,
+             -1);
   splitter(ui, "bottom", {x1, y2 - grip, middle, grip}, false, layout.bottom, at.body, -1);
   splitter(ui, "octree", {x1 + octree, y2, grip, bottom}, true, layout.octree, middle, 1);
   splitter(ui, "tools", {x3, y3 - grip, at.right, grip}, false, layout.tools, at.body, -1);
@@ -300,6 +301,8 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   }
 
   ImGui::NewFrame();
+  if (!state_.view.to_clipboard.empty())
+    ImGui::SetClipboardText(std::exchange(state_.view.to_clipboard, {}).c_str());
   draw(width, height);
   ImGui::Render();
   jobs_.pursue(state_);
@@ -341,6 +344,15 @@ void Shell::draw(int width, int height) {
   if (state_.view.show_timing) draw_timing(ui);
   state_.view.focus.clear();
   for (const Command& command : commands) perform(command);
+  note_scene_shape();
+}
+
+/// What cameras are placed by. The frame's own view was drawn for it all the same.
+void Shell::note_scene_shape() {
+  const auto scene = widgets_.find("view3d");
+  if (scene == widgets_.end()) return;
+  const auto& [min, max] = scene->second;
+  state_.view.scene_aspect = static_cast<double>(max.x - min.x) / (max.y - min.y);
 }
 
 }  // namespace planescope::desktop

@@ -45,6 +45,7 @@ class Shell {
  private:
   void draw(int width, int height);
   void rebuild_fonts(float scale);
+  void note_scene_shape();
 
   State state_;
   Jobs jobs_;

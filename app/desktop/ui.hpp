@@ -89,6 +89,12 @@ struct KeptLabelFacts {
   LabelFacts facts;
 };
 
+/// What the mouse points at in a view.
+struct PointedAt {
+  render::Picked what = {};
+  std::int64_t source = -1;  // depth pixel v * width + u, where it is one
+};
+
 /// Text being typed and other state that only panels have.
 struct PanelMemory {
   std::map<std::string, FilterBoxMemory> filter_boxes;  // by widget
@@ -104,6 +110,7 @@ struct PanelMemory {
   LabelDrag label_drag;
   LabelNames label_names;
   LabelPointing label_pointing;
+  PointedAt context;  // of the menu that is open
   std::int32_t events_scrolled_to = -1, octree_scrolled_to = -1;
 };
 

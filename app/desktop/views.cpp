@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
@@ -47,7 +49,96 @@ void show_image_part(const Ui& ui, const ImagePlacement& now, double zoom, ImVec
                       (uv.y + (middle_y - at.y) / scale) / now.height));
 }
 
+float wiper_x(const Ui& ui, ImVec2 min, ImVec2 max) {
+  return std::round(min.x + static_cast<float>(ui.state.view.wiper_at) * (max.x - min.x));
+}
+
+/// Where the run that is not looked at is seen: A is left of the divider.
+std::pair<ImVec2, ImVec2> other_side(const Ui& ui, ImVec2 min, ImVec2 max) {
+  const float x = wiper_x(ui, min, max);
+  return ui.state.view.flash ? std::pair{ImVec2(x, min.y), max} : std::pair{min, ImVec2(x, max.y)};
+}
+
+/// The divider, before the item below it, so that the mouse finds it first.
+void draw_wiper(const Ui& ui, const char* name, ImVec2 min, ImVec2 max) {
+  const float x = wiper_x(ui, min, max), reach = ui.px(5);
+  const ImVec2 back = ImGui::GetCursorScreenPos();
+  ImGui::SetCursorScreenPos(ImVec2(x - reach, min.y));
+  ImGui::InvisibleButton(name, ImVec2(2 * reach, max.y - min.y));
+  ui.name(name);
+  const bool hot = ImGui::IsItemActive() || ImGui::IsItemHovered();
+  if (hot) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  if (ImGui::IsItemActive() && ImGui::GetIO().MouseDelta.x != 0)
+    ui.emit("wiper.set",
+            fmt::format("{:.5f}", (ImGui::GetIO().MousePos.x - min.x) / (max.x - min.x)));
+  ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(x - ui.px(1), min.y),
+                                            ImVec2(x + ui.px(1), max.y),
+                                            hot ? ui.colors.text : ui.colors.accent);
+  ImGui::SetCursorScreenPos(back);
+}
+
+void draw_side(const Ui& ui, const std::string& text, ImVec2 corner) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled(corner, ImVec2(corner.x + ui.px(26), corner.y + ui.px(24)), ui.colors.accent,
+                      ui.px(4));
+  draw->AddText(ui.bold, ui.px(18), ImVec2(corner.x + ui.px(7), corner.y + ui.px(2)),
+                ui.colors.panel, text.c_str());
+}
+
 }  // namespace
+
+bool mouse_is_here(const Ui& ui, ImVec2 min, ImVec2 max) {
+  if (!ui.state.other_view()) return true;
+  return (ImGui::GetIO().MousePos.x < wiper_x(ui, min, max)) == ui.state.view.flash;
+}
+
+void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max) {
+  if (!ui.state.results.pinned) return;
+  const ImVec2 right(max.x - ui.px(34), min.y + ui.px(8)), left(min.x + ui.px(8), min.y + ui.px(8));
+  if (ui.state.view.wiper) draw_side(ui, "A", left);
+  draw_side(ui, ui.state.view.wiper || !ui.state.view.flash ? "B" : "A", right);
+  ui.name(std::string(view) + ".side", right, ImVec2(right.x + ui.px(26), right.y + ui.px(24)));
+}
+
+std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
+                                            const render::View& view,
+                                            const Vec2d& at) {
+  const Image16& depth = subject.frame.depth;
+  if (depth.empty()) return std::nullopt;
+  double nearest = 1e300, depth_m = 0;
+  for (const Vec3f& point : subject.prepared.voxels.points)
+    if (const auto seen = render::project(view, point))
+      if (const double apart = (seen->px - at).squaredNorm(); apart < nearest) {
+        nearest = apart;
+        depth_m = seen->depth_m;
+      }
+  if (nearest > 1e200) return std::nullopt;
+  const double along = view.orthographic ? 1 : depth_m;
+  const Vec3d eye((2 * at.x() / view.width - 1) * along / view.proj(0, 0),
+                  (1 - 2 * at.y() / view.height) * along / view.proj(1, 1), -depth_m);
+  const Vec3d scene = (view.view.cast<double>().inverse() * eye.homogeneous()).hnormalized();
+  const planes::Cloud& cloud = subject.prepared.cloud;
+  const Vec3d seen = cloud.T_world_sensor.inverse() * (scene + cloud.origin);
+  if (!(seen.z() > 0)) return std::nullopt;
+  const Intrinsics& k = subject.frame.intrinsics;
+  const double u = std::floor(k.fx * seen.x() / seen.z() + k.cx + 0.5);
+  const double v = std::floor(k.fy * seen.y() / seen.z() + k.cy + 0.5);
+  if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height)) return std::nullopt;
+  const std::size_t pixel = static_cast<std::size_t>(v) * static_cast<std::size_t>(depth.width) +
+                            static_cast<std::size_t>(u);
+  return subject.voxel_of_source(pixel) == planes::kNoVoxel ? std::optional(pixel) : std::nullopt;
+}
+
+double picture_shape(const State& state) {
+  const debug::Run* run = state.run();
+  if (!run) return 4.0 / 3;
+  const Image16& depth = run->subject->frame.depth;
+  return depth.empty() ? 0 : static_cast<double>(depth.width) / depth.height;
+}
+
+bool shows_image(const State& state) {
+  return picture_shape(state) > 0 && state.view.views != Views::scene;
+}
 
 void draw_image_tools(const Ui& ui, const char* of_opacity) {
   const ViewState& view = ui.state.view;
@@ -74,7 +165,8 @@ void draw_image_tools(const Ui& ui, const char* of_opacity) {
 std::optional<ImagePlacement> draw_image_room(const Ui& ui,
                                               int width,
                                               int height,
-                                              const std::function<TextureId(Canvas&)>& picture) {
+                                              const std::function<TextureId(Canvas&)>& picture,
+                                              const std::function<TextureId(Canvas&)>& beside) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   if (room.x < kLeastRoom_px || room.y < kLeastRoom_px) return std::nullopt;
   const ImagePlacement placed =
@@ -84,8 +176,17 @@ std::optional<ImagePlacement> draw_image_room(const Ui& ui,
   ImDrawList* draw = ImGui::GetWindowDrawList();
   draw->PushClipRect(placed.area_min, placed.area_max, true);
   draw->AddRectFilled(placed.area_min, placed.area_max, ui.colors.panel);
-  if (ui.canvas) draw->AddImage(imgui_texture(picture(*ui.canvas)), first, last);
+  if (ui.canvas) {
+    draw->AddImage(imgui_texture(picture(*ui.canvas)), first, last);
+    if (beside) {
+      const auto [min, max] = other_side(ui, placed.area_min, placed.area_max);
+      draw->PushClipRect(min, max, true);
+      draw->AddImage(imgui_texture(beside(*ui.canvas)), first, last);
+      draw->PopClipRect();
+    }
+  }
   draw->PopClipRect();
+  if (beside) draw_wiper(ui, "wiper.image", placed.area_min, placed.area_max);
   ImGui::InvisibleButton("pixels", room, kAllButtons);
   // Of the image itself, so that shares of the widget are shares of the image.
   ui.name("image", first, last);
@@ -108,8 +209,8 @@ void drag_image(const Ui& ui, const ImagePlacement& placed) {
 
 std::optional<ScenePlacement> draw_scene_room(
     const Ui& ui,
-    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>&
-        picture) {
+    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& picture,
+    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& beside) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   ScenePlacement placed;
   placed.width = static_cast<int>(room.x);
@@ -119,14 +220,26 @@ std::optional<ScenePlacement> draw_scene_room(
   placed.min = ImGui::GetCursorScreenPos();
   placed.max = ImVec2(placed.min.x + w, placed.min.y + h);
   if (ui.canvas) {
-    const TextureId texture =
-        picture(*ui.canvas, fitted(camera_of(ui.state), w / h), placed.width, placed.height);
-    // Row 0 of the texture is at the bottom.
-    ImGui::GetWindowDrawList()->AddImage(imgui_texture(texture), placed.min, placed.max,
-                                         ImVec2(0, 1), ImVec2(1, 0));
+    const render::Camera camera = scene_camera(ui.state, w / h);
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    const auto add = [&](TextureId texture) {  // row 0 is at the bottom
+      draw->AddImage(imgui_texture(texture), placed.min, placed.max, ImVec2(0, 1), ImVec2(1, 0));
+    };
+    add(picture(*ui.canvas, camera, placed.width, placed.height));
+    if (beside) {
+      const auto [min, max] = other_side(ui, placed.min, placed.max);
+      draw->PushClipRect(min, max, true);
+      add(beside(*ui.canvas, camera, placed.width, placed.height));
+      draw->PopClipRect();
+    }
   }
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  if (beside) draw_wiper(ui, "wiper", placed.min, placed.max);
+  ImGui::SetCursorScreenPos(corner);
   ImGui::InvisibleButton("scene", ImVec2(w, h), kAllButtons);
   ui.name("view3d");
+  if (ImGui::IsItemActivated()) ui.emit("camera.hold", "on");
+  if (ImGui::IsItemDeactivated()) ui.emit("camera.hold", "off");
   return placed;
 }
 

@@ -8,8 +8,14 @@
 #include <string>
 
 #include "app/desktop/ui.hpp"
+#include "render/view.hpp"
 
 namespace planescope::desktop {
+
+/// Width of the frame's image by its height; 0 where it has none, 4:3 while nobody knows.
+double picture_shape(const State& state);
+/// Both views, or the image alone.
+bool shows_image(const State& state);
 
 // ---- The camera's image ------------------------------------------------------------------------
 
@@ -40,7 +46,8 @@ void draw_image_tools(const Ui& ui, const char* of_opacity);
 std::optional<ImagePlacement> draw_image_room(const Ui& ui,
                                               int width,
                                               int height,
-                                              const std::function<TextureId(Canvas&)>& picture);
+                                              const std::function<TextureId(Canvas&)>& picture,
+                                              const std::function<TextureId(Canvas&)>& beside = {});
 /// By the wheel, about the mouse. Of the item drawn last, like the next.
 void zoom_image(const Ui& ui, const ImagePlacement& placed);
 /// With the mouse, while a button holds the item.
@@ -56,12 +63,34 @@ struct ScenePlacement {
 /// The same for the scene: the item is named "view3d".
 std::optional<ScenePlacement> draw_scene_room(
     const Ui& ui,
-    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& picture);
+    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& picture,
+    const std::function<TextureId(Canvas&, const render::Camera&, int width, int height)>& beside =
+        {});
 /// By the wheel. Of the item drawn last.
 void zoom_scene(const Ui& ui);
 /// As far as the mouse has moved in this frame, in a view of that height [px].
 void orbit_scene(const Ui& ui, int height);
 void pan_scene(const Ui& ui, int height);
+
+// ---- A and B
+// -------------------------------------------------------------------------------------
+
+/// Whether the mouse is on the side of the run that is looked at, not on the other one's.
+bool mouse_is_here(const Ui& ui, ImVec2 min, ImVec2 max);
+/// Says over a view which run it shows; nothing where there is no A to tell apart.
+void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max);
+
+// ---- What is clicked
+// -----------------------------------------------------------------------------
+
+/// The depth pixel that looks to where nothing is seen at a place on screen [px from the top left]:
+/// at the depth of what is seen nearest to it. Nothing for clouds, and where it has a point.
+std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
+                                            const render::View& view,
+                                            const Vec2d& at);
+/// Opens the menu of what was clicked with the right button, over the item drawn last, and draws
+/// it.
+void draw_context_menu(const Ui& ui, const std::optional<PointedAt>& clicked);
 
 // ---- Where there is nothing to show ------------------------------------------------------------
 

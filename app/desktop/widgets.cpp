@@ -235,6 +235,38 @@ void action_button(const Ui& ui, const char* action, const char* label) {
   tooltip(what.keys.empty() ? what.title : what.title + "   " + what.keys);
 }
 
+void action_item(const Ui& ui, const Action& action, const std::string& prefix) {
+  const std::string key = action.keys.substr(0, action.keys.find(' '));
+  if (ImGui::MenuItem(action.title.c_str(), key.c_str(), action.is_on(ui.state),
+                      action.can_run(ui.state)))
+    ui.emit(action.name);
+  ui.name(prefix + "." + action.name);
+}
+
+void toolbar(const Ui& ui, const char* more, std::span<const ToolButton> buttons) {
+  const float gap = ImGui::GetStyle().ItemSpacing.x;
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+  const float room = right - ImGui::GetItemRectMax().x, dots = gap + button_width("…");
+  float all = 0;
+  for (const ToolButton& button : buttons) all += gap + button_width(button.label);
+  std::size_t shown = 0;
+  for (float used = all > room ? dots : 0; shown < buttons.size(); ++shown) {
+    used += gap + button_width(buttons[shown].label);
+    if (used > room) break;
+    ImGui::SameLine(0, gap);
+    action_button(ui, buttons[shown].action, buttons[shown].label);
+  }
+  if (shown == buttons.size()) return;
+  ImGui::SameLine(0, gap);
+  if (ImGui::Button("…")) ImGui::OpenPopup(more);
+  ui.name(more);
+  tooltip("what has no room here");
+  if (!ImGui::BeginPopup(more)) return;
+  for (const ToolButton& button : buttons.subspan(shown))
+    action_item(ui, find_action(button.action), "more");
+  ImGui::EndPopup();
+}
+
 float button_width(const std::string& text) {
   return ImGui::CalcTextSize(text.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
 }
@@ -271,9 +303,9 @@ void scroll_to_row(int row, float row_height) {
 
 // ---- The mouse ---------------------------------------------------------------------------------
 
-bool was_dragged() {
+bool was_dragged(int button) {
   constexpr float kClickSlack_px = 4;
-  return ImGui::GetIO().MouseDragMaxDistanceSqr[0] > kClickSlack_px * kClickSlack_px;
+  return ImGui::GetIO().MouseDragMaxDistanceSqr[button] > kClickSlack_px * kClickSlack_px;
 }
 
 }  // namespace planescope::desktop

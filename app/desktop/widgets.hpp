@@ -3,6 +3,7 @@
 // What panels are made of: text, numbers, buttons, tables and lists.
 
 #include <algorithm>
+#include <span>
 #include <string>
 
 #include "app/desktop/ui.hpp"
@@ -61,6 +62,15 @@ bool button(const Ui& ui, const std::string& text, const std::string& widget, bo
 /// A button that performs an action, lit while the action is switched on; its tooltip tells the
 /// action's title and key. Named "button.<action>".
 void action_button(const Ui& ui, const char* action, const char* label);
+struct ToolButton {
+  const char* action;
+  const char* label;
+};
+/// Buttons beside the last item; those that have no room there stand in a menu behind "…", which is
+/// named `more`.
+void toolbar(const Ui& ui, const char* more, std::span<const ToolButton> buttons);
+/// An action in a menu that is open, with its key. Named "`prefix`.<action>".
+void action_item(const Ui& ui, const Action& action, const std::string& prefix);
 /// Of a button with this text.
 float button_width(const std::string& text);
 /// Stays on the line where the next item has room beside the last one; false where it has not.
@@ -95,7 +105,7 @@ void list_above(const Ui& ui, const std::string& key, const List& list, const Be
 
 // ---- The mouse ---------------------------------------------------------------------------------
 
-/// Whether the mouse has moved by more than in a click since the left button went down.
-bool was_dragged();
+/// Whether the mouse has moved by more than in a click since the button went down.
+bool was_dragged(int button = 0);
 
 }  // namespace planescope::desktop

@@ -1,5 +1,7 @@
 // The whole window, drawn without a display.
 
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -141,6 +143,77 @@ TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {
   window.after({{"color.steppable", ""}});
   EXPECT_GT(difference(plain, window.panel("view3d")), 0.1);
   EXPECT_GT(difference(image, window.panel("image")), 0.1);
+}
+
+/// Where the points of the scene are, as shares of the panel: what differs without them.
+struct Covered {
+  double width = 0, height = 0;
+};
+Covered covered(Window& window) {
+  window.after({{"color.planes", ""}});
+  const Image8 with = window.panel("view3d");
+  window.after({{"show.points", ""}, {"show.planes", ""}, {"show.names", ""}});
+  const Image8 without = window.panel("view3d");
+  int left = with.width, right = 0, top = with.height, bottom = 0;
+  for (int y = 40; y < with.height; ++y)  // below the buttons
+    for (int x = 0; x < with.width; ++x) {
+      if (std::abs(with.at(x, y, 0) - without.at(x, y, 0)) < 25 &&
+          std::abs(with.at(x, y, 1) - without.at(x, y, 1)) < 25)
+        continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  return {static_cast<double>(right - left) / with.width,
+          static_cast<double>(bottom - top) / (with.height - 40)};
+}
+
+TEST_F(Pictures, ShowTheFrameAsLargeAsItsRoomAllows) {
+  for (const char* views : {"both", "scene"}) {
+    Window window;
+    window.after({{"views.show", views}});
+    const Covered home = covered(window);
+    EXPECT_GT(std::max(home.width, home.height), 0.85) << views;
+    EXPECT_LT(std::max(home.width, home.height), 1) << views;
+  }
+}
+
+TEST_F(Pictures, ShowAnIsolatedPlaneAlone) {
+  Window window;
+  window.after({{"color.planes", ""}, {"show.names", ""}, {"select.plane", "1"}});
+  const Covered all = covered(window);
+  window.after({{"show.points", ""}, {"isolate", ""}, {"show.points", ""}});
+  const Image8 nothing = window.panel("view3d");
+  window.after({{"show.points", ""}});
+  const double alone = difference(nothing, window.panel("view3d"));
+  window.after({{"isolate", ""}});
+  EXPECT_GT(alone, 0.001);
+  EXPECT_LT(alone, 0.7 * difference(nothing, window.panel("view3d")));
+  EXPECT_GT(all.width, 0.3);
+}
+
+/// The columns of two pictures that are the same, below the buttons and badges.
+bool same_columns(const Image8& a, const Image8& b, int from, int to) {
+  std::size_t differing = 0;
+  for (int y = 90; y < a.height - 4; ++y)
+    for (int x = from; x < to; ++x)
+      for (int c = 0; c < 3; ++c) differing += a.at(x, y, c) != b.at(x, y, c);
+  return differing < 20;
+}
+
+TEST_F(Pictures, WipeFromAToB) {
+  Window window;
+  window.after({{"color.planes", ""}, {"run.pin", ""}, {"option.set", "profile=refined"}});
+  for (const char* panel : {"view3d", "image"}) {
+    const Image8 b = window.panel(panel);
+    const Image8 a = window.after({{"run.flash", ""}}).panel(panel);
+    ASSERT_GT(difference(a, b), 0.01);
+    window.after({{"run.flash", ""}, {"run.wiper", ""}});
+    const Image8 both = window.panel(panel);
+    const int middle = both.width / 2;
+    EXPECT_TRUE(same_columns(both, a, 8, middle - 12)) << panel;
+    EXPECT_TRUE(same_columns(both, b, middle + 12, both.width - 8)) << panel;
+    window.after({{"run.wiper", ""}});
+  }
 }
 
 TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {

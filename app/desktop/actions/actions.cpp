@@ -27,7 +27,7 @@ const std::vector<Action>& action_table() {
         all.push_back(std::move(action));
       }
     };
-    for (auto part : {document_actions, label_mode_actions, view_actions})
+    for (auto part : {document_actions, label_mode_actions, view_actions, camera_actions})
       for (Action& action : part()) all.push_back(std::move(action));
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})
@@ -153,11 +153,9 @@ void go_to_step(State& state, std::int32_t step) {
   if (!event) {
     selected.node = root_of(*run);
   } else if (state.view.step < run->steps()) {  // among finished planes nothing stands out
-    selected.node = event->node;
+    selected.node = debug::node_at_step(*run, state.view.step);
     selected.plane = event->plane;
     selected.voxel = event->point;
-    if (selected.node < 0 && event->point >= 0)
-      selected.node = run->timeline.node_of_point(event->point, state.view.step);
   }
   state.view.selected = selected;
 }
@@ -182,8 +180,10 @@ void follow_run(State& state, const debug::Run& before) {
   const bool at_end = state.view.step == before.steps();
   state.view.step = at_end ? now->steps() : debug::same_step(before, state.view.step, *now);
   selected.plane = -1;
-  if (selected.node >= 0) selected.node = debug::same_node(before, selected.node, *now);
-  if (selected.node < 0) selected.node = root_of(*now);
+  if (selected.node >= 0) {
+    selected.node = debug::same_node(before, selected.node, *now);
+    if (selected.node < 0) selected.node = root_of(*now);
+  }
   if (selected.voxel >= 0 && now->subject != before.subject) {
     const std::size_t source =
         selected.source >= 0
@@ -194,7 +194,8 @@ void follow_run(State& state, const debug::Run& before) {
                                     : planes::kNoVoxel;
     selected.voxel = voxel == planes::kNoVoxel ? -1 : static_cast<std::int32_t>(voxel);
   }
-  if (const planes::TraceEvent* event = state.event(); event && event->node == selected.node)
+  if (const planes::TraceEvent* event = state.event();
+      event && selected.node >= 0 && event->node == selected.node)
     selected.plane = event->plane;
   refresh_matches(state);
 }

@@ -67,6 +67,7 @@ std::vector<Action> selection_actions();
 std::vector<Action> option_actions();
 std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
+std::vector<Action> camera_actions();
 std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
 std::vector<Action> measure_actions();       // between points and planes that are clicked
@@ -117,6 +118,13 @@ std::string filter_of(const Breakpoint& breakpoint);
 std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document& document);
 /// A result has arrived, or a flash begun: cursor and selection move to the same node and event.
 void follow_run(State& state, const debug::Run& before);
+/// Looks from elsewhere; nothing: at all of the frame. An undo step of the camera's, but for what
+/// moves it while it is held.
+void move_camera(State& state,
+                 const std::optional<render::Camera>& camera,
+                 Facing facing = Facing::home);
+/// Back to the frame's own view where the world is another one.
+void forget_cameras(State& state);
 /// Shows B again where A is flashed.
 void unflash(State& state);
 /// Throws Error where the recording has no such frame, the state unchanged.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/desktop/actions/actions.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
@@ -72,6 +74,7 @@ std::vector<Action> compare_actions() {
        [](State& s, const std::string&) {
          unflash(s);
          s.results.pinned = nullptr;
+         s.view.wiper = false;
          if (s.view.against == Against::pinned) s.view.against = Against::nothing;
        },
        has_pinned,
@@ -79,6 +82,19 @@ std::vector<Action> compare_actions() {
       {"run.flash", "Flash between A and B", menu, "Space", "",
        [](State& s, const std::string&) { flash(s); }, has_pinned,
        [](const State& s) { return s.view.flash; }},
+      {"run.wiper", "Wipe between A and B", menu, "Shift+Space", "",
+       [](State& s, const std::string&) { s.view.wiper = !s.view.wiper; }, has_pinned,
+       [](const State& s) { return s.view.wiper; }},
+      {"wiper.set",
+       "Place the divider between A and B",
+       "",
+       "",
+       "SHARE",
+       [](State& s, const std::string& text) {
+         s.view.wiper_at = std::clamp(number_argument("wiper.set", text), 0.0, 1.0);
+       },
+       {},
+       {}},
       {"run.restore",
        "Back to the options of A",
        menu,

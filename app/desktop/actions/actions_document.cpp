@@ -49,7 +49,7 @@ void show_recording(State& state, int index) {
   leave_frame(state);
   state.document.recording = index;
   state.document.frame = 0;
-  state.view.camera.reset();
+  forget_cameras(state);
   state.results.strip.clear();
   if (state.view.mode != Mode::labels) return;
   try {
@@ -113,7 +113,7 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
                             bookmark.frame, count));
   const bool other_frame = bookmark.frame != state.document.frame;
   if (other_frame) show_frame(state, bookmark.frame);
-  state.view.camera = bookmark.camera;
+  move_camera(state, bookmark.camera);
   apply(state, {"filter.set", bookmark.filter});
   if (!other_frame && state.run()) {
     go_to_step(state, bookmark.step);

@@ -255,7 +255,7 @@ void keep_picked(State& state,
   if (open == all.end()) return;
   io::write_picked_gravity(open->label_dir, picked);
   open->picked = picked;
-  state.view.camera.reset();  // it stands in a world that turns
+  forget_cameras(state);  // it stands in a world that turns
 }
 
 std::vector<Action> gravity_actions() {

@@ -163,6 +163,32 @@ std::vector<Action> selection_actions() {
        },
        {},
        {}},
+      {"isolate", "Only what is selected or current", menu, "Z", "",
+       [](State& s, const std::string&) { s.view.isolated = !s.view.isolated; }, has_run,
+       [](const State& s) { return s.view.isolated; }},
+      {"why.pixel",
+       "Why nothing is at a depth pixel",
+       "",
+       "",
+       "U,V",
+       [](State& s, const std::string& text) {
+         const auto uv = numbers_argument("why.pixel", text, 2);
+         select_pixel(s, uv[0], uv[1]);
+         show_point(s);
+       },
+       has_run,
+       {}},
+      {"copy",
+       "Copy a text",
+       "",
+       "",
+       "TEXT",
+       [](State& s, const std::string& text) {
+         s.view.to_clipboard = text;
+         say(s, "copied: " + text);
+       },
+       {},
+       {}},
       {"point.life",
        "The point's whole life",
        menu,

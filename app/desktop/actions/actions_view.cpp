@@ -7,9 +7,7 @@
 #include <span>
 
 #include "app/desktop/actions/actions.hpp"
-#include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
-#include "core/model/error.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -39,22 +37,6 @@ Action toggle(const std::string& name,
                    {},     [flag](const State& s) { return s.view.*flag; }};
   action.mode = KeyMode::debugger;  // what they show is drawn there alone
   return action;
-}
-
-Action preset(const std::string& name,
-              const std::string& title,
-              const std::string& key,
-              CameraPreset which) {
-  return {name,
-          title,
-          "View",
-          key,
-          "",
-          [which](State& s, const std::string&) {
-            s.view.camera = preset_camera(s.run_view()->home, which);
-          },
-          has_run,
-          {}};
 }
 
 Action tab_action(const std::string& name,
@@ -155,68 +137,26 @@ std::vector<Action> view_actions() {
        },
        {},
        {}},
-      preset("camera.home", "Look as the camera did", "H", CameraPreset::home),
-      preset("camera.top", "Look from above", "T", CameraPreset::top),
-      preset("camera.side", "Look from the side", "S", CameraPreset::side),
-      preset("camera.front", "Look from the front", "Shift+S", CameraPreset::front),
-      {"camera.node",
-       "Look at the selected node",
+      {"views.next",
+       "Scene and image, or one alone",
        menu,
-       "F",
+       "Shift+V",
        "",
        [](State& s, const std::string&) {
-         if (s.view.selected.node < 0) return say(s, "no node is selected");
-         s.view.camera = render::camera_on_node(*s.run(), s.view.selected.node, camera_of(s));
+         s.view.views = static_cast<Views>((static_cast<int>(s.view.views) + 1) % 3);
        },
-       has_run,
+       {},
        {}},
-      {"camera.set",
-       "Place the camera",
+      {"views.show",
+       "What the middle shows",
        "",
        "",
-       "EYE_XYZ,TARGET_XYZ",
+       "both|scene|image",
        [](State& s, const std::string& text) {
-         const auto v = numbers_argument("camera.set", text, 6);
-         render::Camera camera = camera_of(s);
-         camera.eye = Vec3d(v[0], v[1], v[2]);
-         camera.target = Vec3d(v[3], v[4], v[5]);
-         if ((camera.eye - camera.target).norm() < 1e-6)
-           throw Error("action camera.set: the camera stands on its target");
-         s.view.camera = camera;
+         s.view.views =
+             static_cast<Views>(choice_argument("views.show", text, {"both", "scene", "image"}));
        },
-       has_run,
-       {}},
-      {"camera.orbit",
-       "Turn the camera about its target",
-       "",
-       "",
-       "DEGREES_RIGHT,DEGREES_UP",
-       [](State& s, const std::string& text) {
-         const auto v = numbers_argument("camera.orbit", text, 2);
-         s.view.camera = orbited(camera_of(s), v[0], v[1]);
-       },
-       has_run,
-       {}},
-      {"camera.pan",
-       "Move the camera sideways",
-       "",
-       "",
-       "RIGHT,UP in heights of the view",
-       [](State& s, const std::string& text) {
-         const auto v = numbers_argument("camera.pan", text, 2);
-         s.view.camera = panned(camera_of(s), v[0], v[1]);
-       },
-       has_run,
-       {}},
-      {"camera.zoom",
-       "Move the camera nearer",
-       "",
-       "",
-       "FACTOR",
-       [](State& s, const std::string& text) {
-         s.view.camera = zoomed(camera_of(s), number_argument("camera.zoom", text));
-       },
-       has_run,
+       {},
        {}},
       {"theme.toggle",
        "Light or dark",

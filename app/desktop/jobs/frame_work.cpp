@@ -173,7 +173,7 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 }
 
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
-                                        const render::Camera& home) {
+                                        const render::Home& home) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
@@ -183,8 +183,8 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
   return view;
 }
 
-render::Camera home_of(const debug::Run& run) {
-  return render::frame_camera(run.subject->prepared, run.segmentation, 4.0 / 3);
+render::Home home_of(const debug::Run& run) {
+  return render::home_of(run.subject->prepared, run.segmentation);
 }
 
 Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {

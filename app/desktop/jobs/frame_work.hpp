@@ -59,8 +59,8 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    Classifiers& classifiers,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
-                                        const render::Camera& home);
-render::Camera home_of(const debug::Run& run);
+                                        const render::Home& home);
+render::Home home_of(const debug::Run& run);
 /// A frame that cannot be run says why.
 Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers);
 /// The camera's picture alone, or that of the depth: nothing is run for it.

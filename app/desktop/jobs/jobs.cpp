@@ -84,7 +84,7 @@ struct Jobs::Impl {
   // Touched by the run worker's thread only.
   std::optional<Wanted> loaded;
   std::shared_ptr<const debug::Subject> subject;
-  render::Camera home;
+  render::Home home;
 
   // Last: their threads use the above. What one finishes may be what another waits for.
   std::function<void()> rested = [this] { wake(); };

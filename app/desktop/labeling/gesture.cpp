@@ -43,7 +43,7 @@ void read_view(const std::string& action, const std::string& text, LabelGesture&
 constexpr float kReach_px = 4;  // of a click
 
 render::Camera camera_in_force(const State& state, int width, int height) {
-  return fitted(camera_of(state), static_cast<double>(width) / height);
+  return scene_camera(state, static_cast<double>(width) / height);
 }
 
 labels::SpaceView space_view(const LabelFrame& frame,

@@ -113,7 +113,7 @@ void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
   const LabelFrame* frame = state.label_frame();
   if (!frame || pixels.empty()) return;
   look_on_image(state.view, frame->grid, pixels);
-  state.view.camera = camera_at(camera_of(state), *frame, pixels);
+  move_camera(state, camera_at(camera_of(state), *frame, pixels));
 }
 
 void begin_carry(State& state, const CarryJob& plan) {

@@ -161,6 +161,13 @@ void draw_thumbnail(const Ui& ui, int frame, ImVec2 size) {
                       ImVec2(foot.x + extent.x + ui.px(5), end.y - ui.px(3)), kFlagGround,
                       ui.px(3));
   draw->AddText(ImVec2(foot.x + ui.px(2), foot.y), IM_COL32_WHITE, number.c_str());
+  if (const std::string side = ui.state.shown_side();
+      !side.empty() && frame == ui.state.document.frame) {
+    const auto [from, to] = draw_flag(
+        ui, ImVec2(at.x + ImGui::CalcTextSize(side.c_str()).x + ui.px(16), at.y + ui.px(4)), side,
+        ui.colors.accent, ui.px(6));
+    ui.name("frames.side", from, to);
+  }
   if (frame == ui.state.document.frame)
     draw->AddRect(at, end, ui.colors.accent, ui.px(3), 0, ui.px(2.5f));
 }

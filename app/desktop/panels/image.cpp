@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
@@ -27,19 +28,39 @@ void mark_by_mouse(const Ui& ui, const ImagePlacement& placed) {
           fmt::format("{:.0f},{:.0f},{:.0f},{:.0f}", from.x, from.y, to.x + 1, to.y + 1));
 }
 
-void handle_mouse(const Ui& ui, const ImagePlacement& placed) {
+/// What is at the mouse; nothing off the image.
+std::optional<PointedAt> pointed_at(const State& state, const ImagePlacement& placed) {
+  const ImVec2 uv = placed.to_image(ImGui::GetIO().MousePos);
+  if (!placed.holds(uv)) return std::nullopt;
+  PointedAt at;
+  at.source = static_cast<std::int64_t>(uv.y) * placed.width + static_cast<std::int64_t>(uv.x);
+  const std::uint32_t voxel =
+      state.run()->subject->voxel_of_source(static_cast<std::size_t>(at.source));
+  if (voxel != planes::kNoVoxel)
+    at.what = {render::Picked::Kind::voxel, static_cast<std::int32_t>(voxel)};
+  return at;
+}
+
+/// What was clicked with the right button.
+std::optional<PointedAt> handle_mouse(const Ui& ui, const ImagePlacement& placed) {
   zoom_image(ui, placed);
   const bool dragged = was_dragged();
   if (ui.state.view.marking && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2)) {
     if (dragged) mark_by_mouse(ui, placed);
-  } else if (dragged || !ImGui::IsMouseDown(0)) {
+  } else if ((dragged || !ImGui::IsMouseDown(0)) && (!ImGui::IsMouseDown(1) || was_dragged(1))) {
     drag_image(ui, placed);
   }
-  const ImVec2 uv = placed.to_image(ImGui::GetIO().MousePos);
-  const char* action = click_action(ui.state.view.click);
-  if (ImGui::IsItemHovered() && ImGui::IsMouseReleased(0) && !dragged && placed.holds(uv))
-    ui.emit(action ? action : "select.pixel",
-            fmt::format("{},{}", static_cast<int>(uv.x), static_cast<int>(uv.y)));
+  if (!ImGui::IsItemHovered() || !mouse_is_here(ui, placed.area_min, placed.area_max)) return {};
+  const std::optional<PointedAt> at = pointed_at(ui.state, placed);
+  if (ImGui::IsMouseReleased(0) && !dragged && at) {
+    const bool nothing = at->what.kind == render::Picked::Kind::nothing;
+    const char* action = click_action(ui.state.view.click);
+    ui.emit(action    ? action
+            : nothing ? "why.pixel"
+                      : "select.pixel",
+            fmt::format("{},{}", at->source % placed.width, at->source / placed.width));
+  }
+  return ImGui::IsMouseReleased(1) && !was_dragged(1) ? at : std::nullopt;
 }
 
 /// "u 320, v 240: 1.234 m" and what is known of the voxel.
@@ -60,25 +81,30 @@ std::string readout(const State& state, ImVec2 uv) {
 
 void draw_image(const Ui& ui) {
   const debug::Run* run = ui.state.run();
-  const bool pictured = run && !run->subject->frame.depth.empty();
-  ImGui::BeginDisabled(!pictured);
+  ImGui::BeginDisabled(!run);
   action_button(ui, "mark.toggle", "mark");
   ImGui::SameLine();
   draw_image_tools(ui, "how strongly the segmentation covers the camera's image");
   ImGui::EndDisabled();
   if (!run) return draw_absence(ui);
   draw_click_line(ui);
-  if (!pictured) return draw_notice(ui, "A point cloud has no image.", ui.colors.muted);
   const Image16& depth = run->subject->frame.depth;
   const ViewState& view = ui.state.view;
-  const auto placed = draw_image_room(ui, depth.width, depth.height, [&](Canvas& canvas) {
+  const RunView* other = ui.state.other_view();
+  const std::function<TextureId(Canvas&)> here = [&](Canvas& canvas) {
     return canvas.image(ui.state.run_view()->run, look_of(ui.state), view.backdrop,
                         view.overlay_opacity);
-  });
+  };
+  const std::function<TextureId(Canvas&)> beside = [&](Canvas& canvas) {
+    return canvas.image(other->run, other_look_of(ui.state), view.backdrop, view.overlay_opacity,
+                        Side::beside);
+  };
+  const auto placed = draw_image_room(ui, depth.width, depth.height, here,
+                                      other ? beside : std::function<TextureId(Canvas&)>());
   if (!placed) return;
   ImDrawList* draw = ImGui::GetWindowDrawList();
   draw->PushClipRect(placed->area_min, placed->area_max, true);
-  handle_mouse(ui, *placed);
+  const std::optional<PointedAt> clicked = handle_mouse(ui, *placed);
   const std::int64_t source = view.selected.source;
   if (source >= 0) {
     const std::int64_t row = source / depth.width, column = source % depth.width;
@@ -92,7 +118,10 @@ void draw_image(const Ui& ui) {
   draw->PopClipRect();
   const ImVec2 uv = placed->to_image(ImGui::GetIO().MousePos);
   const bool still = !ImGui::IsMouseDown(0) && !ImGui::IsMouseDown(1) && !ImGui::IsMouseDown(2);
-  if (still && placed->holds(uv)) tooltip(readout(ui.state, uv));
+  const bool here_below = mouse_is_here(ui, placed->area_min, placed->area_max);
+  if (still && placed->holds(uv) && here_below) tooltip(readout(ui.state, uv));
+  draw_context_menu(ui, clicked);
+  draw_sides(ui, "image", placed->area_min, placed->area_max);
 }
 
 }  // namespace planescope::desktop

@@ -98,7 +98,7 @@ void draw_measure_line(const Ui& ui) {
 void draw_measured(const Ui& ui, const ScenePlacement& placed) {
   const double aspect = static_cast<double>(placed.width) / placed.height;
   const render::View view =
-      render::make_view(fitted(camera_of(ui.state), aspect), placed.width, placed.height);
+      render::make_view(scene_camera(ui.state, aspect), placed.width, placed.height);
   ImGui::GetWindowDrawList()->PushClipRect(placed.min, placed.max, true);
   draw_over(ui, [&](const Vec3d& at) -> std::optional<ImVec2> {
     const auto point = render::project(view, debug::in_scene(*ui.state.run()->subject, at));

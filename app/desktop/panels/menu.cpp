@@ -2,7 +2,7 @@
 #include <map>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/ui.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -35,11 +35,7 @@ void draw_menu(const Ui& ui) {
       if (action.menu != menu || !fits(action, ui.state.view.mode)) continue;
       if (!group.empty() && group != group_of(action)) ImGui::Separator();
       group = group_of(action);
-      std::string key = action.keys.substr(0, action.keys.find(' '));
-      if (ImGui::MenuItem(action.title.c_str(), key.c_str(), action.is_on(ui.state),
-                          action.can_run(ui.state)))
-        ui.emit(action.name);
-      ui.name("menu." + action.name);
+      action_item(ui, action, "menu");
     }
     ImGui::EndMenu();
   }

@@ -47,7 +47,9 @@ std::string right_text(const State& state) {
   if (state.view.mode == Mode::labels) return label_text(state);
   const debug::Run* run = state.run();
   if (!run) return "";
-  std::string text = state.view.flash ? "A  ·  " : "";
+  std::string text = state.shown_side();
+  if (!text.empty()) text += "  ·  ";
+  if (state.view.isolated) text = "isolated  ·  " + text;
   if (run->is_ours())
     text += fmt::format("{}  ·  {}", planes::to_string(run->segment_options.profile),
                         run->options.classifier);

@@ -1,6 +1,9 @@
-// The scene at the cursor: turned with the left button, moved with the right, picked by a click.
+// The scene at the cursor: turned with the left button, moved with the right, picked by a click; a
+// click of the right button opens a menu.
 
 #include <fmt/format.h>
+
+#include <functional>
 
 #include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/look.hpp"
@@ -35,30 +38,51 @@ void draw_tools(const Ui& ui) {
     }
     ImGui::EndCombo();
   }
-  static constexpr const char* kButtons[][2] = {
-      {"show.queue", "queue"},   {"show.settled", "boxes"},    {"show.planes", "planes"},
-      {"show.foot", "foot"},     {"show.stairs", "stairs"},    {"camera.home", "home"},
-      {"camera.node", "node"},   {"camera.top", "top"},        {"camera.side", "side"},
-      {"camera.front", "front"}, {"measure.points", "measure"}};
-  for (const auto& [action, label] : kButtons) {
-    if (!same_line_if_room(button_width(label), ImGui::GetStyle().ItemSpacing.x)) break;
-    action_button(ui, action, label);
-  }
+  static constexpr ToolButton kButtons[] = {
+      {"show.queue", "queue"},       {"show.settled", "boxes"},       {"show.planes", "planes"},
+      {"show.foot", "foot"},         {"show.stairs", "stairs"},       {"camera.home", "home"},
+      {"camera.selected", "frame"},  {"camera.top", "top"},           {"camera.side", "side"},
+      {"camera.front", "front"},     {"camera.orthographic", "flat"}, {"isolate", "isolate"},
+      {"measure.points", "measure"}, {"views.next", "views"}};
+  toolbar(ui, "view3d.more", kButtons);
 }
 
-void move_camera(const Ui& ui, int height) {
+void move_by_mouse(const Ui& ui, int height) {
   const ImGuiIO& io = ImGui::GetIO();
-  const bool pan = ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2) || io.KeyShift;
+  const bool right = ImGui::IsMouseDown(1), middle = ImGui::IsMouseDown(2);
+  const bool pans = (right && was_dragged(1)) || middle || io.KeyShift;
   if (ImGui::IsItemActive() && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
-    if (pan)
+    if (pans)
       pan_scene(ui, height);
-    else if (was_dragged())
+    else if (was_dragged() && !right)
       orbit_scene(ui, height);
   }
   zoom_scene(ui);
 }
 
-void select(const Ui& ui, const render::Picked& what) {
+render::Picked seen_at_mouse(const Ui& ui, const ScenePlacement& placed) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (!ui.canvas) return {};
+  return ui.canvas->pick(static_cast<int>(mouse.x - placed.min.x),
+                         static_cast<int>(mouse.y - placed.min.y), static_cast<int>(ui.px(4)));
+}
+
+/// What is seen at the mouse or, where nothing is, the depth pixel of that place.
+PointedAt pointed_at(const Ui& ui, const ScenePlacement& placed) {
+  PointedAt found{.what = seen_at_mouse(ui, placed)};
+  if (found.what.kind != render::Picked::Kind::nothing) return found;
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const double aspect = static_cast<double>(placed.width) / placed.height;
+  const render::View view =
+      render::make_view(scene_camera(ui.state, aspect), placed.width, placed.height);
+  if (const auto pixel = pixel_of_nothing(*ui.state.run()->subject, view,
+                                          Vec2d(mouse.x - placed.min.x, mouse.y - placed.min.y)))
+    found.source = static_cast<std::int64_t>(*pixel);
+  return found;
+}
+
+void select(const Ui& ui, const PointedAt& at) {
+  const render::Picked& what = at.what;
   if (const char* action = click_action(ui.state.view.click)) {
     if (what.kind == render::Picked::Kind::voxel)
       return ui.emit(action, fmt::format("voxel {}", what.index));
@@ -66,6 +90,7 @@ void select(const Ui& ui, const render::Picked& what) {
       return ui.emit(action, fmt::format("plane {}", what.index + 1));
     return ui.emit(action, "nothing");
   }
+  const int width = ui.state.run()->subject->frame.depth.width;
   switch (what.kind) {
     case render::Picked::Kind::voxel:
       return ui.emit("select.voxel", std::to_string(what.index));
@@ -74,7 +99,8 @@ void select(const Ui& ui, const render::Picked& what) {
     case render::Picked::Kind::plane:
       return ui.emit("select.plane", std::to_string(what.index + 1));
     default:
-      return ui.emit("select.none");
+      if (at.source < 0) return ui.emit("select.none");
+      return ui.emit("why.pixel", fmt::format("{},{}", at.source % width, at.source / width));
   }
 }
 
@@ -92,38 +118,38 @@ void tell(const Ui& ui, const render::Picked& what) {
 void draw_view3d(const Ui& ui) {
   draw_tools(ui);
   if (!ui.state.run()) return draw_absence(ui);
-  if (ui.state.run()->subject->frame.is_cloud()) draw_click_line(ui);
-  const auto placed =
-      draw_scene_room(ui, [&](Canvas& canvas, const render::Camera& camera, int width, int height) {
-        return canvas.scene(ui.state.run_view()->run, look_of(ui.state), camera, width, height);
-      });
+  if (!shows_image(ui.state)) draw_click_line(ui);
+  using Picture = std::function<TextureId(Canvas&, const render::Camera&, int, int)>;
+  const RunView* other = ui.state.other_view();
+  const Picture here = [&](Canvas& canvas, const render::Camera& camera, int width, int height) {
+    return canvas.scene(ui.state.run_view()->run, look_of(ui.state), camera, width, height);
+  };
+  const Picture beside = [&](Canvas& canvas, const render::Camera& camera, int width, int height) {
+    return canvas.scene(other->run, other_look_of(ui.state), camera, width, height, Side::beside);
+  };
+  const auto placed = draw_scene_room(ui, here, other ? beside : Picture());
   if (!placed) return;
   draw_measured(ui, *placed);
-  move_camera(ui, placed->height);
-  if (ui.canvas && ImGui::IsItemHovered()) {
-    const ImGuiIO& io = ImGui::GetIO();
+  move_by_mouse(ui, placed->height);
+  std::optional<PointedAt> clicked;
+  const bool here_below = mouse_is_here(ui, placed->min, placed->max);
+  if (ImGui::IsItemHovered() && !here_below) tooltip("the other run: Space turns to it");
+  if (ImGui::IsItemHovered() && here_below) {
     const bool pressed = ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
-    const bool clicked = ImGui::IsMouseReleased(0) && !was_dragged();
+    const bool released = ImGui::IsMouseReleased(0) && !was_dragged();
     const bool playing = ui.state.view.playing.direction != 0;  // nobody reads that fast
-    if (!pressed && (clicked || !playing)) {
-      const render::Picked what = ui.canvas->pick(static_cast<int>(io.MousePos.x - placed->min.x),
-                                                  static_cast<int>(io.MousePos.y - placed->min.y));
-      if (clicked)
-        select(ui, what);
+    if (ImGui::IsMouseReleased(1) && !was_dragged(1)) clicked = pointed_at(ui, *placed);
+    if (!pressed && !clicked && (released || !playing)) {
+      if (released)
+        select(ui, pointed_at(ui, *placed));
       else
-        tell(ui, what);
+        tell(ui, seen_at_mouse(ui, *placed));
     }
     if (ImGui::IsMouseDoubleClicked(0) && ui.state.view.click == Click::selects)
-      ui.emit("camera.node");
+      ui.emit("camera.selected");
   }
-  if (ui.state.view.flash) {
-    ImDrawList* draw = ImGui::GetWindowDrawList();
-    const ImVec2 corner(placed->max.x - ui.px(34), placed->min.y + ui.px(8));
-    draw->AddRectFilled(corner, ImVec2(corner.x + ui.px(26), corner.y + ui.px(24)),
-                        ui.colors.accent, ui.px(4));
-    draw->AddText(ui.bold, ui.px(18), ImVec2(corner.x + ui.px(7), corner.y + ui.px(2)),
-                  ui.colors.panel, "A");
-  }
+  draw_context_menu(ui, clicked);
+  draw_sides(ui, "view3d", placed->min, placed->max);
 }
 
 }  // namespace planescope::desktop

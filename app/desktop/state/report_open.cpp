@@ -307,6 +307,8 @@ void open_report(State& state, const ReportLink& link) {
   view.flash = view.marking = false;
   view.playing.direction = 0;
   view.camera.reset();
+  view.facing = Facing::home;
+  view.cameras = {};
   view.arrival.reset();
   view.report_place = place;
   view.against = place->options_a ? Against::pinned : Against::nothing;

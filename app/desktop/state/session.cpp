@@ -129,6 +129,7 @@ Json view_json(const ViewState& view) {
           {"wand_tolerance_m", view.label.wand_options.tolerance_m},
           {"through", view.label.through},
           {"truth_plane", view.truth_plane},
+          {"views", static_cast<int>(view.views)},
           {"layout",
            {{"left", l.left},
             {"right", l.right},
@@ -168,6 +169,7 @@ void view_of(const Json& json, ViewState& view) {
       std::clamp(view.label.wand_options.tolerance_m, 0.0005, 0.1);
   value_of(json, "through", view.label.through);
   value_of(json, "truth_plane", view.truth_plane);
+  enum_of(json, "views", 3, view.views);
   if (json.contains("layout")) {
     const Json& l = json.at("layout");
     share_of(l, "left", view.layout.left);

@@ -55,9 +55,20 @@ const RunPlanes* State::planes() const {
   return nullptr;
 }
 
-std::shared_ptr<const render::PlaneScene> State::plane_scene() const {
-  if (const RunPlanes* known = planes()) return known->scene;
-  return run_view() ? run_view()->outlines : nullptr;
+const RunView* State::other_view() const {
+  if (!view.wiper || !results.pinned || !results.current) return nullptr;
+  return view.flash ? results.current.get() : results.pinned.get();
+}
+
+std::string State::shown_side() const {
+  if (!results.pinned) return "";
+  return view.wiper ? "A | B" : view.flash ? "A" : "B";
+}
+
+std::shared_ptr<const render::PlaneScene> State::plane_scene(const RunView* of) const {
+  for (const std::shared_ptr<const RunPlanes>& planes : results.planes)
+    if (of && planes->of.get() == of) return planes->scene;
+  return of ? of->outlines : nullptr;
 }
 
 const debug::Run* State::run() const {
@@ -125,6 +136,8 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["marked"] = document.marked.size();
   json["pinned"] = state.results.pinned != nullptr;
   json["flash"] = view.flash;
+  json["shown"] = state.shown_side();
+  json["isolated"] = view.isolated;
   json["fixes"] = nlohmann::ordered_json::array();
   for (const debug::Fix& fix : state.results.fix.fixes)
     json["fixes"].push_back(fix.option + "=" + fix.after);

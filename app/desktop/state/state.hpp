@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "app/desktop/arrange.hpp"
 #include "app/desktop/state/label_state.hpp"
 #include "core/debug/explain/compare.hpp"
 #include "core/debug/explain/fix.hpp"
@@ -27,6 +28,7 @@
 #include "core/model/image.hpp"
 #include "core/planes/pipeline/pipeline.hpp"
 #include "core/report/data/frame_planes.hpp"
+#include "render/framing.hpp"
 #include "render/step_scene.hpp"
 
 namespace planescope::desktop {
@@ -95,7 +97,7 @@ struct RunView {
   std::shared_ptr<const debug::Run> run;
   std::vector<debug::Histogram> histograms;
   std::optional<debug::QuickScore> score;
-  render::Camera home;  // the frame's own, the same for all runs on it
+  render::Home home;  // the frame's own, the same for all runs on it
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
 };
 
@@ -169,6 +171,20 @@ struct Playing {
   double due = 0;  // fraction of a step not taken yet
 };
 
+/// From where all of the frame is looked at. Home: from where most is seen.
+enum class Facing : std::uint8_t { home, top, side, front };
+/// Where the camera is.
+struct CameraPlace {
+  std::optional<render::Camera> camera;  // nothing: all of the frame fills the view
+  Facing facing = Facing::home;          // then from there
+};
+/// Where it was, for its own undo and redo.
+struct CameraHistory {
+  std::vector<CameraPlace> before, after;
+  bool held = false;   // what moves it is part of the step that is there
+  bool zooms = false;  // the latest step is of the wheel, whose next notch is part of it
+};
+
 enum class Against : std::uint8_t { nothing, pinned, truth };
 /// What a click in a view does: selects, picks a floor or a wall from which gravity follows, or
 /// measures from a point or a plane.
@@ -185,11 +201,16 @@ struct ViewState {
   Playing playing;
 
   // 3D and image.
-  std::optional<render::Camera> camera;  // nothing: the frame's own
+  std::optional<render::Camera> camera;  // nothing: all of the frame fills the view ...
+  Facing facing = Facing::home;          // ... from there
+  CameraHistory cameras;
+  bool orthographic = false;
+  double scene_aspect = 4.0 / 3;  // width by height of the room it has, as drawn last
   render::ColorBy color_by = render::ColorBy::planes;
   bool show_points = true, show_planes = true, show_names = true, show_normals = false;
   bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
+  bool isolated = false;  // what is selected or current is shown alone
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
@@ -199,6 +220,7 @@ struct ViewState {
   render::Theme theme = render::Theme::dark;
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
+  Views views = Views::both;
   std::string inspector_tab = "inspector";  // inspector | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::set<std::string> unfolded;           // groups of options that show all of their numbers
@@ -211,6 +233,8 @@ struct ViewState {
   bool gravity_of_recording = false;  // what is clicked holds for all frames, not this one alone
   Against against = Against::nothing;
   bool flash = false;            // A is shown in place of B
+  bool wiper = false;            // A left of a divider and B right of it, in both views ...
+  double wiper_at = 0.5;         // ... which is at this share of their width
   std::int32_t truth_plane = 0;  // that `what would fix this` is about; 0: the marked region
 
   std::string palette_asks;  // the palette asks for this action's argument; empty: for an action
@@ -221,6 +245,7 @@ struct ViewState {
   std::string message;  // status bar, until the next
   bool message_is_error = false;
   bool did_nothing = false;  // it says that what was asked for changed nothing
+  std::string to_clipboard;  // the window takes it in the next frame
   bool quit = false;
 };
 
@@ -246,10 +271,14 @@ struct State {
   /// The run that is looked at: B, or A while it is flashed. Null before the first.
   const debug::Run* run() const;
   const RunView* run_view() const;
+  /// A where B is looked at and the other way round, while both are shown; null: only one is.
+  const RunView* other_view() const;
   /// What is known of its planes; null while it is found out.
   const RunPlanes* planes() const;
-  /// What is drawn of them; null: nothing is known yet.
-  std::shared_ptr<const render::PlaneScene> plane_scene() const;
+  /// What is drawn of a run's planes; null: nothing is known yet.
+  std::shared_ptr<const render::PlaneScene> plane_scene(const RunView* of) const;
+  /// "A", "B", both as "A | B"; empty where there is no A to tell apart.
+  std::string shown_side() const;
   /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.
   const LabelFrame* label_frame() const;
   /// Its labels; null where label_frame() is.

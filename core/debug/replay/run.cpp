@@ -133,6 +133,18 @@ std::vector<NodeFacts> facts_of(const Run& run) {
 
 }  // namespace
 
+std::int32_t node_at_step(const Run& run, std::int32_t step) {
+  const planes::TraceEvent* event = run.event_at(step);
+  if (event == nullptr) return -1;
+  if (event->node >= 0) return event->node;
+  if (event->point >= 0) return run.timeline.node_of_point(event->point, step);
+  for (std::int32_t k = 1; k <= step && event->plane >= 0; ++k)
+    if (const planes::TraceEvent* founding = run.event_at(k);
+        founding->type == planes::EventType::found && founding->plane == event->plane)
+      return founding->node;
+  return -1;
+}
+
 std::string plane_name(std::int32_t plane) { return fmt::format("P{}", plane + 1); }
 
 std::string describe_event(const Run& run, std::int32_t step) {

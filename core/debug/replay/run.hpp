@@ -87,6 +87,10 @@ struct Run {
 std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
                                     const planes::PipelineOptions& options);
 
+/// The node that a step's event is about: its own, that of its point, or the one that founded its
+/// plane; -1 where there is none.
+std::int32_t node_at_step(const Run& run, std::int32_t step);
+
 /// Name of a plane of the trace, "P1" for the first founded.
 std::string plane_name(std::int32_t plane);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".

@@ -187,6 +187,7 @@ bool legend_says(const DrawList& list, const std::string& text) {
 TEST(StepScene, FinishedPlanesAreDrawnByWhatTheyCoverAndGrowingOnesByTheirHull) {
   const auto run = stairs_run();
   StepLook look = look_at(run->steps());
+  look.show_current = false;
   look.planes = known_planes(*run);
   const DrawList list = scene_step(*run, look);
   ASSERT_EQ(list.polygons.size(), run->segmentation.planes.size());
@@ -302,18 +303,78 @@ TEST(StepScene, MarkedVoxelsStandOut) {
   EXPECT_FALSE(colors[3] == colors[4]);
 }
 
-TEST(StepScene, CameraOnANodeHoldsItsBox) {
+TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
   const auto run = stairs_run();
-  const Camera home = frame_camera(run->subject->prepared, run->segmentation, 1.5);
-  const auto last = static_cast<std::int32_t>(run->octree().nodes.size()) - 1;
-  const Camera close = camera_on_node(*run, last, home);
-  EXPECT_LT((close.eye - close.target).norm(), (home.eye - home.target).norm());
-  EXPECT_NEAR((home.eye - home.target).normalized().dot((close.eye - close.target).normalized()), 1,
-              1e-9);
-  const planes::OctreeNode& node = run->octree().nodes.back();
-  const Vec3d middle =
-      run->octree().node_min(node) + Vec3d::Constant(run->octree().node_edge_m(node) / 2);
-  EXPECT_LT((close.target - middle).norm(), run->octree().node_edge_m(node));
+  int kinds = 0;
+  for (int type = 0; type <= static_cast<int>(planes::EventType::leave); ++type) {
+    const std::int32_t step = first_step(*run, static_cast<planes::EventType>(type));
+    const std::int32_t node = step > 0 ? debug::node_at_step(*run, step) : -1;
+    if (node <= 0) continue;
+    ++kinds;
+    StepLook look = look_at(step);
+    const auto lit = scene_step(*run, look).points[0].colors;
+    look.show_current = false;
+    const auto plain = scene_step(*run, look).points[0].colors;
+    const auto light = [](Rgba color) { return color.r + color.g + color.b; };
+    const planes::TraceEvent& event = *run->event_at(step);
+    if (event.node >= 0 || event.point >= 0) {
+      const planes::OctreeNode& of = run->octree().nodes[static_cast<std::size_t>(node)];
+      const std::uint32_t inside = run->octree().order[of.begin];
+      EXPECT_GT(light(lit[inside]), light(plain[inside])) << "event type " << type;
+    }
+    std::size_t receded = 0;
+    for (std::size_t v = 0; v < lit.size(); ++v) {
+      if (light(lit[v]) >= light(plain[v])) continue;
+      ++receded;
+      const auto plane = run->timeline.point_at(static_cast<std::int32_t>(v), step).plane;
+      ASSERT_FALSE(plane >= 0 && plane == event.plane) << "event type " << type;
+    }
+    EXPECT_GT(receded, 0u) << "event type " << type;
+  }
+  EXPECT_GE(kinds, 3);
+}
+
+TEST(StepScene, IsolatedIsDrawnAlone) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps(), ColorBy::planes);
+  look.show_current = false;
+  look.isolated = true;
+  EXPECT_EQ(scene_step(*run, look).points[0].positions.size(), run->subject->voxel_count())
+      << "nothing is selected";
+  look.plane = 0;
+  const DrawList list = scene_step(*run, look);
+  EXPECT_EQ(list.points[0].positions.size(), plane_points(*run, 0, look.step).size());
+  EXPECT_EQ(list.points[0].ids.size(), list.points[0].positions.size());
+  for (const DrawPolygon& polygon : list.polygons)
+    EXPECT_TRUE(polygon.id == 0 || picked(polygon.id).index == 0);
+  const Image8 alone = image_step(*run, look, Backdrop::depth, 0.5);
+  look.isolated = false;
+  const Image8 among = image_step(*run, look, Backdrop::depth, 0.5);
+  for (std::size_t i = 0; i < alone.pixels(); ++i)
+    if (const std::uint32_t voxel = run->subject->voxel_of_source(i);
+        voxel != planes::kNoVoxel &&
+        run->timeline.point_at(static_cast<std::int32_t>(voxel), look.step).plane > 0) {
+      ASSERT_LE(alone.data[3 * i], std::max<int>(among.data[3 * i], 40)) << i;
+    }
+}
+
+TEST(StepScene, HullsOfGrowingPlanesAreNotPicked) {
+  const auto run = stairs_run();
+  const DrawList list = scene_step(*run, look_at(run->steps() / 2));
+  ASSERT_FALSE(list.polygons.empty());
+  for (const DrawPolygon& polygon : list.polygons) EXPECT_EQ(polygon.id, 0u);
+}
+
+TEST(StepScene, PlanesHaveTheColoursThatAreGiven) {
+  const auto run = stairs_run();
+  StepLook look = look_at(run->steps(), ColorBy::planes);
+  look.show_current = false;
+  look.color_of_plane.assign(static_cast<std::size_t>(run->timeline.plane_count()), 7);
+  const auto colors = scene_step(*run, look).points[0].colors;
+  for (std::size_t v = 0; v < colors.size(); ++v)
+    if (run->timeline.point_at(static_cast<std::int32_t>(v), look.step).plane >= 0) {
+      ASSERT_EQ(colors[v], plane_color(7));
+    }
 }
 
 bool differs(const Image8& a, const Image8& b, std::size_t pixel) {
@@ -375,19 +436,28 @@ TEST_F(StepPicking, IdsNameVoxelsNodesAndPlanes) {
   EXPECT_EQ(picked(0).kind, Picked::Kind::nothing);
 }
 
-TEST_F(StepPicking, VoxelIsPickedThroughTheBoxAndThePlaneItIsIn) {
+TEST_F(StepPicking, WhatIsNearestIsPickedButAPointBeforeTheBoxAndThePlaneItIsIn) {
   const auto run = stairs_run();
-  const DrawList list = scene_step(*run, look_at(run->steps()));
+  StepLook look = look_at(run->steps());
+  look.show_queue = false;
+  const DrawList list = scene_step(*run, look);
   const Camera camera = frame_camera(run->subject->prepared, run->segmentation, 1.5);
   DrawList bare = list;
   bare.boxes.clear();
   bare.polygons.clear();
   const auto all = renderer().render_ids(list, camera, 300, 200);
   const auto voxels = renderer().render_ids(bare, camera, 300, 200);
-  for (std::size_t i = 0; i < all.data.size(); ++i)
-    if (voxels.data[i] != 0) {
-      ASSERT_EQ(all.data[i], voxels.data[i]);
+  std::size_t points = 0, kept = 0;
+  for (std::size_t i = 0; i < all.data.size(); ++i) {
+    if (voxels.data[i] == 0) continue;
+    ++points;
+    kept += all.data[i] == voxels.data[i];
+    const Picked what = picked(all.data[i]);
+    if (what.kind == Picked::Kind::plane) {
+      ASSERT_NE(run->timeline.point_at(picked(voxels.data[i]).index, look.step).plane, what.index);
     }
+  }
+  EXPECT_GT(kept, points * 9 / 10);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "render/palette.hpp"
@@ -109,6 +110,8 @@ void draw_plane_events(const Ui& ui,
   draw->AddRectFilled(ImVec2(rows.x, rows.planes), ImVec2(rows.x + rows.width, rows.matches - 2),
                       ui.colors.panel);
   const float height = rows.matches - 2 - rows.planes;
+  render::StepLook look;
+  look.color_of_plane = colors_of_planes(ui.state, *ui.state.run_view());
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const TimelineColumn& column = columns[i];
     const float share = column.found > 0                          ? 1.0f
@@ -118,7 +121,7 @@ void draw_plane_events(const Ui& ui,
     if (share == 0) continue;
     const float x = rows.x + static_cast<float>(i);
     const render::Rgba color =
-        column.plane >= 0 ? render::plane_color(column.plane + 1) : render::leftover_color();
+        column.plane >= 0 ? look.plane_color(column.plane) : render::leftover_color();
     draw->AddRectFilled(ImVec2(x, rows.matches - 2 - share * height),
                         ImVec2(x + 1, rows.matches - 2), to_imgui(color));
   }

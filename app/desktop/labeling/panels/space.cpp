@@ -32,8 +32,7 @@ DrawingSurface surface_of(const State& state, const ScenePlacement& placed) {
   surface.min = surface.origin = min;
   surface.max = max;
   const double aspect = static_cast<double>(width) / height;
-  surface.screen_of_pixel = [view =
-                                 render::make_view(fitted(camera_of(state), aspect), width, height),
+  surface.screen_of_pixel = [view = render::make_view(scene_camera(state, aspect), width, height),
                              frame = state.results.label.frame,
                              at = placed.min](std::uint32_t pixel) -> std::optional<ImVec2> {
     if (pixel >= frame->world.size() || !frame->grid.measured[pixel]) return std::nullopt;
