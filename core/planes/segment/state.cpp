@@ -81,6 +81,7 @@ void divide_node(SegmentState& state, std::int32_t node) {
 std::int32_t found_plane(SegmentState& state, const GrowingPlane& plane) {
   const auto number = static_cast<std::int32_t>(state.planes.size());
   state.planes.push_back(plane);
+  state.planes.back().tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
   return number;
 }
@@ -90,6 +91,7 @@ void fit_again(SegmentState& state, std::int32_t number, const Moments& moments)
   plane.moments = moments;
   plane.fit = fit_plane(moments);
   plane.sigma_ang = state.sigma_ang(plane.fit);
+  plane.tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
 }
 
