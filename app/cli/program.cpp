@@ -18,6 +18,10 @@
 #include <system_error>
 #include <thread>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include "app/cli/output.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
@@ -103,6 +107,16 @@ void set_reserve_aside() {
     const bool may_be_destructor = std::uncaught_exceptions() > 0;
     if (!may_be_destructor || next >= g_reserve.size()) throw std::bad_alloc();
   });
+}
+
+/// Memory that is freed stays with the process: the next frame needs as much again. Otherwise a
+/// frame's megabytes are handed back and mapped anew each time, and clearing their pages takes up
+/// to a tenth of all CPU time.
+void keep_freed_memory() {
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that glibc takes
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
 }
 
 std::string shell_word(const std::string& word) {
@@ -267,6 +281,7 @@ int fail(const std::string& message, int code) {
 
 int run_program(const Program& program, int argc, char** argv) {
   set_notice_name(program.name);
+  keep_freed_memory();
   set_reserve_aside();
   try {
     const Job job = parse(program, argc, argv);

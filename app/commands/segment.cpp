@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/cli/memory.hpp"
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
@@ -106,7 +105,6 @@ WrittenFrame write_frame(const OpenInput& input,
 int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
-  keep_freed_memory();
   StagedOutput output(args.out);
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;

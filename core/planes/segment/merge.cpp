@@ -59,7 +59,7 @@ bool is_out_of_reach(const SegmentState& state, std::int32_t k, const MeasuredPl
   const double gap_m = gap_between(plane.bounds, measured.bounds);
   if (gap_m <= options.near_m) return false;
   if (measured.sigma_ang < plane.sigma_ang)
-    return gap_m > max_gap_m(plane.sigma_ang, state.tau(plane.fit.centroid), options);
+    return gap_m > max_gap_m(plane.sigma_ang, plane.tau_m, options);
   return gap_m > max_gap_m(measured.sigma_ang, measured.tau_m, options);
 }
 

@@ -39,7 +39,9 @@ PixelReach measure_pixel_reach(const PixelGrid& pixels,
   const DepthKernels& kernels = depth_kernels(simd);
   const ReachRule rule = rule_of(noise, sensor, reach_m * pixels.focal_px);
   const std::size_t count = pixels.point.size();
-  PixelReach reach{std::vector<double>(count), std::vector<std::uint8_t>(count)};
+  PixelReach reach;
+  reach.tau_m.reserve(count);
+  reach.reach_px.reserve(count);
   constexpr std::size_t kAtOnce = 256;
   static_assert(kAtOnce % kPixelGroup == 0);
   std::array<Vec3f, kAtOnce> last;  // where groups end after the image
@@ -54,8 +56,8 @@ PixelReach measure_pixel_reach(const PixelGrid& pixels,
       measured = last.data();
     }
     kernels.reach(measured->data(), kAtOnce, rule, tau_m.data(), px.data());
-    std::copy_n(tau_m.begin(), n, reach.tau_m.begin() + first);
-    std::copy_n(px.begin(), n, reach.reach_px.begin() + first);
+    reach.tau_m.insert(reach.tau_m.end(), tau_m.begin(), tau_m.begin() + n);
+    reach.reach_px.insert(reach.reach_px.end(), px.begin(), px.begin() + n);
   }
   for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
     if (runs[r].is_measured()) continue;

@@ -81,6 +81,7 @@ void divide_node(SegmentState& state, std::int32_t node) {
 std::int32_t found_plane(SegmentState& state, const GrowingPlane& plane) {
   const auto number = static_cast<std::int32_t>(state.planes.size());
   state.planes.push_back(plane);
+  state.planes.back().tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
   return number;
 }
@@ -90,6 +91,7 @@ void fit_again(SegmentState& state, std::int32_t number, const Moments& moments)
   plane.moments = moments;
   plane.fit = fit_plane(moments);
   plane.sigma_ang = state.sigma_ang(plane.fit);
+  plane.tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
 }
 
@@ -152,20 +154,20 @@ PlanePoints points_by_plane(const SegmentState& state) {
   return result;
 }
 
-std::vector<std::int32_t> planes_of_pixels(const SegmentState& state) {
+std::span<const std::int32_t> planes_of_pixels(const SegmentState& state) {
   // Runs are short. Each is written in pieces of one length, whatever follows it: the next run is
   // written over that.
   constexpr std::size_t kPiece = 8;
   const std::size_t count = state.more.pixels.point.size();
-  std::vector<std::int32_t> planes(count + kPiece);
+  std::vector<std::int32_t>& planes = state.pixel_planes;
+  planes.resize(count + kPiece);
   const std::span<const MeasuredRun> runs = state.pixel_runs();
   for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
     const std::int32_t plane = runs[r].is_measured() ? state.plane_of[runs[r].point] : -1;
     for (std::size_t p = runs[r].begin; p < runs[r + 1].begin; p += kPiece)
       std::fill_n(planes.data() + p, kPiece, plane);
   }
-  planes.resize(count);
-  return planes;
+  return std::span(planes).first(count);
 }
 
 double typical_area_per_point(const SegmentState& state) {

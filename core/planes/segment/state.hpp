@@ -38,10 +38,11 @@ struct SegmentState {
   std::vector<std::int32_t> minor = {};           // R10: planes that it dropped ...
   std::vector<std::vector<std::uint32_t>> minor_points = {};  // ... and what they had been given
   SegmentCounts counts = {};
-  mutable std::shared_ptr<const CellGrid> cells = {};  // neighbour_cells(), once asked for
-  mutable std::vector<Reach> reaches = {};             // likewise
-  mutable std::vector<MeasuredRun> runs = {};          // likewise
-  mutable PixelReach pixel_reach = {};                 // likewise
+  mutable std::shared_ptr<const CellGrid> cells = {};   // neighbour_cells(), once asked for
+  mutable std::vector<Reach> reaches = {};              // likewise
+  mutable std::vector<MeasuredRun> runs = {};           // likewise
+  mutable PixelReach pixel_reach = {};                  // likewise
+  mutable std::vector<std::int32_t> pixel_planes = {};  // planes_of_pixels(), when last asked for
 
   /// The grid of options.noise.neighbour_levels: where points are does not change.
   const CellGrid& neighbour_cells() const {
@@ -179,7 +180,8 @@ struct PlanePoints {
 PlanePoints points_by_plane(const SegmentState& state);
 
 /// Per pixel of the depth image, the plane of its point, -1 none. Empty where there is no image.
-std::vector<std::int32_t> planes_of_pixels(const SegmentState& state);
+/// Valid until asked for again.
+std::span<const std::int32_t> planes_of_pixels(const SegmentState& state);
 
 /// area_per_point() of the plane that the median point of all planes belongs to.
 double typical_area_per_point(const SegmentState& state);

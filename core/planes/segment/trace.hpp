@@ -68,6 +68,7 @@ struct GrowingPlane {
   Moments moments;  // of what it was fitted to
   PlaneFit fit;
   double sigma_ang = 0;  // [rad]
+  double tau_m = 0;      // at its centroid
   Bounds bounds;
   bool alive = true;       // false: merged into another or pruned
   std::int32_t into = -1;  // where not alive: the plane that it was merged into, -1 if dropped

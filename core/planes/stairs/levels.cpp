@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/model/disjoint_sets.hpp"
 #include "core/model/plane.hpp"
@@ -110,15 +111,21 @@ std::vector<Level> joined(std::vector<LevelPiece> pieces, const StairsOptions& o
 
 void close_gaps_along(std::vector<Interval>& cut, double close_m) {
   std::ranges::sort(cut, {}, &Interval::from);
-  std::vector<Interval> closed;
-  for (const Interval& next : cut) {
-    if (!closed.empty() && next.from - closed.back().to <= close_m)
-      closed.back().to = std::max(closed.back().to, next.to);
+  std::size_t closed = 0;
+  for (const Interval next : cut) {
+    if (closed > 0 && next.from - cut[closed - 1].to <= close_m)
+      cut[closed - 1].to = std::max(cut[closed - 1].to, next.to);
     else
-      closed.push_back(next);
+      cut[closed++] = next;
   }
-  cut = std::move(closed);
+  cut.resize(closed);
 }
+
+/// Where an edge crosses a cut.
+struct Crossing {
+  int cut = 0;
+  double at_m = 0;  // along
+};
 
 }  // namespace
 
@@ -169,24 +176,30 @@ Cuts cuts_of(std::span<const PolygonRing> rings, const Heading& heading, double 
   if (!(low < high)) return cuts;
   cuts.first = static_cast<int>(std::floor(low / kCutM));
   cuts.cut.resize(static_cast<std::size_t>(std::floor(high / kCutM)) - cuts.first + 1);
-  std::vector<double> crossings;
-  for (int k = cuts.first; k < cuts.end(); ++k) {
-    const double t = Cuts::across(k);
-    crossings.clear();
-    for (const PolygonRing& ring : rings)
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Vec2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
-        const double ta = across.dot(a), tb = across.dot(b);
+  std::vector<Crossing> crossings;
+  for (const PolygonRing& ring : rings)
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      const double ta = across.dot(a), tb = across.dot(b);
+      const double sa = heading.along.dot(a), sb = heading.along.dot(b);
+      // One more on either side, for rounding.
+      const int first = static_cast<int>(std::floor(std::min(ta, tb) / kCutM)) - 1;
+      const int last = static_cast<int>(std::floor(std::max(ta, tb) / kCutM)) + 1;
+      for (int k = std::max(first, cuts.first); k <= std::min(last, cuts.end() - 1); ++k) {
+        const double t = Cuts::across(k);
         if ((ta <= t) == (tb <= t)) continue;
-        const double sa = heading.along.dot(a), sb = heading.along.dot(b);
-        crossings.push_back(sa + (sb - sa) * (t - ta) / (tb - ta));
+        crossings.push_back({k, sa + (sb - sa) * (t - ta) / (tb - ta)});
       }
-    std::ranges::sort(crossings);
-    std::vector<Interval>& cut = cuts.cut[static_cast<std::size_t>(k - cuts.first)];
-    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
-      cut.push_back({crossings[i], crossings[i + 1]});
-    close_gaps_along(cut, close_m);
+    }
+  std::ranges::sort(crossings, {}, [](const Crossing& c) { return std::pair(c.cut, c.at_m); });
+  for (std::size_t i = 0; i + 1 < crossings.size();) {
+    const Crossing &from = crossings[i], &to = crossings[i + 1];
+    const bool is_inside = from.cut == to.cut;
+    if (is_inside)
+      cuts.cut[static_cast<std::size_t>(from.cut - cuts.first)].push_back({from.at_m, to.at_m});
+    i += is_inside ? 2 : 1;
   }
+  for (std::vector<Interval>& cut : cuts.cut) close_gaps_along(cut, close_m);
   return cuts;
 }
 

@@ -87,26 +87,24 @@ struct Picture {
 
 std::vector<Picture> pictures(const SegmentState& state) {
   const PixelGrid& pixels = state.more.pixels;
-  std::vector<std::int32_t> of_points;
-  if (state.plane_of_pixel.empty()) of_points = planes_of_pixels(state);
+  std::span<const std::int32_t> planes = state.plane_of_pixel;
+  if (planes.empty()) planes = planes_of_pixels(state);
   std::vector<Picture> all(state.planes.size());
   SeenPixels rays(pixels, state.sensor);
-  visit_plane_runs(pixels, of_points.empty() ? state.plane_of_pixel : of_points,
-                   [&](std::int32_t k, int y, int begin, int end) {
-                     Picture& picture = all[k];
-                     picture.pixels += end - begin;
-                     picture.add_rim(y, begin, end);
-                     if (y % kStride != 0) return;
-                     InverseSums plane = picture.plane;  // in registers
-                     const std::size_t row = pixels.at(0, y);
-                     rays.visit(row + begin, row + end,
-                                [&](std::size_t i, const PixelGrid::Seen& seen) {
-                                  if ((i - row) % kStride != 0) return;
-                                  plane.add(seen.ray, seen.w);
-                                  picture.quadric.add(seen);
-                                });
-                     picture.plane = plane;
-                   });
+  visit_plane_runs(pixels, planes, [&](std::int32_t k, int y, int begin, int end) {
+    Picture& picture = all[k];
+    picture.pixels += end - begin;
+    picture.add_rim(y, begin, end);
+    if (y % kStride != 0) return;
+    InverseSums plane = picture.plane;  // in registers
+    const std::size_t row = pixels.at(0, y);
+    rays.visit(row + begin, row + end, [&](std::size_t i, const PixelGrid::Seen& seen) {
+      if ((i - row) % kStride != 0) return;
+      plane.add(seen.ray, seen.w);
+      picture.quadric.add(seen);
+    });
+    picture.plane = plane;
+  });
   for (Picture& picture : all) picture.finish_row();
   return all;
 }

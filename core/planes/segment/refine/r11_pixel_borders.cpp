@@ -326,7 +326,7 @@ void move_points(SegmentState& state, std::span<const std::int32_t> before) {
 
 void run(SegmentState& state, const Options& options) {
   if (!options.on || state.more.pixels.empty()) return;
-  const std::vector<std::int32_t> plane = planes_of_pixels(state);
+  const std::span<const std::int32_t> plane = planes_of_pixels(state);
   state.plane_of_pixel = Borders(state, options, plane).give_pixels();
   move_points(state, plane);
 }

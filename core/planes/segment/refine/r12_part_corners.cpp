@@ -173,7 +173,7 @@ class Corner {
 /// Of each plane, evenly thinned out in both directions.
 std::vector<Pixels> pixels_of_planes(const SegmentState& state) {
   const PixelGrid& grid = state.more.pixels;
-  const std::vector<std::int32_t> plane = planes_of_pixels(state);
+  const std::span<const std::int32_t> plane = planes_of_pixels(state);
   std::vector<std::size_t> count(state.planes.size(), 0);
   visit_plane_runs(grid, plane, [&](std::int32_t k, int, int begin, int end) {
     count[k] += static_cast<std::size_t>(end - begin);

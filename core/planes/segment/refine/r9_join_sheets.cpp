@@ -218,8 +218,8 @@ class Sheets {
   SegmentState& state_;
   const Options& options_;
   const PixelGrid& pixels_;
-  const std::vector<std::int32_t> plane_;  // per pixel, as it was before anything is joined
-  const PlaneRuns runs_;                   // likewise
+  const std::span<const std::int32_t> plane_;  // per pixel, as it was before anything is joined
+  const PlaneRuns runs_;                       // likewise
   SeenPixels seen_;
   struct Sheet {
     std::size_t pixels = 0;

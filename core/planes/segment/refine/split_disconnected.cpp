@@ -20,39 +20,47 @@ constexpr double kMaxCells = 1000;  // along an axis: a bound on memory
 
 /// What was measured, by the direction in which it was seen.
 class Rays {
+  static constexpr std::size_t kTiles = 64;  // along an axis of the picture
+  static constexpr std::size_t kAside = kTiles * kTiles;
+
  public:
   struct Ray {
     Vec3f end;
     std::int32_t point = -1;  // Morton position; -1 of what lies beyond the crop
+    double behind_m = 0;      // how far behind a plane, at least, of one that it passed through
   };
   explicit Rays(const SegmentState& state);
 
+  /// Which have been visited, by their tiles.
+  using Visited = std::vector<std::uint8_t>;
+  static Visited none_visited() { return Visited(kAside + 1, 0); }
+
   /// Calls visit(ray) for all that may have been seen through the convex region with these
-  /// corners, and for some more.
+  /// corners, and for some more, but not again for those visited before.
   template <typename Visit>
-  void visit_through(std::span<const Vec3d> corners, const Visit& visit) const {
+  void visit_through(std::span<const Vec3d> corners, Visited& visited, const Visit& visit) const {
     const auto visit_tile = [&](std::size_t tile) {
+      if (visited[tile]) return;
+      visited[tile] = 1;
       for (std::uint32_t k = first_[tile]; k < first_[tile + 1]; ++k) visit(rays_[k]);
     };
-    Tile low{kTiles - 1, kTiles - 1}, high{0, 0};
+    constexpr double kForRounding = 0.01;  // of a tile
+    const Vec2d first = Vec2d::Zero(), last = Vec2d::Constant(kTiles);
+    Vec2d low = last, high = first;
     for (const Vec3d& corner : corners) {
-      const std::optional<Tile> tile = tile_of(corner);
-      if (!tile) low = {0, 0}, high = {kTiles - 1, kTiles - 1};
-      for (int axis = 0; tile && axis < 2; ++axis) {  // and one more, for rounding
-        low[axis] = std::min(low[axis], std::max(0, (*tile)[axis] - 1));
-        high[axis] = std::max(high[axis], std::min(kTiles - 1, (*tile)[axis] + 1));
-      }
+      const std::optional<Vec2d> place = place_of(picture_of(corner));
+      low = low.cwiseMin(place.value_or(first));
+      high = high.cwiseMax(place.value_or(last));
     }
-    for (int y = low[1]; y <= high[1]; ++y)
-      for (int x = low[0]; x <= high[0]; ++x) visit_tile(static_cast<std::size_t>(y) * kTiles + x);
+    const std::size_t from = tile_at(low.array() - kForRounding);
+    const std::size_t to = tile_at(high.array() + kForRounding);
+    for (std::size_t row = from / kTiles; row <= to / kTiles; ++row)
+      for (std::size_t column = from % kTiles; column <= to % kTiles; ++column)
+        visit_tile(row * kTiles + column);
     visit_tile(kAside);
   }
 
  private:
-  static constexpr int kTiles = 64;
-  static constexpr std::size_t kAside = kTiles * kTiles;
-  using Tile = std::array<int, 2>;
-
   /// Where the ray meets a plane before the sensor; nothing where it is far from its axis.
   std::optional<Vec2d> picture_of(const Vec3d& p) const {
     const Vec3d ray = p - sensor_;
@@ -60,11 +68,14 @@ class Rays {
     if (!(ahead > 0.2 * ray.norm())) return std::nullopt;
     return Vec2d(basis_.u.dot(ray) / ahead, basis_.v.dot(ray) / ahead);
   }
-  std::optional<Tile> tile_of(const Vec3d& p) const {
-    const std::optional<Vec2d> at = picture_of(p);
-    if (!at || !low_.allFinite()) return std::nullopt;
-    const Vec2d place = ((*at - low_).array() * scale_.array()).cwiseMax(0).cwiseMin(kTiles - 1);
-    return Tile{static_cast<int>(place.x()), static_cast<int>(place.y())};
+  /// In tiles, from the corner of the first.
+  std::optional<Vec2d> place_of(const std::optional<Vec2d>& picture) const {
+    if (!picture || !low_.allFinite()) return std::nullopt;
+    return Vec2d((*picture - low_).array() * scale_.array());
+  }
+  static std::size_t tile_at(const Vec2d& place) {
+    const Vec2d within = place.cwiseMax(0).cwiseMin(kTiles - 1);
+    return static_cast<std::size_t>(within.y()) * kTiles + static_cast<std::size_t>(within.x());
   }
 
   Vec3d sensor_, axis_;
@@ -77,16 +88,22 @@ class Rays {
 Rays::Rays(const SegmentState& state) : sensor_(state.sensor) {
   std::vector<Ray> all;
   all.reserve(state.octree.points.size() + state.more.beyond.size());
-  for (const Vec3f& p : state.octree.points)
-    all.push_back({p, static_cast<std::int32_t>(all.size())});
-  for (const Vec3f& p : state.more.beyond) all.push_back({p});
+  const split_disconnected::Options& options = state.options.split_disconnected;
+  const auto add = [&](const Vec3f& p, std::int32_t point, double tau_m) {
+    all.push_back({p, point, std::max(options.behind_m, options.behind_taus * tau_m)});
+  };
+  for (std::uint32_t i = 0; i < state.octree.points.size(); ++i)
+    add(state.octree.points[i], static_cast<std::int32_t>(i), state.reach(i).limit_m);
+  for (const Vec3f& p : state.more.beyond) add(p, -1, state.tau(p.cast<double>()));
   Vec3d sum = Vec3d::Zero();
   for (const Ray& ray : all) sum += (ray.end.cast<double>() - sensor_).normalized();
   axis_ = sum.norm() > 0 ? Vec3d(sum.normalized()) : Vec3d::UnitX();
   basis_ = plane_basis(axis_);
   Vec2d high = -low_;
+  std::vector<std::optional<Vec2d>> pictures;
+  pictures.reserve(all.size());
   for (const Ray& ray : all)
-    if (const std::optional<Vec2d> at = picture_of(ray.end.cast<double>())) {
+    if (const auto& at = pictures.emplace_back(picture_of(ray.end.cast<double>()))) {
       low_ = low_.cwiseMin(*at);
       high = high.cwiseMax(*at);
     }
@@ -95,9 +112,9 @@ Rays::Rays(const SegmentState& state) : sensor_(state.sensor) {
   std::vector<std::size_t> tile;
   tile.reserve(all.size());
   first_.assign(kAside + 2, 0);
-  for (const Ray& ray : all) {
-    const std::optional<Tile> at = tile_of(ray.end.cast<double>());
-    tile.push_back(at ? static_cast<std::size_t>((*at)[1]) * kTiles + (*at)[0] : kAside);
+  for (const std::optional<Vec2d>& picture : pictures) {
+    const std::optional<Vec2d> place = place_of(picture);
+    tile.push_back(place ? tile_at(*place) : kAside);
     ++first_[tile.back() + 1];
   }
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
@@ -117,22 +134,32 @@ class Sight {
         double spacing_m);
   /// Did rays pass through most of the gap between two parts of the plane, where they are nearest?
   /// A gap that something hides is not open, nor one without measurements.
-  bool is_open_between(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
+  bool is_open_between(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b);
 
  private:
   Vec2d on_plane(const Vec3d& p) const { return {u_.dot(p), v_.dot(p)}; }
   std::optional<Vec3d> passed_at(const Rays::Ray& ray) const;
   void mark(const Rays::Ray& ray);
-  bool is_open_at(const Vec3d& p) const;
+  /// Cells [x0, x1) x [y0, y1) of the grid.
+  struct Block {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  };
+  void mark_through(const Block& block);
+  bool is_passed(const Block& block) const;
+  bool is_open_at(const Vec3d& p);
 
   const SegmentState& state_;
+  const Rays& rays_;
+  const std::int32_t plane_;
   const split_disconnected::Options& options_;
   const PlaneFit& fit_;
-  Vec3d u_, v_;  // axes on the plane
-  Vec2d low_;    // corner of the grid on it
+  const double sensor_m_;  // from the plane
+  Vec3d u_, v_;            // axes on the plane
+  Vec2d low_;              // corner of the grid on it
   double cell_m_ = 0;
   int columns_ = 0, rows_ = 0;        // along u and v
-  std::vector<std::uint8_t> passed_;  // per cell: rays did
+  std::vector<std::uint8_t> passed_;  // per cell: rays did, of those looked at
+  Rays::Visited looked_at_ = Rays::none_visited();
 };
 
 Sight::Sight(const SegmentState& state,
@@ -140,7 +167,12 @@ Sight::Sight(const SegmentState& state,
              std::span<const std::uint32_t> points,
              const Rays& rays,
              double spacing_m)
-    : state_(state), options_(state.options.split_disconnected), fit_(state.planes[plane].fit) {
+    : state_(state),
+      rays_(rays),
+      plane_(plane),
+      options_(state.options.split_disconnected),
+      fit_(state.planes[plane].fit),
+      sensor_m_(fit_.distance_m(state.sensor)) {
   u_ = fit_.normal.unitOrthogonal();
   v_ = fit_.normal.cross(u_);
   low_ = Vec2d::Constant(INFINITY);
@@ -155,25 +187,25 @@ Sight::Sight(const SegmentState& state,
   columns_ = static_cast<int>(size.x() / cell_m_) + 1;
   rows_ = static_cast<int>(size.y() / cell_m_) + 1;
   passed_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
+}
+
+void Sight::mark_through(const Block& block) {
   std::array<Vec3d, 4> corners;
   for (int k = 0; k < 4; ++k)
-    corners[k] = fit_.offset_m() * fit_.normal + (low_.x() + (k % 2) * columns_ * cell_m_) * u_ +
-                 (low_.y() + (k / 2) * rows_ * cell_m_) * v_;
-  rays.visit_through(corners, [&](const Rays::Ray& ray) {
-    if (ray.point < 0 || state.plane_of[ray.point] != plane) mark(ray);
+    corners[k] = fit_.offset_m() * fit_.normal +
+                 (low_.x() + (k % 2 == 0 ? block.x0 : block.x1) * cell_m_) * u_ +
+                 (low_.y() + (k / 2 == 0 ? block.y0 : block.y1) * cell_m_) * v_;
+  rays_.visit_through(corners, looked_at_, [&](const Rays::Ray& ray) {
+    if (ray.point < 0 || state_.plane_of[ray.point] != plane_) mark(ray);
   });
 }
 
 std::optional<Vec3d> Sight::passed_at(const Rays::Ray& ray) const {
   const Vec3d measured = ray.end.cast<double>();
   const double point_m = fit_.distance_m(measured);
-  const double sensor_m = fit_.distance_m(state_.sensor);
-  if (sensor_m * point_m >= 0) return std::nullopt;  // before the plane
-  const double tau_m = ray.point >= 0 ? state_.reach(static_cast<std::uint32_t>(ray.point)).limit_m
-                                      : state_.tau(measured);
-  if (std::abs(point_m) < std::max(options_.behind_m, options_.behind_taus * tau_m))
-    return std::nullopt;
-  return state_.sensor + sensor_m / (sensor_m - point_m) * (measured - state_.sensor);
+  if (sensor_m_ * point_m >= 0) return std::nullopt;  // before the plane
+  if (std::abs(point_m) < ray.behind_m) return std::nullopt;
+  return state_.sensor + sensor_m_ / (sensor_m_ - point_m) * (measured - state_.sensor);
 }
 
 void Sight::mark(const Rays::Ray& ray) {
@@ -185,20 +217,27 @@ void Sight::mark(const Rays::Ray& ray) {
           static_cast<std::size_t>(at.x())] = 1;
 }
 
-bool Sight::is_open_at(const Vec3d& p) const {
-  // Rays are about a cell apart.
-  const Vec2d at = (on_plane(p) - low_) / cell_m_;
-  const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
-  for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
-    for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-      if (passed_[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) +
-                  static_cast<std::size_t>(c)])
+bool Sight::is_passed(const Block& block) const {
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x)
+      if (passed_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(x)])
         return true;
   return false;
 }
 
-bool Sight::is_open_between(std::span<const std::uint32_t> a,
-                            std::span<const std::uint32_t> b) const {
+bool Sight::is_open_at(const Vec3d& p) {
+  // Rays are about a cell apart.
+  const Vec2d at = (on_plane(p) - low_) / cell_m_;
+  const int column = static_cast<int>(at.x()), row = static_cast<int>(at.y());
+  const Block around{std::max(0, column - 1), std::max(0, row - 1), std::min(columns_, column + 2),
+                     std::min(rows_, row + 2)};
+  if (is_passed(around)) return true;
+  mark_through(around);
+  return is_passed(around);
+}
+
+bool Sight::is_open_between(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
   const std::vector<Vec3f>& points = state_.octree.points;
   // From the point of b nearest to a's first, back and forth: not the very nearest pair, but one
   // that faces each other.
@@ -378,7 +417,7 @@ std::vector<Part> parts_seen_apart(const SegmentState& state,
   for (auto k = count; k < parts.size(); ++k) sets.join(0, k);
   if (count > 1 && state.more.rays) {
     if (!rays) rays.emplace(state);
-    const Sight sight(state, plane, points, *rays, spacing_m);
+    Sight sight(state, plane, points, *rays, spacing_m);
     for (std::uint32_t a = 0; a < count; ++a)
       for (std::uint32_t b = a + 1; b < count; ++b)
         if (sets.root(a) != sets.root(b) && !sight.is_open_between(parts[a], parts[b]))
