@@ -247,7 +247,7 @@ void add_planes(const debug::Run& run,
                               : current ? kCurrentLabel
                                         : plane_label_rank(own.size(), points.size());
     list.labels.push_back({from + (look.show_normals ? 1.35F * arrow_m : 0.0F) * normal,
-                           debug::plane_name(plane), selected ? selected_color : ink,
+                           debug::plane_name(run, plane), selected ? selected_color : ink,
                            selected ? 19.0F : 16.0F, true, rank});
   }
 }

@@ -192,7 +192,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   }
   text += ", ";
   if (now.plane >= 0)
-    text += "in " + debug::plane_name(now.plane);
+    text += "in " + debug::plane_name(*state.run(), now.plane);
   else
     text += now.leftover ? "left over" : "not settled";
   if (run.subject->voxel_truth.known()) {

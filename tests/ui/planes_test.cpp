@@ -132,7 +132,7 @@ TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
 TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
   give_foot();
   const std::int32_t floor = largest(Label::h);
-  play(R"({"do": "select.plane", "with": ")" + debug::plane_name(floor) + "\"}");
+  play(R"({"do": "select.plane", "with": ")" + debug::plane_name(*state().run(), floor) + "\"}");
   EXPECT_TRUE(shell.widgets().contains("inspector.verdict"));
   EXPECT_NE(value_of(floor, "area").find("m²"), std::string::npos);
   EXPECT_NE(value_of(floor, "slope").find("°"), std::string::npos);
@@ -154,7 +154,7 @@ TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
   EXPECT_EQ(flight.lines.at(0).find("940 mm wide, from P"), 0u);
   EXPECT_EQ(flight.lines.at(1).find("step 1: rise 15"), 0u) << flight.lines[1];
   EXPECT_NE(flight.lines.at(2).find("mm, going 2"), std::string::npos) << flight.lines[2];
-  const std::string tread = debug::plane_name(flight.planes.at(1));
+  const std::string tread = debug::plane_name(*state().run(), flight.planes.at(1));
   play(R"({"click": "stairs.0.)" + tread + "\"}");
   EXPECT_EQ(state().view.selected.plane, flight.planes[1]);
 }
@@ -165,7 +165,7 @@ TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
   for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
     for (const std::string& text : no_steps_of(state(), p)) {
       EXPECT_NE(text.find("no step: "), std::string::npos) << text;
-      EXPECT_NE(text.find(debug::plane_name(p)), std::string::npos) << "by the window's names";
+      EXPECT_NE(text.find(debug::plane_name(*state().run(), p)), std::string::npos) << "by the window's names";
       ++told;
     }
   EXPECT_GT(told, 0u);

@@ -212,13 +212,23 @@ Clicked click_argument(const State& state, const std::string& action, const std:
   if (text.starts_with("voxel "))
     return {Clicked::On::voxel, number(6, 0, static_cast<int>(run.subject->voxel_count()) - 1)};
   if (text.starts_with("plane "))
-    return {Clicked::On::plane, number(6, 1, run.timeline.plane_count()) - 1};
+    return {Clicked::On::plane, run_plane_argument(state, action, text.substr(6))};
   const std::vector<double> uv = numbers_argument(action, text, 2);
   const Image16& depth = run.subject->frame.depth;
   if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
   if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
     throw Error(fmt::format("{} is outside the {} x {} image", text, depth.width, depth.height));
   return {Clicked::On::pixel, static_cast<int>(uv[1]) * depth.width + static_cast<int>(uv[0])};
+}
+
+std::int32_t run_plane_argument(const State& state,
+                                const std::string& action,
+                                const std::string& text) {
+  const debug::Timeline& timeline = state.run()->timeline;
+  const int number = plane_argument(action, text, 1, timeline.greatest_number());
+  const std::int32_t plane = timeline.plane_of_number(number);
+  if (plane < 0) throw Error(fmt::format("action {}: there is no plane P{}", action, number));
+  return plane;
 }
 
 int plane_argument(const std::string& action, const std::string& text, int low, int high) {

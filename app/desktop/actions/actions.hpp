@@ -79,6 +79,10 @@ std::vector<Action> label_review_actions();  // queue, checks
 // Arguments from text. All throw Error naming the action and what was expected.
 
 int whole_argument(const std::string& action, const std::string& text, int low, int high);
+/// A plane of the run by its name, "3" or "P3"; as the trace counts it.
+std::int32_t run_plane_argument(const State& state,
+                                const std::string& action,
+                                const std::string& text);
 /// "3" or "P3".
 int plane_argument(const std::string& action, const std::string& text, int low, int high);
 /// The item of a list by its number, from 0.

@@ -91,9 +91,9 @@ std::vector<Action> selection_actions() {
        "Ctrl+Shift+P",
        "PLANE",
        [](State& s, const std::string& text) {
+         const std::int32_t plane = run_plane_argument(s, "select.plane", text);
          s.view.selected = {};
-         s.view.selected.plane =
-             plane_argument("select.plane", text, 1, s.run()->timeline.plane_count()) - 1;
+         s.view.selected.plane = plane;
        },
        has_run,
        {}},

@@ -101,7 +101,7 @@ void draw_breakpoints(const Ui& ui) {
 }
 
 /// Sets or removes a breakpoint on what the event is about.
-void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
+void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceEvent& event) {
   if (event.node >= 0) {
     ui.emit("select.node", std::to_string(event.node));
     ui.emit("break.node");
@@ -109,7 +109,7 @@ void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
     ui.emit("select.voxel", std::to_string(event.point));
     ui.emit("break.point");
   } else {
-    ui.emit("break.on", "plane==" + debug::plane_name(event.plane));
+    ui.emit("break.on", "plane==" + debug::plane_name(run, event.plane));
   }
 }
 
@@ -263,7 +263,7 @@ void draw_row(const Ui& ui,
   ui.name(fmt::format("events.break.{}", step), min, ImVec2(gutter, max.y));
   const bool in_gutter = ImGui::GetIO().MousePos.x < gutter;
   if (clicked && in_gutter)
-    toggle_breakpoint(ui, event);
+    toggle_breakpoint(ui, run, event);
   else if (clicked)
     ui.emit("step.goto", std::to_string(step));
 
