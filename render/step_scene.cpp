@@ -407,6 +407,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
           mix(points.colors[v], theme_colors(look.theme).background_bottom, kReceded);
   points.ids.resize(points.positions.size());
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
+  points.size_m *= static_cast<float>(look.point_size);
   points.max_px = 120;  // surfaces stay closed when seen from nearby
   if (look.show_points) list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);

@@ -123,6 +123,7 @@ render::StepLook look_of(const State& state) {
   look.show_settled = view.show_settled;
   look.show_numerals = view.show_numerals;
   look.show_points = view.show_points;
+  look.point_size = view.point_size;
   look.show_planes = view.show_planes;
   look.show_normals = view.show_normals;
   look.show_names = view.show_names;

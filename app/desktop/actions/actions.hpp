@@ -56,8 +56,8 @@ bool fits(const Action& action, Mode mode);
 /// unchanged.
 void apply(State& state, const Command& command);
 
-/// The commands whose titles fit what was typed, best first: letters in order, starts of words
-/// count more.
+/// The actions whose titles or names fit what was typed, best first: those with each word of it as
+/// a whole word, then as the start of one, then anywhere; last those with its letters in order.
 std::vector<const Action*> matching_actions(const std::string& typed, Mode mode);
 
 // Tables by subject; action_table() is all of them.
@@ -69,6 +69,7 @@ std::vector<Action> compare_actions();
 std::vector<Action> view_actions();
 std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
+std::vector<Action> plane_table_actions();   // the table of planes
 std::vector<Action> measure_actions();       // between points and planes that are clicked
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
@@ -121,6 +122,8 @@ std::vector<std::int32_t> breakpoint_steps(const debug::Run& run, const Document
 void follow_run(State& state, const debug::Run& before);
 /// Shows B again where A is flashed.
 void unflash(State& state);
+/// Goes on to the next frame once this one has been looked at; stops at the last.
+void play_frames(State& state, double seconds);
 /// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.

@@ -15,9 +15,6 @@ constexpr double kDegrees = 57.29577951308232;  // in a radian
 
 std::string mm(double m) { return fmt::format("{:.0f} mm", 1000 * m); }
 std::string fine_mm(double m) { return fmt::format("{:.3g} mm", 1000 * m); }
-std::string area_text(double m2) {
-  return m2 < 0.1 ? fmt::format("{:.0f} cm²", 1e4 * m2) : fmt::format("{:.2f} m²", m2);
-}
 
 /// "P3"; "a minor plane" where the result does not list it.
 std::string name_of(const State& state, int id) {

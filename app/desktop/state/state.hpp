@@ -155,6 +155,14 @@ struct Layout {
   double tools = 0.48;   // of the right: criteria and the other tools
 };
 
+enum class PlaneColumn : std::uint8_t { id, label, area, tilt, rms, points, support, steppable };
+/// The table of planes.
+struct PlanesView {
+  std::string filter;  // words that a row has
+  PlaneColumn sorted_by = PlaneColumn::id;
+  bool descending = false;
+};
+
 struct Search {
   std::string text;
   debug::FilterProblem problem;         // message empty: the text is a filter
@@ -176,13 +184,19 @@ enum class Click : std::uint8_t { selects, floor, wall, point, plane };
 inline bool tells_gravity(Click click) { return click == Click::floor || click == Click::wall; }
 inline bool measures(Click click) { return click == Click::point || click == Click::plane; }
 
+inline constexpr double kLeastPointSize = 0.25, kMostPointSize = 4;
+
 struct ViewState {
   Mode mode = Mode::debugger;
   LabelView label;
   std::int32_t step = 0;
   Selection selected;
   Search search;
+  PlanesView planes;
   Playing playing;
+  bool playing_frames =
+      false;             // of the recording, one after the other, each once it has its planes
+  double frame_due = 0;  // seconds that the frame has been shown
 
   // 3D and image.
   std::optional<render::Camera> camera;  // nothing: the frame's own
@@ -190,6 +204,7 @@ struct ViewState {
   bool show_points = true, show_planes = true, show_names = true, show_normals = false;
   bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
+  double point_size = 1;  // of voxels, in edges of one
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
@@ -199,7 +214,7 @@ struct ViewState {
   render::Theme theme = render::Theme::dark;
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
-  std::string inspector_tab = "inspector";  // inspector | point | stairs | bookmarks
+  std::string inspector_tab = "inspector";  // inspector | planes | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
@@ -220,6 +235,8 @@ struct ViewState {
   std::string focus;    // widget that takes the keyboard in the next frame
   std::string message;  // status bar, until the next
   bool message_is_error = false;
+  std::string picture_to;    // where the next frame is written as a picture
+  std::string to_clipboard;  // the window takes it in the next frame
   bool quit = false;
 };
 

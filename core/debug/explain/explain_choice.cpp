@@ -162,8 +162,8 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
                     run.segment_options.split_disconnected.rule == planes::SplitRule::seen &&
                     !run.subject->prepared.from_cloud;
   report.outcome =
-      fmt::format("{} split off {}: {}{}", plane_name(run, event.plane), plane_name(run, event.other),
-                  planes::refinement_of(event.stage)->why_parted,
+      fmt::format("{} split off {}: {}{}", plane_name(run, event.plane),
+                  plane_name(run, event.other), planes::refinement_of(event.stage)->why_parted,
                   seen ? ", and the sensor looked through the gap" : "");
   return report;
 }
@@ -233,8 +233,9 @@ std::string outcome_of(const Run& run, const LeftoverReport& report) {
                          distance_text(plane.distance_m));
   if (report.planes.empty()) return "in no plane: there is none";
   const LeftoverPlane& nearest = report.planes.front();
-  return fmt::format("in no plane: the nearest, {}, is {} away ({}{})", plane_name(run, nearest.plane),
-                     distance_text(nearest.distance_m), nearest.why_not,
+  return fmt::format("in no plane: the nearest, {}, is {} away ({}{})",
+                     plane_name(run, nearest.plane), distance_text(nearest.distance_m),
+                     nearest.why_not,
                      nearest.considered ? ", limit " + distance_text(nearest.limit_m) : "");
 }
 

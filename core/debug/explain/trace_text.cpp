@@ -185,7 +185,6 @@ std::string exact(const PlaneFit& fit) {
                      exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
 }
 
-
 std::string ranges_of(std::span<const std::int32_t> numbers) {
   std::string text;
   for (std::size_t begin = 0, end = 0; begin < numbers.size(); begin = end) {

@@ -238,8 +238,8 @@ class Parser {
     if (!fits || !other.constant)
       fail_filter(other, fmt::format("'{}' is compared with {}, nothing else", text_of(field),
                                      is_plane ? "P7 or 7" : "a number"));
-    FilterFormula concerned = is_plane ? concerns_plane(*other.constant)
-                                       : concerns_point(*other.constant);
+    FilterFormula concerned =
+        is_plane ? concerns_plane(*other.constant) : concerns_point(*other.constant);
     if (sign.text == "==") return concerned;
     return [any = std::move(field.formula), concerned = std::move(concerned)](
                const EventView& e) -> double { return any(e) && !concerned(e); };

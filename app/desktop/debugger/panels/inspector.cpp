@@ -180,9 +180,10 @@ std::string vector_text(const Vec3d& v) {
 void draw_fit(const Ui& ui, const PlaneFit& fit) {
   if (fit.count < 3) return;
   fact(ui, "normal", vector_text(fit.normal));
-  fact(ui, "eigenvalues",
-       fmt::format("{:.3g}  {:.3g}  {:.3g} m²", fit.eigenvalues[0], fit.eigenvalues[1],
-                   fit.eigenvalues[2]));
+  // The roots of the eigenvalues by point: lengths that one can picture.
+  const auto spread = [&](int axis) { return std::sqrt(fit.eigenvalues[axis] / fit.count); };
+  fact(ui, "spread", length_text(spread(2)) + " × " + length_text(spread(1)));
+  tooltip("of its points along its two axes, as standard deviations");
   fact(ui, "RMS", length_text(fit.rms_m()));
 }
 
@@ -253,10 +254,9 @@ void draw_partner(const Ui& ui, const debug::PartnerReport& partner, const std::
                             : partner.coplanar    ? "coplanar too, but not the best"
                                                   : "not coplanar";
   ImGui::PushStyleColor(ImGuiCol_Text, partner.chosen ? ui.colors.good : ui.colors.text);
-  const bool open =
-      ImGui::TreeNodeEx(name.c_str(),
-                        partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,
-                        "%s: %s", name.c_str(), state.c_str());
+  const bool open = ImGui::TreeNodeEx(
+      name.c_str(), partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,
+      "%s: %s", name.c_str(), state.c_str());
   ui.name("inspector.partner." + name);
   ImGui::PopStyleColor();
   if (!open) return;
@@ -300,7 +300,8 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   draw_fit(ui, now->fit);
   fact(ui, "offset", length_text(now->fit.offset_m()));
   if (!now->alive)
-    fact(ui, "state", now->into >= 0 ? "merged into " + debug::plane_name(run, now->into) : "dropped");
+    fact(ui, "state",
+         now->into >= 0 ? "merged into " + debug::plane_name(run, now->into) : "dropped");
   draw_plane_facts(ui, plane);
   std::size_t past = 0;
   for (const planes::PlaneChange& change : changes)

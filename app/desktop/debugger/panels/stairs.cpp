@@ -57,7 +57,8 @@ void draw_stairs(const Ui& ui) {
   for (std::size_t i = 0; i < entries.size(); ++i) draw_entry(ui, entries[i], i);
   if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb or ramp was found.");
   const std::vector<std::string> missed = no_steps_of(ui.state, ui.state.view.selected.plane);
-  if (!missed.empty()) heading(ui, "No step at " + debug::plane_name(*ui.state.run(), ui.state.view.selected.plane));
+  if (!missed.empty())
+    heading(ui, "No step at " + debug::plane_name(*ui.state.run(), ui.state.view.selected.plane));
   for (const std::string& text : missed) paragraph(ui.colors.text, text);
   if (missed.empty())
     paragraph(ui.colors.muted, "Select a level plane to see why no step leads up to it.");

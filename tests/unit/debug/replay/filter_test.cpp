@@ -259,9 +259,8 @@ TEST(Filter, AnEventWithoutTheFieldMakesEveryComparisonFalse) {
 TEST(Filter, APlaneIsFoundInBothItsPlaces) {
   const auto run = run_of(planes::Profile::refined);
   const std::int32_t first = run->timeline.plane_of_number(1);
-  const auto expected = steps_where(*run, [&](const planes::TraceEvent& e) {
-    return e.plane == first || e.other == first;
-  });
+  const auto expected = steps_where(
+      *run, [&](const planes::TraceEvent& e) { return e.plane == first || e.other == first; });
   ASSERT_FALSE(expected.empty());
   EXPECT_EQ(steps_of(*run, "plane==1"), expected);
   EXPECT_EQ(steps_of(*run, "P1==plane"), expected);
