@@ -249,7 +249,7 @@ void add_planes(const debug::Run& run,
                               : current ? kCurrentLabel
                                         : plane_label_rank(own.size(), points.size());
     list.labels.push_back({from + (look.show_normals ? 1.35F * arrow_m : 0.0F) * normal,
-                           debug::plane_name(plane), selected ? selected_color : ink,
+                           debug::plane_name(run, plane), selected ? selected_color : ink,
                            selected ? 19.0F : 16.0F, true, rank});
   }
 }
@@ -425,6 +425,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
   std::iota(points.ids.begin(), points.ids.end(), pick_id(Picked::Kind::voxel, 0));
   const bool alone = look.isolated && !concerned.empty();
   if (alone) keep_only(concerned, points);
+  points.size_m *= static_cast<float>(look.point_size);
   points.max_px = 120;  // surfaces stay closed when seen from nearby
   if (look.show_points) list.points.push_back(std::move(points));
   add_node_boxes(run, look, state, list);

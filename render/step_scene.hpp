@@ -30,6 +30,7 @@ struct StepLook {
   bool show_normals = true;
   bool show_names = true;
   bool show_points = true;
+  double point_size = 1;     // of voxels, in edges of one
   bool show_foot = false;    // of the finished planes: where the centre of a foot may go
   bool show_stairs = false;  // between them: flights, kerbs and ramps
   bool show_current = true;  // what the step is about

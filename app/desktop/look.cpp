@@ -200,6 +200,7 @@ render::StepLook look_of(const State& state) {
   look.show_settled = view.show_settled;
   look.show_numerals = view.show_numerals;
   look.show_points = view.show_points;
+  look.point_size = view.point_size;
   look.show_planes = view.show_planes;
   look.show_normals = view.show_normals;
   look.show_names = view.show_names;
@@ -339,7 +340,7 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   }
   text += ", ";
   if (now.plane >= 0)
-    text += "in " + debug::plane_name(now.plane);
+    text += "in " + debug::plane_name(*state.run(), now.plane);
   else
     text += now.leftover ? "left over" : "not settled";
   if (run.subject->voxel_truth.known()) {

@@ -27,6 +27,7 @@ void draw_events(const Ui& ui);     // event list, filter, breakpoints
 void draw_inspector(const Ui& ui);  // criteria of a node, terms of a merge, distances of a point
 void draw_point(const Ui& ui);      // a point's life, why not
 void draw_bookmarks(const Ui& ui);
+void draw_planes(const Ui& ui);    // the result's planes, one a row
 void draw_stairs(const Ui& ui);    // flights, kerbs, ramps, and why there is none
 void draw_criteria(const Ui& ui);  // options as sliders
 void draw_histograms(const Ui& ui);
@@ -72,6 +73,7 @@ struct Tab {
 };
 
 inline constexpr Tab kInspectorTabs[] = {{"inspector", "Inspector", draw_inspector},
+                                         {"planes", "Planes", draw_planes},
                                          {"point", "Point", draw_point},
                                          {"stairs", "Stairs", draw_stairs},
                                          {"bookmarks", "Bookmarks", draw_bookmarks}};

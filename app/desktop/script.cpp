@@ -212,6 +212,17 @@ class Player {
 
 }  // namespace
 
+void take_picture(Shell& shell, Stage& stage) {
+  const std::string path = shell.take_picture_path();
+  if (path.empty()) return;
+  try {
+    stage.screenshot(path);
+    shell.tell("picture written to " + path, false);
+  } catch (const std::exception& error) {
+    shell.tell(error.what(), true);
+  }
+}
+
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {
   do {  // the last frame may see that something is missing that could not be begun before
     stage.draw_frame();

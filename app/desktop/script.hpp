@@ -41,6 +41,9 @@ class Stage {
                           const std::optional<WidgetRect>& part = {}) = 0;
 };
 
+/// Writes the picture that an action asked for, if one did.
+void take_picture(Shell& shell, Stage& stage);
+
 class Script {
  public:
   /// Throws Error naming the file and the action that cannot be understood.

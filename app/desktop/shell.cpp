@@ -1,6 +1,7 @@
 #include "app/desktop/shell.hpp"
 
 #include <fmt/format.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,6 +189,14 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
+/// The menu or list that is open, if one is. ImGui closes none by itself while its keys are ours.
+bool close_menu() {
+  constexpr ImGuiPopupFlags kAny = ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel;
+  if (!ImGui::IsPopupOpen("", kAny)) return false;
+  ImGui::ClosePopupToLevel(0, true);
+  return true;
+}
+
 /// If this fails, the journal has everything, and there is no window left to say so in.
 void save_quietly(const OpenRecording& open) {
   try {
@@ -242,6 +251,8 @@ void Shell::rebuild_fonts(float scale) {
   fonts_changed_ = true;
 }
 
+std::string Shell::take_picture_path() { return std::exchange(state_.view.picture_to, {}); }
+
 bool Shell::take_fonts_changed() { return std::exchange(fonts_changed_, false); }
 
 void Shell::perform(const Command& command, bool strict) {
@@ -250,6 +261,9 @@ void Shell::perform(const Command& command, bool strict) {
     const bool asks =
         !strict && command.argument.empty() && needs_argument(find_action(command.action));
     apply(state_, asks ? Command{"palette.ask", command.action} : command);
+    ViewState& view = state_.view;
+    if (view.show_palette && !asks && view.palette_asks == command.action)
+      view.show_palette = false;
   } catch (const std::exception& error) {  // an Error, or one of the file system
     if (strict) throw;
     say(state_, error.what(), true);
@@ -257,7 +271,8 @@ void Shell::perform(const Command& command, bool strict) {
 }
 
 bool Shell::needs_frame() const {
-  return frames_to_draw_ > 0 || !input_.empty() || state_.view.playing.direction != 0;
+  return frames_to_draw_ > 0 || !input_.empty() || state_.view.playing.direction != 0 ||
+         state_.view.playing_frames;
 }
 
 void Shell::frame(int width, int height, float screen_scale, double seconds) {
@@ -278,6 +293,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     const bool edits = key == "Ctrl+A" || key == "Ctrl+C" || key == "Ctrl+V" || key == "Ctrl+X" ||
                        key == "Ctrl+Z" || key == "Ctrl+Y";
     if (typing && (!ours || edits)) return;
+    if (key == "Escape" && close_menu()) return;
     if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
     if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
     const Action* action = action_of_key(key, state_.view.mode);
@@ -297,6 +313,11 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (steps > 0) go_to_step(state_, target);
     const bool arrived = playing.direction > 0 ? target >= state_.run()->steps() : target <= 0;
     if (arrived) playing.direction = 0;
+    frames_to_draw_ = std::max(frames_to_draw_, 2);
+  }
+
+  if (state_.view.playing_frames) {
+    play_frames(state_, seconds);
     frames_to_draw_ = std::max(frames_to_draw_, 2);
   }
 

@@ -37,6 +37,10 @@ class Shell {
   /// Nothing is under way and nothing is left to show.
   bool idle(bool background = true) const { return !needs_frame() && !jobs_.busy(background); }
   ImGuiContext* context() const { return context_; }
+  /// Where a picture of this frame is wanted, once; empty: nowhere.
+  std::string take_picture_path();
+  /// Tells what became of something outside of the state.
+  void tell(const std::string& message, bool is_error) { say(state_, message, is_error); }
   /// The font atlas was made anew since the last call.
   bool take_fonts_changed();
 

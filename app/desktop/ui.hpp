@@ -8,11 +8,13 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/canvas.hpp"
+#include "app/desktop/debugger/event_rows.hpp"
 #include "app/desktop/debugger/filter_box.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/labels/review/audit.hpp"
@@ -40,6 +42,13 @@ struct BreakpointStops {
   std::weak_ptr<const debug::Run> run;
   std::string breakpoints;
   std::vector<std::int32_t> steps;
+};
+
+/// The event list's groups, kept while the run is the same, and which of them are open.
+struct EventGroups {
+  std::weak_ptr<const debug::Run> run;
+  std::vector<EventRow> rows;
+  std::set<std::int32_t> open;  // by first step
 };
 
 /// What the point panel tells, kept until another point or run is looked at.
@@ -104,6 +113,7 @@ struct PanelMemory {
   std::map<std::string, std::string> texts;  // by widget
   std::map<std::string, double> numbers;     // by widget
   BreakpointStops breakpoint_stops;
+  EventGroups events;
   PointStory point;
   KeptLabelFacts label_facts;
   debug::Histogram grabbed;  // as it was when its threshold was taken hold of

@@ -205,12 +205,6 @@ std::string number_text(double value) {
   return fmt::format("{:.4g}", value);
 }
 
-std::string length_text(double metres) {
-  return std::abs(metres) < 0.01 ? fmt::format("{:.3g} mm", 1000 * metres)
-         : std::abs(metres) < 1  ? fmt::format("{:.3g} cm", 100 * metres)
-                                 : fmt::format("{:.3g} m", metres);
-}
-
 // ---- Buttons -----------------------------------------------------------------------------------
 
 bool button(const Ui& ui, const std::string& text, const std::string& widget, bool enabled) {

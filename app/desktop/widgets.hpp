@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/desktop/ui.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 
@@ -52,8 +53,6 @@ void math_paragraph(const Ui& ui, ImU32 color, const std::string& text);
 
 /// "12", "0.0071", "∞"; "–" where there is none.
 std::string number_text(double value);
-/// "7.1 mm", "1.2 cm", "3.4 m".
-std::string length_text(double metres);
 
 // ---- Buttons -----------------------------------------------------------------------------------
 

@@ -213,6 +213,7 @@ void Window::draw_frame() {
   stopwatch_.add(std::chrono::duration<double, std::milli>(Clock::now() - now).count(),
                  shell().timing);
   glfwSwapBuffers(window_);
+  take_picture(shell(), *this);
   show_cursor();
   if (!options_.state_file.empty()) write_state();
   const OpenRecording* open = shell().state().document.current();
@@ -300,6 +301,7 @@ void Offscreen::draw_frame() {
   // megabytes.
   glFinish();
   screen_->draw(width_, height_, scale_, 1.0 / 60);
+  take_picture(screen_->shell(), *this);
 }
 
 void Offscreen::finish() {

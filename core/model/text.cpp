@@ -1,5 +1,7 @@
 #include "core/model/text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -96,6 +98,19 @@ std::string one_line(std::string text) {
     if ((c >= '\0' && c < ' ') || c == '\x7f') c = '?';
   }
   return text;
+}
+
+std::string length_text(double metres) {
+  const double size = std::abs(metres);
+  if (size < 0.001) return fmt::format("{:.2f} mm", 1000 * metres);
+  if (size < 0.01) return fmt::format("{:.3g} mm", 1000 * metres);
+  if (size < 1) return fmt::format("{:.3g} cm", 100 * metres);
+  return size < 100 ? fmt::format("{:.3g} m", metres) : fmt::format("{:.0f} m", metres);
+}
+
+std::string area_text(double m2) {
+  if (m2 < 0.1) return fmt::format("{:.0f} cm²", 1e4 * m2);
+  return m2 < 10 ? fmt::format("{:.2f} m²", m2) : fmt::format("{:.0f} m²", m2);
 }
 
 std::string counted(std::size_t count, std::string_view noun) {

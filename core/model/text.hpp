@@ -29,6 +29,11 @@ std::string minutes_text(double seconds);
 /// characters '?'.
 std::string one_line(std::string text);
 
+/// "7.1 mm", "12.3 cm", "3.42 m", "231 m": three digits.
+std::string length_text(double metres);
+/// "12 cm²", "0.52 m²", "4470 m²".
+std::string area_text(double m2);
+
 /// "2 frames", "1 frame".
 std::string counted(std::size_t count, std::string_view noun);
 

@@ -220,6 +220,7 @@ TEST(Marking, GathersTheVoxelsOfARectangle) {
   EXPECT_GT(some, 3u);
   apply(state, {"mark.pixels", "300,300,340,340"});
   EXPECT_EQ(state.document.marked.size(), some);
+  EXPECT_EQ(state.view.message, "all of that is marked already");
   apply(state, {"mark.clear", ""});
   EXPECT_TRUE(state.document.marked.empty());
 }
@@ -261,6 +262,13 @@ TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
   EXPECT_EQ(matching_actions("next match", Mode::debugger).front()->name, "filter.next");
   EXPECT_EQ(matching_actions("look above", Mode::debugger).front()->name, "camera.top");
   EXPECT_TRUE(matching_actions("qqqqzz", Mode::debugger).empty());
+  // A whole word goes before the start of one, that before what stands within one.
+  const auto place = [](const std::string& typed, const std::string& name) {
+    const auto found = matching_actions(typed, Mode::debugger);
+    const auto at = std::ranges::find(found, name, &Action::name);
+    return at - found.begin();
+  };
+  EXPECT_LT(place("plane", "select.plane"), place("plane", "show.planes"));
   const std::size_t everywhere = matching_actions("", Mode::debugger).size();
   EXPECT_LT(everywhere, action_table().size());
   EXPECT_EQ(

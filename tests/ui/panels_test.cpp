@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/desktop/debugger/axes.hpp"
+#include "app/desktop/debugger/event_rows.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -156,6 +157,47 @@ TEST_F(Panels, ThePaletteClosesWithEscapeWhileOneTypes) {
   EXPECT_FALSE(shown("palette.text"));
 }
 
+TEST_F(Panels, EscapeClosesTheMenuThatIsOpenAndNothingElse) {
+  shell.perform({"select.node", "3"});
+  settle(shell, stage, {});
+  click("menu.Step");
+  EXPECT_TRUE(shown("menu.step.first"));
+  tap(Key::escape);
+  EXPECT_FALSE(shown("menu.step.first"));
+  EXPECT_EQ(state().view.selected.node, 3);
+  tap(Key::escape);
+  EXPECT_EQ(state().view.selected.node, -1);
+}
+
+TEST_F(Panels, ADialogStaysOpenOnAWrongPathWithTheReason) {
+  shell.perform({"recording.open", ""});
+  settle(shell, stage, {});
+  play(R"({"type": "/there/is/nothing"}, {"key": "Enter"})");
+  EXPECT_TRUE(state().view.show_palette);
+  EXPECT_TRUE(shown("palette.problem"));
+  EXPECT_EQ(state().document.recordings.size(), 1u);
+}
+
+TEST_F(Panels, APathIsCompletedFromWhatIsThere) {
+  const std::filesystem::path dir = scratch_dir();
+  std::filesystem::create_directories(dir / "recording_one");
+  std::ofstream(dir / "other.txt") << "";
+  shell.perform({"palette.ask", "recording.open"});
+  settle(shell, stage, {});
+  for (const char c : (dir / "rec").string())
+    shell.input().push({.type = InputEvent::Type::text, .character = static_cast<char32_t>(c)});
+  settle(shell, stage, {});
+  ASSERT_TRUE(shown("palette.path.0"));
+  EXPECT_FALSE(shown("palette.path.1"));
+}
+
+TEST_F(Panels, FramesArePlayedUpToTheLast) {
+  play(R"("frame.play")");
+  EXPECT_FALSE(state().view.playing_frames);
+  EXPECT_EQ(state().document.frame, state().document.current()->recording->frame_count() - 1);
+  EXPECT_EQ(state().run()->subject->frame.index, state().document.frame) << "and it has its planes";
+}
+
 TEST_F(Panels, AtRestNothingIsDrawn) {
   EXPECT_TRUE(shell.idle());
   shell.perform({"step.previous", ""});
@@ -223,6 +265,34 @@ TEST_F(SearchPanels, OfThousandsOfEventsOnlyThoseInSightAreDrawn) {
   ASSERT_GT(run().steps(), 3000);
   EXPECT_LT(numbers_of("events.step.").size(), 60u);
   EXPECT_LT(numbers_of("octree.node.").size(), 60u);
+}
+
+TEST_F(SearchPanels, ManyEventsOfAKindAreOneLineThatOpensBelowTheirStage) {
+  const debug::Run& run = *state().run();
+  const std::vector<EventRow> rows = event_groups(run);
+  ASSERT_LT(rows.size(), static_cast<std::size_t>(run.steps()));
+  EXPECT_EQ(rows.front().kind, EventRow::Kind::stage);
+  EXPECT_EQ(stage_title(run, 1), "traversal");
+  const auto group = std::ranges::find(rows, EventRow::Kind::group, &EventRow::kind);
+  ASSERT_NE(group, rows.end());
+  EXPECT_GE(group->last - group->first, 2);
+  EXPECT_NE(group_text(run, *group).find(" points "), std::string::npos);
+  std::int32_t next = 1;  // every step once, in order
+  for (const EventRow& row : rows) {
+    if (row.kind == EventRow::Kind::stage) continue;
+    EXPECT_EQ(row.first, next);
+    next = row.last + 1;
+  }
+  EXPECT_EQ(next, run.steps() + 1);
+  shell.perform({"step.goto", std::to_string(group->last)});
+  settle(shell, stage, {});
+  const std::string widget = fmt::format("events.group.{}", group->first);
+  ASSERT_TRUE(shown(widget));
+  EXPECT_FALSE(shown(fmt::format("events.step.{}", group->first)));
+  play(R"({"click": ")" + widget + R"("}, {"wheel": "panel.events", "by": -1})");
+  EXPECT_TRUE(shown(fmt::format("events.step.{}", group->first)));
+  play(R"({"click": ")" + widget + "\"}");
+  EXPECT_FALSE(shown(fmt::format("events.step.{}", group->first)));
 }
 
 TEST_F(SearchPanels, ARowGoesToItsStepAndItsGutterSetsABreakpoint) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "app/desktop/debugger/plane_table.hpp"
 #include "app/desktop/debugger/plane_text.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/look.hpp"
@@ -132,7 +133,7 @@ TEST_F(Planes, AVoxelTellsItsPlanesVerdictWhereThatIsAsked) {
 TEST_F(Planes, TheInspectorHasWhatAFinishedPlaneIsWorth) {
   give_foot();
   const std::int32_t floor = largest(Label::h);
-  play(R"({"do": "select.plane", "with": ")" + debug::plane_name(floor) + "\"}");
+  play(R"({"do": "select.plane", "with": ")" + debug::plane_name(*state().run(), floor) + "\"}");
   EXPECT_TRUE(shell.widgets().contains("inspector.verdict"));
   EXPECT_NE(value_of(floor, "area").find("m²"), std::string::npos);
   EXPECT_NE(value_of(floor, "slope").find("°"), std::string::npos);
@@ -154,7 +155,7 @@ TEST_F(Planes, AFlightIsListedWithItsStepsAndLeadsToItsPlanes) {
   EXPECT_EQ(flight.lines.at(0).find("940 mm wide, from P"), 0u);
   EXPECT_EQ(flight.lines.at(1).find("step 1: rise 15"), 0u) << flight.lines[1];
   EXPECT_NE(flight.lines.at(2).find("mm, going 2"), std::string::npos) << flight.lines[2];
-  const std::string tread = debug::plane_name(flight.planes.at(1));
+  const std::string tread = debug::plane_name(*state().run(), flight.planes.at(1));
   play(R"({"click": "stairs.0.)" + tread + "\"}");
   EXPECT_EQ(state().view.selected.plane, flight.planes[1]);
 }
@@ -165,7 +166,8 @@ TEST_F(Planes, ALevelThatNoStepLeadsUpToSaysWhy) {
   for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
     for (const std::string& text : no_steps_of(state(), p)) {
       EXPECT_NE(text.find("no step: "), std::string::npos) << text;
-      EXPECT_NE(text.find(debug::plane_name(p)), std::string::npos) << "by the window's names";
+      EXPECT_NE(text.find(debug::plane_name(*state().run(), p)), std::string::npos)
+          << "by the window's names";
       ++told;
     }
   EXPECT_GT(told, 0u);
@@ -195,6 +197,40 @@ TEST_F(Planes, OfAPinnedRunAreKnownWhileItIsFlashed) {
   EXPECT_NE(look_of(state()).planes, b);
   play(R"("run.flash")");
   EXPECT_EQ(look_of(state()).planes, b) << "kept";
+}
+
+TEST_F(Planes, StandInATableThatIsSortedFilteredAndLinkedWithTheScene) {
+  play(R"({"do": "tab.inspector", "with": "planes"})");
+  const std::size_t all = state().run()->segmentation.planes.size();
+  ASSERT_EQ(plane_rows(state()).size(), all);
+  EXPECT_EQ(plane_rows(state()).front().id, 1) << "as planes.json has them";
+  play(R"({"click": "planes.sort.tilt"})");
+  std::vector<PlaneRow> rows = plane_rows(state());
+  EXPECT_GT(rows.front().tilt_deg, 80);
+  EXPECT_LT(rows.back().tilt_deg, 10);
+  play(R"({"click": "planes.sort.tilt"})");
+  EXPECT_LT(plane_rows(state()).front().tilt_deg, 10) << "the other way round";
+  play(R"({"do": "planes.filter", "with": "upright m²"})");
+  rows = plane_rows(state());
+  ASSERT_FALSE(rows.empty());
+  EXPECT_LT(rows.size(), all);
+  for (const PlaneRow& row : rows) EXPECT_EQ(row.label, Label::v);
+  play(fmt::format(R"({{"click": "planes.{}"}})", rows[0].id));
+  EXPECT_EQ(state().view.selected.plane, rows[0].plane);
+  EXPECT_EQ(look_of(state()).plane, rows[0].plane) << "in the scene too";
+}
+
+TEST_F(Planes, AreCopiedAsCsvInTheOrderOfTheTable) {
+  play(R"({"do": "planes.sort", "with": "area"}, "planes.copy")");
+  const std::string csv = ImGui::GetClipboardText();
+  EXPECT_EQ(csv.find("id,class,area_m2,tilt_deg,rms_m,points,support,steppable\n"), 0u);
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')),
+            state().run()->segmentation.planes.size() + 1);
+  const PlaneRow largest = plane_rows(state()).front();
+  EXPECT_NE(csv.find(fmt::format("\n{},{},{},", largest.id, to_string(largest.label, ""),
+                                 largest.area_m2)),
+            std::string::npos)
+      << csv;
 }
 
 }  // namespace

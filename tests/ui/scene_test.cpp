@@ -102,7 +102,7 @@ TEST_F(Scene, LookingAtWhatIsSelectedHoldsItAndTurnsNothing) {
   run("camera.selected");
   EXPECT_TRUE(holds(render::node_points(shown, last)));
   const double near_node = (camera().eye - camera().target).norm();
-  run("select.plane", "1");
+  run("select.plane", debug::plane_name(shown, 0));
   run("camera.selected");
   EXPECT_TRUE(holds(render::plane_points(shown, 0, state().view.step)));
   EXPECT_GT((camera().eye - camera().target).norm(), near_node);
@@ -276,7 +276,7 @@ TEST_F(Scene, APlaneIsChosenAndCopiedFromItsMenu) {
       for (const Command& command : entry.commands) run(command.action, command.argument);
   EXPECT_EQ(state().view.selected.plane, 2);
   EXPECT_TRUE(state().view.isolated);
-  EXPECT_EQ(std::string(ImGui::GetClipboardText()), "P3");
+  EXPECT_EQ(std::string(ImGui::GetClipboardText()), debug::plane_name(*state().run(), 2));
 }
 
 // ---- The current node ----
@@ -383,7 +383,7 @@ TEST_F(Compared, TheOtherRunIsShownAtTheSamePlace) {
     run("step.last");
     std::int32_t plane = 0;
     while (state().run()->timeline.result_of_plane(plane) != pair.b) ++plane;
-    run("select.plane", std::to_string(plane + 1));
+    run("select.plane", debug::plane_name(*state().run(), plane));
     const std::int32_t there = other_look_of(state()).plane;
     ASSERT_GE(there, 0);
     EXPECT_EQ(state().results.pinned->run->timeline.result_of_plane(there), pair.a);

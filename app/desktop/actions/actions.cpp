@@ -16,6 +16,43 @@ namespace {
 /// The root; -1 where a frame without points has none.
 std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
 
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
+
+/// 3: a whole word of the text, 2: the start of one, 1: somewhere in it, 0: nowhere.
+int fit_of_word(const std::string& word, const std::string& text) {
+  int best = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    const bool starts = at == 0 || !is_letter(text[at - 1]);
+    const bool ends = end == text.size() || !is_letter(text[end]);
+    best = std::max(best, starts && ends ? 3 : starts ? 2 : 1);
+  }
+  return best;
+}
+
+/// The worse of the words decides, then all of them; -1: not even their letters are there in order.
+int fit_of(const std::vector<std::string>& words, const std::string& text) {
+  int least = 3, sum = 0;
+  for (const std::string& word : words) {
+    const int fit = fit_of_word(word, text);
+    least = std::min(least, fit);
+    sum += fit;
+  }
+  if (least > 0) return 1000 * least + sum;
+  std::size_t from = 0;
+  for (const std::string& word : words)
+    for (const char c : word) {
+      from = text.find(c, from);
+      if (from++ == std::string::npos) return -1;
+    }
+  return sum;
+}
+
 }  // namespace
 
 const std::vector<Action>& action_table() {
@@ -37,6 +74,7 @@ const std::vector<Action>& action_table() {
       add(part(), KeyMode::labels);
     add(gravity_actions(), KeyMode::anywhere);
     add(measure_actions(), KeyMode::debugger);
+    add(plane_table_actions(), KeyMode::debugger);
     return all;
   }();
   return table;
@@ -103,33 +141,17 @@ void apply(State& state, const Command& command) {
 }
 
 std::vector<const Action*> matching_actions(const std::string& typed, Mode mode) {
-  std::string wanted;
-  for (const char c : typed)
-    if (c != ' ') wanted += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::vector<std::string> wanted = split(lower(typed), ' ');
+  std::erase(wanted, "");
   std::vector<std::pair<int, const Action*>> found;
   for (const Action& action : action_table()) {
     if (!fits(action, mode)) continue;
-    int score = 0;
-    std::size_t next = 0;
-    char before = ' ';
-    bool run = false;  // the letter before matched too
-    for (const char raw : action.title + "  " + action.name) {
-      const char c = static_cast<char>(std::tolower(static_cast<unsigned char>(raw)));
-      const bool hit = next < wanted.size() && c == wanted[next];
-      if (hit) {
-        const bool word = before == ' ' || before == '.' || before == '_';
-        score += word ? 8 : run ? 4 : 1;
-        ++next;
-      }
-      run = hit;
-      before = c;
-    }
-    if (next == wanted.size()) found.emplace_back(score, &action);
+    const int fit = fit_of(wanted, lower(action.title) + "  " + lower(action.name));
+    if (fit >= 0) found.emplace_back(fit, &action);
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(found, std::ranges::greater(), &std::pair<int, const Action*>::first);
   std::vector<const Action*> actions;
-  for (const auto& [score, action] : found) actions.push_back(action);
+  for (const auto& [fit, action] : found) actions.push_back(action);
   return actions;
 }
 
@@ -219,13 +241,23 @@ Clicked click_argument(const State& state, const std::string& action, const std:
   if (text.starts_with("voxel "))
     return {Clicked::On::voxel, number(6, 0, static_cast<int>(run.subject->voxel_count()) - 1)};
   if (text.starts_with("plane "))
-    return {Clicked::On::plane, number(6, 1, run.timeline.plane_count()) - 1};
+    return {Clicked::On::plane, run_plane_argument(state, action, text.substr(6))};
   const std::vector<double> uv = numbers_argument(action, text, 2);
   const Image16& depth = run.subject->frame.depth;
   if (depth.empty()) throw Error("a cloud has no pixels, click a point of it in space");
   if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] < depth.width && uv[1] < depth.height))
     throw Error(fmt::format("{} is outside the {} x {} image", text, depth.width, depth.height));
   return {Clicked::On::pixel, static_cast<int>(uv[1]) * depth.width + static_cast<int>(uv[0])};
+}
+
+std::int32_t run_plane_argument(const State& state,
+                                const std::string& action,
+                                const std::string& text) {
+  const debug::Timeline& timeline = state.run()->timeline;
+  const int number = plane_argument(action, text, 1, timeline.greatest_number());
+  const std::int32_t plane = timeline.plane_of_number(number);
+  if (plane < 0) throw Error(fmt::format("action {}: there is no plane P{}", action, number));
+  return plane;
 }
 
 int plane_argument(const std::string& action, const std::string& text, int low, int high) {

@@ -56,8 +56,8 @@ bool fits(const Action& action, Mode mode);
 /// unchanged.
 void apply(State& state, const Command& command);
 
-/// The commands whose titles fit what was typed, best first: letters in order, starts of words
-/// count more.
+/// The actions whose titles or names fit what was typed, best first: those with each word of it as
+/// a whole word, then as the start of one, then anywhere; last those with its letters in order.
 std::vector<const Action*> matching_actions(const std::string& typed, Mode mode);
 
 // Tables by subject; action_table() is all of them.
@@ -70,6 +70,7 @@ std::vector<Action> view_actions();
 std::vector<Action> camera_actions();
 std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
+std::vector<Action> plane_table_actions();   // the table of planes
 std::vector<Action> measure_actions();       // between points and planes that are clicked
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
@@ -82,6 +83,10 @@ std::vector<Action> label_review_actions();  // queue, checks
 // Arguments from text. All throw Error naming the action and what was expected.
 
 int whole_argument(const std::string& action, const std::string& text, int low, int high);
+/// A plane of the run by its name, "3" or "P3"; as the trace counts it.
+std::int32_t run_plane_argument(const State& state,
+                                const std::string& action,
+                                const std::string& text);
 /// "3" or "P3".
 int plane_argument(const std::string& action, const std::string& text, int low, int high);
 /// The item of a list by its number, from 0.
@@ -127,6 +132,8 @@ void move_camera(State& state,
 void forget_cameras(State& state);
 /// Shows B again where A is flashed.
 void unflash(State& state);
+/// Goes on to the next frame once this one has been looked at; stops at the last.
+void play_frames(State& state, double seconds);
 /// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.

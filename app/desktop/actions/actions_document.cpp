@@ -68,6 +68,10 @@ void show_frame(State& state, int frame) {
   state.document.frame = wanted;
 }
 
+bool is_last_frame(const State& state) {
+  return state.document.frame + 1 >= state.document.current()->recording->frame_count();
+}
+
 void open(State& state, const std::string& text) {
   if (text.empty()) throw Error("action recording.open: a path is missing");
   Document& document = state.document;
@@ -104,6 +108,25 @@ Bookmark& bookmark_at(State& state, const char* action, const std::string& text)
 }
 
 }  // namespace
+
+void play_frames(State& state, double seconds) {
+  ViewState& view = state.view;
+  if (!view.playing_frames) return;
+  if (view.mode == Mode::labels || !has_recording(state) || is_last_frame(state)) {
+    view.playing_frames = false;
+    return;
+  }
+  const debug::Run* run = state.run();
+  const bool shown =
+      !state.results.loading && (!state.results.refusal.empty() ||
+                                 (run && run->subject->frame.index == state.document.frame));
+  if (!shown) return;
+  constexpr double kShown_s = 0.2;  // long enough to be looked at
+  view.frame_due += seconds;
+  if (view.frame_due < kShown_s) return;
+  view.frame_due = 0;
+  show_frame(state, state.document.frame + 1);
+}
 
 void go_to_bookmark(State& state, const Bookmark& bookmark) {
   const OpenRecording* open = state.document.current();
@@ -173,6 +196,12 @@ std::vector<Action> document_actions() {
        [](State& s, const std::string&) { show_frame(s, s.document.frame - 1); },
        has_recording,
        {}},
+      {"frame.play", "Play the frames", file, "Ctrl+Space", "",
+       [](State& s, const std::string&) {
+         s.view.playing_frames = !s.view.playing_frames && !is_last_frame(s);
+         s.view.frame_due = 0;
+       },
+       has_recording, [](const State& s) { return s.view.playing_frames; }, KeyMode::debugger},
       {"strip.cancel",
        "Stop filling the frame strip",
        file,

@@ -6,6 +6,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -40,6 +41,14 @@ void select_pixel(State& state, double u, double v) {
   state.view.selected.source = source;
 }
 
+/// Of one in which nothing could be marked anew.
+std::string what_is_wrong_with_a_box(std::size_t measured, std::size_t beyond) {
+  if (measured == 0) return "nothing was marked: nothing was measured there";
+  if (beyond == measured)
+    return "nothing was marked: all of it is beyond the range, raise max_range_m";
+  return "all of that is marked already";
+}
+
 void mark_pixels(State& state, const std::vector<double>& box) {
   const debug::Subject& subject = *state.run()->subject;
   const Image16& depth = subject.frame.depth;
@@ -48,6 +57,8 @@ void mark_pixels(State& state, const std::vector<double>& box) {
   std::vector<std::uint32_t>& marked = state.document.marked;
   for (const std::uint32_t voxel : marked)
     if (voxel < seen.size()) seen[voxel] = 1;
+  const std::size_t before = marked.size();
+  std::size_t measured = 0, beyond = 0;
   const auto inside = [](double value, int size) {
     return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
   };
@@ -55,13 +66,19 @@ void mark_pixels(State& state, const std::vector<double>& box) {
        v < inside(std::max(box[1], box[3]), depth.height); ++v)
     for (int u = inside(std::min(box[0], box[2]), depth.width);
          u < inside(std::max(box[0], box[2]), depth.width); ++u) {
+      const std::uint16_t count = depth.at(u, v);
+      if (count == 0 || count == 65535) continue;
+      ++measured;
       const std::uint32_t voxel =
           subject.voxel_of_source(static_cast<std::size_t>(v) * depth.width + u);
+      beyond += voxel == planes::kNoVoxel;
       if (voxel == planes::kNoVoxel || seen[voxel]) continue;
       seen[voxel] = 1;
       marked.push_back(voxel);
     }
-  say(state, fmt::format("{} voxels marked", marked.size()));
+  const bool any = marked.size() > before;
+  if (any) return say(state, counted(marked.size(), "voxel") + " marked");
+  say(state, what_is_wrong_with_a_box(measured, beyond), true);
 }
 
 void show_point(State& state) {
@@ -91,9 +108,9 @@ std::vector<Action> selection_actions() {
        "Ctrl+Shift+P",
        "PLANE",
        [](State& s, const std::string& text) {
+         const std::int32_t plane = run_plane_argument(s, "select.plane", text);
          s.view.selected = {};
-         s.view.selected.plane =
-             plane_argument("select.plane", text, 1, s.run()->timeline.plane_count()) - 1;
+         s.view.selected.plane = plane;
        },
        has_run,
        {}},

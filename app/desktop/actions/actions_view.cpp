@@ -39,6 +39,33 @@ Action toggle(const std::string& name,
   return action;
 }
 
+constexpr double kPointStep = 1.25;
+
+Action point_size_action(const std::string& name,
+                         const std::string& title,
+                         const std::string& key,
+                         double factor) {
+  Action action = {name,
+                   title,
+                   "View",
+                   key,
+                   "",
+                   [factor](State& s, const std::string&) {
+                     s.view.point_size =
+                         std::clamp(s.view.point_size * factor, kLeastPointSize, kMostPointSize);
+                     say(s, fmt::format("points of {:.2f} voxels", s.view.point_size));
+                   },
+                   {},
+                   {}};
+  action.mode = KeyMode::debugger;
+  return action;
+}
+
+Action in_every_mode(Action action) {
+  action.mode = KeyMode::anywhere;
+  return action;
+}
+
 Action tab_action(const std::string& name,
                   const std::string& title,
                   std::span<const Tab> tabs,
@@ -247,11 +274,26 @@ std::vector<Action> view_actions() {
        [](State& s, const std::string& text) {
          s.view.palette_asks = find_action(text).name;
          s.view.show_palette = true;
+         say(s, "");  // a reason that is shown there is of what is typed there
        },
        {},
        {}},
-      toggle("keys", "Keys", "?", &ViewState::show_keys),
-      toggle("timing", "Frame times", "F12", &ViewState::show_timing),
+      point_size_action("points.larger", "Larger points", "=", kPointStep),
+      point_size_action("points.smaller", "Smaller points", "-", 1 / kPointStep),
+      {"picture.save",
+       "Save a picture of the window",
+       "File",
+       "Ctrl+Shift+E",
+       "PATH",
+       [](State& s, const std::string& text) {
+         if (!text.ends_with(".png"))
+           throw Error("action picture.save: '" + text + "' is no PNG, expected a name.png");
+         s.view.picture_to = text;
+       },
+       {},
+       {}},
+      in_every_mode(toggle("keys", "Keys", "?", &ViewState::show_keys)),
+      in_every_mode(toggle("timing", "Frame times", "F12", &ViewState::show_timing)),
   };
   return actions;
 }

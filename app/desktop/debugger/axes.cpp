@@ -86,6 +86,26 @@ double HistogramAxis::value(double share) const {
                                    : bin.low + inside * (bin.high - bin.low);
 }
 
+std::vector<double> axis_ticks(const debug::Histogram& histogram) {
+  const auto& bins = histogram.bins;
+  if (bins.empty()) return {};
+  // The last bin takes what lies far out: its end says little.
+  const double low = bins.front().low, high = bins.back().low;
+  std::vector<double> ticks;
+  if (histogram.logarithmic) {
+    const double least = std::max(low, bins.front().high / 10);
+    if (low <= 0) ticks.push_back(low);
+    for (int power = static_cast<int>(std::floor(std::log10(least))); power < 12; ++power)
+      if (const double tick = std::pow(10, power); tick >= least && tick <= high)
+        ticks.push_back(tick);
+  } else if (high > low) {
+    const double rough = (high - low) / 4, unit = std::pow(10, std::floor(std::log10(rough)));
+    const double step = rough / unit > 5 ? 10 * unit : rough / unit > 2 ? 5 * unit : 2 * unit;
+    for (double k = std::ceil(low / step); k * step <= high; ++k) ticks.push_back(k * step);
+  }
+  return ticks.size() >= 2 ? ticks : std::vector<double>{low, bins.back().high};
+}
+
 std::string filter_between(const debug::Histogram& histogram, double from, double to) {
   if (histogram.quantity.empty()) return {};
   const HistogramAxis axis(histogram);

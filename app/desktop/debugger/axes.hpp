@@ -45,6 +45,10 @@ class HistogramAxis {
   const debug::Histogram& histogram_;
 };
 
+/// Round values across the axis, ascending: 1, 2 and 5 times powers of ten, its ends' own where
+/// that is fewer than two.
+std::vector<double> axis_ticks(const debug::Histogram& histogram);
+
 /// The filter for the values from one share to another; empty where the quantity is not in the
 /// language.
 std::string filter_between(const debug::Histogram& histogram, double from, double to);

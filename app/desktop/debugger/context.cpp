@@ -63,11 +63,11 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
   const std::int32_t plane = run.timeline.point_at(at.what.index, state.view.step).plane;
   const std::int32_t node = run.timeline.node_of_point(at.what.index, state.view.step);
   menu.add("select", "Select the point", {menu.select});
-  menu.act("why", plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(plane),
+  menu.act("why", plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(run, plane),
            "point.life");
   if (plane >= 0)
-    menu.add("plane", "Select " + debug::plane_name(plane),
-             {{"select.plane", std::to_string(plane + 1)}});
+    menu.add("plane", "Select " + debug::plane_name(run, plane),
+             {{"select.plane", debug::plane_name(run, plane)}});
   if (node >= 0)
     menu.add("node", fmt::format("Select node {}", node), {{"select.node", std::to_string(node)}});
   menu.act("break", "Stop at what becomes of it", "break.point");
@@ -77,10 +77,10 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
 }
 
 std::vector<ContextEntry> plane_entries(const State& state, std::int32_t plane) {
-  const std::string number = std::to_string(plane + 1);
-  Menu menu{state, {"select.plane", number}};
+  const std::string name = debug::plane_name(*state.run(), plane);
+  Menu menu{state, {"select.plane", name}};
   menu.add("select", "Select the plane", {menu.select, {"tab.inspector", "inspector"}});
-  menu.add_common("plane " + number, debug::plane_name(plane));
+  menu.add_common("plane " + name, name);
   return menu.entries;
 }
 

@@ -15,22 +15,11 @@ constexpr double kDegrees = 57.29577951308232;  // in a radian
 
 std::string mm(double m) { return fmt::format("{:.0f} mm", 1000 * m); }
 std::string fine_mm(double m) { return fmt::format("{:.3g} mm", 1000 * m); }
-std::string area_text(double m2) {
-  return m2 < 0.1 ? fmt::format("{:.0f} cm²", 1e4 * m2) : fmt::format("{:.2f} m²", m2);
-}
 
-/// The trace's plane of a number in the result; -1: none.
-std::int32_t plane_of_result(const State& state, int id) {
-  const debug::Timeline& timeline = state.run()->timeline;
-  for (std::int32_t plane = 0; id > 0 && plane < timeline.plane_count(); ++plane)
-    if (timeline.result_of_plane(plane) == id) return plane;
-  return -1;
-}
-
-/// "P3", as the window names a plane of the result; "a minor plane" where it has none.
+/// "P3"; "a minor plane" where the result does not list it.
 std::string name_of(const State& state, int id) {
-  const std::int32_t plane = plane_of_result(state, id);
-  return plane >= 0 ? debug::plane_name(plane) : "a minor plane";
+  const std::int32_t plane = state.run()->timeline.plane_of_number(id);
+  return plane >= 0 ? debug::plane_name(*state.run(), plane) : "a minor plane";
 }
 
 std::string names_of(const State& state, const planes::LevelPlanes& ids) {
@@ -42,7 +31,7 @@ std::string names_of(const State& state, const planes::LevelPlanes& ids) {
 
 void add_planes(const State& state, const planes::LevelPlanes& ids, StairsEntry& entry) {
   for (const int id : ids)
-    if (const std::int32_t plane = plane_of_result(state, id); plane >= 0)
+    if (const std::int32_t plane = state.run()->timeline.plane_of_number(id); plane >= 0)
       entry.planes.push_back(plane);
 }
 
@@ -112,13 +101,12 @@ std::string verdict_text(const State& state, std::int32_t plane) {
 }
 
 std::string describe_plane(const State& state, std::int32_t plane) {
-  std::string text = debug::plane_name(plane);
+  std::string text = debug::plane_name(*state.run(), plane);
   const int id = finished_plane(state, plane);
   const planes::Foothold* foothold = foothold_of(state, id);
   if (!foothold) return text + (id > 0 ? "" : ", not finished: the hull of its points");
   const std::size_t k = static_cast<std::size_t>(id) - 1;
-  text += fmt::format(", plane {} of the result, {}", id,
-                      area_text(state.planes()->found.outlines[k].area_m2));
+  text += ", " + area_text(state.planes()->found.outlines[k].area_m2);
   if (!std::isnan(foothold->surface.slope_deg))
     text += fmt::format(", slope {:.1f}°", foothold->surface.slope_deg);
   const std::string verdict = verdict_text(state, plane);
@@ -170,10 +158,7 @@ std::vector<std::string> no_steps_of(const State& state, std::int32_t plane) {
   std::vector<std::string> texts;
   for (const planes::StepDecision& decision : state.planes()->found.stairs.decisions) {
     if (decision.lower != id && decision.upper != id) continue;
-    // Its own text counts planes by their number in the result.
-    const std::string text = planes::to_text(decision);  // "P1 -> P3 no step: ..."
-    texts.push_back(name_of(state, decision.lower) + " -> " + name_of(state, decision.upper) +
-                    text.substr(text.find(' ', text.find("-> ") + 3)));
+    texts.push_back(planes::to_text(decision));
   }
   return texts;
 }

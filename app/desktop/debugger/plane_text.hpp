@@ -17,7 +17,7 @@ int finished_plane(const State& state, std::int32_t plane);
 /// "steppable", "not steppable: 17 mm rough, limit 10"; empty where that is not known.
 std::string verdict_text(const State& state, std::int32_t plane);
 
-/// "P3, plane 1 of the result: 0.52 m2, slope 1.2 deg" and, in a second line, the verdict.
+/// "P1, 0.52 m2, slope 1.2 deg" and, in a second line, the verdict.
 std::string describe_plane(const State& state, std::int32_t plane);
 
 /// Area, slope, roughness, support, certainty, clearance, height; empty where none is known.

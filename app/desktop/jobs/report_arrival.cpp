@@ -61,12 +61,7 @@ Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole
   return voxels;
 }
 
-std::string name_of(const debug::Run& run, std::int32_t plane) {
-  return fmt::format(
-      "{} (plane {})",
-      debug::plane_name(run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded),
-      plane);
-}
+std::string name_of(std::int32_t plane) { return fmt::format("P{}", plane); }
 
 /// To where the plane of the result was founded.
 void go_to_founding(const debug::Run& run, std::int32_t plane, ReportArrival& arrival) {
@@ -90,7 +85,7 @@ class Guide {
       return arrival;
     }
     go_to_founding(b_, plane, arrival);
-    arrival.message = fmt::format("plane {} is {}", place_.plane, name_of(b_, plane));
+    arrival.message = fmt::format("plane {} is {}", place_.plane, name_of(plane));
     if (is(report::PlaneFate::merged)) {
       arrive_at_merge(arrival);
     } else if (b_.is_ours()) {
@@ -109,19 +104,19 @@ class Guide {
     arrival.marked = voxels_of(region, subject, true);
     if (is(report::PlaneFate::merged) && plane > 0) {
       go_to_founding(b_, plane, arrival);
-      arrival.message = fmt::format("{} is part of {}", name, name_of(b_, plane));
+      arrival.message = fmt::format("{} is part of {}", name, name_of(plane));
       arrive_at_merge(arrival);
     } else if (is(report::PlaneFate::split) && plane > 0) {
       std::erase_if(region.voxels,
                     [&](std::uint32_t voxel) { return b_.segmentation.plane_of[voxel] == plane; });
       arrive_at_loss(region,
-                     fmt::format("{} was split, {} is its largest part", name, name_of(b_, plane)),
+                     fmt::format("{} was split, {} is its largest part", name, name_of(plane)),
                      arrival);
     } else if (plane > 0) {
       go_to_founding(b_, plane, arrival);
       arrival.message =
           is(report::PlaneFate::lost) ? "the report lost it, this version does not: " : "";
-      arrival.message += fmt::format("{} is {}", name, name_of(b_, plane));
+      arrival.message += fmt::format("{} is {}", name, name_of(plane));
     } else {
       arrive_at_loss(region, name + " is lost", arrival);
     }

@@ -1,6 +1,7 @@
-// The key sheet: every key by the menu of its action.
+// The key sheet: every key by the menu of its action, and what the mouse does.
 
 #include <algorithm>
+#include <span>
 
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
@@ -10,6 +11,43 @@ namespace planescope::desktop {
 namespace {
 
 constexpr std::size_t kColumns = 3;
+
+struct Gesture {
+  const char* mouse;
+  const char* does;
+};
+constexpr Gesture kDebuggerMouse[] = {{"click", "selects what is there"},
+                                      {"double click", "camera on it"},
+                                      {"drag in space", "turns"},
+                                      {"right or Shift drag", "moves"},
+                                      {"wheel", "nearer, farther"},
+                                      {"drag in the image", "moves it; marks after M"},
+                                      {"drag over bars", "filters the events"},
+                                      {"drag a splitter", "resizes panels"}};
+constexpr Gesture kLabelMouse[] = {{"click, drag", "the tool in hand"},
+                                   {"Shift drag", "takes off, of brush and areas"},
+                                   {"right drag", "moves"},
+                                   {"wheel", "nearer, farther"},
+                                   {"double click a plane", "looks at it"}};
+std::span<const Gesture> gestures(Mode mode) {
+  if (mode == Mode::labels) return kLabelMouse;
+  return kDebuggerMouse;
+}
+
+/// In lines of as many as there is room for.
+void draw_gestures(const Ui& ui) {
+  colored(ui.colors.accent, "Mouse");
+  ui.name("keys.mouse");
+  bool first = true;
+  for (const auto& [mouse, does] : gestures(ui.state.view.mode)) {
+    const std::string text = std::string(mouse) + ": " + does;
+    if (!first) same_line_if_room(ImGui::CalcTextSize(text.c_str()).x, ui.px(18));
+    first = false;
+    ImGui::TextUnformatted((std::string(mouse) + ":").c_str());
+    ImGui::SameLine(0, ui.px(4));
+    ImGui::TextDisabled("%s", does);
+  }
+}
 
 /// The first of its keys that means this action and no other here; empty where none does.
 std::string key_here(const Action& action, Mode mode) {
@@ -96,7 +134,7 @@ void draw_keys(const Ui& ui) {
     size.x += widths.back() + (widths.size() > 1 ? between : 0);
     size.y = std::max(size.y, line * static_cast<float>(lines_of(column)));
   }
-  size.y += 2 * line;
+  size.y += 6 * line;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   size = ImVec2(std::min(size.x, display.x - ui.px(20)), std::min(size.y, display.y - ui.px(40)));
   ImGui::SetNextWindowPos(ImVec2((display.x - size.x) / 2, (display.y - size.y) / 2));
@@ -109,6 +147,8 @@ void draw_keys(const Ui& ui) {
   heading(ui, "Keys");
   ImGui::SameLine();
   ImGui::TextDisabled("Esc or ? closes this; Ctrl+P finds an action by name");
+  ImGui::Spacing();
+  draw_gestures(ui);
   ImGui::Spacing();
   ImVec2 at = ImGui::GetCursorPos();
   for (std::size_t i = 0; i < all.size(); ++i) {

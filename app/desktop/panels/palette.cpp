@@ -1,9 +1,11 @@
 #include <fmt/format.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/desktop/panels.hpp"
-#include "app/desktop/ui.hpp"
+#include "app/desktop/widgets.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -23,14 +25,54 @@ void close(const Ui& ui) {
   ui.emit("palette");
 }
 
+/// Of a folder that cannot be read there is nothing.
+std::vector<std::string> completed_paths(const std::string& typed) {
+  namespace fs = std::filesystem;
+  constexpr std::size_t kMost = 8;
+  const std::size_t slash = typed.rfind('/');
+  const std::string folder = slash == std::string::npos ? "" : typed.substr(0, slash + 1);
+  const std::string begin = typed.substr(folder.size());
+  std::vector<std::string> found;
+  std::error_code failed;
+  for (fs::directory_iterator it(folder.empty() ? "." : folder, failed), end; !failed && it != end;
+       it.increment(failed)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(begin) || (name[0] == '.' && begin.empty())) continue;
+    std::error_code gone;
+    found.push_back(folder + name + (it->is_directory(gone) ? "/" : ""));
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kMost) found.resize(kMost);
+  return found;
+}
+
+/// What there is that begins with what was typed; a click, or Tab where it is the first, takes it.
+void draw_paths(const Ui& ui) {
+  std::string& text = ui.memory.palette_text;
+  const std::vector<std::string> found = completed_paths(text);
+  const bool tab = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const bool clicked = ImGui::Selectable((found[i] + "##path").c_str(), i == 0);
+    ui.name(fmt::format("palette.path.{}", i));
+    if (!clicked && !(tab && i == 0)) continue;
+    text = found[i];
+    ImGui::ClearActiveID();  // the box takes the text anew, and the keyboard in the next frame
+  }
+}
+
 /// The argument of one action, typed: a path, most of the time.
 void draw_question(const Ui& ui, const Action& action, bool entered) {
   ImGui::TextDisabled(
       action.takes == "PATH" ? "a path, and Enter; Esc leaves" : "%s, and Enter; Esc leaves",
       action.takes.c_str());
-  if (!entered || ui.memory.palette_text.empty()) return;
-  ui.emit(action.name, ui.memory.palette_text);
-  close(ui);
+  const ViewState& view = ui.state.view;
+  if (view.message_is_error && !view.message.empty()) {
+    paragraph(ui.colors.bad, view.message);
+    ui.name("palette.problem");
+  }
+  if (action.takes.starts_with("PATH")) draw_paths(ui);
+  // It closes once the action could take that.
+  if (entered && !ui.memory.palette_text.empty()) ui.emit(action.name, ui.memory.palette_text);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ void draw_tools(const Ui& ui) {
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open) tooltip("what colours tell apart   1 to 7\nh, v: horizontal, vertical");
+  if (!open) tooltip("what colours tell apart   1 to 7\nh: level, v: upright");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -87,7 +87,7 @@ void select(const Ui& ui, const PointedAt& at) {
     if (what.kind == render::Picked::Kind::voxel)
       return ui.emit(action, fmt::format("voxel {}", what.index));
     if (what.kind == render::Picked::Kind::plane)
-      return ui.emit(action, fmt::format("plane {}", what.index + 1));
+      return ui.emit(action, "plane " + debug::plane_name(*ui.state.run(), what.index));
     return ui.emit(action, "nothing");
   }
   const int width = ui.state.run()->subject->frame.depth.width;
@@ -97,7 +97,7 @@ void select(const Ui& ui, const PointedAt& at) {
     case render::Picked::Kind::node:
       return ui.emit("select.node", std::to_string(what.index));
     case render::Picked::Kind::plane:
-      return ui.emit("select.plane", std::to_string(what.index + 1));
+      return ui.emit("select.plane", debug::plane_name(*ui.state.run(), what.index));
     default:
       if (at.source < 0) return ui.emit("select.none");
       return ui.emit("why.pixel", fmt::format("{},{}", at.source % width, at.source / width));

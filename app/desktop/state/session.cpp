@@ -115,6 +115,7 @@ Json view_json(const ViewState& view) {
           {"show_names", view.show_names},
           {"show_normals", view.show_normals},
           {"show_foot", view.show_foot},
+          {"point_size", view.point_size},
           {"show_stairs", view.show_stairs},
           {"backdrop", static_cast<int>(view.backdrop)},
           {"overlay_opacity", view.overlay_opacity},
@@ -150,6 +151,8 @@ void view_of(const Json& json, ViewState& view) {
   value_of(json, "show_names", view.show_names);
   value_of(json, "show_normals", view.show_normals);
   value_of(json, "show_foot", view.show_foot);
+  value_of(json, "point_size", view.point_size);
+  view.point_size = std::clamp(view.point_size, kLeastPointSize, kMostPointSize);
   value_of(json, "show_stairs", view.show_stairs);
   enum_of(json, "backdrop", 2, view.backdrop);
   value_of(json, "overlay_opacity", view.overlay_opacity);

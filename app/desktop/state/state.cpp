@@ -114,7 +114,8 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["steps"] = run ? run->steps() : 0;
   json["event"] = run && view.step > 0 ? debug::describe_event(*run, view.step) : "";
   json["node"] = view.selected.node;
-  json["plane"] = view.selected.plane >= 0 ? debug::plane_name(view.selected.plane) : "";
+  json["plane"] =
+      run && view.selected.plane >= 0 ? debug::plane_name(*run, view.selected.plane) : "";
   json["voxel"] = view.selected.voxel;
   json["case"] =
       run && view.selected.node >= 0

@@ -157,6 +157,14 @@ struct Layout {
   double tools = 0.48;   // of the right: criteria and the other tools
 };
 
+enum class PlaneColumn : std::uint8_t { id, label, area, tilt, rms, points, support, steppable };
+/// The table of planes.
+struct PlanesView {
+  std::string filter;  // words that a row has
+  PlaneColumn sorted_by = PlaneColumn::id;
+  bool descending = false;
+};
+
 struct Search {
   std::string text;
   debug::FilterProblem problem;         // message empty: the text is a filter
@@ -192,13 +200,19 @@ enum class Click : std::uint8_t { selects, floor, wall, point, plane };
 inline bool tells_gravity(Click click) { return click == Click::floor || click == Click::wall; }
 inline bool measures(Click click) { return click == Click::point || click == Click::plane; }
 
+inline constexpr double kLeastPointSize = 0.25, kMostPointSize = 4;
+
 struct ViewState {
   Mode mode = Mode::debugger;
   LabelView label;
   std::int32_t step = 0;
   Selection selected;
   Search search;
+  PlanesView planes;
   Playing playing;
+  bool playing_frames =
+      false;             // of the recording, one after the other, each once it has its planes
+  double frame_due = 0;  // seconds that the frame has been shown
 
   // 3D and image.
   std::optional<render::Camera> camera;  // nothing: all of the frame fills the view ...
@@ -211,6 +225,7 @@ struct ViewState {
   bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
   bool isolated = false;  // what is selected or current is shown alone
+  double point_size = 1;  // of voxels, in edges of one
   render::Backdrop backdrop = render::Backdrop::color;
   double overlay_opacity = 0.55;
   double image_zoom = 1;
@@ -221,7 +236,7 @@ struct ViewState {
   double zoom = 1;  // of everything, on top of the screen's own scale
   Layout layout;
   Views views = Views::both;
-  std::string inspector_tab = "inspector";  // inspector | point | stairs | bookmarks
+  std::string inspector_tab = "inspector";  // inspector | planes | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
@@ -245,6 +260,7 @@ struct ViewState {
   std::string message;  // status bar, until the next
   bool message_is_error = false;
   bool did_nothing = false;  // it says that what was asked for changed nothing
+  std::string picture_to;    // where the next frame is written as a picture
   std::string to_clipboard;  // the window takes it in the next frame
   bool quit = false;
 };

@@ -103,20 +103,21 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
   std::ranges::stable_sort(partners, {}, key);
 }
 
-std::string outcome_of(const MergeReport& report,
+std::string outcome_of(const Run& run,
+                       const MergeReport& report,
                        const planes::TraceEvent& event,
                        double sigma_ang) {
   if (event.type == planes::EventType::merge)
-    return fmt::format("merged into {}, {} off it", plane_name(event.plane),
+    return fmt::format("merged into {}, {} off it", plane_name(run, event.plane),
                        distance_text(event.value));
   const std::string because =
       report.partners.empty() ? "nothing to compare with" : "no coplanar plane";
   if (event.stage != planes::Stage::r3_weak_candidates)
-    return fmt::format("founded {}: {}", plane_name(event.plane), because);
+    return fmt::format("founded {}: {}", plane_name(run, event.plane), because);
   const std::string known = fmt::format("{} points, normal known to {:.2g}°", report.points,
                                         sigma_ang * 180 / std::numbers::pi);
   if (event.type == planes::EventType::found)
-    return fmt::format("founded {}: {}; {}", plane_name(event.plane), because, known);
+    return fmt::format("founded {}: {}; {}", plane_name(run, event.plane), because, known);
   return fmt::format("left over: {}, and too weak for a plane of its own ({})", because, known);
 }
 
@@ -133,7 +134,7 @@ MergeReport explain_candidate(const Run& run, std::int32_t step) {
   report.partners = event.stage == planes::Stage::r3_weak_candidates
                         ? partners_of_weak(run, walk, step - 1, candidate)
                         : partners_in_list(walk.advance_to(step - 1), candidate);
-  report.outcome = outcome_of(report, event, candidate.sigma_ang);
+  report.outcome = outcome_of(run, report, event, candidate.sigma_ang);
   return report;
 }
 
@@ -148,8 +149,8 @@ MergeReport explain_second_merge(const Run& run, std::int32_t step) {
   report.candidate = plane.fit;
   report.partners = partners_of_plane(state, event.plane);
   const double offset = state.planes[event.other].fit.distance_m(plane.fit.centroid);
-  report.outcome = fmt::format("{} merged into {} (R7), {} off it", plane_name(event.plane),
-                               plane_name(event.other), distance_text(std::abs(offset)));
+  report.outcome = fmt::format("{} merged into {} (R7), {} off it", plane_name(run, event.plane),
+                               plane_name(run, event.other), distance_text(std::abs(offset)));
   return report;
 }
 
@@ -161,8 +162,8 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
                     run.segment_options.split_disconnected.rule == planes::SplitRule::seen &&
                     !run.subject->prepared.from_cloud;
   report.outcome =
-      fmt::format("{} split off {}: {}{}", plane_name(event.plane), plane_name(event.other),
-                  planes::refinement_of(event.stage)->why_parted,
+      fmt::format("{} split off {}: {}{}", plane_name(run, event.plane),
+                  plane_name(run, event.other), planes::refinement_of(event.stage)->why_parted,
                   seen ? ", and the sensor looked through the gap" : "");
   return report;
 }
@@ -225,15 +226,16 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
                        });
 }
 
-std::string outcome_of(const LeftoverReport& report) {
+std::string outcome_of(const Run& run, const LeftoverReport& report) {
   for (const LeftoverPlane& plane : report.planes)
     if (plane.chosen)
-      return fmt::format("went to {}, {} off it", plane_name(plane.plane),
+      return fmt::format("went to {}, {} off it", plane_name(run, plane.plane),
                          distance_text(plane.distance_m));
   if (report.planes.empty()) return "in no plane: there is none";
   const LeftoverPlane& nearest = report.planes.front();
-  return fmt::format("in no plane: the nearest, {}, is {} away ({}{})", plane_name(nearest.plane),
-                     distance_text(nearest.distance_m), nearest.why_not,
+  return fmt::format("in no plane: the nearest, {}, is {} away ({}{})",
+                     plane_name(run, nearest.plane), distance_text(nearest.distance_m),
+                     nearest.why_not,
                      nearest.considered ? ", limit " + distance_text(nearest.limit_m) : "");
 }
 
@@ -270,7 +272,7 @@ LeftoverReport explain_leftover(const Run& run, std::int32_t step) {
   const auto at = std::ranges::find(order, static_cast<std::uint32_t>(event->point));
   report.planes = planes_for(run, step, static_cast<std::uint32_t>(at - order.begin()));
   std::ranges::stable_sort(report.planes, {}, &LeftoverPlane::distance_m);
-  report.outcome = outcome_of(report);
+  report.outcome = outcome_of(run, report);
   return report;
 }
 

@@ -92,8 +92,9 @@ std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (!text.empty()) text += ", ";
     if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
-    if (event.type == planes::EventType::found) text += "founded " + plane_name(event.plane);
-    if (event.type == planes::EventType::merge) text += "merged into " + plane_name(event.plane);
+    if (event.type == planes::EventType::found) text += "founded " + plane_name(run, event.plane);
+    if (event.type == planes::EventType::merge)
+      text += "merged into " + plane_name(run, event.plane);
     if (event.type == planes::EventType::wait) text += "waits for the sure ones (R3)";
     if (event.type == planes::EventType::leave) text += "left over (R3)";
   }

@@ -67,7 +67,7 @@ MeasureEnd measured_plane(const Run& run,
   MeasureEnd end{.point = in_sensor(subject, now->fit.centroid),
                  .normal = subject.prepared.cloud.T_world_sensor.linear().transpose() * normal,
                  .is_level = now->label == Label::h,
-                 .name = plane_name(plane)};
+                 .name = plane_name(run, plane)};
   if (near) end.point = near->point - distance_m(end, near->point) * *end.normal;
   return end;
 }

@@ -162,12 +162,12 @@ Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t vox
   }
   if (event.type == planes::EventType::refine) {
     const std::string why = planes::refinement_of(event.stage)->why_dropped;
-    return {fmt::format("{} was dropped ({}){}{}", plane_name(event.plane),
+    return {fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
                         planes::to_string(event.stage), why.empty() ? "" : ": ", why),
             switched_off(planes::switch_of(event.stage), "keep it")};
   }
   if (event.node < 0)
-    return {plane_name(event.plane) + ", split off for not touching, has too few points",
+    return {plane_name(run, event.plane) + ", split off for not touching, has too few points",
             switched_off(planes::switch_of(event.stage), "keep it")};
   return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
                       "known to {:.1f}° only",
@@ -199,7 +199,7 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   why.plane = nearest.plane;
   if (run.segment_options.leftover_rule == planes::LeftoverRule::first)
     why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
-                              nearest.distance_m, plane_name(nearest.plane)),
+                              nearest.distance_m, plane_name(run, nearest.plane)),
                   "leftover_distance_m", rounded_up(nearest.distance_m)};
   return why;
 }
@@ -307,8 +307,8 @@ std::size_t source_of_voxel(const Subject& subject, std::uint32_t voxel) {
 
 std::string describe_plane(const Run& run, std::int32_t id) {
   const planes::PlaneRegion& plane = run.segmentation.planes[id - 1];
-  const char* label = plane.label == Label::v ? ", v" : plane.label == Label::h ? ", h" : "";
-  return fmt::format("plane {} ({}{})", id, plane_name(plane.founded), label);
+  const char* label = plane.label == Label::v ? " (v)" : plane.label == Label::h ? " (h)" : "";
+  return fmt::format("P{}{}", id, label);
 }
 
 std::int32_t truth_of_plane(const Run& run, std::int32_t id) {

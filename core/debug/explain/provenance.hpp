@@ -64,7 +64,7 @@ struct Loss {
 };
 Loss loss_of(const Run& run, std::int32_t voxel);
 
-/// "plane 4 (P3, h)": a plane of the result.
+/// "P4 (h)": a plane of the result.
 std::string describe_plane(const Run& run, std::int32_t id);
 /// The true plane of most voxels in a plane of the result, 0 where none is known.
 std::int32_t truth_of_plane(const Run& run, std::int32_t id);

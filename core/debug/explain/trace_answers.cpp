@@ -46,21 +46,21 @@ void write_node(const NodeReport& report, TraceLines& lines) {
   for (const Check& check : report.checks) write_check(check, lines);
 }
 
-void write_merge(const MergeReport& report, TraceLines& lines) {
+void write_merge(const Run& run, const MergeReport& report, TraceLines& lines) {
   lines.add("step {}: node {}, {}, {} points, {}: {}", report.step, report.node,
             to_string(report.label, "?"), report.points, exact(report.candidate), report.outcome);
   for (const PartnerReport& partner : report.partners) {
-    lines.add("  {}:{}{}{} cost {}", plane_or_none(partner.plane),
+    lines.add("  {}:{}{}{} cost {}", plane_name(run, partner.plane),
               partner.coplanar ? " coplanar" : "", partner.chosen ? " chosen" : "",
               partner.never_asked ? " never asked" : "", exact(partner.cost));
     for (const Check& check : partner.checks) write_check(check, lines);
   }
 }
 
-void write_leftover(const LeftoverReport& report, TraceLines& lines) {
+void write_leftover(const Run& run, const LeftoverReport& report, TraceLines& lines) {
   lines.add("step {}: point {}: {}", report.step, report.point, report.outcome);
   for (const LeftoverPlane& plane : report.planes)
-    lines.add("  {}: distance {}, limit {}, penalty {}{}{}; {}", plane_or_none(plane.plane),
+    lines.add("  {}: distance {}, limit {}, penalty {}{}{}; {}", plane_name(run, plane.plane),
               exact(plane.distance_m), exact(plane.limit_m), exact(plane.penalty_m),
               plane.considered ? " considered" : "", plane.chosen ? " chosen" : "", plane.why_not);
 }
@@ -90,10 +90,10 @@ void write_life(const Run& run, std::size_t source, TraceLines& lines) {
   lines.add("source {}", source);
   for (const LifeEvent& event : life_of(run, source))
     lines.add("  {} at step {}, node {}, plane {}{}: {}", event.stage, event.step, event.node,
-              plane_or_none(event.plane), event.decisive ? ", decisive" : "", event.text);
+              plane_name(run, event.plane), event.decisive ? ", decisive" : "", event.text);
   const WhyNot why = why_not(run, source);
   lines.add("  why: {} (step {}, node {}, plane {})", why.answer, why.step, why.node,
-            plane_or_none(why.plane));
+            plane_name(run, why.plane));
   if (!why.remedy.text.empty() || !why.remedy.option.empty())
     lines.add("  remedy: {} ({}={})", why.remedy.text, why.remedy.option, why.remedy.value);
 }
@@ -197,7 +197,7 @@ void write_merges(const Run& run, TraceLines& lines) {
                 lines, [&](std::int32_t step) {
                   const MergeReport report = explain_merge(run, step);
                   if (!report.outcome.empty() || !report.partners.empty())
-                    write_merge(report, lines);
+                    write_merge(run, report, lines);
                 });
 }
 
@@ -210,7 +210,7 @@ void write_leftovers(const Run& run, TraceLines& lines) {
                 lines, [&](std::int32_t step) {
                   const LeftoverReport report = explain_leftover(run, step);
                   if (!report.outcome.empty() || !report.planes.empty())
-                    write_leftover(report, lines);
+                    write_leftover(run, report, lines);
                 });
 }
 

@@ -71,7 +71,7 @@ void write_head(const Run& run, TraceLines& lines) {
 void write_result(const Run& run, TraceLines& lines) {
   lines.title("Planes of the result");
   for (const planes::PlaneRegion& plane : run.segmentation.planes) {
-    lines.add("plane {} ({}, {}): {} points, {}", plane.id, plane_name(plane.founded),
+    lines.add("plane {} ({}, {}): {} points, {}", plane.id, plane_name(run, plane.founded),
               to_string(plane.label, "?"), plane.points, exact(plane.fit));
     lines.add("  there theta_rms {}, tau {}", exact(run.theta_rms(plane.fit.centroid)),
               exact(run.tau(plane.fit.centroid)));
@@ -92,7 +92,7 @@ void write_events(const Run& run, TraceLines& lines) {
         "value {:.9g}{}",
         step, describe_event(run, step), kTypes[static_cast<std::size_t>(e.type)], refinements[i],
         planes::to_string(static_cast<planes::Case>(e.node_case)), to_string(e.label, "?"), e.node,
-        plane_or_none(e.plane), plane_or_none(e.other), e.point, e.value,
+        plane_name(run, e.plane), plane_name(run, e.other), e.point, e.value,
         !run.wrong.empty() && run.wrong[i] ? ", wrong" : "");
   }
 }
@@ -100,12 +100,12 @@ void write_events(const Run& run, TraceLines& lines) {
 void write_changes_of_planes(const Run& run, TraceLines& lines) {
   lines.title("Changes of planes");
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
-    lines.add("{} ({}), {} in the result", plane_name(plane),
+    lines.add("{} ({}), {} in the result", plane_name(run, plane),
               to_string(run.timeline.label_of_plane(plane), "?"),
               run.timeline.result_of_plane(plane));
     for (const planes::PlaneChange& change : run.timeline.changes_of_plane(plane))
       lines.add("  step {}: {}, into {}, {}", change.step, change.alive ? "alive" : "gone",
-                plane_or_none(change.into), exact(change.fit));
+                plane_name(run, change.into), exact(change.fit));
   }
 }
 
@@ -115,7 +115,7 @@ void write_changes_of_points(const Run& run, TraceLines& lines) {
   for (std::int32_t point = 0; point < count; ++point) {
     std::string changes, path;
     for (const planes::PointChange& change : run.timeline.changes_of_point(point))
-      changes += fmt::format(" {}:{}{}", change.step, plane_or_none(change.plane),
+      changes += fmt::format(" {}:{}{}", change.step, plane_name(run, change.plane),
                              change.leftover ? "*" : "");
     for (const std::int32_t node : run.timeline.path_of_point(point))
       path += fmt::format(" {}", node);
@@ -184,8 +184,6 @@ std::string exact(const PlaneFit& fit) {
   return fmt::format("{} fitted, centroid {}, normal {}, eigenvalues {}", exact(fit.count),
                      exact(fit.centroid), exact(fit.normal), exact(fit.eigenvalues));
 }
-
-std::string plane_or_none(std::int32_t plane) { return plane < 0 ? "-" : plane_name(plane); }
 
 std::string ranges_of(std::span<const std::int32_t> numbers) {
   std::string text;

@@ -45,8 +45,6 @@ std::string exact(double value);
 std::string exact(const Vec3d& v);
 std::string exact(const PlaneFit& fit);
 
-std::string plane_or_none(std::int32_t plane);  // of the trace: "P3", "-"
-
 /// Ascending numbers, "3-7 9 12-15"; "none".
 std::string ranges_of(std::span<const std::int32_t> numbers);
 

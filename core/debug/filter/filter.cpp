@@ -238,16 +238,19 @@ class Parser {
     if (!fits || !other.constant)
       fail_filter(other, fmt::format("'{}' is compared with {}, nothing else", text_of(field),
                                      is_plane ? "P7 or 7" : "a number"));
-    FilterFormula concerned = is_plane ? concerns_plane(*other.constant - 1)  // P1 is the first
-                                       : concerns_point(*other.constant);
+    FilterFormula concerned =
+        is_plane ? concerns_plane(*other.constant) : concerns_point(*other.constant);
     if (sign.text == "==") return concerned;
     return [any = std::move(field.formula), concerned = std::move(concerned)](
                const EventView& e) -> double { return any(e) && !concerned(e); };
   }
 
-  static FilterFormula concerns_plane(double plane) {
-    return [plane](const EventView& e) -> double {
-      return e.event.plane == plane || e.event.other == plane;
+  static FilterFormula concerns_plane(double number) {
+    return [number](const EventView& e) -> double {
+      const auto is_it = [&](std::int32_t plane) {
+        return plane >= 0 && e.run.timeline.number_of_plane(plane) == number;
+      };
+      return is_it(e.event.plane) || is_it(e.event.other);
     };
   }
 

@@ -49,12 +49,12 @@ std::string candidate(const Run& run, const planes::TraceEvent& event) {
                      event.label == Label::h ? h : node.size() - h);
 }
 
-std::string refinement(const planes::TraceEvent& event) {
+std::string refinement(const Run& run, const planes::TraceEvent& event) {
   return fmt::format(
       "{}: {}", planes::to_string(event.stage),
       fmt::format(fmt::runtime(planes::refinement_of(event.stage)->says),
-                  fmt::arg("plane", plane_name(event.plane)),
-                  fmt::arg("other", plane_name(event.other)), fmt::arg("point", event.point),
+                  fmt::arg("plane", plane_name(run, event.plane)),
+                  fmt::arg("other", plane_name(run, event.other)), fmt::arg("point", event.point),
                   fmt::arg("mm", event.value * kMm)));
 }
 
@@ -145,7 +145,9 @@ std::int32_t node_at_step(const Run& run, std::int32_t step) {
   return -1;
 }
 
-std::string plane_name(std::int32_t plane) { return fmt::format("P{}", plane + 1); }
+std::string plane_name(const Run& run, std::int32_t plane) {
+  return plane < 0 ? "-" : fmt::format("P{}", run.timeline.number_of_plane(plane));
+}
 
 std::string describe_event(const Run& run, std::int32_t step) {
   const planes::TraceEvent* event = run.event_at(step);
@@ -153,7 +155,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
     return fmt::format("method {} leaves no trace of how it found its planes",
                        planes::to_string(run.options.method));
   if (!event) return "start: the root waits in the queue";
-  const std::string plane = plane_name(event->plane);
+  const std::string plane = plane_name(run, event->plane);
   switch (event->type) {
     case planes::EventType::visit: {
       const planes::OctreeNode& node = run.octree().nodes[event->node];
@@ -166,7 +168,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
     case planes::EventType::found:
       if (event->node < 0)
         return fmt::format("{}: {} parts from {}: {}", planes::to_string(event->stage), plane,
-                           plane_name(event->other),
+                           plane_name(run, event->other),
                            planes::refinement_of(event->stage)->why_parted);
       return fmt::format("{} founds {}", candidate(run, *event), plane);
     case planes::EventType::merge:
@@ -181,7 +183,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       return fmt::format("point {} stays without a plane: the nearest is {:.1f} mm off",
                          event->point, event->value * kMm);
     case planes::EventType::refine:
-      return refinement(*event);
+      return refinement(run, *event);
     case planes::EventType::wait:
       return fmt::format("{} waits: its normal is known to {:.1f}° only", candidate(run, *event),
                          event->value * kDegrees);

@@ -91,8 +91,9 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
 /// plane; -1 where there is none.
 std::int32_t node_at_step(const Run& run, std::int32_t step);
 
-/// Name of a plane of the trace, "P1" for the first founded.
-std::string plane_name(std::int32_t plane);
+/// Name of a plane of the trace, "P1" for plane 1 of the result: Timeline::number_of_plane(). "-"
+/// for none, -1.
+std::string plane_name(const Run& run, std::int32_t plane);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
 std::string describe_event(const Run& run, std::int32_t step);
 

@@ -62,6 +62,7 @@ Timeline::Timeline(const planes::Trace& trace, const planes::Segmentation& segme
   result_of_plane_.assign(planes, 0);
   for (const planes::PlaneRegion& region : segmentation.planes)
     if (region.founded < plane_count()) result_of_plane_[region.founded] = region.id;
+  number_planes(segmentation);
 
   leaf_of_point_.assign(octree.order.size(), -1);
   for (std::size_t n = 0; n < octree.nodes.size(); ++n) {
@@ -92,7 +93,29 @@ Timeline::Timeline(const planes::Segmentation& segmentation, std::span<const Vec
     planes_first_.push_back(static_cast<std::uint32_t>(k + 1));
     result_of_plane_.push_back(region.id);
   }
+  number_planes(segmentation);
   leaf_of_point_.assign(points.size(), -1);
+}
+
+void Timeline::number_planes(const planes::Segmentation& segmentation) {
+  plane_of_number_.assign(segmentation.planes.size() + 1, -1);
+  for (std::int32_t plane = 0; plane < plane_count(); ++plane) {
+    std::int32_t number = result_of_plane_[plane];
+    if (number == 0) {
+      number = static_cast<std::int32_t>(plane_of_number_.size());
+      plane_of_number_.push_back(plane);
+    }
+    plane_of_number_[number] = plane;
+    number_of_plane_.push_back(number);
+  }
+}
+
+std::int32_t Timeline::plane_of_number(std::int32_t number) const {
+  return number > 0 && number <= greatest_number() ? plane_of_number_[number] : -1;
+}
+
+std::int32_t Timeline::greatest_number() const {
+  return std::max(0, static_cast<std::int32_t>(plane_of_number_.size()) - 1);
 }
 
 NodeState Timeline::node_state(std::int32_t node, std::int32_t step) const {

@@ -53,14 +53,22 @@ class Timeline {
   Label label_of_plane(std::int32_t plane) const { return changes_of_plane(plane).front().label; }
   /// Id in the result (PlaneRegion::id), 0 where it is not part of it.
   std::int32_t result_of_plane(std::int32_t plane) const { return result_of_plane_[plane]; }
+  /// What a plane is called by at every step, from 1: its id in the result, as planes.json has it.
+  /// Those that do not stay are counted on from there, in order of founding.
+  std::int32_t number_of_plane(std::int32_t plane) const { return number_of_plane_[plane]; }
+  /// -1 where none is called by that.
+  std::int32_t plane_of_number(std::int32_t number) const;
+  std::int32_t greatest_number() const;  // 0: there are no planes
 
  private:
+  void number_planes(const planes::Segmentation& segmentation);
+
   std::int32_t steps_ = 0;
   std::vector<std::int32_t> queued_at_, visited_at_, decided_at_;
   std::vector<std::uint32_t> points_first_, planes_first_{0};
   std::vector<planes::PointChange> point_changes_;
   std::vector<planes::PlaneChange> plane_changes_;
-  std::vector<std::int32_t> result_of_plane_;
+  std::vector<std::int32_t> result_of_plane_, number_of_plane_, plane_of_number_;
   std::vector<std::int32_t> leaf_of_point_;  // the deepest node that ever held each point
   std::vector<std::int32_t> parents_;
 };

@@ -106,9 +106,9 @@ void plane_cell(
   ImGui::TableNextColumn();
   if (id == 0) return ImGui::TextDisabled("–");
   const std::int32_t founded = run.segmentation.planes[static_cast<std::size_t>(id - 1)].founded;
-  const std::string text = fmt::format("{} ({})", id, debug::plane_name(founded));
+  const std::string text = debug::plane_name(run, founded);
   if (!shown) return ImGui::TextUnformatted(text.c_str());
-  if (link(ui, text, widget)) ui.emit("select.plane", debug::plane_name(founded));
+  if (link(ui, text, widget)) ui.emit("select.plane", text);
 }
 
 void draw_planes(const Ui& ui,

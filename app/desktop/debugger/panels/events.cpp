@@ -101,7 +101,7 @@ void draw_breakpoints(const Ui& ui) {
 }
 
 /// Sets or removes a breakpoint on what the event is about.
-void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
+void toggle_breakpoint(const Ui& ui, const debug::Run& run, const planes::TraceEvent& event) {
   if (event.node >= 0) {
     ui.emit("select.node", std::to_string(event.node));
     ui.emit("break.node");
@@ -109,7 +109,7 @@ void toggle_breakpoint(const Ui& ui, const planes::TraceEvent& event) {
     ui.emit("select.voxel", std::to_string(event.point));
     ui.emit("break.point");
   } else {
-    ui.emit("break.on", "plane==" + debug::plane_name(event.plane));
+    ui.emit("break.on", "plane==" + debug::plane_name(run, event.plane));
   }
 }
 
@@ -263,7 +263,7 @@ void draw_row(const Ui& ui,
   ui.name(fmt::format("events.break.{}", step), min, ImVec2(gutter, max.y));
   const bool in_gutter = ImGui::GetIO().MousePos.x < gutter;
   if (clicked && in_gutter)
-    toggle_breakpoint(ui, event);
+    toggle_breakpoint(ui, run, event);
   else if (clicked)
     ui.emit("step.goto", std::to_string(step));
 
@@ -298,6 +298,69 @@ void draw_row(const Ui& ui,
   ImGui::SetCursorScreenPos(below);
 }
 
+/// The stage, in the middle of a line.
+void draw_stage(const Ui& ui, const debug::Run& run, const EventRow& row, const Columns& columns) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float line = ImGui::GetTextLineHeight();
+  const std::string title = stage_title(run, row.first);
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddText(ui.bold, line, ImVec2(at.x + columns.sign, at.y), ui.colors.accent, title.c_str());
+  const float from =
+      at.x + columns.sign + ui.bold->CalcTextSizeA(line, FLT_MAX, 0, title.c_str()).x;
+  const float to = at.x + ImGui::GetContentRegionAvail().x;
+  draw->AddLine(ImVec2(from + ui.px(8), at.y + line / 2), ImVec2(to, at.y + line / 2),
+                ui.colors.grid);
+  ImGui::Dummy(ImVec2(1, line));
+  ui.name(fmt::format("events.stage.{}", row.first));
+}
+
+/// Many events of one kind: a click opens or closes it.
+void draw_group(
+    const Ui& ui, const debug::Run& run, const EventRow& row, bool open, const Columns& columns) {
+  const std::int32_t step = ui.state.view.step;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float line = ImGui::GetTextLineHeight();
+  ImGui::PushID(-row.first);
+  const bool here = step >= row.first && step <= row.last;
+  if (ImGui::Selectable("##group", here && !open, ImGuiSelectableFlags_None, ImVec2(0, line))) {
+    std::set<std::int32_t>& all = ui.memory.events.open;
+    if (all.erase(row.first) == 0) all.insert(row.first);
+  }
+  ImGui::PopID();
+  ui.name(fmt::format("events.group.{}", row.first));
+  tooltip(fmt::format("steps {} to {}", row.first, row.last));
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const ImU32 color = row.last <= step ? ui.colors.text : ui.colors.muted;
+  const std::string number = std::to_string(row.first);
+  draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
+                ui.colors.muted, number.c_str());
+  draw->AddText(ImVec2(at.x + columns.sign + ui.px(4), at.y), color, open ? "▾" : "▸");
+  draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, group_text(run, row));
+}
+
+/// All events in their groups, those that the user opened or the cursor is in with each event.
+std::vector<EventRow> grouped_rows(const Ui& ui, const debug::Run& run) {
+  EventGroups& kept = ui.memory.events;
+  const std::shared_ptr<const debug::Run>& now = ui.state.run_view()->run;
+  if (kept.run.lock() != now) kept = {now, event_groups(run), {}};
+  return opened(kept.rows, kept.open, ui.state.view.step);
+}
+
+/// The matches alone, one by one.
+std::vector<EventRow> rows_of(const std::vector<std::int32_t>& steps) {
+  std::vector<EventRow> rows;
+  for (const std::int32_t step : steps) rows.push_back({EventRow::Kind::event, step, step});
+  return rows;
+}
+
+/// Where the cursor is: its event, or the group that holds it; the last row before it otherwise.
+int row_of_step(const std::vector<EventRow>& rows, std::int32_t step) {
+  int at = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].kind != EventRow::Kind::stage && rows[i].first <= step) at = static_cast<int>(i);
+  return at;
+}
+
 /// Scrolls when the cursor has moved out of sight; otherwise the wheel decides.
 void keep_in_sight(const Ui& ui, int row, float row_height) {
   if (ui.memory.events_scrolled_to == ui.state.view.step) return;
@@ -308,24 +371,27 @@ void keep_in_sight(const Ui& ui, int row, float row_height) {
 void draw_list(const Ui& ui, const debug::Run& run) {
   const ViewState& view = ui.state.view;
   const bool some = shows_matches_only(view);
-  const auto& matches = view.search.matches;
-  const int rows = some ? static_cast<int>(matches.size()) : run.steps();
+  const std::vector<EventRow> rows = some ? rows_of(view.search.matches) : grouped_rows(ui, run);
   const Columns columns = columns_of(ui, run);
   const BreakpointMarks breakpoints(ui.state.document);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, ui.px(3)));
   const float row_height = ImGui::GetTextLineHeightWithSpacing();
-  const int row =
-      some ? static_cast<int>(std::lower_bound(matches.begin(), matches.end(), view.step) -
-                              matches.begin())
-           : view.step - 1;
-  keep_in_sight(ui, row, row_height);
+  keep_in_sight(ui, row_of_step(rows, view.step), row_height);
   ImGuiListClipper clipper;
-  clipper.Begin(rows, row_height);
+  clipper.Begin(static_cast<int>(rows.size()), row_height);
   while (clipper.Step())
-    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
-      draw_row(ui, run, some ? matches[static_cast<std::size_t>(i)] : i + 1, columns, breakpoints);
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (rows[at].kind == EventRow::Kind::stage)
+        draw_stage(ui, run, rows[at], columns);
+      else if (rows[at].kind == EventRow::Kind::group)
+        draw_group(ui, run, rows[at], at + 1 < rows.size() && rows[at + 1].first == rows[at].first,
+                   columns);
+      else
+        draw_row(ui, run, rows[at].first, columns, breakpoints);
+    }
   ImGui::PopStyleVar();
-  if (rows > 0) return;
+  if (!rows.empty()) return;
   if (!run.is_ours()) return paragraph(ui.colors.muted, debug::describe_event(run, 0));
   ImGui::TextDisabled(some ? "No event matches this filter."
                            : "Nothing was decided on this frame.");

@@ -71,8 +71,7 @@ void draw_marked(const Ui& ui) {
   ImGui::SameLine();
   if (button(ui, "Find a fix for it", "fix.marked", marked > 0)) ui.emit("fix.marked");
   ImGui::SameLine();
-  ImGui::TextDisabled("%zu marked", marked);
-  tooltip(fmt::format("{} voxels are marked", marked));
+  if (marked > 0) ImGui::TextDisabled("%s marked", counted(marked, "voxel").c_str());
 }
 
 void draw_progress(const Ui& ui, const FixSearch& fix) {
@@ -99,9 +98,12 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
     return;
   }
   if (fix.fixes.empty()) {
-    paragraph(ui.colors.warning,
-              "No single change of one option recovers it: several may be needed, or the labels "
-              "are wrong there.");
+    paragraph(
+        ui.colors.warning,
+        std::string("No single change of one option recovers it: several may be needed, or ") +
+            (ui.state.view.truth_plane > 0
+                 ? "the labels are wrong there."
+                 : "the region is not one whole surface and little else."));
     return;
   }
   const bool wide = ImGui::GetContentRegionAvail().x > ui.px(340);
@@ -149,8 +151,8 @@ void draw_effects(const Ui& ui, const FixSearch& fix) {
     broken += static_cast<int>(effect.broken.size());
   }
   const debug::Fix& chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
-  heading(ui, fmt::format("{} = {} on {} labelled {}", chosen.option, chosen.after,
-                          fix.effects.size(), fix.effects.size() == 1 ? "frame" : "frames"));
+  heading(ui, fmt::format("{} = {} on {}", chosen.option, chosen.after,
+                          counted(fix.effects.size(), "labelled frame")));
   paragraph(broken > recovered ? ui.colors.warning : ui.colors.text,
             fmt::format("Recovers {} {}, breaks {}.", recovered,
                         recovered == 1 ? "plane" : "planes", broken));
@@ -192,7 +194,10 @@ void draw_search(const Ui& ui, const FixSearch& fix) {
 }
 
 /// What to do here, before any search.
-std::string invitation(const RunView& view) {
+std::string invitation(const RunView& view, bool marked) {
+  if (marked)
+    return "A region is marked. Find a fix for it tries every option for the smallest change that "
+           "makes it one plane.";
   const std::string tried = " Every option is tried for the smallest change that makes it one.";
   if (!view.score) return "Mark a region of the image that should be one plane." + tried;
   if (view.score->detected == static_cast<int>(view.score->planes.size()))
@@ -220,7 +225,7 @@ void draw_fix(const Ui& ui) {
   if (fix.running || fix.finished)
     draw_search(ui, fix);
   else
-    paragraph(ui.colors.muted, invitation(*view));
+    paragraph(ui.colors.muted, invitation(*view, !ui.state.document.marked.empty()));
   draw_truth_planes(ui, *view);
   if (image) draw_marked(ui);
 }

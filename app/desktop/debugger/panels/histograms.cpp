@@ -164,6 +164,25 @@ debug::Histogram held(const Ui& ui, const debug::Histogram& now) {
   return shown;
 }
 
+/// Round values below the bars, each with a line where it stands, as many as there is room for.
+void draw_ticks(const Ui& ui, const Plot& plot) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float size = ui.small->FontSize, gap = ui.px(8);
+  float free = plot.min.x;  // from here on nothing is written yet
+  for (const double value : axis_ticks(plot.histogram)) {
+    const float x = plot.x(HistogramAxis(plot.histogram).share(value));
+    const std::string text = number_text(value);
+    const float width = ui.small->CalcTextSizeA(size, FLT_MAX, 0, text.c_str()).x;
+    const float left = std::clamp(x - width / 2, plot.min.x, plot.max.x - width);
+    draw->AddLine(ImVec2(x, plot.max.y), ImVec2(x, plot.max.y + ui.px(4)), ui.colors.muted);
+    if (left < free) continue;
+    draw->AddText(ui.small, size, ImVec2(left, plot.max.y + ui.px(4)), ui.colors.muted,
+                  text.c_str());
+    free = left + width + gap;
+  }
+  ImGui::Dummy(ImVec2(1, size + ui.px(4)));
+}
+
 void draw_histogram(const Ui& ui, const debug::Histogram& now, std::size_t index) {
   const debug::Histogram histogram = held(ui, now);
   if (histogram.bins.empty()) return;
@@ -180,12 +199,7 @@ void draw_histogram(const Ui& ui, const debug::Histogram& now, std::size_t index
   ui.name(widget);
   handle_mouse(ui, plot, widget);
 
-  ImGui::PushFont(ui.small);
-  ImGui::TextDisabled("%s", number_text(histogram.bins.front().low).c_str());
-  const std::string high = number_text(histogram.bins.back().high);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(high.c_str()).x);
-  ImGui::TextDisabled("%s", high.c_str());
-  ImGui::PopFont();
+  draw_ticks(ui, plot);
 }
 
 void draw_legend(const Ui& ui, bool truth) {

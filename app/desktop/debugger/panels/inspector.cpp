@@ -170,7 +170,7 @@ void link_to_step(const Ui& ui, const std::string& text, std::int32_t step) {
 }
 
 const char* word_of(Label label) {
-  return label == Label::v ? "vertical" : label == Label::h ? "horizontal" : "unlabelled";
+  return label == Label::v ? "upright" : label == Label::h ? "level" : "unlabelled";
 }
 
 std::string vector_text(const Vec3d& v) {
@@ -180,9 +180,10 @@ std::string vector_text(const Vec3d& v) {
 void draw_fit(const Ui& ui, const PlaneFit& fit) {
   if (fit.count < 3) return;
   fact(ui, "normal", vector_text(fit.normal));
-  fact(ui, "eigenvalues",
-       fmt::format("{:.3g}  {:.3g}  {:.3g} m²", fit.eigenvalues[0], fit.eigenvalues[1],
-                   fit.eigenvalues[2]));
+  // The roots of the eigenvalues by point: lengths that one can picture.
+  const auto spread = [&](int axis) { return std::sqrt(fit.eigenvalues[axis] / fit.count); };
+  fact(ui, "spread", length_text(spread(2)) + " × " + length_text(spread(1)));
+  tooltip("of its points along its two axes, as standard deviations");
   fact(ui, "RMS", length_text(fit.rms_m()));
 }
 
@@ -209,7 +210,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   }
   const bool labelled = run.subject->prepared.gravity.known();
   fact(ui, "points",
-       labelled ? fmt::format("{}: {} horizontal, {} vertical", node.size(), node.count_h,
+       labelled ? fmt::format("{}: {} level, {} upright", node.size(), node.count_h,
                               node.size() - node.count_h)
                 : fmt::format("{}, of no class: gravity is not known", node.size()));
   fact(ui, "inliers",
@@ -247,21 +248,19 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   }
 }
 
-void draw_partner(const Ui& ui, const debug::PartnerReport& partner, std::int32_t result) {
+void draw_partner(const Ui& ui, const debug::PartnerReport& partner, const std::string& name) {
   const std::string state = partner.chosen        ? "joined"
                             : partner.never_asked ? "not asked, a partner had been found"
                             : partner.coplanar    ? "coplanar too, but not the best"
                                                   : "not coplanar";
   ImGui::PushStyleColor(ImGuiCol_Text, partner.chosen ? ui.colors.good : ui.colors.text);
-  const bool open =
-      ImGui::TreeNodeEx(fmt::format("P{}", partner.plane + 1).c_str(),
-                        partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,
-                        "%s: %s%s", debug::plane_name(partner.plane).c_str(), state.c_str(),
-                        result > 0 ? fmt::format(" (plane {} of the result)", result).c_str() : "");
-  ui.name("inspector.partner." + debug::plane_name(partner.plane));
+  const bool open = ImGui::TreeNodeEx(
+      name.c_str(), partner.chosen ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None,
+      "%s: %s", name.c_str(), state.c_str());
+  ui.name("inspector.partner." + name);
   ImGui::PopStyleColor();
   if (!open) return;
-  draw_checks(ui, debug::plane_name(partner.plane), partner.checks);
+  draw_checks(ui, name, partner.checks);
   ImGui::TreePop();
 }
 
@@ -277,7 +276,7 @@ void draw_merge(const Ui& ui, const debug::Run& run, std::int32_t step) {
   draw_fit(ui, report.candidate);
   const std::size_t shown = std::min(kMostPartners, report.partners.size());
   for (std::size_t i = 0; i < shown; ++i)
-    draw_partner(ui, report.partners[i], run.timeline.result_of_plane(report.partners[i].plane));
+    draw_partner(ui, report.partners[i], debug::plane_name(run, report.partners[i].plane));
   if (shown < report.partners.size())
     ImGui::TextDisabled("and %zu planes farther off", report.partners.size() - shown);
 }
@@ -285,12 +284,10 @@ void draw_merge(const Ui& ui, const debug::Run& run, std::int32_t step) {
 void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   const planes::PlaneChange* now = run.timeline.plane_at(plane, ui.state.view.step);
   ImGui::Separator();
-  heading(ui, "Plane " + debug::plane_name(plane));
+  heading(ui, "Plane " + debug::plane_name(run, plane));
   ImGui::SameLine();
-  std::string what = word_of(run.timeline.label_of_plane(plane));
-  if (const int id = finished_plane(ui.state, plane); id > 0)
-    what += fmt::format(", plane {} of the result", id);
-  ImGui::TextDisabled("%s", what.c_str());
+  const char* stays = run.timeline.result_of_plane(plane) > 0 ? "" : ", does not stay";
+  ImGui::TextDisabled("%s%s", word_of(run.timeline.label_of_plane(plane)), stays);
   const auto changes = run.timeline.changes_of_plane(plane);
   if (!now) {
     ImGui::TextDisabled("not founded yet at this step");
@@ -303,7 +300,8 @@ void draw_plane(const Ui& ui, const debug::Run& run, std::int32_t plane) {
   draw_fit(ui, now->fit);
   fact(ui, "offset", length_text(now->fit.offset_m()));
   if (!now->alive)
-    fact(ui, "state", now->into >= 0 ? "merged into " + debug::plane_name(now->into) : "dropped");
+    fact(ui, "state",
+         now->into >= 0 ? "merged into " + debug::plane_name(run, now->into) : "dropped");
   draw_plane_facts(ui, plane);
   std::size_t past = 0;
   for (const planes::PlaneChange& change : changes)
@@ -322,7 +320,10 @@ constexpr std::size_t kMostRows = 5;   // one for each of the nearest planes
 constexpr std::size_t kMostNames = 6;  // of the planes that have none
 
 /// Planes that were measured and refused for the same reason, in one line: there may be a hundred.
-void draw_refused(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes, std::size_t from) {
+void draw_refused(const Ui& ui,
+                  const debug::Run& run,
+                  const std::vector<debug::LeftoverPlane>& planes,
+                  std::size_t from) {
   std::vector<std::string> reasons;
   for (std::size_t i = from; i < planes.size(); ++i)
     if (!planes[i].chosen &&
@@ -332,7 +333,7 @@ void draw_refused(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes,
     std::vector<std::string> names;
     for (std::size_t i = from; i < planes.size(); ++i)
       if (!planes[i].chosen && planes[i].why_not == reason)
-        names.push_back(debug::plane_name(planes[i].plane));
+        names.push_back(debug::plane_name(run, planes[i].plane));
     const std::size_t shown = std::min<std::size_t>(names.size(), kMostNames);
     paragraph(
         ui.colors.muted,
@@ -342,7 +343,9 @@ void draw_refused(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes,
   }
 }
 
-void draw_distances(const Ui& ui, const std::vector<debug::LeftoverPlane>& planes) {
+void draw_distances(const Ui& ui,
+                    const debug::Run& run,
+                    const std::vector<debug::LeftoverPlane>& planes) {
   if (planes.empty()) return;
   std::size_t shown = std::min(kMostRows, planes.size());
   for (std::size_t i = shown; i < planes.size(); ++i)
@@ -357,9 +360,9 @@ void draw_distances(const Ui& ui, const std::vector<debug::LeftoverPlane>& plane
       const debug::LeftoverPlane& plane = planes[i];
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      if (ImGui::Selectable(debug::plane_name(plane.plane).c_str(), false,
+      if (ImGui::Selectable(debug::plane_name(run, plane.plane).c_str(), false,
                             ImGuiSelectableFlags_SpanAllColumns))
-        ui.emit("select.plane", debug::plane_name(plane.plane));
+        ui.emit("select.plane", debug::plane_name(run, plane.plane));
       cell(length_text(plane.distance_m));
       cell(length_text(plane.limit_m));
       ImGui::TableNextColumn();
@@ -368,7 +371,7 @@ void draw_distances(const Ui& ui, const std::vector<debug::LeftoverPlane>& plane
     }
     ImGui::EndTable();
   }
-  draw_refused(ui, planes, shown);
+  draw_refused(ui, run, planes, shown);
 }
 
 /// A leftover point's distance to the planes that were considered at the step, and why it joined
@@ -378,7 +381,7 @@ void draw_leftover(const Ui& ui, const debug::Run& run, std::int32_t step) {
   if (report.point < 0) return;
   heading(ui, fmt::format("Leftover point {}", report.point));
   paragraph(ui.colors.text, report.outcome);
-  draw_distances(ui, report.planes);
+  draw_distances(ui, run, report.planes);
   if (ImGui::SmallButton("its whole life")) ui.emit("point.life");
   ui.name("inspector.life");
   ImGui::Separator();

@@ -24,7 +24,7 @@ void draw_entry(const Ui& ui, const StairsEntry& entry, std::size_t number) {
   ui.name(fmt::format("stairs.{}", number));
   for (const std::string& line : entry.lines) paragraph(ui.colors.muted, line);
   for (std::size_t i = 0; i < entry.planes.size(); ++i) {
-    const std::string name = debug::plane_name(entry.planes[i]);
+    const std::string name = debug::plane_name(*ui.state.run(), entry.planes[i]);
     if (i > 0) same_line_if_fits(name);
     if (ImGui::SmallButton(fmt::format("{}##{}.{}", name, number, i).c_str()))
       ui.emit("select.plane", name);
@@ -57,7 +57,8 @@ void draw_stairs(const Ui& ui) {
   for (std::size_t i = 0; i < entries.size(); ++i) draw_entry(ui, entries[i], i);
   if (entries.empty()) paragraph(ui.colors.muted, "No flight, kerb or ramp was found.");
   const std::vector<std::string> missed = no_steps_of(ui.state, ui.state.view.selected.plane);
-  if (!missed.empty()) heading(ui, "No step at " + debug::plane_name(ui.state.view.selected.plane));
+  if (!missed.empty())
+    heading(ui, "No step at " + debug::plane_name(*ui.state.run(), ui.state.view.selected.plane));
   for (const std::string& text : missed) paragraph(ui.colors.text, text);
   if (missed.empty())
     paragraph(ui.colors.muted, "Select a level plane to see why no step leads up to it.");

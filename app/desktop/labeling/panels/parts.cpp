@@ -93,10 +93,6 @@ void plane_swatch(const Ui& ui, int plane, bool dimmed) {
   dimmed ? ImGui::TextDisabled("%s", name.c_str()) : ImGui::TextUnformatted(name.c_str());
 }
 
-std::string area_text(double m2) {
-  return m2 < 0.1 ? fmt::format("{:.0f} cm²", 1e4 * m2) : fmt::format("{:.2f} m²", m2);
-}
-
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels) {
   const double tilt_deg = labels::tilt_of(plane.normal, labels.gravity);
   return std::isnan(tilt_deg) ? "–" : fmt::format("{:.1f}°", tilt_deg);

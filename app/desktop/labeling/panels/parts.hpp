@@ -15,8 +15,6 @@ const LabelFacts& facts_of(const Ui& ui, const std::shared_ptr<const FrameLabels
 
 /// A small square in the plane's colour, and its name beside it. Dimmed where it is hidden.
 void plane_swatch(const Ui& ui, int plane, bool dimmed = false);
-/// "0.42 m²", "96 cm²".
-std::string area_text(double m2);
 std::string tilt_text(const LabelPlane& plane, const FrameLabels& labels);
 std::string tilt_text(double tilt_deg);  // NaN: gravity is not known
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/planes/classify/classifier.hpp"
 #include "replay_subject.hpp"
 
@@ -97,6 +99,29 @@ TEST(Run, EveryEventHasASentenceOfItsOwn) {
     EXPECT_EQ(text.find("-1"), std::string::npos) << text;
   }
   EXPECT_EQ(describe_event(*run, 1).substr(0, 16), "node 0 (depth 0)");
+}
+
+TEST(Run, APlaneIsCalledByItsIdInTheResultAndOneThatDoesNotStayByANumberBeyond) {
+  planes::PipelineOptions options = test::options_of(planes::Profile::refined);
+  options.segment.split_disconnected.rule = planes::SplitRule::on;
+  options.segment.split_disconnected.gap_m = 0.025;
+  const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
+  const Timeline& timeline = run->timeline;
+  const auto listed = static_cast<std::int32_t>(run->segmentation.planes.size());
+  ASSERT_GT(listed, 1);
+  ASSERT_GT(timeline.plane_count(), listed) << "some do not stay";
+  for (const planes::PlaneRegion& plane : run->segmentation.planes)
+    EXPECT_EQ(plane_name(*run, plane.founded), "P" + std::to_string(plane.id));
+  std::vector<std::int32_t> beyond;
+  for (std::int32_t plane = 0; plane < timeline.plane_count(); ++plane) {
+    EXPECT_EQ(timeline.plane_of_number(timeline.number_of_plane(plane)), plane);
+    if (timeline.result_of_plane(plane) == 0) beyond.push_back(timeline.number_of_plane(plane));
+  }
+  EXPECT_EQ(beyond.front(), listed + 1);
+  EXPECT_TRUE(std::ranges::is_sorted(beyond)) << "in order of founding";
+  EXPECT_EQ(beyond.back(), timeline.greatest_number());
+  EXPECT_EQ(timeline.plane_of_number(timeline.greatest_number() + 1), -1);
+  EXPECT_EQ(timeline.plane_of_number(0), -1);
 }
 
 TEST(Run, ASceneWithoutPointsHasNoSteps) {

@@ -1,0 +1,52 @@
+#pragma once
+
+// The planes of the result as a table: its rows, in the order and with the filter of the view. Pure
+// functions of the state.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "app/desktop/state/state.hpp"
+
+namespace planescope::desktop {
+
+/// What is not known is NaN.
+struct PlaneRow {
+  int id = 0;               // as in planes.json
+  std::int32_t plane = -1;  // of the trace
+  Label label = Label::unknown;
+  double area_m2 = 0, tilt_deg = 0, rms_m = 0;
+  std::uint64_t points = 0;
+  double support = 0;  // share of what its outline covers that was measured
+  bool foot = false;   // one is given, and `steppable` means something
+  bool steppable = false;
+};
+
+struct PlaneColumnInfo {
+  const char* name;   // in actions and of widgets
+  const char* title;  // as short as its numbers
+  const char* meaning;
+};
+/// By PlaneColumn.
+inline constexpr PlaneColumnInfo kPlaneColumns[] = {
+    {"id", "id", "as in planes.json"},
+    {"class", "class", "h: level, v: upright"},
+    {"area", "area", "that its outline covers, without holes"},
+    {"tilt", "tilt", "against the horizontal: 0 a floor, 90 a wall"},
+    {"rms", "RMS", "distance of its points from the plane, root mean square"},
+    {"points", "points", "measured on it"},
+    {"support", "support", "of what its outline covers, this much was measured on it"},
+    {"steppable", "foot", "whether it carries one; the option foot_radius_m gives one"}};
+
+/// Every cell as text, by PlaneColumn; "–" where it is not known.
+std::vector<std::string> cells_of(const PlaneRow& row);
+
+/// Those that the filter leaves, sorted; empty while they are found out. Each word of the filter is
+/// in one of the row's texts, or in "level", "upright", "steppable", "not steppable".
+std::vector<PlaneRow> plane_rows(const State& state);
+
+/// The same rows with a header, numbers in SI units with all their digits.
+std::string planes_csv(const std::vector<PlaneRow>& rows);
+
+}  // namespace planescope::desktop
