@@ -63,7 +63,8 @@ std::vector<ContextEntry> point_entries(const State& state, const PointedAt& at)
   const std::int32_t plane = run.timeline.point_at(at.what.index, state.view.step).plane;
   const std::int32_t node = run.timeline.node_of_point(at.what.index, state.view.step);
   menu.add("select", "Select the point", {menu.select});
-  menu.act("why", plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(run, plane),
+  menu.act("why",
+           plane < 0 ? "Why it is in no plane" : "Why it is in " + debug::plane_name(run, plane),
            "point.life");
   if (plane >= 0)
     menu.add("plane", "Select " + debug::plane_name(run, plane),
