@@ -413,13 +413,13 @@ Image8 Renderer::render(
   glDisable(GL_DEPTH_TEST);
   const auto draw_part = [&](OverlayPart part) {
     state_->draw_overlay(layout_overlay(list, view, colors, part), view);
-    check_gl("drawing a picture");
   };
   if (bare) {
     draw_part(OverlayPart::scene);
     *bare = read_picture(width, height);
   }
   draw_part(bare ? OverlayPart::panels : OverlayPart::all);
+  check_gl("drawing a picture");
   Image8 image = read_picture(width, height);
   check_gl("reading a picture back");
   return image;

@@ -33,7 +33,8 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
 
   const Ran tilted = report("tilted", {"--baseline", baseline, "--gravity", "0.1,1,0"});
   EXPECT_EQ(tilted.code, 1);
-  EXPECT_NE(tilted.out.find("error  rec frame 0: angle_deg is "), std::string::npos) << tilted.out;
+  EXPECT_NE(tilted.out.find("error  rec frame 0: a plane turned by "), std::string::npos)
+      << tilted.out;
 
   const Ran coarse = report("coarse", {"--baseline", baseline, "--voxel", "0.04", "--json"});
   const Json verdict = Json::parse(coarse.out)["verdict"];

@@ -39,7 +39,7 @@ std::int32_t end_of_traversal(const debug::Run& run) {
 
 std::string title_of(planes::Stage stage) {
   if (const planes::RefinementInfo* refinement = planes::refinement_of(stage))
-    return fmt::format("{} {}", refinement->name, refinement->title);
+    return planes::heading_of(*refinement);
   return stage == planes::Stage::assign ? "leftovers" : "merging";
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/model/text.hpp"
 #include "core/planes/segment/criteria.hpp"
 
 namespace planescope::debug {
@@ -43,10 +44,10 @@ std::string decision(const Run& run, const planes::TraceEvent& event) {
 std::string candidate(const Run& run, const planes::TraceEvent& event) {
   const planes::OctreeNode& node = run.octree().nodes[event.node];
   if (event.label == Label::unknown)  // gravity is not known: all of the node's points
-    return fmt::format("node {} ({} points)", event.node, node.size());
+    return fmt::format("node {} ({})", event.node, counted(node.size(), "point"));
   const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
-  return fmt::format("node {} ({}, {} points)", event.node, to_string(event.label, "?"),
-                     event.label == Label::h ? h : node.size() - h);
+  return fmt::format("node {} ({}, {})", event.node, to_string(event.label, "?"),
+                     counted(event.label == Label::h ? h : node.size() - h, "point"));
 }
 
 std::string refinement(const Run& run, const planes::TraceEvent& event) {
@@ -159,8 +160,8 @@ std::string describe_event(const Run& run, std::int32_t step) {
   switch (event->type) {
     case planes::EventType::visit: {
       const planes::OctreeNode& node = run.octree().nodes[event->node];
-      return fmt::format("node {} (depth {}): dequeued, {} points", event->node, node.depth,
-                         node.size());
+      return fmt::format("node {} (depth {}): dequeued, {}", event->node, node.depth,
+                         counted(node.size(), "point"));
     }
     case planes::EventType::decide:
       return fmt::format("node {} (depth {}): {}", event->node,

@@ -16,8 +16,7 @@ namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPixels = 25;  // of a plane
-constexpr int kSpeck_px = 100;            // smaller holes are filled with what lies near the plane
-constexpr int kHole_px = 4000;            // larger ones, where all of it does: walls bow
+constexpr int kSpeck_px = 100;            // smaller holes are filled
 constexpr int kNearClick_px = 4;          // by which a click may miss the surface
 constexpr int kLeastWindow_px = 10;       // of the fit at the click, to each side
 constexpr int kMostWindow_px = 40;
@@ -267,33 +266,10 @@ bool is_fragment(const WandField& field, const Sheet& sheet, std::uint32_t click
              std::cos(field.options.max_angle_deg * std::numbers::pi / 180);
 }
 
-/// Fills what lies loosely on the sheet: in specks; and in larger holes, where nothing else is seen
-/// in them, neither another surface nor a label.
-void fill_holes(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
-  const LabelGrid& grid = field.grid;
-  const auto fits = [&](std::uint32_t i) {
-    return field.allowed[i] && field.lies_on(sheet, i, kLoosely);
-  };
-  for (const PixelSet& hole : small_holes(region, grid.width, grid.height, kHole_px)) {
-    const bool is_speck = hole.size() <= static_cast<std::size_t>(kSpeck_px);
-    const auto is_this = [&](std::uint32_t i) { return !grid.measured[i] || fits(i); };
-    if (!is_speck && !std::ranges::all_of(hole, is_this)) continue;
+void fill_specks(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
+  for (const PixelSet& hole : small_holes(region, field.grid.width, field.grid.height, kSpeck_px))
     for (const std::uint32_t i : hole)
-      if (fits(i)) region[i] = 1;
-  }
-}
-
-/// The plane through them, less those that turn out to lie off it.
-FittedPlane settled_plane(const WandField& field, PixelSet& pixels) {
-  FittedPlane plane;
-  std::size_t off = 0;
-  do {
-    plane = fit_plane(field.grid, pixels);
-    const Sheet sheet{plane.normal.cast<float>(), static_cast<float>(plane.offset_m)};
-    off =
-        std::erase_if(pixels, [&](std::uint32_t i) { return !field.lies_on(sheet, i, kLoosely); });
-  } while (off > 0 && pixels.size() >= kLeastPixels);
-  return plane;
+      if (field.allowed[i] && field.lies_on(sheet, i, kLoosely)) region[i] = 1;
 }
 
 }  // namespace
@@ -329,11 +305,11 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
     }
   growth.grow_on(clicks);
   growth.take_turned();
-  fill_holes(field, growth.sheet(), growth.region());
+  fill_specks(field, growth.sheet(), growth.region());
   cut_at_creases(field, growth.sheet(), growth.box(), growth.region());
   if (options.use_color && !grid.color.empty())
     settle_border_by_color(field, growth.sheet(), growth.box(), growth.region());
-  fill_holes(field, growth.sheet(), growth.region());
+  fill_specks(field, growth.sheet(), growth.region());
 
   // Drops what is no longer connected to a click.
   WandResult result;
@@ -344,9 +320,9 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
     result.fragment_pixels[seed_of[k]] = fragment.size();
     result.pixels.insert(result.pixels.end(), fragment.begin(), fragment.end());
   }
-  std::ranges::sort(result.pixels);
-  result.plane = settled_plane(field, result.pixels);
   if (result.pixels.size() < kLeastPixels) return refuse("no plane there");
+  std::ranges::sort(result.pixels);
+  result.plane = fit_plane(grid, result.pixels);
   result.label = class_of_tilt(result.plane.tilt_deg);
   return result;
 }

@@ -12,16 +12,13 @@
 namespace planescope::labels {
 
 struct WandOptions {
-  double tolerance_m =
-      0.008;                  // distance to the plane; more where noise is (WandField::tolerance_m)
-  double max_angle_deg = 35;  // of local normals to the plane, where they are known
-  bool use_color = true;      // where depth does not tell where the surface ends
-  bool take_labelled = false;                 // also pixels that have a label already
+  double tolerance_m = 0.008;  // distance to the plane at close range; grows with the noise
+  double max_angle_deg = 35;   // of local normals to the plane, where they are known
+  bool use_color = true;       // where depth does not tell where the surface ends
+  bool take_labelled = false;  // also pixels that have a label already
   std::span<const std::uint8_t> within = {};  // per pixel, 0 where none is taken; empty: anywhere
 };
 
-/// No pixel is farther off the plane than one and a half tolerances: one, but for holes in it and
-/// for borders that colour decides.
 struct WandResult {
   PixelSet pixels;    // connected to a seed each
   FittedPlane plane;  // by least squares through them

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -230,24 +229,19 @@ class Rows {
   std::string section_, group_, needs_;
 };
 
-/// "R2: explain away", "split disconnected planes".
-std::string group_of(const RefinementInfo& info) {
-  const bool numbered = info.name[0] == 'R' && std::isdigit(info.name[1]);
-  return numbered ? fmt::format("{}: {}", info.name, info.title) : info.title;
-}
-
 void append_refinements(std::vector<OptionInfo>& table) {
   constexpr const char* kSection = "refinements";
   Rows noise(
       table, [](auto& o) -> auto& { return o.segment.noise; }, kSection,
       "Noise, and what follows from it");
   NoiseOptions::describe(noise);
-#define PLANESCOPE_ROWS(name)                                                                     \
-  {                                                                                               \
-    Rows rows(                                                                                    \
-        table, [](auto& o) -> auto& { return o.segment.name; }, kSection, group_of(name::kInfo)); \
-    rows.only_with(#name);                                                                        \
-    name::Options::describe(rows);                                                                \
+#define PLANESCOPE_ROWS(name)                                             \
+  {                                                                       \
+    Rows rows(                                                            \
+        table, [](auto& o) -> auto& { return o.segment.name; }, kSection, \
+        heading_of(name::kInfo));                                         \
+    rows.only_with(#name);                                                \
+    name::Options::describe(rows);                                        \
   }
   PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
 #undef PLANESCOPE_ROWS

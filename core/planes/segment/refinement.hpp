@@ -22,6 +22,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 
 namespace planescope::planes {
 
@@ -51,5 +52,8 @@ struct RefinementInfo {
   int turn = 0;            // among those that follow the same stage, ascending
   bool on_pixels = false;  // looks at the depth image; does nothing where there is none
 };
+
+/// "R2: explain away", "split disconnected planes".
+std::string heading_of(const RefinementInfo& refinement);
 
 }  // namespace planescope::planes

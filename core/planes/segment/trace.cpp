@@ -1,7 +1,10 @@
 #include "core/planes/segment/trace.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cassert>
+#include <cctype>
 
 namespace planescope::planes {
 namespace {
@@ -15,6 +18,11 @@ constexpr const char* kSwitches[] = {PLANESCOPE_REFINEMENTS(PLANESCOPE_NAME)};
 #undef PLANESCOPE_NAME
 
 }  // namespace
+
+std::string heading_of(const RefinementInfo& refinement) {
+  const bool numbered = refinement.name[0] == 'R' && std::isdigit(refinement.name[1]);
+  return numbered ? fmt::format("{}: {}", refinement.name, refinement.title) : refinement.title;
+}
 
 const RefinementInfo* refinement_of(Stage stage) {
   const auto index = static_cast<std::size_t>(stage);

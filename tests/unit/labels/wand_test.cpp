@@ -201,48 +201,6 @@ TEST(Wand, ColorDecidesWhereDepthIsRagged) {
   EXPECT_EQ(with_color->pixels.size(), 62u * 80);
 }
 
-/// A wall 2 m away with that noise of depth; `shape` is what stands out of it [m].
-LabelGrid noisy_wall(double sigma_m, const std::function<double(int, int)>& shape) {
-  Random random(7);
-  const auto depth = [&](int u, int v) { return 2.0 - shape(u, v) + sigma_m * random.normal(); };
-  return make_label_grid(test::frame_of(160, 120, depth), Gravity{});
-}
-
-TEST(Wand, ALargeToleranceIsNotMultipliedByTheNoise) {
-  // A bag leans against the wall: its side comes out of it by up to 150 mm.
-  const auto bag = [](int u, int) { return u < 90 ? 0.0 : std::min(0.15, 0.003 * (u - 90)); };
-  const LabelGrid grid = noisy_wall(0.008, bag);
-  WandOptions options;
-  options.tolerance_m = 0.02;
-  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 40, 60)}, options);
-  ASSERT_TRUE(result);
-  EXPECT_GT(result->pixels.size(), 9000u);  // the wall itself, for all its noise
-  double worst_m = 0;
-  for (const std::uint32_t i : result->pixels)
-    worst_m = std::max(worst_m, std::abs(result->plane.distance_m(grid.points[i])));
-  EXPECT_LT(worst_m, 0.06);
-}
-
-TEST(Wand, ItsOwnHolesOnABowedWallAreFilledAndAThingOnTheWallIsNot) {
-  const auto bow = [](int u, int v) {
-    const double du = (u - 45) / 22.0, dv = (v - 60) / 30.0;
-    const bool thing = u >= 110 && u < 130 && v >= 40 && v < 60;  // 5 cm thick
-    return thing ? 0.05 : 0.0105 * std::exp(-(du * du + dv * dv));
-  };
-  const LabelGrid grid = noisy_wall(0.001, bow);
-  const auto result = grow_plane(grid, nullptr, std::array{test::pixel_at(grid, 100, 20)}, {});
-  ASSERT_TRUE(result);
-  const PixelSet inside = test::rectangle(grid, 25, 30, 65, 90),
-                 thing = test::rectangle(grid, 112, 42, 128, 58);
-  const auto taken = [&](const PixelSet& part) {
-    PixelSet both;
-    std::ranges::set_intersection(result->pixels, part, std::back_inserter(both));
-    return static_cast<double>(both.size()) / static_cast<double>(part.size());
-  };
-  EXPECT_EQ(taken(inside), 1);
-  EXPECT_EQ(taken(thing), 0);
-}
-
 TEST(Wand, StaysWithinTheLassoDrawnAroundIt) {
   const LabelGrid grid = test::wall_grid();
   std::vector<std::uint8_t> within(grid.pixels(), 0);

@@ -73,7 +73,13 @@ const DrawLabel* label(const DrawList& list, const std::string& text) {
   return found == list.labels.end() ? nullptr : &*found;
 }
 
-TEST(StepScene, NothingOfTheFutureIsDrawn) {
+/// The scene without what its planes are called: that is their id in the result, from the first.
+DrawList without_names(DrawList list) {
+  for (DrawLabel& label : list.labels) label.text = label.text.starts_with('P') ? "P" : label.text;
+  return list;
+}
+
+TEST(StepScene, NothingOfTheFutureIsDrawnButThePlanesNames) {
   for (const planes::Profile profile : {planes::Profile::refined, planes::Profile::paper}) {
     const auto run = stairs_run(profile);
     for (int part = 0; part <= 12; ++part) {
@@ -81,7 +87,8 @@ TEST(StepScene, NothingOfTheFutureIsDrawn) {
       SCOPED_TRACE(step);
       const auto stopped = stopped_at(*run, step);
       for (const ColorBy by : {ColorBy::cases, ColorBy::planes}) {
-        EXPECT_TRUE(scene_step(*run, look_at(step, by)) == scene_step(stopped, look_at(step, by)));
+        EXPECT_TRUE(without_names(scene_step(*run, look_at(step, by))) ==
+                    without_names(scene_step(stopped, look_at(step, by))));
         EXPECT_EQ(image_step(*run, look_at(step, by), Backdrop::depth, 0.5).data,
                   image_step(stopped, look_at(step, by), Backdrop::depth, 0.5).data);
       }
