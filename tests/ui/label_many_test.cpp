@@ -98,8 +98,8 @@ TEST_F(ManyFrames, ThePicturesOfTheStripAreThereWithoutRunningTheMethod) {
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_TRUE(state().results.strip[i].ready);
     EXPECT_FALSE(state().results.strip[i].image.empty());
-    const bool looked_at = static_cast<int>(i) == state().document.frame;
-    EXPECT_EQ(state().results.strip[i].planes > 0, looked_at) << i;
+    if (static_cast<int>(i) == state().document.frame) continue;  // its run may have come already
+    EXPECT_EQ(state().results.strip[i].planes, -1) << i;
   }
   window.run("label.mode");  // in the debugger they are run
   settle(window.shell, window.stage, {});
