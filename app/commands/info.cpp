@@ -86,11 +86,6 @@ void measure_depth(const Frame& frame, double max_range_m, Facts& facts) {
   facts.max_m = counts.back() * frame.depth_unit_m;
 }
 
-/// Clouds need none.
-bool knows_camera(const io::RecordingInfo& info) {
-  return info.width == 0 || !info.intrinsics_source.empty();
-}
-
 Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   Facts facts;
   facts.info = input.recording->info();
@@ -108,7 +103,7 @@ Facts gather(const OpenInput& input, const planes::PipelineOptions& options) {
   }
   facts.color_width = frame.color.width;
   facts.color_height = frame.color.height;
-  if (!knows_camera(facts.info))
+  if (!facts.info.knows_camera())
     facts.gravity_error = "without intrinsics the scene cannot be measured";
   else
     try {
@@ -142,7 +137,7 @@ Json to_json(const Facts& f) {
                      {"unit_m", f.info.depth_unit_m},
                      {"unit_source", f.info.depth_unit_source}};
     json["intrinsics"] = nullptr;
-    if (knows_camera(f.info)) {
+    if (f.info.knows_camera()) {
       json["intrinsics"] = intrinsics_json(f.info.intrinsics);
       json["intrinsics"]["source"] = f.info.intrinsics_source;
     }
@@ -199,7 +194,7 @@ void print_depth(const Facts& f, double max_range_m) {
         "{} {:.5g}",
         k.distortion == Distortion::brown_conrady ? "Brown-Conrady" : "inverse Brown-Conrady",
         fmt::join(k.coefficients, " "));
-  line("intrinsics", knows_camera(f.info)
+  line("intrinsics", f.info.knows_camera()
                          ? fmt::format("fx {:.2f} fy {:.2f} cx {:.2f} cy {:.2f}, {}, {}", k.fx,
                                        k.fy, k.cx, k.cy, distortion, f.info.intrinsics_source)
                          : std::string("not known; ") + io::kHowToGiveIntrinsics);

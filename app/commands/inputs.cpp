@@ -114,9 +114,7 @@ double parse_depth_unit(const std::string& text) {
 
 /// Says where gravity that was given contradicts the first frame of those asked for.
 void check_given_gravity(const OpenInput& input, const planes::GravityOptions& options) {
-  if (options.mode != planes::GravityMode::fixed ||
-      input.recording->info().intrinsics_source.empty())
-    return;
+  if (options.mode != planes::GravityMode::fixed || !input.recording->info().knows_camera()) return;
   try {
     const Frame frame = input.recording->frame(input.frames.front());
     const std::string doubt = planes::doubt_in_gravity(frame, options.direction, options);

@@ -7,6 +7,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/labels.hpp"
 #include "core/labels/review/audit.hpp"
+#include "core/labels/review/carry.hpp"
 #include "core/labels/store/store.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
@@ -15,8 +16,6 @@ namespace planescope::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kSure = 0.8;  // of a carried plane
 
 struct FrameStatistics {
   int frame = 0;
@@ -91,7 +90,7 @@ void print_left(const Left& left, bool with_recording) {
                             : "not known, --recording RECORDING says how many there are",
              frames_text(left.unreviewed));
   fmt::print("  with a carried plane less than {:.0f} % sure, that nobody has touched: {}\n",
-             100 * kSure, frames_text(left.doubtful));
+             100 * labels::kSure, frames_text(left.doubtful));
 }
 
 void print_table(const std::vector<FrameStatistics>& frames, bool with_depth) {
@@ -156,7 +155,7 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
       const FrameLabels labels = read_labels_of(source, frame);
       frames.push_back({frame, labels.annotator, labels.review_state, {}, work[frame], 0});
       frames.back().doubtful = static_cast<int>(std::ranges::count_if(
-          labels.planes, [](const LabelPlane& plane) { return plane.confidence < kSure; }));
+          labels.planes, [](const LabelPlane& plane) { return plane.confidence < labels::kSure; }));
       frames.back().of =
           source.recording ? labels::statistics_of(
                                  labels, labels::make_label_grid(

@@ -71,8 +71,12 @@ struct LabelLookKey {
 
 /// A scene as a texture of its own, drawn again where the list, the camera or the size has changed.
 struct SceneView {
+  enum class Shows : std::uint8_t { nothing, step, labels };
+
   render::Renderer renderer;
   render::DrawList list;
+  Shows shows = Shows::nothing;  // in the list
+  LookKey key;                   // of a step
   render::Camera camera;
   int width = 0, height = 0;
   TextureId texture = 0;
@@ -111,22 +115,15 @@ class GlCanvas : public Canvas {
                   int width,
                   int height,
                   Side side) override {
-    if (side == Side::beside) {
-      if (!beside_) beside_ = std::make_unique<SceneView>();
-      const bool same_list = beside_key_.same(run, look);
-      if (!same_list) {
-        beside_->list = render::scene_step(*run, look);
-        beside_key_.set(run, look);
-      }
-      return drawn(*beside_, same_list, camera, width, height, look.theme);
-    }
-    const bool same_list = shows_ == Shows::step && scene_key_.same(run, look);
+    if (side == Side::beside && !beside_) beside_ = std::make_unique<SceneView>();
+    SceneView& view = side == Side::beside ? *beside_ : scene_;
+    const bool same_list = view.shows == SceneView::Shows::step && view.key.same(run, look);
     if (!same_list) {
-      scene_.list = render::scene_step(*run, look);
-      scene_key_.set(run, look);
-      shows_ = Shows::step;
+      view.list = render::scene_step(*run, look);
+      view.key.set(run, look);
+      view.shows = SceneView::Shows::step;
     }
-    return drawn(scene_, same_list, camera, width, height, look.theme);
+    return drawn(view, same_list, camera, width, height, look.theme);
   }
 
   TextureId label_scene(const std::shared_ptr<const LabelFrame>& frame,
@@ -134,12 +131,13 @@ class GlCanvas : public Canvas {
                         const render::Camera& camera,
                         int width,
                         int height) override {
-    const bool same_list = shows_ == Shows::labels && label_key_.same(frame, look);
+    const bool same_list = scene_.shows == SceneView::Shows::labels && label_key_.same(frame, look);
     if (!same_list) {
       // Points stay where they are while only colours change.
       std::vector<std::uint8_t> shown;
       if (look.labels) shown = labels::shown_pixels(*look.labels);
-      if (shows_ != Shows::labels || label_key_.frame.lock() != frame || shown != shown_) {
+      if (scene_.shows != SceneView::Shows::labels || label_key_.frame.lock() != frame ||
+          shown != shown_) {
         scene_.list = {};
         scene_.list.points.push_back(render::label_points(frame->grid, frame->world, shown));
         point_ground_ = render::label_ground(frame->grid, render::Backdrop::color);
@@ -147,7 +145,7 @@ class GlCanvas : public Canvas {
       }
       render::color_label_points(scene_.list.points.back(), point_ground_, frame->grid, look);
       label_key_.set(frame, look);
-      shows_ = Shows::labels;
+      scene_.shows = SceneView::Shows::labels;
     }
     return drawn(scene_, same_list, camera, width, height, look.theme);
   }
@@ -225,8 +223,6 @@ class GlCanvas : public Canvas {
   }
 
  private:
-  enum class Shows : std::uint8_t { nothing, step, labels };
-
   TextureId drawn(SceneView& view,
                   bool same_list,
                   const render::Camera& camera,
@@ -248,8 +244,6 @@ class GlCanvas : public Canvas {
   };
   SceneView scene_;
   std::unique_ptr<SceneView> beside_;  // once two runs were shown
-  Shows shows_ = Shows::nothing;       // in scene_
-  LookKey scene_key_, beside_key_;
   LabelLookKey label_key_, label_image_key_;
   std::vector<std::uint8_t> shown_;  // of the labels in scene_
   Image8 point_ground_, image_ground_;

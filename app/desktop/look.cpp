@@ -71,26 +71,21 @@ render::Camera whole_camera(const State& state, double aspect) {
   return render::camera_holding(home.reach, lens);
 }
 
-/// Plane of the trace by its id in the result; -1 where there is none, at 0 too.
-std::vector<std::int32_t> planes_of_result(const debug::Run& run) {
-  std::vector<std::int32_t> planes(run.segmentation.planes.size() + 1, -1);
-  for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane)
-    if (const std::int32_t id = run.timeline.result_of_plane(plane); id > 0)
-      planes[static_cast<std::size_t>(id)] = plane;
-  return planes;
+/// Of B with A; null while it is not known.
+const debug::Comparison* comparison_with_a(const Results& results) {
+  const bool known = results.comparison && results.compared_a == results.pinned &&
+                     results.compared_b == results.current;
+  return known ? results.comparison.get() : nullptr;
 }
 
 /// The other run's plane that matches one of the run looked at; -1 where none is known to.
 std::int32_t matching_plane(const State& state, std::int32_t plane) {
-  const Results& results = state.results;
+  const debug::Comparison* comparison = comparison_with_a(state.results);
   const std::int32_t id = state.run()->timeline.result_of_plane(plane);
-  const bool known = results.comparison && results.compared_a == results.pinned &&
-                     results.compared_b == results.current;
-  if (!known || id == 0) return -1;
-  for (const debug::PlanePair& pair : results.comparison->planes) {
+  if (!comparison || id == 0) return -1;
+  for (const debug::PlanePair& pair : comparison->planes) {
     const int here = state.view.flash ? pair.a : pair.b, there = state.view.flash ? pair.b : pair.a;
-    if (here == id && there > 0)
-      return planes_of_result(*state.other_view()->run)[static_cast<std::size_t>(there)];
+    if (here == id && there > 0) return state.other_view()->run->timeline.plane_of_number(there);
   }
   return -1;
 }
@@ -245,18 +240,18 @@ render::StepLook other_look_of(const State& state) {
 
 std::vector<int> colors_of_planes(const State& state, const RunView& of) {
   const Results& results = state.results;
-  const bool known = results.comparison && results.pinned && results.compared_a == results.pinned &&
-                     results.compared_b == results.current && &of == results.current.get();
-  if (!known || &of == results.pinned.get()) return {};
+  const debug::Comparison* comparison = comparison_with_a(results);
+  if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
+    return {};
   const debug::Run& a = *results.pinned->run;
-  const std::vector<std::int32_t> planes_a = planes_of_result(a);
   std::set<int> taken;
-  for (const std::int32_t plane : planes_a)
-    if (plane >= 0) taken.insert(plane % render::kPlaneColors);
+  for (const planes::PlaneRegion& region : a.segmentation.planes)
+    if (const std::int32_t plane = a.timeline.plane_of_number(region.id); plane >= 0)
+      taken.insert(plane % render::kPlaneColors);
   std::vector<int> of_result(of.run->segmentation.planes.size() + 1, 0);
-  for (const debug::PlanePair& pair : results.comparison->planes)
+  for (const debug::PlanePair& pair : comparison->planes)
     if (pair.a > 0 && pair.b > 0)
-      of_result[static_cast<std::size_t>(pair.b)] = planes_a[static_cast<std::size_t>(pair.a)] + 1;
+      of_result[static_cast<std::size_t>(pair.b)] = a.timeline.plane_of_number(pair.a) + 1;
   // What A has not, in a colour that is none of A's, as long as there are such.
   int next = 0;
   std::vector<int> colors;

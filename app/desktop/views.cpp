@@ -9,6 +9,7 @@
 
 #include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
+#include "core/planes/cloud/camera.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -120,9 +121,8 @@ std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,
   const planes::Cloud& cloud = subject.prepared.cloud;
   const Vec3d seen = cloud.T_world_sensor.inverse() * (scene + cloud.origin);
   if (!(seen.z() > 0)) return std::nullopt;
-  const Intrinsics& k = subject.frame.intrinsics;
-  const double u = std::floor(k.fx * seen.x() / seen.z() + k.cx + 0.5);
-  const double v = std::floor(k.fy * seen.y() / seen.z() + k.cy + 0.5);
+  const Vec2d lands = planes::ray_to_pixel(subject.frame.intrinsics, seen.head<2>() / seen.z());
+  const double u = std::floor(lands.x() + 0.5), v = std::floor(lands.y() + 0.5);
   if (!(u >= 0 && v >= 0 && u < depth.width && v < depth.height)) return std::nullopt;
   const std::size_t pixel = static_cast<std::size_t>(v) * static_cast<std::size_t>(depth.width) +
                             static_cast<std::size_t>(u);

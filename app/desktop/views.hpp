@@ -72,16 +72,14 @@ void zoom_scene(const Ui& ui);
 void orbit_scene(const Ui& ui, int height);
 void pan_scene(const Ui& ui, int height);
 
-// ---- A and B
-// -------------------------------------------------------------------------------------
+// ---- A and B -----------------------------------------------------------------------------------
 
 /// Whether the mouse is on the side of the run that is looked at, not on the other one's.
 bool mouse_is_here(const Ui& ui, ImVec2 min, ImVec2 max);
 /// Says over a view which run it shows; nothing where there is no A to tell apart.
 void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max);
 
-// ---- What is clicked
-// -----------------------------------------------------------------------------
+// ---- What is clicked ---------------------------------------------------------------------------
 
 /// The depth pixel that looks to where nothing is seen at a place on screen [px from the top left]:
 /// at the depth of what is seen nearest to it. Nothing for clouds, and where it has a point.

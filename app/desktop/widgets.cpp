@@ -230,8 +230,7 @@ void action_button(const Ui& ui, const char* action, const char* label) {
 }
 
 void action_item(const Ui& ui, const Action& action, const std::string& prefix) {
-  const std::string key = action.keys.substr(0, action.keys.find(' '));
-  if (ImGui::MenuItem(action.title.c_str(), key.c_str(), action.is_on(ui.state),
+  if (ImGui::MenuItem(action.title.c_str(), first_key(action).c_str(), action.is_on(ui.state),
                       action.can_run(ui.state)))
     ui.emit(action.name);
   ui.name(prefix + "." + action.name);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <map>
 
@@ -8,6 +7,7 @@
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 
@@ -52,12 +52,7 @@ std::vector<fs::path> files_under(const fs::path& folder, bool (*is_wanted)(cons
 
 }  // namespace
 
-std::string extension(const fs::path& path) {
-  std::string text = path.extension().string();
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
+std::string extension(const fs::path& path) { return lower_case(path.extension().string()); }
 
 bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
 bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }

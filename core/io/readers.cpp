@@ -7,6 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
 #include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 namespace {
@@ -207,9 +208,7 @@ bool set_distortion(const std::string& model,
   const bool all_zero =
       std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
   if (all_zero) return true;
-  std::string lower = model;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(model);
   const auto names = [&](const char* part) { return lower.find(part) != std::string::npos; };
   const bool finite = std::all_of(coefficients.begin(), coefficients.end(),
                                   [](double c) { return std::isfinite(c); });

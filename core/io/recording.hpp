@@ -40,6 +40,9 @@ struct RecordingInfo {
   bool has_color = false;
   std::string color_note;             // "aligned", "projected by extrinsics", "none", ...
   std::vector<std::string> warnings;  // what was lost or odd, one line each, with counts
+
+  /// Clouds need no camera.
+  bool knows_camera() const { return width == 0 || !intrinsics_source.empty(); }
 };
 
 /// A recording: opened once, frames read at random. Reading is const and thread-safe.

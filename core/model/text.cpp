@@ -86,6 +86,18 @@ std::vector<std::string> split(const std::string& text, char separator) {
   }
 }
 
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words = split(text, ' ');
+  std::erase(words, "");
+  return words;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 std::string minutes_text(double seconds) {
   const long whole = std::lround(seconds);
   const std::string rest = std::to_string(whole % 60);

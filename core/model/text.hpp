@@ -22,6 +22,12 @@ int parse_integer(const std::string& text, const std::string& what);
 /// `text` cut at every `separator`; always at least one part.
 std::vector<std::string> split(const std::string& text, char separator);
 
+/// What stands between spaces.
+std::vector<std::string> words_of(const std::string& text);
+
+/// ASCII letters alone.
+std::string lower_case(std::string text);
+
 /// "2:05", minutes and seconds.
 std::string minutes_text(double seconds);
 

@@ -16,11 +16,6 @@ namespace {
 /// The root; -1 where a frame without points has none.
 std::int32_t root_of(const debug::Run& run) { return run.octree().nodes.empty() ? -1 : 0; }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }
 
 /// 3: a whole word of the text, 2: the start of one, 1: somewhere in it, 0: nowhere.
@@ -140,13 +135,14 @@ void apply(State& state, const Command& command) {
   action.run(state, command.argument);
 }
 
+std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
+
 std::vector<const Action*> matching_actions(const std::string& typed, Mode mode) {
-  std::vector<std::string> wanted = split(lower(typed), ' ');
-  std::erase(wanted, "");
+  const std::vector<std::string> wanted = words_of(lower_case(typed));
   std::vector<std::pair<int, const Action*>> found;
   for (const Action& action : action_table()) {
     if (!fits(action, mode)) continue;
-    const int fit = fit_of(wanted, lower(action.title) + "  " + lower(action.name));
+    const int fit = fit_of(wanted, lower_case(action.title + "  " + action.name));
     if (fit >= 0) found.emplace_back(fit, &action);
   }
   std::ranges::stable_sort(found, std::ranges::greater(), &std::pair<int, const Action*>::first);

@@ -51,6 +51,8 @@ const char* click_action(Click click);
 const Action* action_of_key(const std::string& key, Mode mode);
 /// The action can be used in that mode.
 bool fits(const Action& action, Mode mode);
+/// The first of its keys, as menus show it; empty where it has none.
+std::string first_key(const Action& action);
 
 /// Changes the state. Throws Error on an unknown action or an argument it cannot take, the state
 /// unchanged.

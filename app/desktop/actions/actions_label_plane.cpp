@@ -9,13 +9,12 @@
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/work.hpp"
 #include "core/labels/edit/operations.hpp"
+#include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
-
-constexpr double kLeastShare = 0.8;  // of a carried plane's expected pixels that lie on it
 
 std::string name_of(int plane) { return fmt::format("P{}", plane); }
 
@@ -135,8 +134,7 @@ void take(State& state) {
 CarryJob carry_argument(const std::string& text) {
   constexpr int kMostFrames = 1'000'000;
   CarryJob plan;
-  std::vector<std::string> words = planescope::split(text, ' ');
-  std::erase(words, "");
+  const std::vector<std::string> words = words_of(text);
   std::size_t next = 0;
   const auto is_number = [&] {
     return next < words.size() && std::isdigit(static_cast<unsigned char>(words[next][0]));
@@ -147,7 +145,7 @@ CarryJob carry_argument(const std::string& text) {
   if (next < words.size() && words[next] == "doubt") {
     ++next;
     if (!counts) frames = kMostFrames;
-    plan.least_share = is_number() ? number_argument("label.carry", words[next++]) : kLeastShare;
+    plan.least_share = is_number() ? number_argument("label.carry", words[next++]) : labels::kSure;
     if (!(plan.least_share > 0 && plan.least_share <= 1))
       throw Error(
           fmt::format("action label.carry: a share of {}, expected 0 to 1", plan.least_share));

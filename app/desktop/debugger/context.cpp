@@ -16,10 +16,7 @@ std::string pixel_text(const State& state, std::int64_t source) {
   return fmt::format("{},{}", source % width, source / width);
 }
 
-std::string key_of(const char* action) {
-  const std::string& keys = find_action(action).keys;
-  return keys.substr(0, keys.find(' '));
-}
+std::string key_of(const char* action) { return first_key(find_action(action)); }
 
 /// A thing that is selected first, and then what is done with it.
 struct Menu {

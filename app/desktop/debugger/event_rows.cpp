@@ -83,7 +83,8 @@ std::vector<EventRow> opened(const std::vector<EventRow>& groups,
 }
 
 std::string stage_title(const debug::Run& run, std::int32_t step) {
-  return step <= end_of_traversal(run) ? "traversal" : title_of(run.event_at(step)->stage);
+  const planes::TraceEvent& event = *run.event_at(step);
+  return event.type == planes::EventType::visit ? "traversal" : title_of(event.stage);
 }
 
 std::string group_text(const debug::Run& run, const EventRow& group) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -28,18 +27,13 @@ PlaneRow row_of(const debug::Run& run, const report::FramePlanes& found, std::si
   return row;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
   std::vector<std::string> texts = cells_of(row);
   if (row.label != Label::unknown) texts.emplace_back(row.label == Label::h ? "level" : "upright");
   if (row.foot) texts.emplace_back(row.steppable ? "steppable" : "not steppable");
   return std::ranges::all_of(words, [&](const std::string& word) {
     return std::ranges::any_of(texts, [&](const std::string& text) {
-      return lower(text).find(word) != std::string::npos;
+      return lower_case(text).find(word) != std::string::npos;
     });
   });
 }
@@ -96,8 +90,7 @@ std::vector<std::string> cells_of(const PlaneRow& row) {
 std::vector<PlaneRow> plane_rows(const State& state) {
   const RunPlanes* planes = state.planes();
   if (!planes) return {};
-  std::vector<std::string> words = split(lower(state.view.planes.filter), ' ');
-  std::erase(words, "");
+  const std::vector<std::string> words = words_of(lower_case(state.view.planes.filter));
   std::vector<PlaneRow> rows;
   for (std::size_t k = 0; k < planes->found.summaries.size(); ++k) {
     const PlaneRow row = row_of(*planes->of->run, planes->found, k);

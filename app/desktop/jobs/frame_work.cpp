@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
-#include "core/planes/cloud/camera.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 #include "core/report/page/pictures.hpp"
 #include "render/palette.hpp"
+#include "render/region_image.hpp"
 #include "render/scenes.hpp"
 
 namespace planescope::desktop {
@@ -85,26 +84,6 @@ Image8 cloud_thumbnail(const debug::Run& run, int width) {
 }
 
 constexpr int kThumbnailWidth = 200;  // [px]
-
-/// Near is light.
-Image8 depth_picture(const Image16& depth) {
-  Image8 image(depth.width, depth.height, 3);
-  std::vector<std::uint16_t> counts;
-  const auto is_depth = [](std::uint16_t c) {
-    return c != planes::kNoDepth && c != planes::kFarOutlier;
-  };
-  std::ranges::copy_if(depth.data, std::back_inserter(counts), is_depth);
-  if (counts.empty()) return image;
-  const auto far =
-      counts.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(counts.size() - 1));
-  std::ranges::nth_element(counts, far);
-  const double most = *far;
-  for (std::size_t i = 0; i < depth.data.size(); ++i)
-    if (is_depth(depth.data[i]))
-      std::fill_n(&image.data[3 * i], 3,
-                  static_cast<std::uint8_t>(230 - 180 * std::min(1.0, depth.data[i] / most)));
-  return image;
-}
 
 /// The options of some sections as one text.
 std::string options_key(const planes::PipelineOptions& options, bool preparing) {
@@ -218,7 +197,7 @@ Thumbnail picture_of(const Wanted& wanted) {
     if (frame.color.channels == 3)
       thumbnail.image = report::shrink(frame.color, kThumbnailWidth);
     else if (!frame.depth.empty())
-      thumbnail.image = report::shrink(depth_picture(frame.depth), kThumbnailWidth);
+      thumbnail.image = report::shrink(render::shaded_depth(frame), kThumbnailWidth);
   } catch (const std::exception& error) {
     thumbnail.refusal = message_of(error);
   }

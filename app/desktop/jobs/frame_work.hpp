@@ -63,7 +63,7 @@ std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
 render::Home home_of(const debug::Run& run);
 /// A frame that cannot be run says why.
 Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers);
-/// The camera's picture alone, or that of the depth: nothing is run for it.
+/// The camera's picture alone, or shaded depth: nothing is run for it.
 Thumbnail picture_of(const Wanted& wanted);
 
 }  // namespace planescope::desktop

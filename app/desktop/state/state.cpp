@@ -48,10 +48,9 @@ const RunView* State::run_view() const {
   return view.flash && results.pinned ? results.pinned.get() : results.current.get();
 }
 
-const RunPlanes* State::planes() const {
-  const RunView* shown = run_view();
+const RunPlanes* State::planes(const RunView* of) const {
   for (const std::shared_ptr<const RunPlanes>& planes : results.planes)
-    if (shown && planes->of.get() == shown) return planes.get();
+    if (of && planes->of.get() == of) return planes.get();
   return nullptr;
 }
 
@@ -66,8 +65,7 @@ std::string State::shown_side() const {
 }
 
 std::shared_ptr<const render::PlaneScene> State::plane_scene(const RunView* of) const {
-  for (const std::shared_ptr<const RunPlanes>& planes : results.planes)
-    if (of && planes->of.get() == of) return planes->scene;
+  if (const RunPlanes* known = planes(of)) return known->scene;
   return of ? of->outlines : nullptr;
 }
 

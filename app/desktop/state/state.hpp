@@ -289,8 +289,9 @@ struct State {
   const RunView* run_view() const;
   /// A where B is looked at and the other way round, while both are shown; null: only one is.
   const RunView* other_view() const;
-  /// What is known of its planes; null while it is found out.
-  const RunPlanes* planes() const;
+  /// What is known of a run's planes; null while it is found out.
+  const RunPlanes* planes(const RunView* of) const;
+  const RunPlanes* planes() const { return planes(run_view()); }
   /// What is drawn of a run's planes; null: nothing is known yet.
   std::shared_ptr<const render::PlaneScene> plane_scene(const RunView* of) const;
   /// "A", "B", both as "A | B"; empty where there is no A to tell apart.

@@ -18,12 +18,6 @@ namespace fs = std::filesystem;
 constexpr double kMaxColorGap_s = 0.5;
 constexpr const char* kColorWords[] = {"color", "colour", "rgb", "image"};
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 bool is_png(const fs::path& path) { return extension(path) == ".png"; }
 bool is_picture(const fs::path& path) {
   return is_png(path) || extension(path) == ".jpg" || extension(path) == ".jpeg";
@@ -47,7 +41,7 @@ bool remove_word(std::string& text, const std::string& word) {
 
 /// What a depth image and its colour image have in common: the name without the word for each.
 std::string pairing_key(const fs::path& path) {
-  std::string key = lower(path.stem().string());
+  std::string key = lower_case(path.stem().string());
   if (remove_word(key, "depth")) return key;
   for (const char* word : kColorWords) {
     if (remove_word(key, word)) return key;
@@ -107,7 +101,7 @@ fs::path subfolder(const fs::path& folder, std::initializer_list<const char*> na
   std::sort(found.begin(), found.end());
   for (const char* name : names) {
     for (const fs::path& path : found) {
-      if (lower(path.filename().string()) == name) return path;
+      if (lower_case(path.filename().string()) == name) return path;
     }
   }
   return {};
@@ -120,11 +114,11 @@ std::vector<fs::path> only(const std::vector<fs::path>& files, bool (*wanted)(co
 }
 
 bool named_depth(const fs::path& path) {
-  return is_png(path) && lower(path.stem().string()).find("depth") != std::string::npos;
+  return is_png(path) && lower_case(path.stem().string()).find("depth") != std::string::npos;
 }
 
 bool named_color(const fs::path& path) {
-  const std::string name = lower(path.stem().string());
+  const std::string name = lower_case(path.stem().string());
   return is_picture(path) && !named_depth(path) &&
          std::any_of(std::begin(kColorWords), std::end(kColorWords),
                      [&](const char* word) { return name.find(word) != std::string::npos; });

@@ -12,6 +12,9 @@
 
 namespace planescope::labels {
 
+/// A carried plane of less confidence is in doubt.
+inline constexpr double kSure = 0.8;
+
 struct CarriedPlane {
   int id = 0;             // in the new frame: another one where its own is taken there
   double confidence = 0;  // share of the pixels it was expected on that lie on its fitted plane
