@@ -55,11 +55,8 @@ Files checked_files(const TrainArgs& args) {
   return files;
 }
 
-lab::TrainState first_state(const TrainArgs& args,
-                            const Files& files,
-                            const lab::TrainingPurpose& purpose) {
+lab::TrainState first_state(const TrainArgs& args) {
   const lab::TrainOptions& options = args.recipe.train;
-  if (args.resume) return lab::read_checkpoint(files.checkpoint, options, purpose);
   lab::TrainState state = lab::begin_training(options);
   if (args.from.empty()) return state;
   planes::NetworkWeights from = planes::read_weights(args.from);
@@ -105,11 +102,12 @@ void save(const Session& session, const lab::TrainState& state) {
   write_page(session, state);
 }
 
-std::vector<planes::LabelAccuracy> scores(const Session& session,
-                                          const planes::NetworkWeights& weights) {
+std::vector<planes::LabelAccuracy> scores(const TrainingData& data,
+                                          const planes::NetworkWeights& weights,
+                                          int threads) {
   std::vector<planes::LabelAccuracy> scores;
-  for (const lab::ValidationSet& set : session.data.validation)
-    scores.push_back(lab::score_network(weights, set.clouds, session.threads()));
+  for (const lab::ValidationSet& set : data.validation)
+    scores.push_back(lab::score_network(weights, set.clouds, threads));
   return scores;
 }
 
@@ -121,19 +119,22 @@ void explain_epochs(const Session& session) {
              fmt::join(sets, ", "));
 }
 
-/// Ends an epoch; returns a line about it.
-std::string end_epoch(const Session& session, lab::TrainState& state) {
+/// Scores the weights as they are now.
+void end_epoch(const TrainingData& data, lab::TrainState& state, int threads) {
   const int begun = state.epochs.empty() ? 0 : state.epochs.back().step;
   lab::Epoch epoch;
   epoch.step = state.step;
   epoch.train_loss = state.loss_sum / (state.step - begun);
-  epoch.validation = scores(session, state.weights);
-  std::string line = fmt::format("step {:>6} of {}, loss {:.4f}, edge", state.step,
-                                 session.options().steps, epoch.train_loss);
-  for (const planes::LabelAccuracy& a : epoch.validation)
-    line += fmt::format("  {:.1f}", a.edge_percent());
+  epoch.validation = scores(data, state.weights, threads);
   state.loss_sum = 0;
   state.epochs.push_back(std::move(epoch));
+}
+
+std::string epoch_line(const lab::Epoch& epoch, int steps) {
+  std::string line =
+      fmt::format("step {:>6} of {}, loss {:.4f}, edge", epoch.step, steps, epoch.train_loss);
+  for (const planes::LabelAccuracy& a : epoch.validation)
+    line += fmt::format("  {:.1f}", a.edge_percent());
   return line;
 }
 
@@ -152,7 +153,8 @@ void train(const Session& session, lab::TrainState& state, const std::stop_token
   while (state.step < options.steps && !stop.stop_requested()) {
     lab::train_step(state, options, draw, session.threads());
     if (state.step % options.epoch_steps == 0 || state.step == options.steps) {
-      bar.print(end_epoch(session, state));
+      end_epoch(session.data, state, session.threads());
+      bar.print(epoch_line(state.epochs.back(), options.steps));
       save(session, state);
     }
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started;
@@ -167,7 +169,8 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
   const std::vector<planes::LabelAccuracy>& own = state.epochs.back().validation;
   const fs::path& baseline = session.args.baseline;
   std::vector<planes::LabelAccuracy> others;
-  if (!baseline.empty()) others = scores(session, planes::read_weights(baseline));
+  if (!baseline.empty())
+    others = scores(session.data, planes::read_weights(baseline), session.threads());
   bool ahead = false;
   fmt::print("{:<18} {:>10} {:>10}{}\n", "right labels [%]", "near edges", "elsewhere",
              others.empty() ? "" : "   of " + baseline.string());
@@ -205,11 +208,15 @@ int run_train(const TrainArgs& args, std::stop_token stop) {
   if (!args.baseline.empty()) planes::read_weights(args.baseline);  // told now, not after an hour
   LabelledRecordings recordings = load_labelled_recordings(args.input, stop);
   const lab::TrainingPurpose purpose = training_purpose(args, recordings);
-  lab::TrainState state = first_state(args, files, purpose);
+  lab::TrainState state = args.resume
+                              ? lab::read_checkpoint(files.checkpoint, args.recipe.train, purpose)
+                              : first_state(args);
   const TrainingDataOptions data{args.synthetic, args.validation_clouds,
                                  args.input.pipeline.threads};
-  const Session session{args, files, purpose,
-                        make_training_data(args.recipe, data, std::move(recordings), stop)};
+  const Session session{
+      args, files, purpose,
+      make_training_data(args.recipe, data, std::move(recordings), Bar("training set", stop))};
+  if (stop.stop_requested()) throw Cancelled();
 
   if (!state.epochs.empty() && state.epochs[0].validation.size() != session.data.validation.size())
     throw Error(files.checkpoint.string() + ": is damaged: its epochs have other validation sets");
@@ -254,12 +261,9 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
       command, "--recipe", [args](const std::string& name) { set_recipe(*args, name); }, "NAME",
       fmt::format("{}, or recordings: those that are given alone; default {}",
                   fmt::join(lab::recipe_names(), ", "), kDefaultRecipe));
-  const auto begin_with = [args, &train](const std::string& file) {
-    args->from = file;
-    train.network = planes::read_weights(args->from).config;
-    train.learning_rate *= kFineTuningRate;
-  };
-  add_read(command, "--from", begin_with, "FILE", "Weights to begin with, to teach them more");
+  add_read(
+      command, "--from", [args](const std::string& file) { begin_with(*args, file); }, "FILE",
+      "Weights to begin with, to teach them more");
   add_read(
       command, "--network",
       [&train](const std::string& name) { train.network = planes::network_config(name); },
@@ -289,12 +293,41 @@ void define(CLI::App& app, Line& line, const char* help, bool needs_recording) {
 
 }  // namespace
 
+void begin_with(TrainArgs& args, const fs::path& weights) {
+  args.from = weights;
+  args.recipe.train.network = planes::read_weights(weights).config;
+  args.recipe.train.learning_rate *= kFineTuningRate;
+}
+
+planes::NetworkWeights teach(const TrainArgs& args,
+                             LabelledRecordings recordings,
+                             const TeachingProgress& progress) {
+  const lab::TrainOptions& options = args.recipe.train;
+  const int threads = args.input.pipeline.threads;
+  const lab::TrainingPurpose purpose = training_purpose(args, recordings);
+  lab::TrainState state = first_state(args);
+  const TrainingData data = make_training_data(
+      args.recipe, {args.synthetic, args.validation_clouds, threads}, std::move(recordings),
+      [&](int done, int all) { progress("synthetic clouds", done, all); });
+  const lab::DrawCloud draw = [&](std::uint64_t number) { return data.draw(number); };
+  while (state.step < options.steps) {
+    progress("steps", state.step, options.steps);
+    lab::train_step(state, options, draw, threads);
+  }
+  progress("steps", state.step, options.steps);
+  end_epoch(data, state, threads);
+  state.weights.training = training_record(args, data, state, purpose);
+  return state.weights;
+}
+
+void limit_clouds(lab::TrainingRecipe& recipe, int most, int* also) {
+  lab::TrainingSetOptions& set = recipe.set;
+  for (int* count : {&set.stairs, &set.boxes, &set.planes, &set.scans, also})
+    if (count) *count = std::min(*count, most);
+}
+
 void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also) {
-  const auto limit = [&recipe, also](int most) {
-    lab::TrainingSetOptions& set = recipe.set;
-    for (int* count : {&set.stairs, &set.boxes, &set.planes, &set.scans, also})
-      if (count) *count = std::min(*count, most);
-  };
+  const auto limit = [&recipe, also](int most) { limit_clouds(recipe, most, also); };
   command
       ->add_option_function<int>("--count", limit,
                                  wrapped("At most so many clouds of each kind; default all"))

@@ -1,11 +1,13 @@
 #pragma once
 
-// What planescope train and the trainings of planescope-lab share.
+// What planescope train, the trainings of planescope-lab and those of the window share.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "app/cli/command.hpp"
+#include "app/commands/training_data.hpp"
 #include "core/lab/training/training_recipe.hpp"
 
 namespace planescope::app {
@@ -25,8 +27,22 @@ struct TrainArgs {
   std::string command;             // as it was typed
 };
 
-/// --count and --seed of a recipe; `also`, where given, is a number of clouds that --count limits
-/// as well.
+/// Weights to begin with, of whatever network they are: taught more, they are taught gently.
+void begin_with(TrainArgs& args, const std::filesystem::path& weights);
+
+/// `stage`: "synthetic clouds", "steps". May throw to stop.
+using TeachingProgress = std::function<void(const char* stage, int done, int all)>;
+
+/// Trains as `planescope train` does, in memory from beginning to end: `out` is not looked at. The
+/// weights come with their record.
+planes::NetworkWeights teach(const TrainArgs& args,
+                             LabelledRecordings recordings,
+                             const TeachingProgress& progress);
+
+/// At most so many clouds of each kind. `also`: a number of clouds that is limited as well.
+void limit_clouds(lab::TrainingRecipe& recipe, int most, int* also = nullptr);
+
+/// --count and --seed of a recipe; `also` as of limit_clouds().
 void add_recipe_limits(CLI::App* command, lab::TrainingRecipe& recipe, int* also = nullptr);
 
 /// planescope-lab train: as planescope train, also without any recording.

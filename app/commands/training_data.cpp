@@ -14,7 +14,6 @@
 namespace planescope::app {
 namespace {
 
-constexpr int kValidationEvery = 5;                // labelled frames
 constexpr std::uint64_t kValidationSeed = 900001;  // no set that is trained on has it
 constexpr double kRecordingShare = 0.5;            // of the clouds seen, where there are both
 enum Stream : std::uint64_t { kFromRecording = 201, kWhich, kVariation };
@@ -24,40 +23,46 @@ bool has_label(const planes::LabelledCloud& cloud) {
                      [](Label label) { return label != Label::unknown; });
 }
 
-/// The frame's voxels with their labels; empty where it has no truth.
-planes::LabelledCloud load_frame(const OpenInput& input,
-                                 int index,
-                                 const planes::PipelineOptions& options) {
-  const Frame frame = input.recording->frame(index);
-  const auto truth =
-      labels::frame_truth(frame, input.label_dir, input.recording->frame_hash(index));
-  if (!truth) return {};
-  try {
-    return planes::labelled_frame(frame, options, *truth);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
-  }
-}
-
-std::string hash_of(const std::vector<planes::LabelledCloud>& clouds) {
+std::string hash_of(const std::vector<LabelledFrame>& frames) {
   std::vector<std::byte> bytes;
   const auto append = [&](const auto& values) {
     const auto raw = std::as_bytes(std::span(values));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
   };
-  for (const planes::LabelledCloud& cloud : clouds) {
-    append(cloud.points);
-    append(cloud.labels);
+  for (const LabelledFrame& frame : frames) {
+    append(frame.cloud.points);
+    append(frame.cloud.labels);
   }
   return sha256_hex(bytes);
 }
 
 }  // namespace
 
-LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop) {
+LabelledFrame make_labelled_frame(const Frame& frame,
+                                  const planes::SourceTruth& truth,
+                                  std::string sha256,
+                                  const planes::PipelineOptions& options) {
+  LabelledFrame labelled{planes::labelled_frame(frame, options, truth), std::move(sha256)};
+  if (!has_label(labelled.cloud)) labelled.cloud = {};
+  return labelled;
+}
+
+LabelledRecordings labelled_recordings(std::vector<LabelledFrame> frames) {
   LabelledRecordings recordings;
-  if (args.inputs.empty()) return recordings;
-  std::vector<planes::LabelledCloud> clouds;
+  std::erase_if(frames, [](const LabelledFrame& frame) { return frame.cloud.points.empty(); });
+  if (frames.empty()) return recordings;
+  recordings.sha256 = hash_of(frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    (is_kept_for_validation(i) ? recordings.validation : recordings.train)
+        .push_back(std::move(frames[i].cloud));
+    recordings.frames.push_back(std::move(frames[i].sha256));
+  }
+  return recordings;
+}
+
+LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::stop_token& stop) {
+  if (args.inputs.empty()) return {};
+  std::vector<LabelledFrame> frames;
   for (const OpenInput& input : open_inputs(args)) {
     Progress bar("recordings", static_cast<int>(input.frames.size()));
     int done = 0;
@@ -65,19 +70,22 @@ LabelledRecordings load_labelled_recordings(const InputArgs& args, const std::st
       if (stop.stop_requested()) throw Cancelled();
       bar.show(done++, input.path.string());
       if (!may_have_truth(input, index)) continue;
-      planes::LabelledCloud cloud = load_frame(input, index, args.pipeline);
-      if (has_label(cloud)) clouds.push_back(std::move(cloud));
+      const Frame frame = input.recording->frame(index);
+      const std::string hash = input.recording->frame_hash(index);
+      const auto truth = labels::frame_truth(frame, input.label_dir, hash);
+      if (!truth) continue;
+      try {
+        frames.push_back(make_labelled_frame(frame, *truth, hash, args.pipeline));
+      } catch (const Error& error) {
+        throw Error(fmt::format("{}, frame {}: {}", input.path.string(), index, error.what()));
+      }
     }
   }
-  if (clouds.empty())
+  LabelledRecordings recordings = labelled_recordings(std::move(frames));
+  if (recordings.frames.empty())
     throw Error(args.inputs[0].string() +
                 ": no labelled frame to learn from, expected label files beside it or in --labels "
                 "DIR, or a cloud's label field");
-  recordings.sha256 = hash_of(clouds);
-  for (std::size_t i = 0; i < clouds.size(); ++i) {
-    const bool keep = i % kValidationEvery == kValidationEvery - 1;
-    (keep ? recordings.validation : recordings.train).push_back(std::move(clouds[i]));
-  }
   return recordings;
 }
 
@@ -93,20 +101,14 @@ planes::LabelledCloud TrainingData::draw(std::uint64_t number) const {
 TrainingData make_training_data(const lab::TrainingRecipe& recipe,
                                 const TrainingDataOptions& options,
                                 LabelledRecordings recordings,
-                                const std::stop_token& stop) {
-  TrainingData data{recipe, {}, std::move(recordings.train), {}};
-  if (options.synthetic) {
-    Progress bar("training set", recipe.set.count());
-    data.synthetic = lab::make_training_set(recipe.set, options.threads, [&](int done, int) {
-      if (stop.stop_requested()) throw Cancelled();
-      bar.show(done, "clouds");
-    });
-  }
+                                const std::function<void(int, int)>& progress) {
+  TrainingData data{recipe, {}, std::move(recordings.train), {}, std::move(recordings.frames)};
+  if (options.synthetic)
+    data.synthetic = lab::make_training_set(recipe.set, options.threads, progress);
   data.validation =
       lab::make_validation_sets(kValidationSeed, options.validation_clouds, options.threads);
   if (!recordings.validation.empty())
-    data.validation.push_back({"recordings", std::move(recordings.validation)});
-  if (stop.stop_requested()) throw Cancelled();
+    data.validation.push_back({kRecordingsSet, std::move(recordings.validation)});
   return data;
 }
 

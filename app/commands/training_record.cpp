@@ -63,6 +63,7 @@ std::string training_record(const TrainArgs& args,
                  {"from", purpose.at("weights to begin with")},
                  {"recordings", purpose.at("recordings")},
                  {"recorded_clouds", data.recordings.size()},
+                 {"frames", data.frames},
                  {"synthetic_clouds", data.synthetic.size()}};
   if (args.synthetic)
     record["synthetic"] = {{"set", json_of(args.recipe.set)},

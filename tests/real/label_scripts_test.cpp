@@ -1,5 +1,5 @@
-// Labels real frames as a person would, by the scripts in labels/, looks at what was drawn, and
-// holds the method to what it reached on it. The
+// Holds the method to what it reached on real frames whose truth lies in truth/, and the label
+// tools to drawing that truth again, gesture by gesture, as the scripts in labels/ have it. The
 // recordings are read from $PLANESCOPE_DATA.
 
 #include <fmt/format.h>
@@ -12,8 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
+#include "core/labels/review/agreement.hpp"
+#include "core/model/file_bytes.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope {
@@ -22,7 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const fs::path kFolder = fs::path(PLANESCOPE_SOURCE_DIR) / "tests" / "real" / "labels";
+const fs::path kReal = fs::path(PLANESCOPE_SOURCE_DIR) / "tests" / "real";
+const fs::path kFolder = kReal / "labels";
+
+// Mean IoU with the truth of what the tools of today draw by the same gestures. Three frames were
+// drawn by the plane wand, when it took more at borders.
+constexpr double kRedrawn = 0.999, kRedrawnByWand = 0.9;
 
 /// A line of list.txt.
 struct Labeled {
@@ -46,6 +52,11 @@ std::vector<Labeled> read_list() {
   return all;
 }
 
+bool uses_the_wand(const fs::path& script) {
+  const auto bytes = read_file_bytes(script);
+  return std::string(bytes.begin(), bytes.end()).find("label.wand ") != std::string::npos;
+}
+
 /// Exit code of the program; what it says goes into the test's log.
 int run(const std::string& arguments) {
   const int status =
@@ -67,43 +78,39 @@ void expect_what_was_reached(const std::string& name, const fs::path& eval) {
 
 class LabelScript : public testing::TestWithParam<Labeled> {};
 
-TEST_P(LabelScript, LabelsEveryPlaneOfTheFrame) {
+TEST_P(LabelScript, DrawsTheTruthAgainAndTheMethodReachesItAsBefore) {
   const char* data = std::getenv("PLANESCOPE_DATA");
   if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
   const Labeled& labeled = GetParam();
   const fs::path dir = temp_dir() / "planescope_label_scripts" / labeled.name;
+  const fs::path truth_dir = kReal / "truth" / labeled.name;
+  const fs::path script = kFolder / (labeled.name + ".json");
   fs::remove_all(dir);
   fs::create_directories(dir);
   const std::string recording = (fs::path(data) / labeled.recording).string();
-  const std::string frame = fmt::format("'{}' --labels '{}' --frames {} {}", recording,
-                                        dir.string(), labeled.frame, labeled.options);
+  const auto frame_with = [&](const fs::path& labels) {
+    return fmt::format("'{}' --labels '{}' --frames {} {}", recording, labels.string(),
+                       labeled.frame, labeled.options);
+  };
 
   ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --size 640x400 --script '{}'",
-                            frame, (kFolder / (labeled.name + ".json")).string())),
+                            frame_with(dir), script.string())),
             0);
   const auto labels = labels::read_frame_labels(dir, labeled.frame, "");
+  const auto truth = labels::read_frame_labels(truth_dir, labeled.frame, "");
   ASSERT_TRUE(labels);
+  ASSERT_TRUE(truth);
+  const bool by_wand = uses_the_wand(script);
+  EXPECT_GE(labels::agreement_of(*labels, *truth).mean_iou, by_wand ? kRedrawnByWand : kRedrawn);
 
-  std::ifstream file(kFolder / "expected.json");
-  const Json expected = Json::parse(file).at(labeled.name);
-  EXPECT_EQ(labels->planes.size(), expected.size());
-  for (const Json& plane : expected) {
-    const std::string what = plane.at("what");
-    const int id = labels->plane.at(plane.at("at").at(0), plane.at("at").at(1));
-    const auto found = std::find_if(labels->planes.begin(), labels->planes.end(),
-                                    [&](const LabelPlane& p) { return p.id == id; });
-    ASSERT_NE(found, labels->planes.end()) << what;
-    EXPECT_EQ(found->label == Label::h ? "h" : "v", plane.at("label")) << what;
-    const auto pixels =
-        static_cast<double>(std::count(labels->plane.data.begin(), labels->plane.data.end(), id));
-    EXPECT_NEAR(pixels, plane.at("pixels"), 0.1 * plane.at("pixels").get<double>()) << what;
-  }
   // Nothing is damaged, and what was drawn can be scored. (Findings there may be: real surfaces
   // bow.)
-  EXPECT_LE(run(fmt::format("labels check '{}' --recording '{}' {}", dir.string(), recording,
+  EXPECT_LE(run(fmt::format("labels check '{}' --recording '{}' {}", truth_dir.string(), recording,
                             labeled.options.substr(0, labeled.options.find("--gravity")))),
             1);
-  EXPECT_EQ(run(fmt::format("eval {} --json >'{}'", frame, (dir / "eval.json").string())), 0);
+  EXPECT_EQ(
+      run(fmt::format("eval {} --json >'{}'", frame_with(truth_dir), (dir / "eval.json").string())),
+      0);
   expect_what_was_reached(labeled.name, dir / "eval.json");
   if (!HasFailure()) fs::remove_all(dir);
 }

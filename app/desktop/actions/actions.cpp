@@ -64,8 +64,9 @@ const std::vector<Action>& action_table() {
     for (auto part :
          {step_actions, search_actions, selection_actions, option_actions, compare_actions})
       add(part(), KeyMode::debugger);
-    for (auto part : {label_tool_actions, label_draw_actions, label_finish_actions,
-                      label_plane_actions, label_chain_actions, label_review_actions})
+    for (auto part :
+         {label_tool_actions, label_draw_actions, label_finish_actions, label_plane_actions,
+          label_chain_actions, label_review_actions, label_learn_actions})
       add(part(), KeyMode::labels);
     add(gravity_actions(), KeyMode::anywhere);
     add(measure_actions(), KeyMode::debugger);

@@ -81,6 +81,7 @@ std::vector<Action> label_finish_actions();  // holes, borders, specks, the view
 std::vector<Action> label_chain_actions();   // a plane on all frames it was carried over
 std::vector<Action> label_plane_actions();   // the active plane, its class, join, split, carry
 std::vector<Action> label_review_actions();  // queue, checks
+std::vector<Action> label_learn_actions();   // a classifier that learns from reviewed frames
 
 // Arguments from text. All throw Error naming the action and what was expected.
 

@@ -13,6 +13,7 @@
 #include "app/desktop/debugger/axes.hpp"
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
+#include "app/desktop/jobs/learn_jobs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/worker.hpp"
@@ -94,6 +95,8 @@ struct Jobs::Impl {
   Worker runs{rested, failed}, covers{rested, failed}, compares{rested, failed},
       strip{rested, failed}, analysis{rested, failed};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
+  LearnJobs learning{[this](Delivery delivery) { deliver(std::move(delivery)); },
+                     [this] { wake(); }};
 
   void deliver(Delivery delivery) {
     {
@@ -446,6 +449,7 @@ void Jobs::pursue(State& state) {
   impl_->pursue_fix(state);
   impl_->pursue_sensitivity(state);
   impl_->labels.pursue(state);
+  impl_->learning.pursue(state);
 }
 
 bool Jobs::collect(State& state) {
@@ -463,7 +467,7 @@ bool Jobs::busy(bool background) const {
   if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
   const bool sweeps = impl_->analysing == Analysis::sensitivity;
   if (impl_->analysis.busy() && (background || !sweeps)) return true;
-  if (impl_->labels.busy()) return true;
+  if (impl_->labels.busy() || impl_->learning.busy()) return true;
   const std::lock_guard lock(impl_->mutex);
   return !impl_->deliveries.empty();
 }

@@ -19,6 +19,7 @@
 #include "core/labels/store/store.hpp"
 #include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
+#include "core/planes/evaluate/label_accuracy.hpp"
 #include "render/draw_list.hpp"
 
 namespace planescope::desktop {
@@ -72,6 +73,42 @@ struct CarryJob {
       done;  // its doubt is shown until Escape or another frame
 };
 
+/// How long to learn, and beside how many synthetic clouds of each kind at most.
+struct Lesson {
+  int steps = 1000;
+  int clouds = 200;
+};
+
+/// Points labelled right on frames that were not learnt from: by the weights that ship, and by
+/// those that learnt.
+struct Gain {
+  std::size_t frames = 0;
+  planes::LabelAccuracy before, after;
+};
+/// What weights beside the labels have learnt.
+struct Learnt {
+  int steps = 0;
+  std::size_t frames = 0;  // that were there to learn from, those kept aside among them
+  Gain kept, since;        // on those; on frames that were reviewed since
+};
+
+/// A classifier that learns from reviewed frames.
+struct Learning {
+  struct Training {
+    bool running = false, begun = false;  // begun: the job knows of it
+    Lesson lesson;
+    std::string stage;  // what is done of what
+    int done = 0, total = 0;
+  } training;
+  std::shared_ptr<const Learnt> learnt;  // null: there are no such weights, or not yet measured
+  std::string refusal;                   // why they cannot be measured, one line
+  struct Doubt {
+    bool running = false, begun = false;
+    int done = 0;
+    std::vector<std::optional<double>> of_frame;  // doubt_of(); empty: not looked for
+  } doubt;
+};
+
 /// What the label folder has of a frame.
 struct FrameMark {
   bool labelled = false, reviewed = false;
@@ -87,6 +124,7 @@ struct LabelResults {
   std::vector<FrameMark> marks;  // by frame, as the mode was entered; frames at hand know better
   std::string save_problem;      // why the label files could not be written last, one line
   CarryJob carry;
+  Learning learning;
 };
 
 enum class LabelTool : std::uint8_t { wand, brush, rectangle, lasso, polygon, cut };
@@ -157,7 +195,7 @@ struct LabelView {
   std::size_t hover_hidden = 0;             // points under the brush in space that are not visible
   bool show_class = false;                  // colours by h and v instead of by plane
   bool show_residual = false;               // colours by distance to the active plane
-  std::string tab = "planes";               // planes | review | checks | statistics
+  std::string tab = "planes";               // planes | review | checks | statistics | learning
   std::string compare_with;        // the review's other side: empty: the run, else a label folder
   double review_smallest_cm2 = 5;  // regions below it are left out of the review
   int review_item = -1;            // of the queue

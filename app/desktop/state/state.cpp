@@ -31,6 +31,10 @@ void add_label_facts(const State& state, nlohmann::ordered_json& json) {
       view.finish ? view.finish->finish.adds.size() + view.finish->finish.takes.size() : 0;
   json["hovered_pixel"] = view.hover;
   json["read_only"] = store ? store->read_only() : "";
+  const Learning& learning = state.results.label.learning;
+  json["learnt_frames"] = learning.learnt ? learning.learnt->frames : 0;
+  json["doubtful_frames"] = std::ranges::count_if(
+      learning.doubt.of_frame, [](const auto& share) { return share.has_value(); });
   json["label_refusal"] = state.results.label.refusal;
 }
 

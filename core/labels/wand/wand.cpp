@@ -16,9 +16,11 @@ namespace planescope::labels {
 namespace {
 
 constexpr std::size_t kLeastPixels = 25;  // of a plane
-constexpr int kSpeck_px = 100;            // smaller holes are filled
-constexpr int kNearClick_px = 4;          // by which a click may miss the surface
-constexpr int kLeastWindow_px = 10;       // of the fit at the click, to each side
+constexpr int kSpeck_px = 100;            // in smaller holes, what may lie on the plane is taken
+constexpr int kHole_px = 5000;            // and in those up to here, if most of it does
+constexpr double kMostOfHole = 0.8;
+constexpr int kNearClick_px = 4;     // by which a click may miss the surface
+constexpr int kLeastWindow_px = 10;  // of the fit at the click, to each side
 constexpr int kMostWindow_px = 40;
 constexpr double kWindowTolerances = 2.5;  // and at least this many tolerances in space
 constexpr double kLeastShare = 0.45;       // of the weights around the click must be on a plane
@@ -266,10 +268,22 @@ bool is_fragment(const WandField& field, const Sheet& sheet, std::uint32_t click
              std::cos(field.options.max_angle_deg * std::numbers::pi / 180);
 }
 
-void fill_specks(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
-  for (const PixelSet& hole : small_holes(region, field.grid.width, field.grid.height, kSpeck_px))
+/// Fills holes that are the depth's own, as a surface that bows has them: nothing else is seen
+/// there.
+void fill_holes(const WandField& field, const Sheet& sheet, std::vector<std::uint8_t>& region) {
+  const LabelGrid& grid = field.grid;
+  for (const PixelSet& hole : small_holes(region, grid.width, grid.height, kHole_px)) {
+    const auto lies_on = [&](std::uint32_t i) {
+      return grid.measured[i] && field.lies_on(sheet, i, kLoosely);
+    };
+    const auto measured =
+        std::ranges::count_if(hole, [&](std::uint32_t i) { return grid.measured[i] != 0; });
+    if (hole.size() > kSpeck_px && static_cast<double>(std::ranges::count_if(hole, lies_on)) <
+                                       kMostOfHole * static_cast<double>(measured))
+      continue;
     for (const std::uint32_t i : hole)
-      if (field.allowed[i] && field.lies_on(sheet, i, kLoosely)) region[i] = 1;
+      if (field.allowed[i] && lies_on(i)) region[i] = 1;
+  }
 }
 
 }  // namespace
@@ -305,11 +319,11 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
     }
   growth.grow_on(clicks);
   growth.take_turned();
-  fill_specks(field, growth.sheet(), growth.region());
+  fill_holes(field, growth.sheet(), growth.region());
   cut_at_creases(field, growth.sheet(), growth.box(), growth.region());
   if (options.use_color && !grid.color.empty())
     settle_border_by_color(field, growth.sheet(), growth.box(), growth.region());
-  fill_specks(field, growth.sheet(), growth.region());
+  fill_holes(field, growth.sheet(), growth.region());
 
   // Drops what is no longer connected to a click.
   WandResult result;

@@ -11,11 +11,12 @@
 
 namespace planescope::labels {
 
+inline constexpr double kCloseTolerance_m = 0.008;
 struct WandOptions {
-  double tolerance_m = 0.008;  // distance to the plane at close range; grows with the noise
-  double max_angle_deg = 35;   // of local normals to the plane, where they are known
-  bool use_color = true;       // where depth does not tell where the surface ends
-  bool take_labelled = false;  // also pixels that have a label already
+  double tolerance_m = kCloseTolerance_m;  // distance to the plane at close range; grows with noise
+  double max_angle_deg = 35;               // of local normals to the plane, where they are known
+  bool use_color = true;                   // where depth does not tell where the surface ends
+  bool take_labelled = false;              // also pixels that have a label already
   std::span<const std::uint8_t> within = {};  // per pixel, 0 where none is taken; empty: anywhere
 };
 

@@ -43,7 +43,7 @@ struct Sheet {
 /// enough: a few metres in doubles.
 std::optional<Sheet> sheet_through(const Moments& moments);
 
-constexpr float kLoosely = 2;  // tolerances: within specks, and at borders that colour decides
+constexpr float kLoosely = 1.5f;  // tolerances: within holes, and at borders that colour decides
 
 /// A frame, and how far from a plane its pixels may lie.
 struct WandField {
@@ -53,12 +53,14 @@ struct WandField {
   std::vector<std::uint8_t> allowed;  // measured, and free to take
   float least_cosine = 0;             // between normals that face the same way
 
-  /// At close range the option itself; where noise is more than it allows for, in that ratio.
+  /// At close range the option itself. Where noise is more than it allows for it grows in that
+  /// ratio, but a tolerance that is large already does not grow with noise that it covers.
   float tolerance_m(const Sheet& sheet, std::uint32_t pixel) const {
     constexpr double kCloseNoise_m = 0.0023;
-    const float tolerance = static_cast<float>(options.tolerance_m);
-    return tolerance * std::max(1.0f, noise[pixel] * std::abs(sheet.offset_m) *
-                                          static_cast<float>(1 / kCloseNoise_m));
+    const auto tolerance = static_cast<float>(options.tolerance_m);
+    const auto close = static_cast<float>(std::min(options.tolerance_m, kCloseTolerance_m));
+    return std::max(tolerance, close * noise[pixel] * std::abs(sheet.offset_m) *
+                                   static_cast<float>(1 / kCloseNoise_m));
   }
   bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
     return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);

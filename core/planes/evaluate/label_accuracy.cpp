@@ -6,14 +6,15 @@
 namespace planescope::planes {
 namespace {
 
-double percent(std::uint64_t part, std::uint64_t whole) {
+double percent_of(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? 100 * static_cast<double>(part) / static_cast<double>(whole) : 100.0;
 }
 
 }  // namespace
 
-double LabelAccuracy::edge_percent() const { return percent(edge_right, edge); }
-double LabelAccuracy::inner_percent() const { return percent(inner_right, inner); }
+double LabelAccuracy::percent() const { return percent_of(edge_right + inner_right, edge + inner); }
+double LabelAccuracy::edge_percent() const { return percent_of(edge_right, edge); }
+double LabelAccuracy::inner_percent() const { return percent_of(inner_right, inner); }
 
 LabelAccuracy& LabelAccuracy::operator+=(const LabelAccuracy& other) {
   edge_right += other.edge_right;

@@ -17,7 +17,8 @@ struct LabelAccuracy {
   std::uint64_t edge_right = 0, edge = 0;
   std::uint64_t inner_right = 0, inner = 0;
 
-  double edge_percent() const;  // 100 where there are none
+  double percent() const;  // of all; 100 where there are none, here and below
+  double edge_percent() const;
   double inner_percent() const;
   LabelAccuracy& operator+=(const LabelAccuracy& other);
 };

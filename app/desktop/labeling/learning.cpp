@@ -1,0 +1,131 @@
+#include "app/desktop/labeling/learning.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/assets.hpp"
+#include "app/commands/train.hpp"
+#include "app/desktop/labeling/work.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+constexpr float kSureMargin = 0.5f;  // of the two probabilities: 75 % against 25 %
+
+std::filesystem::path shipped_weights() {
+  return app::find_asset("classifier.safetensors", "the weights to begin with are");
+}
+
+/// The reviewed frames with what they have to teach.
+std::vector<app::LabelledFrame> read_reviewed(const LearningSource& source,
+                                              const LearningProgress& progress) {
+  std::vector<app::LabelledFrame> frames;
+  int done = 0;
+  for (const int index : source.reviewed) {
+    progress("reviewed frames", done++, static_cast<int>(source.reviewed.size()));
+    Frame frame = source.recording->frame(index);
+    io::apply_picked_gravity(source.picked, frame);
+    const std::string hash = source.recording->frame_hash(index);
+    const auto truth = labels::frame_truth(frame, source.label_dir, hash);
+    if (!truth) continue;
+    try {
+      frames.push_back(app::make_labelled_frame(frame, *truth, hash, source.options));
+    } catch (const Error& error) {
+      throw Error(fmt::format("frame {}: {}", index, error.what()));
+    }
+  }
+  return frames;
+}
+
+Gain gain_on(const std::vector<planes::LabelledCloud>& clouds,
+             const planes::NetworkWeights& before,
+             const planes::NetworkWeights& after,
+             int threads) {
+  return {clouds.size(), lab::score_network(before, clouds, threads),
+          lab::score_network(after, clouds, threads)};
+}
+
+}  // namespace
+
+std::filesystem::path learnt_weights(const std::filesystem::path& label_dir) {
+  return label_dir / "classifier.safetensors";
+}
+
+LearningSource learning_source(const State& state) {
+  const OpenRecording& open = *state.document.current();
+  LearningSource source{open.recording, open.picked, open.label_dir, {}, state.document.options};
+  for (int i = 0; i < open.recording->frame_count(); ++i)
+    if (frame_mark(state, i).reviewed && !(open.labels && open.labels->unsaved(i)))
+      source.reviewed.push_back(i);
+  return source;
+}
+
+void learn(const LearningSource& source, const Lesson& lesson, const LearningProgress& progress) {
+  app::LabelledRecordings frames = app::labelled_recordings(read_reviewed(source, progress));
+  if (frames.train.empty()) throw Error("no reviewed frame has a point with a label to learn from");
+  app::TrainArgs args;
+  args.input.pipeline = source.options;
+  app::begin_with(args, shipped_weights());
+  args.recipe.train.steps = lesson.steps;
+  app::limit_clouds(args.recipe, lesson.clouds, &args.validation_clouds);
+  planes::write_weights(learnt_weights(source.label_dir),
+                        app::teach(args, std::move(frames), progress));
+}
+
+std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
+                                             const LearningProgress& progress) {
+  const std::filesystem::path file = learnt_weights(source.label_dir);
+  if (!std::filesystem::exists(file)) return nullptr;
+  const planes::NetworkWeights after = planes::read_weights(file);
+  const auto record = nlohmann::json::parse(after.training, nullptr, false);
+  auto learnt = std::make_shared<Learnt>();
+  std::vector<std::string> known;
+  try {
+    learnt->steps = record.at("steps").get<int>();
+    known = record.at("frames").get<std::vector<std::string>>();
+  } catch (const std::exception&) {
+    throw Error(file.string() +
+                ": does not say what it was trained on, expected the weights of a "
+                "training in this window");
+  }
+  learnt->frames = known.size();
+  std::vector<planes::LabelledCloud> kept, since;
+  for (app::LabelledFrame& frame : read_reviewed(source, progress)) {
+    const auto at = std::ranges::find(known, frame.sha256);
+    if (at == known.end())
+      since.push_back(std::move(frame.cloud));
+    else if (app::is_kept_for_validation(static_cast<std::size_t>(at - known.begin())))
+      kept.push_back(std::move(frame.cloud));
+  }
+  const planes::NetworkWeights before = planes::read_weights(shipped_weights());
+  learnt->kept = gain_on(kept, before, after, source.options.threads);
+  learnt->since = gain_on(since, before, after, source.options.threads);
+  return learnt;
+}
+
+std::optional<double> doubt_of(const debug::Subject& subject) {
+  const planes::Classification& labels = subject.prepared.classification;
+  if (labels.margins.empty() || std::ranges::count(labels.labels, Label::unknown) ==
+                                    static_cast<std::ptrdiff_t>(labels.labels.size()))
+    return std::nullopt;
+  const auto unsure =
+      std::ranges::count_if(labels.margins, [](float margin) { return margin < kSureMargin; });
+  return static_cast<double>(unsure) / static_cast<double>(labels.margins.size());
+}
+
+std::vector<int> by_doubt(const State& state) {
+  const std::vector<std::optional<double>>& doubt = state.results.label.learning.doubt.of_frame;
+  std::vector<int> frames;
+  for (std::size_t i = 0; i < doubt.size(); ++i)
+    if (doubt[i] && !frame_mark(state, static_cast<int>(i)).reviewed)
+      frames.push_back(static_cast<int>(i));
+  std::ranges::stable_sort(frames, std::greater(),
+                           [&](int i) { return *doubt[static_cast<std::size_t>(i)]; });
+  return frames;
+}
+
+}  // namespace planescope::desktop
