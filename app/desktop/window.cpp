@@ -187,7 +187,7 @@ void Window::connect() {
     of(w).push({.type = InputEvent::Type::text, .character = static_cast<char32_t>(c)});
   });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-    for (int i = 0; i < count; ++i) of(w).shell().perform({"recording.open", paths[i]});
+    for (int i = 0; i < count; ++i) of(w).shell().drop(paths[i]);
   });
 }
 
@@ -205,6 +205,12 @@ void Window::draw_frame() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   if (width == 0 || height == 0) return;  // minimised
+  take_step(
+      shell(), [&] { screen_->draw(width, height, scale(), 0); },
+      [&] {
+        glBindFramebuffer(GL_FRAMEBUFFER, screen_->framebuffer());
+        return render::read_picture(width, height);
+      });
   screen_->draw(width, height, scale(), std::min(seconds, 0.1));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, screen_->framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -251,6 +257,7 @@ void Window::keep_settings() const {
     settings.last_recording = std::filesystem::absolute(open->path, gone);
     settings.last_frame = state.document.frame;
   }
+  settings.recent = state.document.recent;
   settings.camera = state.view.camera;
   settings.view = state.view;
   settings.view.truth_plane = 0;  // of that recording
@@ -300,6 +307,8 @@ void Offscreen::draw_frame() {
   // No display holds the frames back: a software renderer would queue dozens of them, each tens of
   // megabytes.
   glFinish();
+  take_step(
+      shell(), [this] { screen_->draw(width_, height_, scale_, 0); }, [this] { return picture(); });
   screen_->draw(width_, height_, scale_, 1.0 / 60);
   take_picture(screen_->shell(), *this);
 }
