@@ -103,6 +103,7 @@ class Window : public Stage {
                   const std::optional<WidgetRect>& part = {}) override;
 
  private:
+  Image8 picture();
   static Window& of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
@@ -206,11 +207,7 @@ void Window::draw_frame() {
   glfwGetFramebufferSize(window_, &width, &height);
   if (width == 0 || height == 0) return;  // minimised
   take_step(
-      shell(), [&] { screen_->draw(width, height, scale(), 0); },
-      [&] {
-        glBindFramebuffer(GL_FRAMEBUFFER, screen_->framebuffer());
-        return render::read_picture(width, height);
-      });
+      shell(), [&] { screen_->draw(width, height, scale(), 0); }, [this] { return picture(); });
   screen_->draw(width, height, scale(), std::min(seconds, 0.1));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, screen_->framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -239,11 +236,18 @@ void Window::write_state() {
   write_file_text(options_.state_file, facts);
 }
 
-void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
+/// Of the framebuffer that lasts: what a display shows need not be there to be read.
+Image8 Window::picture() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
-  glReadBuffer(GL_FRONT);
-  const Image8 whole = render::read_picture(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, screen_->framebuffer());
+  Image8 image = render::read_picture(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return image;
+}
+
+void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
+  const Image8 whole = picture();
   io::write_png(path, part ? part_of(whole, *part) : whole);
 }
 

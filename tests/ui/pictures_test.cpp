@@ -310,6 +310,21 @@ TEST_F(Pictures, OfSmallerPointsLeaveMoreOfTheGroundFree) {
   EXPECT_EQ(window.offscreen.shell().state().view.point_size, kMostPointSize);
 }
 
+TEST_F(Pictures, OfAFrameAtFirstHaveNoBoxesNoQueueAndNothingThatStandsOut) {
+  for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
+    Window window(theme);
+    const Image8 first = window.panel("view3d"), image = window.panel("image");
+    window.after({{"show.settled", ""}});
+    EXPECT_GT(difference(first, window.panel("view3d")), 0.02)
+        << "boxes are seen where switched on";
+    window.after({{"show.settled", ""}, {"step.goto", "100"}});
+    EXPECT_GT(difference(first, window.panel("view3d")), 0.02) << "so is what a step is about";
+    window.after({{"step.last", ""}, {"select.none", ""}});
+    EXPECT_LE(difference(first, window.panel("view3d")), kSame);
+    EXPECT_LE(difference(image, window.panel("image")), kSame);
+  }
+}
+
 TEST_F(Pictures, OfStepsAreSavedAsOneAnimationThatBeginsWithThePictureOfItsFirst) {
   const std::filesystem::path dir = scratch_dir(), single = dir / "a.png", steps = dir / "b c.png";
   Window window;
