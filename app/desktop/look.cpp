@@ -355,8 +355,9 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   const bool asks = state.view.color_by == render::ColorBy::steppable || state.view.show_foot;
   if (const std::string verdict = asks ? verdict_text(state, now.plane) : ""; !verdict.empty())
     text += "\n" + verdict;
-  if (const std::string value = render::value_text(run, look_of(state), voxel); !value.empty())
-    text += "\n" + value;
+  if (render::is_along_scale(state.view.color_by))
+    if (const std::string value = render::value_text(run, look_of(state), voxel); !value.empty())
+      text += "\n" + value;
   const std::int32_t node = run.timeline.node_of_point(voxel, step);
   return node >= 0 ? text + "\n" + describe_node(state, node) : text;
 }
