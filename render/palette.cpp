@@ -127,13 +127,15 @@ void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPla
   }
 }
 
+Rgba ramp_color(double share) {
+  const double t = std::clamp(share, 0.0, 1.0) * (kViridis.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(t), kViridis.size() - 2);
+  return mixed(rgb(kViridis[i]), rgb(kViridis[i + 1]), t - static_cast<double>(i));
+}
+
 Rgba depth_color(double depth_m, double max_m) {
   if (!(depth_m > 0) || !(max_m > 0)) return rgb(0x8A8F98);
-  const double t = (1 - std::min(depth_m / max_m, 1.0)) * (kViridis.size() - 1);  // near is bright
-  const auto i = std::min(static_cast<std::size_t>(t), kViridis.size() - 2);
-  const Rgba low = rgb(kViridis[i]);
-  const Rgba high = rgb(kViridis[i + 1]);
-  return mixed(low, high, t - static_cast<double>(i));
+  return ramp_color(1 - std::min(depth_m / max_m, 1.0));
 }
 
 const ThemeColors& theme_colors(Theme theme) {

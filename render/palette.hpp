@@ -37,8 +37,9 @@ struct ColoredPlane {
 };
 void keep_colors(const std::vector<ColoredPlane>& before, std::vector<ColoredPlane>& now);
 
-Rgba depth_color(double depth_m,
-                 double max_m);  // perceptually even ramp, near is bright; 0 is neutral grey
+/// A perceptually even ramp from dark at 0 to bright at 1, ordered for every eye.
+Rgba ramp_color(double share);
+Rgba depth_color(double depth_m, double max_m);  // the same, near is bright; 0 is neutral grey
 
 /// The colours of everything that is not data.
 struct ThemeColors {

@@ -5,6 +5,7 @@
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
+#include "render/step_values.hpp"
 
 namespace planescope::render {
 namespace {
@@ -76,6 +77,7 @@ std::vector<Rgba> base_colors(const debug::Run& run, const StepLook& look, const
   const Rgba waiting = mark_colors(look.theme).waiting;
   const ColorBy by = told_by(run, look.color_by);
   if (by == ColorBy::camera) return camera_colors(*run.subject);
+  if (is_along_scale(by)) return scaled_colors(run, look, state, waiting);
   std::vector<Rgba> colors(prepared.voxels.points.size());
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const planes::Classification& classified = prepared.classification;

@@ -349,7 +349,7 @@ void add_step_legend(const debug::Run& run,
     case ColorBy::steppable:
       add_verdicts(run, look, waiting, list);
       break;
-    case ColorBy::camera:
+    default:  // the camera's need no words; those along a scale have a bar of their own
       break;
   }
   const PlaneScene* planes = finished(run, look);

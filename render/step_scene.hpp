@@ -11,13 +11,26 @@
 
 #include "core/debug/replay/run.hpp"
 #include "core/model/image.hpp"
+#include "render/color_scale.hpp"
 #include "render/draw_list.hpp"
 #include "render/plane_scene.hpp"
 
 namespace planescope::render {
 
-enum class ColorBy : std::uint8_t { cases, planes, labels, margins, truth, camera, steppable };
-inline constexpr int kColorBys = 7;
+enum class ColorBy : std::uint8_t {
+  cases,
+  planes,
+  labels,
+  margins,
+  truth,
+  camera,
+  steppable,
+  depth,  // this one and the next along a scale, step_values.hpp
+  height,
+  rms,
+  distance
+};
+inline constexpr int kColorBys = 11;
 
 /// What is drawn and what stands out. -1: nothing.
 struct StepLook {
@@ -30,7 +43,8 @@ struct StepLook {
   bool show_normals = true;
   bool show_names = true;
   bool show_points = true;
-  double point_size = 1;     // of voxels, in edges of one
+  double point_size = 1;                 // of voxels, in edges of one
+  std::optional<ValueRange> range = {};  // of the colours along a scale; nothing: the run's own
   bool show_foot = false;    // of the finished planes: where the centre of a foot may go
   bool show_stairs = false;  // between them: flights, kerbs and ramps
   bool show_current = true;  // what the step is about

@@ -33,7 +33,8 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   State state;
   Document& document = state.document;
   state.view = settings.view;
-  state.view.message = "? shows the keys, Ctrl+P finds an action by name";
+  say_hint(state, "? shows the keys, Ctrl+P finds an action by name",
+           [](const State& s) { return s.view.show_keys || s.view.show_palette; });
   document.options = args.input.pipeline;
   document.recording_options = args.input.recording;
   const bool opens_report = !args.open.empty() && is_report(args.open);
@@ -44,7 +45,10 @@ State first_state(const ViewArgs& args, const Settings& settings) {
                                    args.input.label_dir.value_or(labels::default_label_dir(path))});
     read_picked(state, document.recordings.back());
   };
+  document.recent = settings.recent;
   for (const fs::path& path : args.input.inputs) open(path);
+  for (std::size_t i = args.input.inputs.size(); i-- > 0;)  // the first is looked at
+    note_recent(document, args.input.inputs[i]);
   if (document.recordings.empty() && args.open.empty() && !settings.last_recording.empty()) {
     try {
       open(settings.last_recording);

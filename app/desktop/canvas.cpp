@@ -22,15 +22,15 @@ struct LookKey {
   bool same(const std::shared_ptr<const debug::Run>& other_run,
             const render::StepLook& other) const {
     return run.lock() == other_run && look.step == other.step && look.color_by == other.color_by &&
-           look.show_queue == other.show_queue && look.show_settled == other.show_settled &&
-           look.show_planes == other.show_planes && look.show_numerals == other.show_numerals &&
-           look.show_points == other.show_points && look.show_names == other.show_names &&
-           look.show_normals == other.show_normals && look.show_foot == other.show_foot &&
-           look.show_stairs == other.show_stairs && look.point_size == other.point_size &&
-           look.planes == other.planes && look.isolated == other.isolated &&
-           look.color_of_plane == other.color_of_plane && look.show_current == other.show_current &&
-           look.node == other.node && look.plane == other.plane && look.voxel == other.voxel &&
-           look.theme == other.theme &&
+           look.range == other.range && look.show_queue == other.show_queue &&
+           look.show_settled == other.show_settled && look.show_planes == other.show_planes &&
+           look.show_numerals == other.show_numerals && look.show_points == other.show_points &&
+           look.show_names == other.show_names && look.show_normals == other.show_normals &&
+           look.show_foot == other.show_foot && look.show_stairs == other.show_stairs &&
+           look.point_size == other.point_size && look.planes == other.planes &&
+           look.isolated == other.isolated && look.color_of_plane == other.color_of_plane &&
+           look.show_current == other.show_current && look.node == other.node &&
+           look.plane == other.plane && look.voxel == other.voxel && look.theme == other.theme &&
            std::equal(marked.begin(), marked.end(), other.marked.begin(), other.marked.end());
   }
   void set(const std::shared_ptr<const debug::Run>& new_run, const render::StepLook& new_look) {

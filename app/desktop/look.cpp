@@ -9,6 +9,7 @@
 
 #include "app/desktop/debugger/plane_text.hpp"
 #include "render/palette.hpp"
+#include "render/step_values.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -191,6 +192,7 @@ render::StepLook look_of(const State& state) {
   render::StepLook look;
   look.step = view.step;
   look.color_by = view.color_by;
+  look.range = view.color_range;
   look.show_queue = view.show_queue;
   look.show_settled = view.show_settled;
   look.show_numerals = view.show_numerals;
@@ -235,6 +237,8 @@ render::StepLook other_look_of(const State& state) {
   if (look.voxel >= 0) look.voxel = same.voxel(look.voxel);
   if (!same.same_voxels()) look.marked = {};
   if (look.plane >= 0) look.plane = matching_plane(state, look.plane);
+  if (render::is_along_scale(look.color_by))  // the same value, the same colour
+    look.range = render::color_scale(here, look_of(state)).range;
   return look;
 }
 
@@ -243,20 +247,25 @@ std::vector<int> colors_of_planes(const State& state, const RunView& of) {
   const debug::Comparison* comparison = comparison_with_a(results);
   if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
     return {};
-  const debug::Run& a = *results.pinned->run;
+  return colors_like(*results.pinned->run, *of.run, *comparison);
+}
+
+std::vector<int> colors_like(const debug::Run& a,
+                             const debug::Run& b,
+                             const debug::Comparison& comparison) {
   std::set<int> taken;
   for (const planes::PlaneRegion& region : a.segmentation.planes)
     if (const std::int32_t plane = a.timeline.plane_of_number(region.id); plane >= 0)
       taken.insert(plane % render::kPlaneColors);
-  std::vector<int> of_result(of.run->segmentation.planes.size() + 1, 0);
-  for (const debug::PlanePair& pair : comparison->planes)
+  std::vector<int> of_result(b.segmentation.planes.size() + 1, 0);
+  for (const debug::PlanePair& pair : comparison.planes)
     if (pair.a > 0 && pair.b > 0)
       of_result[static_cast<std::size_t>(pair.b)] = a.timeline.plane_of_number(pair.a) + 1;
   // What A has not, in a colour that is none of A's, as long as there are such.
   int next = 0;
   std::vector<int> colors;
-  for (std::int32_t plane = 0; plane < of.run->timeline.plane_count(); ++plane) {
-    const auto id = static_cast<std::size_t>(of.run->timeline.result_of_plane(plane));
+  for (std::int32_t plane = 0; plane < b.timeline.plane_count(); ++plane) {
+    const auto id = static_cast<std::size_t>(b.timeline.result_of_plane(plane));
     int color = id > 0 ? of_result[id] : plane + 1;
     if (color == 0) {
       while (taken.size() < render::kPlaneColors && taken.contains(next)) ++next;
@@ -346,6 +355,9 @@ std::string describe_voxel(const State& state, std::int32_t voxel) {
   const bool asks = state.view.color_by == render::ColorBy::steppable || state.view.show_foot;
   if (const std::string verdict = asks ? verdict_text(state, now.plane) : ""; !verdict.empty())
     text += "\n" + verdict;
+  if (render::is_along_scale(state.view.color_by))
+    if (const std::string value = render::value_text(run, look_of(state), voxel); !value.empty())
+      text += "\n" + value;
   const std::int32_t node = run.timeline.node_of_point(voxel, step);
   return node >= 0 ? text + "\n" + describe_node(state, node) : text;
 }

@@ -38,6 +38,11 @@ render::StepLook other_look_of(const State& state);
 /// Empty: each has its own.
 std::vector<int> colors_of_planes(const State& state, const RunView& of);
 
+/// The same of any two runs on a frame.
+std::vector<int> colors_like(const debug::Run& a,
+                             const debug::Run& b,
+                             const debug::Comparison& comparison);
+
 /// What both views of the label mode draw. Its spans are the state's.
 render::LabelLook label_look_of(const State& state);
 /// Of the plane that the wand shows, or else of the active one; nullopt where it is not looked at.

@@ -57,6 +57,8 @@ class Player {
       press(step.at("key"));
     else if (step.contains("type"))
       type(step.at("type"));
+    else if (step.contains("drop"))
+      shell_.drop(step.at("drop"), true);
     else if (step.contains("screenshot"))
       screenshot(step);
     else if (step.contains("state"))
@@ -70,7 +72,7 @@ class Player {
       for (int i = step.at("frames"); i > 0; --i) stage_.draw_frame();
     else
       throw Error(
-          "is none of do, click, drag, hover, wheel, key, type, screenshot, state, trace, "
+          "is none of do, click, drag, drop, hover, wheel, key, type, screenshot, state, trace, "
           "expect, frames");
     if (step.value("wait", true)) settle(shell_, stage_, stop_, /*background=*/false);
   }
@@ -221,6 +223,15 @@ void take_picture(Shell& shell, Stage& stage) {
   } catch (const std::exception& error) {
     shell.tell(error.what(), true);
   }
+}
+
+void take_step(Shell& shell,
+               const std::function<void()>& draw,
+               const std::function<Image8()>& picture) {
+  constexpr int kFrames = 3;  // lists have scrolled to where it is by then
+  if (!shell.begin_step()) return;
+  for (int i = 0; i < kFrames; ++i) draw();
+  shell.add_step(picture());
 }
 
 void settle(Shell& shell, Stage& stage, std::stop_token stop, bool background) {

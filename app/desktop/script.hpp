@@ -9,6 +9,7 @@
 //   dy]
 //   {"hover": "image"}, {"wheel": "view3d", "by": 2}
 //   {"key": "Ctrl+P"}, {"type": "merge"}
+//   {"drop": "recording.bag"}                      a file that is dropped on the window
 //   {"screenshot": "a.png"}, {"state": "a.json"}   the picture with "of": "view3d" of a widget
 //   alone
 //   {"expect": {"step": 12}}                       facts of state_facts(); otherwise exit code 1
@@ -43,6 +44,10 @@ class Stage {
 
 /// Writes the picture that an action asked for, if one did.
 void take_picture(Shell& shell, Stage& stage);
+/// Hands over the next of the steps that are being saved, drawn until it rests, if one is wanted.
+void take_step(Shell& shell,
+               const std::function<void()>& draw,
+               const std::function<Image8()>& picture);
 
 class Script {
  public:

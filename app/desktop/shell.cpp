@@ -4,6 +4,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -208,7 +209,7 @@ void save_quietly(const OpenRecording& open) {
 }  // namespace
 
 Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
-    : state_(std::move(state)), jobs_(std::move(wake)), canvas_(std::move(canvas)) {
+    : state_(std::move(state)), jobs_(wake), steps_(std::move(wake)), canvas_(std::move(canvas)) {
   context_ = ImGui::CreateContext();
   ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
@@ -272,7 +273,7 @@ void Shell::perform(const Command& command, bool strict) {
 
 bool Shell::needs_frame() const {
   return frames_to_draw_ > 0 || !input_.empty() || state_.view.playing.direction != 0 ||
-         state_.view.playing_frames;
+         state_.view.playing_frames || (steps_.active(state_) && steps_.has_room());
 }
 
 void Shell::frame(int width, int height, float screen_scale, double seconds) {
@@ -296,6 +297,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     if (key == "Escape" && close_menu()) return;
     if (state_.view.show_palette && key == "Escape") return perform({"palette", ""});
     if (state_.view.show_keys && key == "Escape") return perform({"keys", ""});
+    if (state_.view.saving && key == "Escape") return perform({"steps.cancel", ""});
     const Action* action = action_of_key(key, state_.view.mode);
     if (!action) return;
     // Where Tab is an action's, it does not type into the next slider as well.
@@ -304,6 +306,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
   });
 
   if (jobs_.collect(state_)) frames_to_draw_ = std::max(frames_to_draw_, 2);
+  drop_done_hint(state_);
   Playing& playing = state_.view.playing;
   if (playing.direction != 0 && state_.run()) {
     playing.due += seconds * playing.steps_per_s;
@@ -321,11 +324,16 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     frames_to_draw_ = std::max(frames_to_draw_, 2);
   }
 
+  steps_.note_frame(state_);
+  const ImVec2 mouse = io.MousePos;
+  const bool hides_mouse = state_.view.saving && state_.view.saving->hidden;
+  if (hides_mouse) io.MousePos = ImVec2(-FLT_MAX, -FLT_MAX);  // what is told beside it is of now
   ImGui::NewFrame();
   if (!state_.view.to_clipboard.empty())
     ImGui::SetClipboardText(std::exchange(state_.view.to_clipboard, {}).c_str());
   draw(width, height);
   ImGui::Render();
+  io.MousePos = mouse;
   jobs_.pursue(state_);
   --frames_to_draw_;
 }

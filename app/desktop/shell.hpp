@@ -2,11 +2,13 @@
 
 // The whole window: state, jobs, input and panels, whatever it is drawn to.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "app/desktop/input.hpp"
 #include "app/desktop/jobs/jobs.hpp"
+#include "app/desktop/jobs/steps_file.hpp"
 #include "app/desktop/ui.hpp"
 
 struct ImGuiContext;
@@ -30,15 +32,25 @@ class Shell {
   void frame(int width, int height, float screen_scale, double seconds);
   /// Applies a command as a key or a click would; errors go to the status bar unless `strict`.
   void perform(const Command& command, bool strict = false);
+  /// A file or folder that was dropped on the window: a session, a report or a recording.
+  void drop(const std::string& path, bool strict = false) {
+    const bool document = std::filesystem::path(path).extension() == ".json";
+    perform({document ? "session.open" : "recording.open", path}, strict);
+  }
   /// So that a script can tell whether its next step does something.
   void forget_nothing_done() { state_.view.did_nothing = false; }
   /// Something is left to show.
   bool needs_frame() const;
   /// Nothing is under way and nothing is left to show.
-  bool idle(bool background = true) const { return !needs_frame() && !jobs_.busy(background); }
+  bool idle(bool background = true) const {
+    return !needs_frame() && !jobs_.busy(background) && !steps_.active(state_);
+  }
   ImGuiContext* context() const { return context_; }
   /// Where a picture of this frame is wanted, once; empty: nowhere.
   std::string take_picture_path();
+  /// The next of the steps that are being saved is to be drawn, until it rests, and read.
+  bool begin_step() { return steps_.begin(state_, jobs_.busy(false)); }
+  void add_step(Image8 picture) { steps_.add(state_, std::move(picture)); }
   /// Tells what became of something outside of the state.
   void tell(const std::string& message, bool is_error) { say(state_, message, is_error); }
   /// The font atlas was made anew since the last call.
@@ -53,6 +65,7 @@ class Shell {
 
   State state_;
   Jobs jobs_;
+  StepsSaver steps_;
   std::unique_ptr<Canvas> canvas_;
   InputQueue input_;
   Widgets widgets_;

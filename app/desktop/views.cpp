@@ -10,6 +10,7 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/planes/cloud/camera.hpp"
+#include "render/step_values.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -99,6 +100,73 @@ void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max) {
   if (ui.state.view.wiper) draw_side(ui, "A", left);
   draw_side(ui, ui.state.view.wiper || !ui.state.view.flash ? "B" : "A", right);
   ui.name(std::string(view) + ".side", right, ImVec2(right.x + ui.px(26), right.y + ui.px(24)));
+}
+
+void draw_scale_bar(const Ui& ui, const render::ColorScale& scale, ImVec2 min, ImVec2 max) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  ImGui::PushFont(ui.small);
+  const bool words = !scale.at_low.empty();
+  const float line = ImGui::GetTextLineHeight(), gap = ui.px(3), bar = ui.px(10);
+  const render::ScaleTicks ticks = render::ticks_of(scale);
+  const std::string title = fmt::format("{} [{}]", scale.what, ticks.unit);
+  const float width = std::max(ui.px(190), ImGui::CalcTextSize(title.c_str()).x);
+  const float edge = ui.px(14), below_badge = ui.px(ui.state.results.pinned ? 40 : 8);
+  const ImVec2 from(max.x - width - edge - ui.px(8), min.y + below_badge + gap + line + gap);
+  const ImVec2 box_min(from.x - edge, min.y + below_badge);
+  const ImVec2 box_max(from.x + width + edge,
+                       from.y + bar + ui.px(5) + (words ? 2 : 1) * line + 2 * gap);
+  draw->AddRectFilled(box_min, box_max, with_alpha(ui.colors.panel, 225), ui.px(4));
+  ui.name("scale", box_min, box_max);
+  ui.name("scale.bar", from, ImVec2(from.x + width, from.y + bar));
+  const auto text = [&](float x, float y, float align, const std::string& what) {
+    const float extent = ImGui::CalcTextSize(what.c_str()).x;
+    draw->AddText(ImVec2(std::round(x - align * extent), y), ui.colors.text, what.c_str());
+  };
+  const double span = scale.range.high_m - scale.range.low_m;
+  text(from.x, box_min.y + gap, 0, title);
+  const auto columns = static_cast<int>(width);
+  for (int x = 0; x < columns; ++x) {
+    const double share = (x + 0.5) / columns;
+    draw->AddRectFilled(ImVec2(from.x + static_cast<float>(x), from.y),
+                        ImVec2(from.x + static_cast<float>(x) + 1, from.y + bar),
+                        to_imgui(scale.color(scale.range.low_m + share * span)));
+  }
+  const float below = from.y + bar + ui.px(4);
+  float room_from = box_min.x;
+  for (const render::ScaleTick& tick : ticks.ticks) {
+    const auto share = static_cast<float>((tick.value_m - scale.range.low_m) / span);
+    const float x = from.x + share * width;
+    draw->AddLine(ImVec2(x, from.y + bar), ImVec2(x, below), ui.colors.text, ui.px(1));
+    const float extent = ImGui::CalcTextSize(tick.text.c_str()).x;
+    const float left = std::clamp(x - extent / 2, box_min.x + gap, box_max.x - extent - gap);
+    if (left < room_from) continue;
+    text(left, below, 0, tick.text);
+    room_from = left + extent + ui.px(4);
+  }
+  if (words) {
+    text(from.x, below + line, 0, scale.at_low);
+    text(from.x + width, below + line, 1, scale.at_high);
+  }
+  ImGui::PopFont();
+}
+
+void draw_color_scale(const Ui& ui, ImVec2 min, ImVec2 max) {
+  const render::StepLook look = look_of(ui.state);
+  if (!render::is_along_scale(look.color_by)) return;
+  ImGui::GetWindowDrawList()->PushClipRect(min, max, true);
+  if (const std::string why = render::why_no_values(*ui.state.run(), look); why.empty()) {
+    draw_scale_bar(ui, render::color_scale(*ui.state.run(), look), min, max);
+  } else {
+    const ImVec2 extent = ImGui::CalcTextSize(why.c_str());
+    const ImVec2 from(max.x - extent.x - ui.px(22),
+                      min.y + ui.px(ui.state.results.pinned ? 40 : 8));
+    const ImVec2 to(max.x - ui.px(8), from.y + extent.y + ui.px(8));
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    draw->AddRectFilled(from, to, with_alpha(ui.colors.panel, 225), ui.px(4));
+    draw->AddText(ImVec2(from.x + ui.px(7), from.y + ui.px(4)), ui.colors.text, why.c_str());
+    ui.name("scale.absent", from, to);
+  }
+  ImGui::GetWindowDrawList()->PopClipRect();
 }
 
 std::optional<std::size_t> pixel_of_nothing(const debug::Subject& subject,

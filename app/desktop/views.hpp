@@ -79,6 +79,13 @@ bool mouse_is_here(const Ui& ui, ImVec2 min, ImVec2 max);
 /// Says over a view which run it shows; nothing where there is no A to tell apart.
 void draw_sides(const Ui& ui, const char* view, ImVec2 min, ImVec2 max);
 
+// ---- What colours mean --------------------------------------------------------------------------
+
+/// A scale's bar with its ticks, in the upper right corner of a view.
+void draw_scale_bar(const Ui& ui, const render::ColorScale& scale, ImVec2 min, ImVec2 max);
+/// That of the debugger's colours, or why they tell nothing; nothing where they are along no scale.
+void draw_color_scale(const Ui& ui, ImVec2 min, ImVec2 max);
+
 // ---- What is clicked ---------------------------------------------------------------------------
 
 /// The depth pixel that looks to where nothing is seen at a place on screen [px from the top left]:

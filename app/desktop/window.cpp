@@ -103,6 +103,7 @@ class Window : public Stage {
                   const std::optional<WidgetRect>& part = {}) override;
 
  private:
+  Image8 picture();
   static Window& of(GLFWwindow* window) {
     return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
@@ -187,7 +188,7 @@ void Window::connect() {
     of(w).push({.type = InputEvent::Type::text, .character = static_cast<char32_t>(c)});
   });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-    for (int i = 0; i < count; ++i) of(w).shell().perform({"recording.open", paths[i]});
+    for (int i = 0; i < count; ++i) of(w).shell().drop(paths[i]);
   });
 }
 
@@ -205,6 +206,8 @@ void Window::draw_frame() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   if (width == 0 || height == 0) return;  // minimised
+  take_step(
+      shell(), [&] { screen_->draw(width, height, scale(), 0); }, [this] { return picture(); });
   screen_->draw(width, height, scale(), std::min(seconds, 0.1));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, screen_->framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -233,11 +236,18 @@ void Window::write_state() {
   write_file_text(options_.state_file, facts);
 }
 
-void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
+/// Of the framebuffer that lasts: what a display shows need not be there to be read.
+Image8 Window::picture() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
-  glReadBuffer(GL_FRONT);
-  const Image8 whole = render::read_picture(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, screen_->framebuffer());
+  Image8 image = render::read_picture(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return image;
+}
+
+void Window::screenshot(const std::filesystem::path& path, const std::optional<WidgetRect>& part) {
+  const Image8 whole = picture();
   io::write_png(path, part ? part_of(whole, *part) : whole);
 }
 
@@ -251,6 +261,7 @@ void Window::keep_settings() const {
     settings.last_recording = std::filesystem::absolute(open->path, gone);
     settings.last_frame = state.document.frame;
   }
+  settings.recent = state.document.recent;
   settings.camera = state.view.camera;
   settings.view = state.view;
   settings.view.truth_plane = 0;  // of that recording
@@ -300,6 +311,8 @@ void Offscreen::draw_frame() {
   // No display holds the frames back: a software renderer would queue dozens of them, each tens of
   // megabytes.
   glFinish();
+  take_step(
+      shell(), [this] { screen_->draw(width_, height_, scale_, 0); }, [this] { return picture(); });
   screen_->draw(width_, height_, scale_, 1.0 / 60);
   take_picture(screen_->shell(), *this);
 }

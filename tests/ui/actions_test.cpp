@@ -259,23 +259,39 @@ TEST(Flashing, ShowsAAndKeepsTheNode) {
 }
 
 TEST(Palette, FindsActionsByTheBeginningsOfTheirWords) {
-  EXPECT_EQ(matching_actions("next match", Mode::debugger).front()->name, "filter.next");
-  EXPECT_EQ(matching_actions("look above", Mode::debugger).front()->name, "camera.top");
-  EXPECT_TRUE(matching_actions("qqqqzz", Mode::debugger).empty());
-  // A whole word goes before the start of one, that before what stands within one.
-  const auto place = [](const std::string& typed, const std::string& name) {
-    const auto found = matching_actions(typed, Mode::debugger);
-    const auto at = std::ranges::find(found, name, &Action::name);
-    return at - found.begin();
+  const State state;
+  const auto first = [&](const std::string& typed) {
+    return palette_offers(state, typed).front().action->name;
   };
-  EXPECT_LT(place("plane", "select.plane"), place("plane", "show.planes"));
-  const std::size_t everywhere = matching_actions("", Mode::debugger).size();
+  EXPECT_EQ(first("next match"), "filter.next");
+  EXPECT_EQ(first("look above"), "camera.top");
+  EXPECT_TRUE(palette_offers(state, "qqqqzz").empty());
+  State labelling;
+  labelling.view.mode = Mode::labels;
+  const std::size_t everywhere = palette_offers(state, "").size();
   EXPECT_LT(everywhere, action_table().size());
   EXPECT_EQ(
-      everywhere + matching_actions("", Mode::labels).size(),
+      everywhere + palette_offers(labelling, "").size(),
       action_table().size() + static_cast<std::size_t>(std::count_if(
                                   action_table().begin(), action_table().end(),
                                   [](const Action& a) { return a.mode == KeyMode::anywhere; })));
+}
+
+TEST(Palette, HasWholeWordsBeforeStartsOfWordsBeforeWhatStandsWithinOne) {
+  const auto place = [](const std::string& typed, const std::string& name) {
+    const std::vector<Offer> found = palette_offers({}, typed);
+    const auto at =
+        std::ranges::find_if(found, [&](const Offer& offer) { return offer.action->name == name; });
+    return at - found.begin();
+  };
+  EXPECT_LT(place("plane", "select.plane"), place("plane", "show.planes"));
+  // "step" starts "Step forward"; "steppable" within "color.steppable" only starts with it.
+  EXPECT_LT(place("step", "step.next"), place("step", "color.steppable"));
+  // "mark" starts "Bookmark" nowhere.
+  EXPECT_LT(place("mark", "mark.toggle"), place("mark", "bookmark.add"));
+  EXPECT_LT(place("mar", "mark.clear"), place("mar", "bookmark.add"));
+  // The worst of the words decides.
+  EXPECT_LT(place("fix marked", "fix.marked"), place("fix marked", "fix.plane"));
 }
 
 TEST(Camera, OrbitsAtTheSameDistanceAndNeverTurnsOver) {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/state/state.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "desktop_fixture.hpp"
@@ -99,6 +100,28 @@ TEST_F(Changes, OfAnOptionKeepTheComparisonWithItsRuns) {
   EXPECT_EQ(results().compared_a, results().pinned);
   EXPECT_EQ(results().compared_b, results().current);
   EXPECT_EQ(state().undo.size(), 1u);
+  expect_whole_strip();
+}
+
+TEST_F(Changes, OfBAreShownInTheStripInTheColoursOfA) {
+  settle(shell, stage, {});
+  perform("option.set", "profile=refined");
+  settle(shell, stage, {});
+  perform("run.pin");
+  perform("option.set", "profile=paper");  // planes are founded in another order
+  settle(shell, stage, {});
+  Classifiers classifiers;
+  const Wanted wanted = wanted_of(state().document, state().document.frame);
+  const Image8 like_a = thumbnail_of(wanted, classifiers, results().pinned->run.get()).image;
+  const Image8 own = thumbnail_of(wanted, classifiers).image;
+  ASSERT_NE(like_a.data, own.data);
+  const auto shown = [&] {
+    return results().strip[static_cast<std::size_t>(state().document.frame)].image.data;
+  };
+  EXPECT_EQ(shown(), like_a.data);
+  perform("run.unpin");
+  settle(shell, stage, {});
+  EXPECT_EQ(shown(), own.data) << "nothing to be told apart from";
   expect_whole_strip();
 }
 

@@ -110,5 +110,27 @@ TEST(HistogramAxis, SharesAndValuesAreEachOthersInverse) {
   EXPECT_EQ(filter_between(histogram, 2.0 / 3, 1.0 / 3), "mse>=0.01 && mse<0.1");
 }
 
+TEST(HistogramAxis, TicksAreRoundAndStandAcrossTheAxis) {
+  debug::Histogram linear;
+  for (int i = 0; i < 20; ++i) linear.bins.push_back({0.17 * i, 0.17 * (i + 1)});
+  const std::vector<double> ticks = axis_ticks(linear);
+  EXPECT_GE(ticks.size(), 3u);
+  EXPECT_LE(ticks.size(), 6u);
+  EXPECT_TRUE(std::ranges::is_sorted(ticks));
+  for (const double tick : ticks) {
+    EXPECT_NEAR(tick, std::round(tick), 1e-9);  // 1, 2, 3: not 0.85
+    EXPECT_GE(tick, linear.bins.front().low);
+    EXPECT_LE(tick, linear.bins.back().high);
+  }
+  debug::Histogram decades;
+  decades.logarithmic = true;
+  decades.bins = {{0, 0.001}, {0.001, 0.01}, {0.01, 0.1}, {0.1, 7}};
+  EXPECT_EQ(axis_ticks(decades), (std::vector<double>{0, 0.0001, 0.001, 0.01, 0.1}));
+  debug::Histogram narrow;  // no round value within: its ends say what it shows
+  narrow.bins = {{3.1, 3.2}};
+  EXPECT_EQ(axis_ticks(narrow), (std::vector<double>{3.1, 3.2}));
+  EXPECT_TRUE(axis_ticks({}).empty());
+}
+
 }  // namespace
 }  // namespace planescope::desktop

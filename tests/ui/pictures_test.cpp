@@ -1,15 +1,19 @@
 // The whole window, drawn without a display.
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands/view.hpp"
+#include "app/desktop/look.hpp"
 #include "app/desktop/window.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
+#include "render/step_values.hpp"
+#include "support/apng.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -214,6 +218,153 @@ TEST_F(Pictures, WipeFromAToB) {
     EXPECT_TRUE(same_columns(both, b, middle + 12, both.width - 8)) << panel;
     window.after({{"run.wiper", ""}});
   }
+}
+
+/// The colour of the bar's pixel for a value.
+std::array<int, 3> on_bar(const Image8& bar, const render::ValueRange& range, double value_m) {
+  const double share = (value_m - range.low_m) / (range.high_m - range.low_m);
+  const int x = std::clamp(static_cast<int>(share * bar.width), 0, bar.width - 1);
+  return {bar.at(x, bar.height / 2, 0), bar.at(x, bar.height / 2, 1), bar.at(x, bar.height / 2, 2)};
+}
+
+TEST_F(Pictures, HaveTheColoursOfTheBarWherePointsMeasureItsValues) {
+  for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
+    Window window(theme);
+    window.after({{"color.depth", ""},
+                  {"show.planes", ""},
+                  {"show.names", ""},
+                  {"views.show", "image"},
+                  {"image.opacity", "1"}});
+    const Shell& shell = window.offscreen.shell();
+    const debug::Run& run = *shell.state().run();
+    const Image8 bar = part_of(window.picture(), shell.widgets().at("scale.bar"));
+    const Image8 image = part_of(window.picture(), shell.widgets().at("image"));
+    const Image16& depth = run.subject->frame.depth;
+    const render::ValueRange range = render::color_scale(run, look_of(shell.state())).range;
+    // The nearest and the farthest that the image shows, and some between.
+    int compared = 0;
+    for (int v = depth.height / 2; v < depth.height; v += 31)
+      for (int u = 20; u < depth.width - 20; u += 37) {
+        const std::uint32_t voxel =
+            run.subject->voxel_of_source(static_cast<std::size_t>(v) * depth.width + u);
+        if (voxel == planes::kNoVoxel) continue;
+        const double measured_m = depth.at(u, v) * run.subject->frame.depth_unit_m;
+        const auto expected = on_bar(bar, range, measured_m);
+        const int x = (2 * u + 1) * image.width / (2 * depth.width);
+        const int y = (2 * v + 1) * image.height / (2 * depth.height);
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(image.at(x, y, c), expected[static_cast<std::size_t>(c)], 24)
+              << u << "," << v << ": " << measured_m << " m";
+        ++compared;
+      }
+    EXPECT_GT(compared, 40);
+    EXPECT_GT(on_bar(bar, range, range.low_m)[1], 200) << "near is bright";
+    EXPECT_LT(on_bar(bar, range, range.high_m)[1], 60);
+  }
+}
+
+TEST_F(Pictures, OfColoursAlongAScaleHaveItsBarInWhicheverViewIsShown) {
+  Window window;
+  for (const char* views : {"both", "scene", "image"})
+    for (const char* color : {"depth", "height", "rms", "distance"}) {
+      window.after({{std::string("color.") + color, ""}, {"views.show", views}});
+      EXPECT_TRUE(window.offscreen.shell().widgets().contains("scale.bar")) << color << views;
+    }
+  window.after({{"color.planes", ""}});
+  EXPECT_FALSE(window.offscreen.shell().widgets().contains("scale.bar"));
+  window.after({{"option.set", "gravity=none"}, {"color.height", ""}});
+  EXPECT_FALSE(window.offscreen.shell().widgets().contains("scale.bar"));
+  EXPECT_TRUE(window.offscreen.shell().widgets().contains("scale.absent"));
+}
+
+TEST_F(Pictures, OfTheWindowAreSavedAsTheyAreShown) {
+  const std::filesystem::path dir = scratch_dir(), saved = dir / "a.png";
+  Window window;
+  window.offscreen.shell().tell("", false);
+  const Image8 shown = window.after({{"color.height", ""}, {"step.goto", "90"}}).picture();
+  window.after({{"picture.save", saved.string()}});
+  EXPECT_EQ(window.offscreen.shell().state().view.message, "picture written to " + saved.string());
+  EXPECT_LE(difference(shown, io::read_png_rgb(saved)), kSame);
+  EXPECT_THROW(window.after({{"picture.save", "a.jpg"}}), Error);
+  window.after({{"picture.save", (dir / "none" / "a.png").string()}});
+  EXPECT_TRUE(window.offscreen.shell().state().view.message_is_error);
+  EXPECT_NE(window.offscreen.shell().state().view.message.find("none"), std::string::npos);
+}
+
+TEST_F(Pictures, OfSmallerPointsLeaveMoreOfTheGroundFree) {
+  Window window;
+  window.after({{"show.planes", ""}, {"show.names", ""}, {"show.points", ""}});
+  const Image8 ground = window.panel("view3d");
+  window.after({{"show.points", ""}});
+  const double covered = difference(ground, window.panel("view3d"));
+  double before = covered;
+  for (int i = 0; i < 3; ++i) {
+    const double less = difference(
+        ground, window.after({{"points.smaller", ""}, {"points.smaller", ""}}).panel("view3d"));
+    EXPECT_LT(less, before - 0.005);
+    before = less;
+  }
+  for (int i = 0; i < 6; ++i) window.after({{"points.larger", ""}});
+  EXPECT_NEAR(difference(ground, window.panel("view3d")), covered, 0.001);
+  for (int i = 0; i < 40; ++i) window.after({{"points.larger", ""}});
+  EXPECT_EQ(window.offscreen.shell().state().view.point_size, kMostPointSize);
+}
+
+TEST_F(Pictures, OfAFrameAtFirstHaveNoBoxesNoQueueAndNothingThatStandsOut) {
+  for (const render::Theme theme : {render::Theme::dark, render::Theme::light}) {
+    Window window(theme);
+    const Image8 first = window.panel("view3d"), image = window.panel("image");
+    window.after({{"show.settled", ""}});
+    EXPECT_GT(difference(first, window.panel("view3d")), 0.02)
+        << "boxes are seen where switched on";
+    window.after({{"show.settled", ""}, {"step.goto", "100"}});
+    EXPECT_GT(difference(first, window.panel("view3d")), 0.02) << "so is what a step is about";
+    window.after({{"step.last", ""}, {"select.none", ""}});
+    EXPECT_LE(difference(first, window.panel("view3d")), kSame);
+    EXPECT_LE(difference(image, window.panel("image")), kSame);
+  }
+}
+
+TEST_F(Pictures, OfStepsAreSavedAsOneAnimationThatBeginsWithThePictureOfItsFirst) {
+  const std::filesystem::path dir = scratch_dir(), single = dir / "a.png", steps = dir / "b c.png";
+  Window window;
+  window.offscreen.shell().tell("", false);
+  window.after({{"step.goto", "40"}, {"picture.save", single.string()}});
+  window.after({{"steps.save", steps.string() + " 40-75 10 20"}});
+  EXPECT_EQ(window.offscreen.shell().state().view.message, "5 steps written to " + steps.string());
+  EXPECT_EQ(window.offscreen.shell().state().view.step, 75);
+  const test::Apng apng = test::read_apng(steps);
+  EXPECT_EQ(apng.frames_told, 5);  // 40, 50, 60, 70, 75
+  EXPECT_EQ(apng.frames_per_second, 20);
+  ASSERT_EQ(apng.frames.size(), 5U);
+  EXPECT_EQ(difference(apng.frames[0], io::read_png_rgb(single)), 0);
+  window.offscreen.shell().tell("", false);
+  window.after({{"step.goto", "70"}, {"picture.save", single.string()}});
+  EXPECT_LE(difference(apng.frames[3], io::read_png_rgb(single)), kSame);
+  EXPECT_GT(difference(apng.frames[0], apng.frames[3]), 0.005);
+}
+
+TEST_F(Pictures, OfStepsThatAreGivenUpLeaveNoFile) {
+  const std::filesystem::path dir = scratch_dir(), steps = dir / "steps.png";
+  Window window;
+  Shell& shell = window.offscreen.shell();
+  shell.perform({"steps.save", steps.string() + " 0-300 1"}, true);
+  for (int i = 0; i < 4; ++i) window.offscreen.draw_frame();
+  ASSERT_TRUE(shell.state().view.saving);
+  EXPECT_TRUE(shell.widgets().contains("status.message"));
+  EXPECT_THROW(shell.perform({"steps.save", steps.string()}, true), Error) << "one at a time";
+  for (const bool down : {true, false})
+    shell.input().push({.type = InputEvent::Type::key, .down = down, .key = Key::escape});
+  settle(shell, window.offscreen, {});
+  EXPECT_FALSE(shell.state().view.saving);
+  EXPECT_TRUE(std::filesystem::is_empty(dir));
+  for (const std::string to : {"/nowhere/a.png", "a.gif", ""}) {
+    shell.perform({"steps.save", to.empty() ? (dir / "").string() : to});
+    settle(shell, window.offscreen, {});
+    EXPECT_TRUE(shell.state().view.message_is_error) << to;
+    EXPECT_FALSE(shell.state().view.saving);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(dir));
 }
 
 TEST_F(Pictures, OfAScriptMayShowAPanelAlone) {

@@ -2,6 +2,7 @@
 // the room, what is shown alone, and A beside B.
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "app/desktop/arrange.hpp"

@@ -43,7 +43,8 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   apply(state, {"camera.set", "1,2,3,0,0,0"});
   apply(state, {"bookmark.add", "lost tread"});
   apply(state, {"bookmark.note", "0 why here"});
-  apply(state, {"color.planes", ""});
+  apply(state, {"color.depth", ""});
+  apply(state, {"color.range", "0.5,1.25"});
   save_session(state, dir / "here" / "s.json");
 
   fs::rename(dir / "here" / "sample", dir / "there" / "sample");
@@ -55,7 +56,8 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   EXPECT_EQ(other.document.breakpoints.at(0).filter, "merge && offset>0.02");
   EXPECT_EQ(other.document.bookmarks.at(0).note, "why here");
   EXPECT_EQ(other.view.search.text, "case==III");
-  EXPECT_EQ(other.view.color_by, render::ColorBy::planes);
+  EXPECT_EQ(other.view.color_by, render::ColorBy::depth);
+  EXPECT_EQ(other.view.color_range, (render::ValueRange{0.5, 1.25}));
   ASSERT_TRUE(other.view.arrival);
   EXPECT_EQ(other.view.arrival->step, state.view.step);
   EXPECT_EQ(other.view.camera->eye, Vec3d(1, 2, 3));
@@ -65,6 +67,80 @@ TEST(Session, BringsBackTheViewOnAnotherMachine) {
   EXPECT_EQ(at_bookmark.view.arrival->name, "lost tread");
   EXPECT_NE(refusal(run_state(), (dir / "there" / "s.json").string() + "#none").find("none"),
             std::string::npos);
+}
+
+TEST(Session, KeepsProjectionAndFromWhereAllIsLookedAt) {
+  const fs::path dir = scratch_dir();
+  State state = run_state();
+  apply(state, {"camera.orthographic", ""});
+  apply(state, {"camera.top", ""});
+  apply(state, {"bookmark.add", "from above"});
+  apply(state, {"camera.set", "1,2,3,0,0,0"});
+  apply(state, {"camera.orthographic", ""});
+  save_session(state, dir / "s.json");
+  const auto opened = [&](const std::string& place) {
+    State other;
+    open_session(other, (dir / "s.json").string() + place);
+    return other.view;
+  };
+  EXPECT_FALSE(opened("").orthographic);
+  EXPECT_TRUE(opened("").camera);
+  const ViewState above = opened("#from above");
+  EXPECT_TRUE(above.orthographic);
+  EXPECT_EQ(above.facing, Facing::top);
+  EXPECT_FALSE(above.camera) << "it goes on to fill the view at every shape of it";
+  apply(state, {"bookmark.go", "from above"});
+  EXPECT_TRUE(state.view.orthographic);
+  EXPECT_FALSE(state.view.camera);
+}
+
+/// A session in which a plane is selected, as the first version wrote it: by its place in the
+/// trace.
+std::string of_first_version(std::string text, std::int32_t number, std::int32_t place) {
+  const auto replace = [&text](const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  replace("session/2", "session/1");
+  replace(fmt::format("\"plane\": {},", number), fmt::format("\"plane\": {},", place));
+  for (const char* key : {",\n    \"facing\"", ",\n    \"orthographic\""}) {
+    const std::size_t at = text.find(key);
+    EXPECT_NE(at, std::string::npos) << key;
+    if (at != std::string::npos)
+      text.erase(at, text.find_first_of(",\n", at + std::string(key).size()) - at);
+  }
+  return text;
+}
+
+TEST(Session, OfEitherVersionSelectsThePlaneThatWasSelected) {
+  const fs::path dir = scratch_dir();
+  State state = run_state(planes::Profile::refined);
+  const debug::Timeline& timeline = state.run()->timeline;
+  std::int32_t place = 0;  // of a plane whose number does not follow from that
+  while (timeline.number_of_plane(place) == place + 1) ++place;
+  const std::int32_t number = timeline.number_of_plane(place);
+  apply(state, {"step.last", ""});
+  apply(state, {"select.plane", fmt::format("P{}", number)});
+  save_session(state, dir / "second.json");
+  const std::string text = text_of(dir / "second.json");
+  EXPECT_NE(text.find(fmt::format("\"plane\": {},", number)), std::string::npos);
+  write(dir / "first.json", of_first_version(text, number, place));
+  for (const char* name : {"second.json", "first.json"}) {
+    State other = state;
+    Shell shell(std::move(other), nullptr, [] {});
+    NoStage stage(shell);
+    shell.perform({"session.open", (dir / name).string()}, true);
+    settle(shell, stage, {}, /*background=*/false);
+    const State& now = shell.state();
+    ASSERT_TRUE(now.run());
+    ASSERT_GE(now.view.selected.plane, 0) << name;
+    EXPECT_EQ(now.run()->timeline.number_of_plane(now.view.selected.plane), number) << name;
+    // Written again, it says the same.
+    save_session(now, dir / "again.json");
+    EXPECT_NE(text_of(dir / "again.json").find(fmt::format("\"plane\": {},", number)),
+              std::string::npos);
+  }
 }
 
 TEST(Session, ThatIsDamagedIsRefusedInOneLineAndChangesNothing) {
@@ -166,12 +242,16 @@ TEST(Settings, SurviveDamageAndComeBackAsTheyWere) {
   settings.last_recording = sample_path();
   settings.view.theme = render::Theme::light;
   settings.view.layout.left = 0.2;
+  settings.view.color_by = render::ColorBy::distance;
+  settings.recent = {"/some/where", "/else/where"};
   save_settings(settings);
   const Settings back = load_settings();
   EXPECT_EQ(back.width, 1111);
   EXPECT_EQ(back.last_recording, sample_path());
   EXPECT_EQ(back.view.theme, render::Theme::light);
   EXPECT_EQ(back.view.layout.left, 0.2);
+  EXPECT_EQ(back.view.color_by, render::ColorBy::distance);
+  EXPECT_EQ(back.recent, settings.recent);
   write(settings_path(), "{\"schema\": 12");
   EXPECT_EQ(load_settings().width, Settings{}.width);
   unsetenv("XDG_STATE_HOME");

@@ -134,28 +134,45 @@ void apply(State& state, const Command& command) {
   if (!action.can_run(state))
     throw Error(fmt::format("action {}: there is nothing that it could act on now", action.name));
   action.run(state, command.argument);
+  drop_done_hint(state);
 }
 
 std::string first_key(const Action& action) { return action.keys.substr(0, action.keys.find(' ')); }
 
-std::vector<const Action*> matching_actions(const std::string& typed, Mode mode) {
+std::vector<Offer> palette_offers(const State& state, const std::string& typed) {
   const std::vector<std::string> wanted = words_of(lower_case(typed));
-  std::vector<std::pair<int, const Action*>> found;
-  for (const Action& action : action_table()) {
-    if (!fits(action, mode)) continue;
-    const int fit = fit_of(wanted, lower_case(action.title + "  " + action.name));
-    if (fit >= 0) found.emplace_back(fit, &action);
+  std::vector<std::pair<int, Offer>> found;
+  const auto add = [&](Offer offer, const std::string& text) {
+    const int fit = fit_of(wanted, lower_case(text));
+    if (fit >= 0) found.emplace_back(fit, std::move(offer));
+  };
+  for (const Action& action : action_table())
+    if (fits(action, state.view.mode))
+      add({&action, "", action.title}, action.title + "  " + action.name);
+  for (const std::filesystem::path& path : state.document.recent) {
+    const std::string title = "Open recent: " + path.filename().string();
+    add({&find_action("recording.open"), path.string(), title}, title);
   }
-  std::ranges::stable_sort(found, std::ranges::greater(), &std::pair<int, const Action*>::first);
-  std::vector<const Action*> actions;
-  for (const auto& [fit, action] : found) actions.push_back(action);
-  return actions;
+  std::ranges::stable_sort(found, std::ranges::greater(), &std::pair<int, Offer>::first);
+  std::vector<Offer> offers;
+  for (auto& [fit, offer] : found) offers.push_back(std::move(offer));
+  return offers;
 }
 
 void say(State& state, std::string message, bool is_error) {
   state.view.message = std::move(message);
   state.view.message_is_error = is_error;
   state.view.did_nothing = false;
+  state.view.hint_done = nullptr;
+}
+
+void say_hint(State& state, std::string hint, std::function<bool(const State&)> done) {
+  say(state, std::move(hint));
+  state.view.hint_done = std::move(done);
+}
+
+void drop_done_hint(State& state) {
+  if (state.view.hint_done && state.view.hint_done(state)) say(state, "");
 }
 
 void say_nothing_done(State& state, std::string why) {

@@ -58,9 +58,14 @@ std::string first_key(const Action& action);
 /// unchanged.
 void apply(State& state, const Command& command);
 
-/// The actions whose titles or names fit what was typed, best first: those with each word of it as
-/// a whole word, then as the start of one, then anywhere; last those with its letters in order.
-std::vector<const Action*> matching_actions(const std::string& typed, Mode mode);
+/// What the palette offers: actions, and recent recordings to open.
+struct Offer {
+  const Action* action = nullptr;
+  std::string argument, title;
+};
+/// Those whose titles or names fit what was typed, best first: those with each word of it as a
+/// whole word, then as the start of one, then anywhere; last those with its letters in order.
+std::vector<Offer> palette_offers(const State& state, const std::string& typed);
 
 // Tables by subject; action_table() is all of them.
 std::vector<Action> step_actions();
@@ -137,6 +142,8 @@ void forget_cameras(State& state);
 void unflash(State& state);
 /// Goes on to the next frame once this one has been looked at; stops at the last.
 void play_frames(State& state, double seconds);
+/// Where one is, without a name.
+Bookmark bookmark_here(const State& state);
 /// Throws Error where the recording has no such frame, the state unchanged.
 void go_to_bookmark(State& state, const Bookmark& bookmark);
 /// New options as an undo step of their own.
@@ -163,6 +170,10 @@ void save_labels(State& state);
 void save_labels_if_possible(State& state);
 /// In the status bar.
 void say(State& state, std::string message, bool is_error = false);
+/// What could be done next: told until it is done.
+void say_hint(State& state, std::string hint, std::function<bool(const State&)> done);
+/// Takes a hint away whose time is over.
+void drop_done_hint(State& state);
 /// That what was asked for changed nothing, and why; whoever plays a script is told.
 void say_nothing_done(State& state, std::string why);
 

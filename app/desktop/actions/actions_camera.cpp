@@ -34,7 +34,9 @@ void drop_camera(State& state) {
 
 void look_at_selected(State& state) {
   const std::vector<Vec3f> points = selected_points(state);
-  if (points.empty()) return say(state, "nothing is selected that could be looked at");
+  if (points.empty())
+    return say_hint(state, "nothing is selected that could be looked at: click it first",
+                    [](const State& s) { return s.run() && !selected_points(s).empty(); });
   move_camera(state, camera_on(state, points));
 }
 

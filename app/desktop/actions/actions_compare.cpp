@@ -29,7 +29,8 @@ void pin(State& state) {
   state.results.pinned = state.results.current;
   state.view.against = Against::pinned;
   state.view.tool_tab = "compare";
-  say(state, "A pinned: change an option to make B");
+  say_hint(state, "A pinned: change an option to make B",
+           [](const State& s) { return s.results.pinned != s.results.current; });
 }
 
 void flash(State& state) {
@@ -43,11 +44,18 @@ void search_fix(State& state) {
   const debug::Run& run = *state.results.current->run;
   if (!run.is_ours()) return say(state, "fixes are sought among the options of method ours");
   FixSearch begun;
-  begun.target = state.view.truth_plane > 0
+  const bool labelled = run.subject->voxel_truth.known();
+  begun.target = labelled && state.view.truth_plane > 0
                      ? debug::target_of_truth(run, state.view.truth_plane)
                      : debug::FixTarget{state.document.marked, "marked region", false};
-  if (begun.target.voxels.empty())
-    return say(state, "nothing to recover: choose a plane of the ground truth, or mark a region");
+  if (begun.target.voxels.empty()) {
+    state.view.tool_tab = "fix";
+    return say_hint(
+        state,
+        labelled ? "nothing to recover: choose a plane of the ground truth, or mark a region"
+                 : "nothing to recover: mark a region of the image (M)",
+        [](const State& s) { return !s.document.marked.empty() || s.results.fix.running; });
+  }
   begun.running = true;
   fix = begun;
   state.view.tool_tab = "fix";
@@ -122,7 +130,8 @@ std::vector<Action> compare_actions() {
        "",
        [](State& s, const std::string&) {
          if (!s.results.comparison || !s.results.pinned)
-           return say(s, "nothing to compare with: pin a run as A, then change an option");
+           return say_hint(s, "nothing to compare with: pin a run as A, then change an option",
+                           [](const State& now) { return now.results.comparison != nullptr; });
          const auto& c = *s.results.comparison;
          const std::int32_t step = s.view.flash ? c.diverging_step_a : c.diverging_step_b;
          if (step == planes::kNever)

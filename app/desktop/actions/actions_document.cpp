@@ -77,25 +77,27 @@ void open(State& state, const std::string& text) {
   Document& document = state.document;
   const std::filesystem::path path = text;
   for (std::size_t i = 0; i < document.recordings.size(); ++i)
-    if (document.recordings[i].path == path) return show_recording(state, static_cast<int>(i));
-  document.recordings.push_back({path, io::open_recording(path, document.recording_options),
-                                 labels::default_label_dir(path)});
+    if (document.recordings[i].path == path) {
+      note_recent(document, path);
+      return show_recording(state, static_cast<int>(i));
+    }
+  std::shared_ptr<const io::Recording> recording;
+  try {
+    recording = io::open_recording(path, document.recording_options);
+  } catch (const Error& error) {
+    if (!forget_recent(document, path)) throw;
+    throw Error(std::string(error.what()) + "; it is no longer among the recent ones");
+  }
+  document.recordings.push_back({path, recording, labels::default_label_dir(path)});
+  note_recent(document, path);
   read_picked(state, document.recordings.back());
   show_recording(state, static_cast<int>(document.recordings.size()) - 1);
 }
 
 void add_bookmark(State& state, const std::string& name) {
-  const ViewState& view = state.view;
-  Bookmark bookmark;
+  Bookmark bookmark = bookmark_here(state);
   bookmark.name =
-      name.empty() ? fmt::format("frame {} step {}", state.document.frame, view.step) : name;
-  bookmark.frame = state.document.frame;
-  bookmark.step = view.step;
-  bookmark.node = view.selected.node;
-  bookmark.plane = view.selected.plane;
-  bookmark.voxel = view.selected.voxel;
-  bookmark.filter = view.search.text;
-  bookmark.camera = camera_of(state);
+      name.empty() ? fmt::format("frame {} step {}", bookmark.frame, bookmark.step) : name;
   state.document.bookmarks.push_back(bookmark);
   state.view.inspector_tab = "bookmarks";
 }
@@ -128,6 +130,22 @@ void play_frames(State& state, double seconds) {
   show_frame(state, state.document.frame + 1);
 }
 
+Bookmark bookmark_here(const State& state) {
+  const ViewState& view = state.view;
+  Bookmark here;
+  here.frame = state.document.frame;
+  here.step = view.step;
+  here.node = view.selected.node;
+  if (state.run() && view.selected.plane >= 0)
+    here.plane = state.run()->timeline.number_of_plane(view.selected.plane);
+  here.voxel = view.selected.voxel;
+  here.filter = view.search.text;
+  here.camera = camera_of(state);
+  if (!view.camera) here.facing = view.facing;
+  here.orthographic = view.orthographic;
+  return here;
+}
+
 void go_to_bookmark(State& state, const Bookmark& bookmark) {
   const OpenRecording* open = state.document.current();
   const int count = open ? open->recording->frame_count() : 0;
@@ -136,18 +154,24 @@ void go_to_bookmark(State& state, const Bookmark& bookmark) {
                             bookmark.frame, count));
   const bool other_frame = bookmark.frame != state.document.frame;
   if (other_frame) show_frame(state, bookmark.frame);
-  move_camera(state, bookmark.camera);
+  state.view.orthographic = bookmark.orthographic;
+  if (bookmark.facing)
+    move_camera(state, std::nullopt, *bookmark.facing);
+  else
+    move_camera(state, bookmark.camera);
   apply(state, {"filter.set", bookmark.filter});
   if (!other_frame && state.run()) {
     go_to_step(state, bookmark.step);
     const int nodes = static_cast<int>(state.run()->octree().nodes.size());
     const int voxels = static_cast<int>(state.run()->subject->voxel_count());
-    const int planes = state.run()->timeline.plane_count();
+    const debug::Timeline& timeline = state.run()->timeline;
     const auto known = [](std::int32_t index, int size) {
       return index >= 0 && index < size ? index : -1;
     };
     state.view.selected = {.node = known(bookmark.node, nodes),
-                           .plane = known(bookmark.plane, planes),
+                           .plane = bookmark.plane_of_trace
+                                        ? known(bookmark.plane, timeline.plane_count())
+                                        : timeline.plane_of_number(bookmark.plane),
                            .voxel = known(bookmark.voxel, voxels)};
   } else {
     state.view.arrival = bookmark;

@@ -165,10 +165,10 @@ void bound_wand(State& state, const std::string& text) {
     for (const std::uint32_t pixel : pixels) bound->within[pixel] = 1;
     view.bound = std::move(bound);
   }
-  if (!view.wand.seeds.empty())
-    grow(state);
-  else
-    say(state, view.bound ? "the wand stays in the lasso, until Escape" : "the wand is free");
+  if (!view.wand.seeds.empty()) return grow(state);
+  if (!view.bound) return say(state, "the wand is free");
+  say_hint(state, "the wand stays in the lasso, until Escape",
+           [](const State& s) { return !s.view.label.bound; });
 }
 
 /// The wand makes a plane at each click, unless one was chosen that has no pixels yet, or the first

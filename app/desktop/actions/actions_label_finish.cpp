@@ -29,7 +29,8 @@ void show(State& state,
   if (!finish.adds.empty()) what = counted(finish.adds.size(), "pixel") + " more";
   if (!finish.takes.empty())
     what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), "pixel") + " less";
-  say(state, fmt::format("{}: {}; Enter accepts, Esc leaves it", title, what));
+  say_hint(state, fmt::format("{}: {}; Enter accepts, Esc leaves it", title, what),
+           [](const State& s) { return !s.view.label.finish; });
   view.finish = FinishPreview{plane, title, std::move(finish)};
 }
 

@@ -51,7 +51,11 @@ void choose_plane(State& state, int plane) {
 /// In the order of ids, from the last one on to the first.
 void step_plane(State& state, int by) {
   const std::vector<LabelPlane>& planes = state.labels()->planes;
-  if (planes.empty()) return say(state, "there is no plane yet");
+  if (planes.empty())
+    return say_hint(state, "there is no plane yet", [](const State& s) {
+      const auto labels = s.labels();
+      return labels && !labels->planes.empty();
+    });
   const int count = static_cast<int>(planes.size());
   const auto at = std::ranges::lower_bound(planes, state.view.label.plane, {}, &LabelPlane::id);
   int index = static_cast<int>(at - planes.begin());

@@ -40,7 +40,9 @@ void add_end(State& state, const std::string& text) {
   } catch (const Error& error) {
     return say(state, fmt::format("nothing to measure: {}", error.what()), true);
   }
-  if (ends.size() < 2) return say(state, "click the other end");
+  if (ends.size() < 2)
+    return say_hint(state, "click the other end",
+                    [](const State& s) { return s.view.measured.size() != 1; });
   say(state, debug::measure(*state.run()->subject, ends[0], ends[1]).text);
 }
 

@@ -22,7 +22,9 @@ void set_filter(State& state, const std::string& text) {
 
 void to_match(State& state, int direction) {
   const Search& search = state.view.search;
-  if (!search.filter) return say(state, "no filter is set: type one above the events (Ctrl+F)");
+  if (!search.filter)
+    return say_hint(state, "no filter is set: type one above the events (Ctrl+F)",
+                    [](const State& s) { return s.view.search.filter.has_value(); });
   const auto& matches = search.matches;
   if (matches.empty()) return say(state, "no event matches " + search.text);
   // Round the ends: a frame opens at its last step.
@@ -140,7 +142,9 @@ std::vector<Action> search_actions() {
        "F9",
        "",
        [](State& s, const std::string&) {
-         if (s.view.selected.node < 0) return say(s, "no node is selected");
+         if (s.view.selected.node < 0)
+           return say_hint(s, "no node is selected: click its box or its row in the tree",
+                           [](const State& now) { return now.view.selected.node >= 0; });
          toggle_breakpoint(s, {Kind::node, "", s.view.selected.node, true});
        },
        has_run,
@@ -151,7 +155,9 @@ std::vector<Action> search_actions() {
        "Shift+F9",
        "",
        [](State& s, const std::string&) {
-         if (!s.view.search.filter) return say(s, "no filter is set");
+         if (!s.view.search.filter)
+           return say_hint(s, "no filter is set: type one above the events (Ctrl+F)",
+                           [](const State& now) { return now.view.search.filter.has_value(); });
          toggle_breakpoint(s, {Kind::filter, s.view.search.text, -1, true});
        },
        {},
@@ -162,7 +168,9 @@ std::vector<Action> search_actions() {
        "Ctrl+F9",
        "",
        [](State& s, const std::string&) {
-         if (s.view.selected.voxel < 0) return say(s, "no point is selected");
+         if (s.view.selected.voxel < 0)
+           return say_hint(s, "no point is selected: click one in the image or in space",
+                           [](const State& now) { return now.view.selected.voxel >= 0; });
          toggle_breakpoint(s, {Kind::point, "", s.view.selected.voxel, true});
        },
        has_run,

@@ -76,14 +76,19 @@ void mark_pixels(State& state, const std::vector<double>& box) {
       seen[voxel] = 1;
       marked.push_back(voxel);
     }
-  const bool any = marked.size() > before;
-  if (any) return say(state, counted(marked.size(), "voxel") + " marked");
-  say(state, what_is_wrong_with_a_box(measured, beyond), true);
+  if (marked.size() == before) return say(state, what_is_wrong_with_a_box(measured, beyond), true);
+  std::string text = counted(marked.size(), "voxel") + " marked";
+  if (10 * beyond > measured)
+    text += fmt::format("; {:.0f} % of what was measured there is beyond the range",
+                        100.0 * static_cast<double>(beyond) / static_cast<double>(measured));
+  say(state, text);
 }
 
 void show_point(State& state) {
   if (state.view.selected.voxel < 0 && state.view.selected.source < 0)
-    return say(state, "no point is selected: click one in the image or in space");
+    return say_hint(
+        state, "no point is selected: click one in the image or in space",
+        [](const State& s) { return s.view.selected.voxel >= 0 || s.view.selected.source >= 0; });
   state.view.inspector_tab = "point";
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -43,6 +45,56 @@ void play(State& state, int direction) {
   playing.direction = playing.direction == direction ? 0 : direction;
   playing.due = 0;
   if (playing.direction > 0 && state.view.step == state.run()->steps()) go_to_step(state, 0);
+}
+
+constexpr int kMostPictures = 500;  // where nobody says how many steps apart
+constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
+
+[[noreturn]] void refuse_saving(const std::string& text) {
+  throw Error("action steps.save: '" + text + "' is not as expected, " + kSaveTakes);
+}
+
+/// Behind the path, which may have spaces: "200-600 2 12".
+void read_steps(const std::string& text, const std::vector<std::string>& words, StepsSaving& to) {
+  const int steps = to.last;
+  if (words.size() > 3) refuse_saving(text);
+  if (!words.empty()) {
+    const std::vector<std::string> ends = split(words[0], '-');
+    if (ends.size() != 2) refuse_saving(text);
+    to.first = whole_argument("steps.save", ends[0], 0, steps);
+    to.last = whole_argument("steps.save", ends[1], to.first, steps);
+  }
+  to.every = 1 + (to.last - to.first) / kMostPictures;
+  if (words.size() > 1) to.every = whole_argument("steps.save", words[1], 1, std::max(1, steps));
+  if (words.size() > 2) to.per_s = whole_argument("steps.save", words[2], 1, 60);
+}
+
+/// From the cursor to the end; from there, all of them.
+void save_steps(State& state, const std::string& text) {
+  std::size_t end = std::string::npos;
+  for (const std::string ending : {".png", ".apng"})
+    for (std::size_t at = text.find(ending); at != std::string::npos;
+         at = text.find(ending, at + 1))
+      if (const std::size_t after = at + ending.size(); after == text.size() || text[after] == ' ')
+        end = std::min(end, after);
+  if (end == std::string::npos)
+    throw Error("action steps.save: '" + text + "' is no PNG, expected a name.png");
+  if (state.view.saving) throw Error("action steps.save: steps are being written, Esc stops that");
+  const std::int32_t steps = state.run()->steps(), at = state.view.step;
+  StepsSaving saving{.path = text.substr(0, end),
+                     .run = state.results.current ? state.results.current->run : nullptr,
+                     .first = at < steps ? at : 0,
+                     .last = steps};
+  if (state.view.flash && state.results.pinned) saving.run = state.results.pinned->run;
+  read_steps(text, words_of(text.substr(end)), saving);
+  std::error_code failed;
+  const std::filesystem::path folder = std::filesystem::absolute(saving.path).parent_path();
+  if (!std::filesystem::is_directory(folder, failed))
+    throw Error(saving.path.string() + ": cannot be written, " + folder.string() + " is no folder");
+  if (std::filesystem::is_directory(saving.path, failed))
+    throw Error(saving.path.string() + ": cannot be written, it is a folder");
+  say(state, "");
+  state.view.saving = saving;
 }
 
 }  // namespace
@@ -108,7 +160,8 @@ std::vector<Action> step_actions() {
          const auto decided = s.run()->timeline.decided_at();
          if (selected.node < 0 ||
              decided[static_cast<std::size_t>(selected.node)] == planes::kNever)
-           return say(s, "no node is selected");
+           return say_hint(s, "no node is selected: click its box or its row in the tree",
+                           [](const State& now) { return now.view.selected.node >= 0; });
          go_to_step(s, decided[static_cast<std::size_t>(selected.node)]);
        },
        has_run,
@@ -135,6 +188,16 @@ std::vector<Action> step_actions() {
        "",
        [](State& s, const std::string&) { s.view.playing.direction = 0; },
        {},
+       {}},
+      {"steps.save", "Save the steps as APNG", "File", "Ctrl+E", kSaveTakes, save_steps, has_run,
+       [](const State& s) { return s.view.saving.has_value(); }},
+      {"steps.cancel",
+       "Stop saving the steps",
+       "File",
+       "Ctrl+Shift+K",
+       "",
+       [](State& s, const std::string&) { s.view.saving->cancelled = true; },
+       [](const State& s) { return s.view.saving.has_value(); },
        {}},
       {"step.rate",
        "Playing rate",

@@ -8,12 +8,15 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/panels.hpp"
+#include "core/model/error.hpp"
+#include "render/step_values.hpp"
 
 namespace planescope::desktop {
 namespace {
 
-const std::vector<std::string> kColorNames = {"cases", "planes", "labels",   "margins",
-                                              "truth", "camera", "steppable"};
+const std::vector<std::string> kColorNames = {"cases",  "planes", "labels",    "margins",
+                                              "truth",  "camera", "steppable", "depth",
+                                              "height", "rms",    "distance"};
 
 Action color_action(render::ColorBy by, const std::string& title, const std::string& key) {
   const std::string& name = kColorNames[static_cast<std::size_t>(by)];
@@ -22,9 +25,25 @@ Action color_action(render::ColorBy by, const std::string& title, const std::str
           "View",
           key,
           "",
-          [by](State& s, const std::string&) { s.view.color_by = by; },
+          [by](State& s, const std::string&) {
+            s.view.color_by = by;
+            s.view.color_range.reset();
+          },
           {},
           [by](const State& s) { return s.view.color_by == by; }};
+}
+
+void set_color_range(State& state, const std::string& text) {
+  if (!render::is_along_scale(state.view.color_by))
+    throw Error(
+        "action color.range: these colours have no scale, those of color.depth, color.height, "
+        "color.rms and color.distance have");
+  if (text == "auto") return state.view.color_range.reset();
+  const std::vector<double> ends = numbers_argument("color.range", text, 2);
+  const render::ValueRange range{ends[0], ends[1]};
+  if (!render::is_range(range))
+    throw Error("action color.range: '" + text + "' is no range, expected its lower end first");
+  state.view.color_range = range;
 }
 
 Action toggle(const std::string& name,
@@ -122,6 +141,18 @@ std::vector<Action> view_actions() {
       color_action(render::ColorBy::truth, "Colour by ground truth", "5"),
       color_action(render::ColorBy::camera, "Colour as the camera saw it", "6"),
       color_action(render::ColorBy::steppable, "Colour by what carries a foot", "7"),
+      color_action(render::ColorBy::depth, "Colour by depth", "8"),
+      color_action(render::ColorBy::height, "Colour by height", "9"),
+      color_action(render::ColorBy::rms, "Colour by RMS of plane or node", "0"),
+      color_action(render::ColorBy::distance, "Colour by distance to a plane", "Shift+0"),
+      {"color.range",
+       "Range of the colours along a scale",
+       menu,
+       "",
+       "LOW,HIGH in metres, or auto",
+       set_color_range,
+       [](const State& s) { return render::is_along_scale(s.view.color_by); },
+       {}},
       toggle("show.queue", "Nodes in the queue", "Q", &ViewState::show_queue),
       toggle("show.settled", "Boxes of settled nodes", "B", &ViewState::show_settled),
       toggle("show.numerals", "Numerals of their cases", "Shift+B", &ViewState::show_numerals),

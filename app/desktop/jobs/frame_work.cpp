@@ -7,6 +7,7 @@
 
 #include "app/commands/inputs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
+#include "app/desktop/look.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -42,7 +43,7 @@ Range range_of(const std::vector<Vec3f>& points, int axis) {
 /// A small picture of a frame that has no image: its voxels from above, in the colours of their
 /// planes. width x 3/4 width pixels, x of the world to the right, y upwards; the highest voxel of a
 /// pixel shows. The outermost percent of the voxels on each side may be cut off.
-Image8 cloud_thumbnail(const debug::Run& run, int width) {
+Image8 cloud_thumbnail(const debug::Run& run, const render::StepLook& look, int width) {
   const planes::VoxelCloud& voxels = run.subject->prepared.voxels;
   const int height = 3 * width / 4;
   Image8 image(width, height, 3);
@@ -71,7 +72,8 @@ Image8 cloud_thumbnail(const debug::Run& run, int width) {
     if (across < 0 || across >= width || down < 0 || down >= height) continue;
     const int u = static_cast<int>(across), v = static_cast<int>(down);
     const std::int32_t plane = run.segmentation.plane_of[i];
-    const render::Rgba color = plane > 0 ? render::plane_color(plane) : render::leftover_color();
+    const render::Rgba color = plane > 0 ? look.plane_color(run.timeline.plane_of_number(plane))
+                                         : render::leftover_color();
     for (int b = std::max(0, v - half); b <= std::min(height - 1, v + half); ++b)
       for (int a = std::max(0, u - half); a <= std::min(width - 1, u + half); ++a) {
         float& top = highest[static_cast<std::size_t>(b) * width + a];
@@ -166,7 +168,7 @@ render::Home home_of(const debug::Run& run) {
   return render::home_of(run.subject->prepared, run.segmentation);
 }
 
-Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
+Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers, const debug::Run* a) {
   Thumbnail thumbnail;
   thumbnail.ready = true;
   try {
@@ -175,9 +177,10 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers) {
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
+    if (a) look.color_of_plane = colors_like(*a, *run, debug::compare_runs(*a, *run));
     thumbnail.image =
         run->subject->frame.depth.empty()
-            ? cloud_thumbnail(*run, kThumbnailWidth)
+            ? cloud_thumbnail(*run, look, kThumbnailWidth)
             : report::shrink(render::image_step(*run, look, render::Backdrop::color, 0.6),
                              kThumbnailWidth);
     thumbnail.planes = static_cast<int>(run->segmentation.planes.size());

@@ -61,8 +61,10 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home);
 render::Home home_of(const debug::Run& run);
-/// A frame that cannot be run says why.
-Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers);
+/// A frame that cannot be run says why. `a`: whose colours matching planes have; null: their own.
+Thumbnail thumbnail_of(const Wanted& wanted,
+                       Classifiers& classifiers,
+                       const debug::Run* a = nullptr);
 /// The camera's picture alone, or shaded depth: nothing is run for it.
 Thumbnail picture_of(const Wanted& wanted);
 

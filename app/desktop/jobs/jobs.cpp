@@ -68,9 +68,12 @@ struct Jobs::Impl {
   std::optional<Wanted> strip_wanted;  // what the strip is filled with; nothing: it is stopped
   std::optional<Wanted> strip_next;    // what it is to be filled with when the options have rested
   std::shared_ptr<const io::Recording> strip_of;
-  bool strip_plain = false;             // pictures alone, as the label mode needs them
-  std::optional<Wanted> strip_ran_as;   // what the frames were run as ...
-  std::vector<std::uint8_t> strip_ran;  // ... those that were
+  bool strip_plain = false;                      // pictures alone, as the label mode needs them
+  std::shared_ptr<const RunView> strip_a;        // whose colours the frame looked at is to have
+  std::shared_ptr<const RunView> strip_a_drawn;  // those that it has ...
+  std::size_t strip_a_frame = 0;                 // ... which is this one
+  std::optional<Wanted> strip_ran_as;            // what the frames were run as ...
+  std::vector<std::uint8_t> strip_ran;           // ... those that were
   std::chrono::steady_clock::time_point strip_due;
   bool strip_waits = false;
   int strip_number = 0;  // of the filling; what an earlier one still delivers is dropped
@@ -280,13 +283,17 @@ void Jobs::Impl::pursue_strip(State& state) {
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
   const bool plain = state.view.mode == Mode::labels;
-  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain) {
+  const std::shared_ptr<const RunView> a =
+      state.results.pinned == state.results.current ? nullptr : state.results.pinned;
+  if (same_recording && strip_next && *strip_next == wanted && strip_plain == plain &&
+      strip_a == a) {
     if (strip_wanted && state.view.strip_stopped) strip.cancel();
     if (strip_wanted) return;
   } else {
     stop_strip();
     strip_next = wanted;
     strip_plain = plain;
+    strip_a = a;
     strip_due = std::chrono::steady_clock::now() + kStripDelay;
   }
   strip_waits = same_recording && std::chrono::steady_clock::now() < strip_due;
@@ -300,6 +307,14 @@ void Jobs::Impl::pursue_strip(State& state) {
     strip_ran.assign(count, 0);
   }
   if (!same_recording && plain) strip_ran_as.reset();
+  const auto shown = static_cast<std::size_t>(state.document.frame);
+  const auto draw_again = [&](std::size_t frame) {
+    if (frame < strip_ran.size()) strip_ran[frame] = 0;
+  };
+  if (strip_a_drawn != a && strip_a_drawn) draw_again(strip_a_frame);
+  if (strip_a_drawn != a && a) draw_again(shown);
+  strip_a_drawn = a;
+  strip_a_frame = shown;
   std::vector<std::uint8_t> has = strip_ran;  // what need not be made
   if (plain) {
     has.clear();
@@ -307,14 +322,16 @@ void Jobs::Impl::pursue_strip(State& state) {
   }
   state.results.strip_done = static_cast<int>(std::ranges::count_if(has, std::identity()));
   const int first = state.document.frame, number = ++strip_number;
-  strip.replace([this, wanted, first, count, number, plain,
+  strip.replace([this, wanted, first, count, number, plain, a,
                  has = std::move(has)](std::stop_token stop) mutable {
     for (std::size_t i = 0; i < count; ++i) {  // from the frame looked at on
       const std::size_t index = (static_cast<std::size_t>(first) + i) % count;
       if (has[index]) continue;
       wanted.frame = static_cast<int>(index);
       if (stop.stop_requested()) return;
-      Thumbnail thumbnail = plain ? picture_of(wanted) : thumbnail_of(wanted, classifiers);
+      Thumbnail thumbnail =
+          plain ? picture_of(wanted)
+                : thumbnail_of(wanted, classifiers, a && i == 0 ? a->run.get() : nullptr);
       if (stop.stop_requested()) return;
       deliver([this, thumbnail = std::move(thumbnail), index, number, plain](State& s) {
         if (number != strip_number || index >= s.results.strip.size()) return;

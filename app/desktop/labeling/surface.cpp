@@ -9,6 +9,7 @@
 
 #include "app/desktop/labeling/panels/parts.hpp"
 #include "app/desktop/look.hpp"
+#include "app/desktop/views.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "render/palette.hpp"
@@ -311,33 +312,17 @@ std::string pointed_text(const State& state) {
   return text;
 }
 
-/// In the upper right corner: what the colours of distances mean.
+/// What the colours of distances mean.
 void draw_residual_scale(const Ui& ui, const DrawingSurface& surface) {
-  const std::optional<render::Residual> residual = residual_of(ui.state);
-  if (!residual) return;
-  ImDrawList* draw = ImGui::GetWindowDrawList();
-  const float width = ui.px(150), height = ui.px(10), line = ImGui::GetTextLineHeight();
-  const ImVec2 from(surface.max.x - width - ui.px(24), surface.min.y + line + ui.px(18));
-  draw->AddRectFilled(ImVec2(from.x - ui.px(12), from.y - line - ui.px(8)),
-                      ImVec2(from.x + width + ui.px(12), from.y + height + line + ui.px(8)),
-                      with_alpha(ui.colors.panel, 225), ui.px(4));
-  const auto text = [&](float x, float y, float align, const std::string& what) {
-    const float extent = ImGui::CalcTextSize(what.c_str()).x;
-    draw->AddText(ImVec2(x - align * extent, y), ui.colors.text, what.c_str());
-  };
-  text(from.x, from.y - line - ui.px(3), 0, residual->name + ": behind");
-  text(from.x + width, from.y - line - ui.px(3), 1, "before");
-  constexpr int kSteps = 60;
-  for (int k = 0; k < kSteps; ++k) {
-    const float a = static_cast<float>(k) / kSteps, b = static_cast<float>(k + 1) / kSteps;
-    draw->AddRectFilled(ImVec2(from.x + a * width, from.y),
-                        ImVec2(from.x + b * width, from.y + height),
-                        to_imgui(render::residual_color(a + b - 1)));
-  }
-  const double most_mm = 1000 * residual->most_m;
-  text(from.x, from.y + height + ui.px(2), 0, fmt::format("-{:.3g} mm", most_mm));
-  text(from.x + width / 2, from.y + height + ui.px(2), 0.5f, "0");
-  text(from.x + width, from.y + height + ui.px(2), 1, fmt::format("+{:.3g} mm", most_mm));
+  if (const std::optional<render::Residual> residual = residual_of(ui.state))
+    draw_scale_bar(
+        ui,
+        {.what = "distance to " + (residual->plane == 0 ? "the wand's plane" : residual->name),
+         .range = {-residual->most_m, residual->most_m},
+         .map = render::ColorScale::Map::diverging,
+         .at_low = "behind",
+         .at_high = "before"},
+        surface.min, surface.max);
 }
 
 /// In a corner on the left of the view that the mouse is or was over, away from it.

@@ -114,6 +114,7 @@ void draw_image(const Ui& ui) {
     draw->AddCircle(middle, reach + ui.px(1), IM_COL32(0, 0, 0, 200), 0, ui.px(3));
     draw->AddCircle(middle, reach + ui.px(1), IM_COL32_WHITE, 0, ui.px(1.5f));
   }
+  if (view.views == Views::image) draw_color_scale(ui, placed->area_min, placed->area_max);
   draw_measured(ui, *placed);
   draw->PopClipRect();
   const ImVec2 uv = placed->to_image(ImGui::GetIO().MousePos);

@@ -113,6 +113,7 @@ void draw_column(const Ui& ui, const Column& column, float title_at) {
     colored(ui.colors.accent, section.menu);
     for (const Action* action : section.actions) {
       ImGui::TextUnformatted(key_here(*action, ui.state.view.mode).c_str());
+      ui.name("keys." + action->name);
       ImGui::SameLine(title_at);  // from the group's left
       ImGui::TextDisabled("%s", action->title.c_str());
     }
@@ -136,6 +137,7 @@ void draw_keys(const Ui& ui) {
   }
   size.y += 6 * line;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
+  if (size.y > display.y - ui.px(40)) size.x += ImGui::GetStyle().ScrollbarSize;
   size = ImVec2(std::min(size.x, display.x - ui.px(20)), std::min(size.y, display.y - ui.px(40)));
   ImGui::SetNextWindowPos(ImVec2((display.x - size.x) / 2, (display.y - size.y) / 2));
   ImGui::SetNextWindowSize(size);

@@ -60,6 +60,22 @@ void draw_paths(const Ui& ui) {
   }
 }
 
+/// Recordings that were opened before, dim where they are no longer there.
+void draw_recent(const Ui& ui) {
+  const std::vector<std::filesystem::path>& recent = ui.state.document.recent;
+  if (!recent.empty()) ImGui::TextDisabled("opened before");
+  for (std::size_t i = 0; i < recent.size(); ++i) {
+    std::error_code gone;
+    const bool there = std::filesystem::exists(recent[i], gone);
+    ImGui::PushStyleColor(ImGuiCol_Text, there ? ui.colors.text : ui.colors.muted);
+    const std::string text = recent[i].string() + (there ? "" : "   is not there any more");
+    if (ImGui::Selectable((text + "##recent").c_str()))
+      ui.emit("recording.open", recent[i].string());
+    ImGui::PopStyleColor();
+    ui.name(fmt::format("palette.recent.{}", i));
+  }
+}
+
 /// The argument of one action, typed: a path, most of the time.
 void draw_question(const Ui& ui, const Action& action, bool entered) {
   ImGui::TextDisabled(
@@ -70,7 +86,10 @@ void draw_question(const Ui& ui, const Action& action, bool entered) {
     paragraph(ui.colors.bad, view.message);
     ui.name("palette.problem");
   }
-  if (action.takes.starts_with("PATH")) draw_paths(ui);
+  if (action.name == "recording.open" && ui.memory.palette_text.empty())
+    draw_recent(ui);
+  else if (action.takes.starts_with("PATH"))
+    draw_paths(ui);
   // It closes once the action could take that.
   if (entered && !ui.memory.palette_text.empty()) ui.emit(action.name, ui.memory.palette_text);
 }
@@ -109,30 +128,38 @@ void draw_palette(const Ui& ui) {
     return;
   }
   if (memory.palette_text != before) memory.palette_index = 0;
-  const std::vector<const Action*> found =
-      matching_actions(memory.palette_text, ui.state.view.mode);
+  const std::vector<Offer> found = palette_offers(ui.state, memory.palette_text);
   const int shown = std::min(kMostShown, static_cast<int>(found.size()));
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow))) ++memory.palette_index;
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow))) --memory.palette_index;
   memory.palette_index = std::clamp(memory.palette_index, 0, std::max(0, shown - 1));
-  const Action* chosen = nullptr;
+  const Offer* chosen = nullptr;
   for (int i = 0; i < shown; ++i) {
-    const Action& action = *found[static_cast<std::size_t>(i)];
-    const ImU32 color = action.can_run(ui.state) ? ui.colors.text : ui.colors.muted;
+    const Offer& offer = found[static_cast<std::size_t>(i)];
+    const Action& action = *offer.action;
+    const std::string name = action.name + (offer.argument.empty() ? "" : "." + offer.argument);
+    std::error_code gone;
+    const bool there = offer.argument.empty() || std::filesystem::exists(offer.argument, gone);
+    const ImU32 color = action.can_run(ui.state) && there ? ui.colors.text : ui.colors.muted;
     ImGui::PushStyleColor(ImGuiCol_Text, color);
-    if (ImGui::Selectable((action.title + "##" + action.name).c_str(), i == memory.palette_index))
-      chosen = &action;
-    ui.name("palette." + action.name);
+    if (ImGui::Selectable((offer.title + "##" + name).c_str(), i == memory.palette_index))
+      chosen = &offer;
+    ui.name("palette." + name);
     ImGui::PopStyleColor();
+    if (!offer.argument.empty()) {
+      tooltip(offer.argument);
+      continue;
+    }
     const std::string keys = keys_text(action);
     ImGui::SameLine(width - ImGui::CalcTextSize(keys.c_str()).x - ui.px(14));
     ImGui::TextDisabled("%s", keys.c_str());
   }
   if (found.empty()) ImGui::TextDisabled("No action has such a name.");
-  if (entered && shown > 0) chosen = found[static_cast<std::size_t>(memory.palette_index)];
+  if (entered && shown > 0) chosen = &found[static_cast<std::size_t>(memory.palette_index)];
   if (chosen) {
     close(ui);
-    ui.emit(chosen->name);  // what needs an argument opens the palette again and asks
+    ui.emit(chosen->action->name,
+            chosen->argument);  // what needs an argument opens the palette again and asks
   }
   ImGui::End();
 }

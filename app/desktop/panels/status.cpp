@@ -81,8 +81,11 @@ void draw_status(const Ui& ui) {
   if (carry.running)
     busy = fmt::format("carrying the labels of frame {} on, {:.0f} % …  Esc stops", carry.from,
                        100 * carry.progress);
-  const std::string& message =
-      state.view.message.empty() || carry.running ? busy : state.view.message;
+  const std::optional<StepsSaving>& saving = state.view.saving;
+  if (saving && !saving->hidden)
+    busy = fmt::format("{} of {} steps are written …  Esc stops", saving->written, saving->count());
+  const bool tells = carry.running || (saving && !saving->hidden);
+  const std::string& message = state.view.message.empty() || tells ? busy : state.view.message;
   if (!message.empty()) {
     ImGui::SameLine(0, ui.px(24));
     const float room = at - ImGui::GetCursorPosX() - ui.px(16);

@@ -25,12 +25,16 @@ void draw_tools(const Ui& ui) {
                 {render::ColorBy::margins, "color.margins", "sureness"},
                 {render::ColorBy::truth, "color.truth", "truth"},
                 {render::ColorBy::camera, "color.camera", "camera"},
-                {render::ColorBy::steppable, "color.steppable", "steppable"}};
+                {render::ColorBy::steppable, "color.steppable", "steppable"},
+                {render::ColorBy::depth, "color.depth", "depth"},
+                {render::ColorBy::height, "color.height", "height"},
+                {render::ColorBy::rms, "color.rms", "RMS"},
+                {render::ColorBy::distance, "color.distance", "distance"}};
   const auto* chosen = &colors[static_cast<std::size_t>(ui.state.view.color_by)];
   ImGui::SetNextItemWidth(ui.px(96));
   const bool open = ImGui::BeginCombo("##color", chosen->title);
   ui.name("view3d.color");
-  if (!open) tooltip("what colours tell apart   1 to 7\nh: level, v: upright");
+  if (!open) tooltip("what colours tell apart   1 to 9, 0, Shift+0\nh: level, v: upright");
   if (open) {
     for (const auto& color : colors) {
       if (ImGui::Selectable(color.title, &color == chosen)) ui.emit(color.action);
@@ -129,6 +133,7 @@ void draw_view3d(const Ui& ui) {
   };
   const auto placed = draw_scene_room(ui, here, other ? beside : Picture());
   if (!placed) return;
+  draw_color_scale(ui, placed->min, placed->max);
   draw_measured(ui, *placed);
   move_by_mouse(ui, placed->height);
   std::optional<PointedAt> clicked;

@@ -23,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSessionSchema = "planescope.session/1";
+constexpr const char* kSessionSchema = "planescope.session/2";
+constexpr const char* kFirstSessionSchema = "planescope.session/1";  // planes by place in the trace
 constexpr const char* kSettingsSchema = "planescope.desktop/1";
 
 // ---- Parts of both -----------------------------------------------------------------------------
@@ -67,13 +68,26 @@ void share_of(const Json& json, const char* key, double& value) {
   value = std::clamp(value, 0.0, 0.9);
 }
 
+const std::vector<std::string> kFacings = {"home", "top", "side", "front"};
+
 Json bookmark_json(const Bookmark& b) {
-  return {{"name", b.name},   {"note", b.note},     {"frame", b.frame},
-          {"step", b.step},   {"node", b.node},     {"plane", b.plane},
-          {"voxel", b.voxel}, {"filter", b.filter}, {"camera", camera_json(b.camera)}};
+  Json json = {{"name", b.name},
+               {"note", b.note},
+               {"frame", b.frame},
+               {"step", b.step},
+               {"node", b.node},
+               {"plane", b.plane_of_trace ? -1 : b.plane},
+               {"voxel", b.voxel},
+               {"filter", b.filter},
+               {"camera", camera_json(b.camera)},
+               {"facing", b.facing ? Json(kFacings[static_cast<std::size_t>(*b.facing)]) : Json()},
+               {"orthographic", b.orthographic}};
+  if (b.plane_of_trace) json["trace_plane"] = b.plane;
+  return json;
 }
 
-Bookmark bookmark_of(const Json& json) {
+/// `first`: as sessions of the first version have them.
+Bookmark bookmark_of(const Json& json, bool first = false) {
   Bookmark b;
   b.name = json.at("name");
   b.note = json.at("note");
@@ -81,9 +95,17 @@ Bookmark bookmark_of(const Json& json) {
   b.step = int_of(json, "step");
   b.node = int_of(json, "node");
   b.plane = int_of(json, "plane");
+  b.plane_of_trace = first && b.plane >= 0;
+  if (json.contains("trace_plane")) {
+    b.plane = int_of(json, "trace_plane");
+    b.plane_of_trace = true;
+  }
   b.voxel = int_of(json, "voxel");
   b.filter = json.at("filter");
   b.camera = camera_from(json.at("camera"));
+  if (json.contains("facing") && !json.at("facing").is_null())
+    b.facing = static_cast<Facing>(choice_argument("facing", json.at("facing"), kFacings));
+  value_of(json, "orthographic", b.orthographic);
   return b;
 }
 
@@ -103,10 +125,20 @@ Breakpoint breakpoint_of(const Json& json) {
   return b;
 }
 
+Json range_json(const std::optional<render::ValueRange>& range) {
+  return range ? Json{range->low_m, range->high_m} : Json(nullptr);
+}
+std::optional<render::ValueRange> range_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  const render::ValueRange range{json.at(0).get<double>(), json.at(1).get<double>()};
+  return render::is_range(range) ? std::optional(range) : std::nullopt;
+}
+
 /// Panels, colours, theme, layout: what is not the cursor.
 Json view_json(const ViewState& view) {
   const Layout& l = view.layout;
   return {{"color_by", static_cast<int>(view.color_by)},
+          {"color_range", range_json(view.color_range)},
           {"show_queue", view.show_queue},
           {"show_settled", view.show_settled},
           {"show_numerals", view.show_numerals},
@@ -118,6 +150,7 @@ Json view_json(const ViewState& view) {
           {"point_size", view.point_size},
           {"show_stairs", view.show_stairs},
           {"backdrop", static_cast<int>(view.backdrop)},
+          {"orthographic", view.orthographic},
           {"overlay_opacity", view.overlay_opacity},
           {"theme", static_cast<int>(view.theme)},
           {"zoom", view.zoom},
@@ -143,6 +176,7 @@ Json view_json(const ViewState& view) {
 /// Keys that are missing leave what `view` has.
 void view_of(const Json& json, ViewState& view) {
   enum_of(json, "color_by", render::kColorBys, view.color_by);
+  if (json.contains("color_range")) view.color_range = range_of(json.at("color_range"));
   value_of(json, "show_queue", view.show_queue);
   value_of(json, "show_settled", view.show_settled);
   value_of(json, "show_numerals", view.show_numerals);
@@ -155,6 +189,7 @@ void view_of(const Json& json, ViewState& view) {
   view.point_size = std::clamp(view.point_size, kLeastPointSize, kMostPointSize);
   value_of(json, "show_stairs", view.show_stairs);
   enum_of(json, "backdrop", 2, view.backdrop);
+  value_of(json, "orthographic", view.orthographic);
   value_of(json, "overlay_opacity", view.overlay_opacity);
   enum_of(json, "theme", 2, view.theme);
   value_of(json, "zoom", view.zoom);
@@ -234,19 +269,20 @@ struct Session {
 /// file.
 Session session_of(const Json& json, const State& state) {
   const std::string schema = json.at("schema");
-  if (schema != kSessionSchema)
+  const bool first = schema == kFirstSessionSchema;
+  if (!first && schema != kSessionSchema)
     throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSessionSchema));
   Session session;
   session.options = options_of(json.at("options"), state.document.options);
   session.frame = int_of(json.at("recording"), "frame");
-  session.cursor = bookmark_of(json.at("cursor"));
+  session.cursor = bookmark_of(json.at("cursor"), first);
   session.view = state.view;
   session.view.flash = session.view.marking = false;
   session.view.playing.direction = 0;
   if (session.view.against == Against::pinned) session.view.against = Against::nothing;
   view_of(json.at("view"), session.view);
   for (const Json& one : json.at("breakpoints")) session.breakpoints.push_back(breakpoint_of(one));
-  for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one));
+  for (const Json& one : json.at("bookmarks")) session.bookmarks.push_back(bookmark_of(one, first));
   if (json.contains("marked"))
     for (const Json& voxel : json.at("marked"))
       session.marked.push_back(static_cast<std::uint32_t>(
@@ -298,6 +334,7 @@ void take_recording(State& state, OpenRecording taken, int frame) {
     }
   std::erase_if(document.recordings, same);
   read_picked(state, taken);
+  note_recent(document, taken.path);
   document.recordings.push_back(std::move(taken));
   document.recording = static_cast<int>(document.recordings.size()) - 1;
   document.frame = frame;
@@ -320,15 +357,7 @@ void save_session(const State& state, const fs::path& path) {
                        {"frame", state.document.frame},
                        {"frame_sha256", open->recording->frame_hash(state.document.frame)}};
   json["options"] = options_json(state.document.options);
-  Bookmark cursor;
-  cursor.frame = state.document.frame;
-  cursor.step = state.view.step;
-  cursor.node = state.view.selected.node;
-  cursor.plane = state.view.selected.plane;
-  cursor.voxel = state.view.selected.voxel;
-  cursor.filter = state.view.search.text;
-  cursor.camera = camera_of(state);
-  json["cursor"] = bookmark_json(cursor);
+  json["cursor"] = bookmark_json(bookmark_here(state));
   json["view"] = view_json(state.view);
   json["breakpoints"] = Json::array();
   for (const Breakpoint& one : state.document.breakpoints)
@@ -368,7 +397,10 @@ void open_session(State& state, const std::string& where) {
   document.marked = session.marked;
   document.session = path;
   state.view = session.view;
-  state.view.camera = arrival.camera;
+  state.view.camera.reset();
+  if (!arrival.facing) state.view.camera = arrival.camera;
+  state.view.facing = arrival.facing.value_or(Facing::home);
+  state.view.orthographic = arrival.orthographic;
   apply(state, {"filter.set", arrival.filter});
   state.view.arrival = arrival;
 }
@@ -394,6 +426,10 @@ Settings load_settings() {
     settings.maximized = json.at("maximized");
     settings.last_recording = json.at("last_recording").get<std::string>();
     settings.last_frame = int_of(json, "last_frame");
+    if (json.contains("recent"))
+      for (const Json& path : json.at("recent"))
+        if (settings.recent.size() < kMostRecent)
+          settings.recent.emplace_back(path.get<std::string>());
     view_of(json.at("view"), settings.view);
     if (json.contains("camera")) settings.camera = bookmark_of(json.at("camera")).camera;
     return settings;
@@ -413,6 +449,8 @@ void save_settings(const Settings& settings) {
                {"last_recording", settings.last_recording.string()},
                {"last_frame", settings.last_frame},
                {"view", view_json(settings.view)}};
+  json["recent"] = Json::array();
+  for (const fs::path& one : settings.recent) json["recent"].push_back(one.string());
   if (settings.camera) {
     Bookmark place;
     place.camera = *settings.camera;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/desktop/state/state.hpp"
 
@@ -14,7 +15,7 @@ namespace planescope::desktop {
 // ---- Sessions ----------------------------------------------------------------------------------
 
 // A session brings the view back on another machine. Recording by path and hash, options, cursor,
-// camera, filter, breakpoints, bookmarks. Schema planescope.session/1.
+// camera, filter, breakpoints, bookmarks. Schema planescope.session/2.
 
 /// Throws Error where the file cannot be written; a file that was there stays as it was then.
 void save_session(const State& state, const std::filesystem::path& path);
@@ -36,8 +37,9 @@ struct Settings {
   bool maximized = false;
   std::filesystem::path last_recording;  // empty: none yet
   int last_frame = 0;
-  std::optional<render::Camera> camera;  // on that recording
-  ViewState view;                        // panels, colours, theme, layout
+  std::vector<std::filesystem::path> recent;  // as the document's
+  std::optional<render::Camera> camera;       // on that recording
+  ViewState view;                             // panels, colours, theme, layout
 };
 
 /// $XDG_STATE_HOME/planescope/desktop.json; ~/.local/state where that is not set.

@@ -95,6 +95,27 @@ std::shared_ptr<const FrameLabels> State::labels() const {
   return label_frame() && open->labels ? open->labels->labels(document.frame) : nullptr;
 }
 
+namespace {
+
+/// However it was typed.
+std::filesystem::path full_path(const std::filesystem::path& path) {
+  std::error_code gone;  // the folder that it is relative to
+  const std::filesystem::path full = std::filesystem::absolute(path, gone).lexically_normal();
+  return full.has_filename() ? full : full.parent_path();
+}
+
+}  // namespace
+
+bool forget_recent(Document& document, const std::filesystem::path& recording) {
+  return std::erase(document.recent, full_path(recording)) > 0;
+}
+
+void note_recent(Document& document, const std::filesystem::path& recording) {
+  forget_recent(document, recording);
+  document.recent.insert(document.recent.begin(), full_path(recording));
+  if (document.recent.size() > kMostRecent) document.recent.resize(kMostRecent);
+}
+
 nlohmann::ordered_json state_facts(const State& state, bool idle) {
   nlohmann::ordered_json json;
   const Document& document = state.document;
@@ -137,6 +158,8 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["breakpoints"] = document.breakpoints.size();
   json["bookmarks"] = document.bookmarks.size();
   json["marked"] = document.marked.size();
+  json["recent"] = nlohmann::ordered_json::array();
+  for (const std::filesystem::path& path : document.recent) json["recent"].push_back(path.string());
   json["pinned"] = state.results.pinned != nullptr;
   json["flash"] = view.flash;
   json["shown"] = state.shown_side();

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -34,6 +35,7 @@
 namespace planescope::desktop {
 
 struct ReportPlace;
+struct State;
 
 // ---- Document ----------------------------------------------------------------------------------
 
@@ -55,13 +57,20 @@ struct Breakpoint {
   bool enabled = true;
 };
 
+/// From where all of the frame is looked at. Home: from where most is seen.
+enum class Facing : std::uint8_t { home, top, side, front };
+
 struct Bookmark {
   std::string name, note;
   int frame = 0;
   std::int32_t step = 0;
-  std::int32_t node = -1, plane = -1, voxel = -1;
+  std::int32_t node = -1, voxel = -1;
+  std::int32_t plane = -1;      // what it is called by: 3 is P3 ...
+  bool plane_of_trace = false;  // ... or, of sessions /1, its place in the trace
   std::string filter;
   render::Camera camera;
+  std::optional<Facing> facing;  // all of the frame, from there; nothing: as the camera stands
+  bool orthographic = false;
 };
 
 struct Document {
@@ -72,14 +81,21 @@ struct Document {
   planes::PipelineOptions options;
   std::vector<Breakpoint> breakpoints;
   std::vector<Bookmark> bookmarks;
-  std::vector<std::uint32_t> marked;  // voxels of the region that the user marked
-  bool labels_written = false;        // since the label mode was entered ...
-  int labels_version = 0;             // ... and as the debugger's ground truth was read
-  std::filesystem::path session;      // the file that it was read from or written to last
+  std::vector<std::uint32_t> marked;          // voxels of the region that the user marked
+  bool labels_written = false;                // since the label mode was entered ...
+  int labels_version = 0;                     // ... and as the debugger's ground truth was read
+  std::filesystem::path session;              // the file that it was read from or written to last
+  std::vector<std::filesystem::path> recent;  // recordings that were opened, the latest first
 
   const OpenRecording* current() const;
   OpenRecording* current();
 };
+
+inline constexpr std::size_t kMostRecent = 10;
+/// The recording was opened: it is the latest.
+void note_recent(Document& document, const std::filesystem::path& recording);
+/// It could not be opened. True where it was among the recent ones.
+bool forget_recent(Document& document, const std::filesystem::path& recording);
 
 // ---- Results -----------------------------------------------------------------------------------
 
@@ -179,8 +195,6 @@ struct Playing {
   double due = 0;  // fraction of a step not taken yet
 };
 
-/// From where all of the frame is looked at. Home: from where most is seen.
-enum class Facing : std::uint8_t { home, top, side, front };
 /// Where the camera is.
 struct CameraPlace {
   std::optional<render::Camera> camera;  // nothing: all of the frame fills the view
@@ -191,6 +205,22 @@ struct CameraHistory {
   std::vector<CameraPlace> before, after;
   bool held = false;   // what moves it is part of the step that is there
   bool zooms = false;  // the latest step is of the wheel, whose next notch is part of it
+};
+
+/// Pictures of steps that are being written into one file.
+struct StepsSaving {
+  std::filesystem::path path;
+  std::weak_ptr<const debug::Run> run;
+  std::int32_t first = 0, last = 0, every = 1;  // the last one in any case
+  int per_s = 10;
+  int taken = 0, written = 0;  // pictures
+  bool hidden = false;         // nothing is told of it while the picture is drawn
+  bool cancelled = false;      // to be given up
+
+  int count() const { return (last - first + every - 1) / every + 1; }
+  std::int32_t step(int picture) const {
+    return picture + 1 == count() ? last : first + picture * every;
+  }
 };
 
 enum class Against : std::uint8_t { nothing, pinned, truth };
@@ -221,6 +251,7 @@ struct ViewState {
   bool orthographic = false;
   double scene_aspect = 4.0 / 3;  // width by height of the room it has, as drawn last
   render::ColorBy color_by = render::ColorBy::planes;
+  std::optional<render::ValueRange> color_range;  // of a scale; nothing: that of the run
   bool show_points = true, show_planes = true, show_names = true, show_normals = false;
   bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
@@ -259,8 +290,10 @@ struct ViewState {
   std::string focus;    // widget that takes the keyboard in the next frame
   std::string message;  // status bar, until the next
   bool message_is_error = false;
-  bool did_nothing = false;  // it says that what was asked for changed nothing
-  std::string picture_to;    // where the next frame is written as a picture
+  bool did_nothing = false;                     // it says that what was asked for changed nothing
+  std::function<bool(const State&)> hint_done;  // it is a hint, until this holds
+  std::string picture_to;                       // where the next frame is written as a picture
+  std::optional<StepsSaving> saving;
   std::string to_clipboard;  // the window takes it in the next frame
   bool quit = false;
 };

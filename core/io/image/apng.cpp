@@ -2,6 +2,7 @@
 
 #include "core/io/image/apng.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cstdlib>
 #include <span>
@@ -92,14 +93,45 @@ Bytes filtered_rows(const Image8& image) {
   return result;
 }
 
+struct Part {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+/// What differs; one pixel where nothing does, as no frame may be empty.
+Part difference(const Image8& a, const Image8& b) {
+  Part part{b.width, b.height, 0, 0};
+  const int stride = kChannels * b.width;
+  for (int y = 0; y < b.height; ++y) {
+    const std::uint8_t *row_a = &a.at(0, y), *row_b = &b.at(0, y);
+    if (std::equal(row_b, row_b + stride, row_a)) continue;
+    part.y0 = std::min(part.y0, y);
+    part.y1 = y + 1;
+    int left = 0, right = stride - 1;
+    while (row_a[left] == row_b[left]) ++left;
+    while (row_a[right] == row_b[right]) --right;
+    part.x0 = std::min(part.x0, left / kChannels);
+    part.x1 = std::max(part.x1, right / kChannels + 1);
+  }
+  return part.y1 == 0 ? Part{0, 0, 1, 1} : part;
+}
+
+Image8 cut(const Image8& whole, const Part& part) {
+  Image8 image(part.x1 - part.x0, part.y1 - part.y0, kChannels);
+  for (int y = 0; y < image.height; ++y)
+    std::copy_n(&whole.at(part.x0, part.y0 + y), kChannels * image.width, &image.at(0, y));
+  return image;
+}
+
 }  // namespace
 
-ApngWriter::ApngWriter(std::ostream& out, int width, int height, int frames, int frames_per_second)
+ApngWriter::ApngWriter(
+    std::ostream& out, int width, int height, int frames, int frames_per_second, ApngStores stores)
     : out_(out),
       width_(width),
       height_(height),
       frames_(frames),
-      frames_per_second_(frames_per_second) {
+      frames_per_second_(frames_per_second),
+      stores_(stores) {
   assert(width > 0 && height > 0 && frames > 0 && frames_per_second > 0);
   write(out_, png_start(width, height, 8, PngColor::rgb));
   Bytes control;
@@ -111,17 +143,19 @@ ApngWriter::ApngWriter(std::ostream& out, int width, int height, int frames, int
 void ApngWriter::add(const Image8& image) {
   assert(image.width == width_ && image.height == height_ && image.channels == kChannels);
   assert(added_ < frames_);
+  const bool parts = stores_ == ApngStores::difference && added_ > 0;
+  const Part part = parts ? difference(before_, image) : Part{0, 0, width_, height_};
   Bytes control;
   append_32(control, sequence_++);
-  append_32(control, static_cast<std::uint32_t>(width_));
-  append_32(control, static_cast<std::uint32_t>(height_));
-  append_32(control, 0);  // place in the canvas
-  append_32(control, 0);
+  for (const int value : {part.x1 - part.x0, part.y1 - part.y0, part.x0, part.y0})
+    append_32(control, static_cast<std::uint32_t>(value));
   append_16(control, 1);  // shown for 1 / frames_per_second s
   append_16(control, frames_per_second_);
   append_16(control, 0);  // left as it is, and drawn over
   write_chunk(out_, "fcTL", control);
-  const Bytes pixels = deflated(filtered_rows(image), kSmallLevel);
+  const Bytes pixels =
+      deflated(parts ? filtered_rows(cut(image, part)) : filtered_rows(image), kSmallLevel);
+  if (stores_ == ApngStores::difference) before_ = image;
   if (added_++ == 0) return write_chunk(out_, "IDAT", pixels);
   Bytes content;
   append_32(content, sequence_++);

@@ -12,6 +12,7 @@
 #include "core/io/image/webp.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "support/apng.hpp"
 #include "support/jpeg_bytes.hpp"
 #include "support/temp_dir.hpp"
 
@@ -303,32 +304,6 @@ TEST(Jpeg, DamagedBytesNeverCrash) {
   }
 }
 
-struct Chunk {
-  std::string type, content;
-  bool is_whole = false;  // its CRC is right
-};
-
-std::uint32_t number_at(const std::string& bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
-
-std::vector<Chunk> chunks_of(const std::string& file) {
-  std::vector<Chunk> chunks;
-  for (std::size_t at = 8; at + 12 <= file.size();) {
-    const std::uint32_t size = number_at(file, at);
-    Chunk chunk{file.substr(at + 4, 4), file.substr(at + 8, size)};
-    const std::string checked = chunk.type + chunk.content;
-    chunk.is_whole = crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size()) ==
-                     number_at(file, at + 8 + size);
-    chunks.push_back(std::move(chunk));
-    at += 12 + size;
-  }
-  return chunks;
-}
-
 Image8 picture(int shift) {
   Image8 image(7, 5, 3);
   for (int y = 0; y < image.height; ++y)
@@ -338,61 +313,40 @@ Image8 picture(int shift) {
   return image;
 }
 
-std::string animation(int frames) {
-  std::ostringstream out;
-  ApngWriter writer(out, 7, 5, frames, 5);
-  for (int i = 0; i < frames; ++i) writer.add(picture(i));
-  writer.finish();
-  return out.str();
-}
-
-/// The same pixels as a PNG of their own.
-Image8 decoded(const std::string& header, const std::string& pixels) {
-  std::string file = "\x89PNG\r\n\x1a\n";
-  const auto add = [&](const std::string& checked) {
-    const auto append = [&](std::uint32_t value) {
-      for (int shift = 24; shift >= 0; shift -= 8) file += static_cast<char>(value >> shift);
-    };
-    append(static_cast<std::uint32_t>(checked.size() - 4));
-    file += checked;
-    append(static_cast<std::uint32_t>(
-        crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size())));
-  };
-  add("IHDR" + header);
-  add("IDAT" + pixels);
-  add("IEND");
-  const auto path = temp_dir() / "one_frame.png";
-  write_file_text(path, file);
-  return read_png_rgb(path);
+std::filesystem::path animation(const std::vector<Image8>& frames,
+                                ApngStores stores = ApngStores::whole) {
+  const auto path = temp_dir() / "animation.png";
+  write_file_stream(path, [&](std::ostream& out) {
+    ApngWriter writer(out, 7, 5, static_cast<int>(frames.size()), 12, stores);
+    for (const Image8& frame : frames) writer.add(frame);
+    writer.finish();
+  });
+  return path;
 }
 
 TEST(Apng, ShowsItsFirstFrameInEveryViewer) {
-  const auto path = temp_dir() / "animation.png";
-  write_file_text(path, animation(3));
-  EXPECT_EQ(read_png_rgb(path).data, picture(0).data);
+  EXPECT_EQ(read_png_rgb(animation({picture(0), picture(1)})).data, picture(0).data);
 }
 
-TEST(Apng, HasItsChunksInOrderAndWhole) {
-  const std::vector<Chunk> chunks = chunks_of(animation(3));
-  std::string types;
-  for (const Chunk& chunk : chunks) {
-    EXPECT_TRUE(chunk.is_whole) << chunk.type;
-    types += chunk.type + " ";
-  }
-  EXPECT_EQ(types, "IHDR acTL fcTL IDAT fcTL fdAT fcTL fdAT IEND ");
-  EXPECT_EQ(number_at(chunks[1].content, 0), 3u);  // frames
-  std::uint32_t sequence = 0;
-  for (const Chunk& chunk : chunks) {
-    if (chunk.type == "fcTL" || chunk.type == "fdAT") {
-      EXPECT_EQ(number_at(chunk.content, 0), sequence++);
-    }
+TEST(Apng, KeepsEveryFramesPixelsHoweverTheyAreStored) {
+  std::vector<Image8> frames = {picture(0), picture(0), picture(0), picture(9)};
+  frames[1].at(2, 1, 1) ^= 0xff;
+  frames[1].at(6, 4, 2) ^= 1;  // the last
+  frames[2] = frames[1];       // the same once more
+  for (const ApngStores stores : {ApngStores::whole, ApngStores::difference}) {
+    const test::Apng apng = test::read_apng(animation(frames, stores));
+    EXPECT_EQ(apng.frames_told, 4);
+    EXPECT_EQ(apng.frames_per_second, 12);
+    ASSERT_EQ(apng.frames.size(), frames.size());
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      EXPECT_EQ(apng.frames[i].data, frames[i].data) << i;
   }
 }
 
-TEST(Apng, KeepsEveryFramesPixels) {
-  const std::vector<Chunk> chunks = chunks_of(animation(3));
-  EXPECT_EQ(decoded(chunks[0].content, chunks[5].content.substr(4)).data, picture(1).data);
-  EXPECT_EQ(decoded(chunks[0].content, chunks[7].content.substr(4)).data, picture(2).data);
+TEST(Apng, OfDifferencesIsSmallWhereLittleChanges) {
+  const std::vector<Image8> frames(20, picture(0));
+  const auto whole = std::filesystem::file_size(animation(frames));
+  EXPECT_LT(std::filesystem::file_size(animation(frames, ApngStores::difference)), 4 * whole / 5);
 }
 
 }  // namespace

@@ -138,6 +138,41 @@ TEST(Wand, AClickOnANoisyPixelFindsTheSurfaceAndFillsTheSpeck) {
   EXPECT_EQ(result->pixels.size(), 80u * 60);
 }
 
+// A wall that bows in a dent of 30 x 20 pixels, by less than one and a half tolerances; or a box
+// stands out of it there.
+LabelGrid wall_with(double out_m) {
+  return make_label_grid(test::frame_of(160, 120,
+                                        [=](int u, int v) {
+                                          const bool dent = u >= 60 && u < 90 && v >= 50 && v < 70;
+                                          return dent ? 1.0 - out_m : 1.0;
+                                        }),
+                         Gravity{});
+}
+
+TEST(Wand, FillsAHoleWhereNothingElseIsSeenAndNoneWhereABoxStands) {
+  const LabelGrid bowed = wall_with(0.011), box = wall_with(0.02);
+  const std::array click{test::pixel_at(bowed, 20, 20)};
+  const auto whole = grow_plane(bowed, nullptr, click, {});
+  const auto around = grow_plane(box, nullptr, click, {});
+  ASSERT_TRUE(whole && around);
+  EXPECT_EQ(whole->pixels.size(), 160u * 120);
+  EXPECT_LE(around->pixels.size(), 160u * 120 - 30 * 20);
+}
+
+TEST(Wand, ALargeToleranceDoesNotGrowWithNoiseThatItCovers) {
+  // Noise as of 2 m: three times that of close range. The right half lies 3 cm behind the left.
+  LabelGrid grid = make_label_grid(
+      test::frame_of(160, 120, [](int u, int) { return u < 80 ? 2.0 : 2.03; }), Gravity{});
+  for (float& sigma : grid.sigma_m) sigma = 0.0069f;
+  WandOptions options;
+  options.use_color = false;
+  const std::array click{test::pixel_at(grid, 20, 60)};
+  options.tolerance_m = 0.02;
+  const auto found = grow_plane(grid, nullptr, click, options);
+  ASSERT_TRUE(found);
+  EXPECT_LE(found->pixels.size(), 85u * 120);
+}
+
 TEST(Wand, SaysWhyThereIsNoPlane) {
   std::string why;
   const LabelGrid hole = make_label_grid(

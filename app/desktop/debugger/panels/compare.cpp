@@ -204,9 +204,13 @@ void draw_compare(const Ui& ui) {
   if (!results.current)
     return paragraph(ui.colors.muted, "Once a frame is shown, its run can be pinned as A.");
   if (ui.state.view.against == Against::nothing) {
-    paragraph(ui.colors.muted,
-              "Pin a run as A, then change an option: the run with it is B. Or compare with the "
-              "ground truth, where there is one.");
+    const bool labelled = results.current->run->subject->voxel_truth.known();
+    std::string text = results.pinned
+                           ? "A run is pinned: choose it as A."
+                           : "Pin a run as A, then change an option: the run with it is B.";
+    if (labelled) text += " Or compare with the ground truth.";
+    paragraph(ui.colors.muted, text);
+    ui.name("compare.hint");
     return;
   }
   if (!results.comparison) return ImGui::TextDisabled("comparing …");

@@ -101,9 +101,8 @@ void draw_fixes(const Ui& ui, const FixSearch& fix) {
     paragraph(
         ui.colors.warning,
         std::string("No single change of one option recovers it: several may be needed, or ") +
-            (ui.state.view.truth_plane > 0
-                 ? "the labels are wrong there."
-                 : "the region is not one whole surface and little else."));
+            (fix.target.whole ? "the labels are wrong there."
+                              : "the region is not one whole surface and little else."));
     return;
   }
   const bool wide = ImGui::GetContentRegionAvail().x > ui.px(340);

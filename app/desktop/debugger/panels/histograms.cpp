@@ -215,7 +215,12 @@ void draw_legend(const Ui& ui, bool truth) {
   colored(ui.colors.warning, "▲");
   ImGui::SameLine(0, ui.px(3));
   ImGui::TextDisabled("this node");
-  paragraph(ui.colors.muted, "Drag a line to change its threshold, or over bars to filter events.");
+  const bool changed = !ui.state.undo.empty(), filtered = ui.state.view.search.filter.has_value();
+  const char* hint = changed ? "Drag over bars to filter events."
+                     : filtered
+                         ? "Drag a line to change its threshold."
+                         : "Drag a line to change its threshold, or over bars to filter events.";
+  if (!changed || !filtered) paragraph(ui.colors.muted, hint);
   ImGui::PopFont();
 }
 

@@ -1,0 +1,165 @@
+#include "app/desktop/jobs/steps_file.hpp"
+
+#include <fmt/format.h>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <ostream>
+#include <thread>
+
+#include "app/desktop/actions/actions.hpp"
+#include "core/io/image/apng.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+
+namespace planescope::desktop {
+
+/// The thread that writes, and the few pictures that wait for it.
+class StepsFile {
+ public:
+  StepsFile(const StepsSaving& saving, std::function<void()> wake)
+      : path_(saving.path),
+        count_(saving.count()),
+        per_s_(saving.per_s),
+        wake_(std::move(wake)),
+        thread_([this](std::stop_token stop) { run(stop); }) {}
+
+  bool has_room() const {
+    constexpr std::size_t kMostWaiting = 2;
+    const std::lock_guard lock(mutex_);
+    return waiting_.size() < kMostWaiting;
+  }
+  void add(Image8 picture) {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(picture));
+    more_.notify_all();
+  }
+  int written() const {
+    const std::lock_guard lock(mutex_);
+    return written_;
+  }
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+  std::string failure() const {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+  }
+
+ private:
+  void run(std::stop_token stop) {
+    std::string failure;
+    try {
+      write_file_stream(path_, [&](std::ostream& out) { write(out, stop); });
+    } catch (const std::exception& error) {
+      failure = message_of(error);
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      failure_ = failure;
+      ended_ = true;
+    }
+    wake_();
+  }
+
+  void write(std::ostream& out, std::stop_token stop) {
+    std::optional<io::ApngWriter> file;
+    int width = 0, height = 0;
+    for (int i = 0; i < count_; ++i) {
+      std::unique_lock lock(mutex_);
+      if (!more_.wait(lock, stop, [this] { return !waiting_.empty(); })) throw Cancelled();
+      const Image8 picture = std::move(waiting_.front());
+      waiting_.pop_front();
+      lock.unlock();
+      if (!file) {
+        width = picture.width;
+        height = picture.height;
+        file.emplace(out, width, height, count_, per_s_, io::ApngStores::difference);
+      }
+      if (picture.width != width || picture.height != height)
+        throw Error("the steps were not saved: the window has another size now");
+      file->add(picture);
+      if (!out) return;  // the disk is full: write_file_stream() says so
+      lock.lock();
+      ++written_;
+      lock.unlock();
+      wake_();
+    }
+    file->finish();
+  }
+
+  std::filesystem::path path_;
+  int count_, per_s_;
+  std::function<void()> wake_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any more_;
+  std::deque<Image8> waiting_;
+  int written_ = 0;
+  bool ended_ = false;
+  std::string failure_;
+  std::jthread thread_;  // last: it uses all of the above
+};
+
+StepsSaver::StepsSaver(std::function<void()> wake) : wake_(std::move(wake)) {}
+StepsSaver::~StepsSaver() = default;
+
+bool StepsSaver::has_room() const { return !file_ || file_->has_room() || file_->ended(); }
+
+void StepsSaver::end(State& state, const std::string& message, bool is_error) {
+  file_.reset();
+  state.view.saving.reset();
+  say(state, message, is_error);
+}
+
+bool StepsSaver::begin(State& state, bool still_at_work) {
+  frames_without_ = 0;
+  std::optional<StepsSaving>& saving = state.view.saving;
+  if (!saving) {
+    file_.reset();
+    return false;
+  }
+  if (saving->cancelled) {
+    end(state, "stopped: no steps were saved", false);
+    return false;
+  }
+  if (!file_) file_ = std::make_unique<StepsFile>(*saving, wake_);
+  saving->written = file_->written();
+  if (file_->ended()) {
+    const std::string failure = file_->failure();
+    end(state,
+        failure.empty() ? fmt::format("{} written to {}",
+                                      counted(static_cast<std::size_t>(saving->count()), "step"),
+                                      saving->path.string())
+                        : failure,
+        !failure.empty());
+    return false;
+  }
+  const bool all = saving->taken == saving->count();
+  if (!all && saving->run.lock().get() != state.run()) {
+    end(state, "the steps were not saved: the run is another one now", true);
+    return false;
+  }
+  if (all || still_at_work || !file_->has_room()) return false;
+  state.view.playing.direction = 0;
+  state.view.playing_frames = false;
+  go_to_step(state, saving->step(saving->taken));
+  saving->hidden = true;
+  return true;
+}
+
+void StepsSaver::add(State& state, Image8 picture) {
+  if (!state.view.saving || !file_) return;  // ended meanwhile
+  state.view.saving->hidden = false;
+  ++state.view.saving->taken;
+  file_->add(std::move(picture));
+}
+
+void StepsSaver::note_frame(State& state) {
+  constexpr int kMost = 10;
+  if (state.view.saving && ++frames_without_ > kMost)
+    end(state, "the steps were not saved: nothing draws pictures here", true);
+}
+
+}  // namespace planescope::desktop

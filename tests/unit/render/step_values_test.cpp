@@ -1,0 +1,177 @@
+#include "render/step_values.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/palette.hpp"
+#include "support/render_depth.hpp"
+
+namespace planescope::render {
+namespace {
+
+/// A level floor 1 m below a camera that looks at it, and a step of 20 cm on it.
+std::shared_ptr<const debug::Run> step_run(bool knows_gravity = true) {
+  std::vector<test::Parallelogram> scene = {{{-1, -2, 0}, {4, 0, 0}, {0, 4, 0}}};
+  test::add_box(scene, {0.7, -0.5, 0}, {0.8, 1, 0.2});
+  test::Camera camera;
+  Frame frame = test::render_depth(scene, camera);
+  if (knows_gravity) frame.gravity = Gravity{test::true_gravity(camera), GravitySource::imu, 1, ""};
+  planes::PipelineOptions options;
+  options.segment = planes::profile_options(planes::Profile::refined);
+  if (!knows_gravity) options.gravity.mode = planes::GravityMode::none;
+  const auto classifier = planes::make_pca_classifier();
+  return debug::make_run(
+      debug::make_subject(std::move(frame), std::nullopt, options, classifier.get()), options);
+}
+
+StepLook look_by(const debug::Run& run, ColorBy by) {
+  StepLook look;
+  look.step = run.steps();
+  look.color_by = by;
+  look.show_current = false;
+  return look;
+}
+
+std::vector<float> values_of(const debug::Run& run, const StepLook& look) {
+  return voxel_values(run, look, step_state(run, look));
+}
+
+TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
+  const auto run = step_run();
+  const std::vector<float> values = values_of(*run, look_by(*run, ColorBy::depth));
+  const Image16& depth = run->subject->frame.depth;
+  int compared = 0;
+  for (std::size_t pixel = 0; pixel < depth.pixels(); pixel += 101) {
+    const std::uint32_t voxel = run->subject->voxel_of_source(pixel);
+    if (voxel == planes::kNoVoxel) continue;
+    const double measured_m = depth.data[pixel] * run->subject->frame.depth_unit_m;
+    EXPECT_NEAR(values[voxel], measured_m, 2 * run->subject->prepared.voxels.size_m);
+    ++compared;
+  }
+  EXPECT_GT(compared, 500);
+}
+
+TEST(StepValues, HeightTellsHowHighAStepIs) {
+  const auto run = step_run();
+  std::vector<float> values = values_of(*run, look_by(*run, ColorBy::height));
+  const auto [low, high] = std::ranges::minmax(values);
+  EXPECT_NEAR(high - low, 0.2, 0.02);
+  EXPECT_EQ(why_no_values(*run, look_by(*run, ColorBy::height)), "");
+}
+
+TEST(StepValues, HeightIsUnknownWhereGravityIs) {
+  const auto run = step_run(false);
+  const StepLook look = look_by(*run, ColorBy::height);
+  EXPECT_NE(why_no_values(*run, look).find("gravity"), std::string::npos);
+  for (const float value : values_of(*run, look)) ASSERT_TRUE(std::isnan(value));
+  const StepState state = step_state(*run, look);
+  const Rgba waiting = mark_colors(look.theme).waiting;
+  for (const Rgba color : voxel_colors(*run, look, state)) ASSERT_EQ(color, waiting);
+}
+
+TEST(StepValues, RmsIsThatOfThePlaneOfThePoint) {
+  const auto run = step_run();
+  const StepLook look = look_by(*run, ColorBy::rms);
+  const StepState state = step_state(*run, look);
+  const std::vector<float> values = voxel_values(*run, look, state);
+  int in_planes = 0;
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    if (state.plane_of[v] < 0) continue;
+    EXPECT_FLOAT_EQ(
+        values[v],
+        static_cast<float>(run->timeline.plane_at(state.plane_of[v], look.step)->fit.rms_m()));
+    ++in_planes;
+  }
+  EXPECT_GT(in_planes, 100);
+  StepLook before = look;
+  before.step = 0;
+  EXPECT_NE(why_no_values(*run, before), "");
+}
+
+TEST(StepValues, DistanceIsSignedAndToTheSelectedPlane) {
+  const auto run = step_run();
+  StepLook look = look_by(*run, ColorBy::distance);
+  const StepState state = step_state(*run, look);
+  // The lower of the level planes is the floor: what stands on it is before it.
+  std::int32_t floor = -1;
+  double lowest = 1e9;
+  for (std::int32_t plane = 0; plane < run->timeline.plane_count(); ++plane) {
+    if (run->timeline.result_of_plane(plane) == 0) continue;
+    const PlaneFit& fit = run->timeline.plane_at(plane, look.step)->fit;
+    if (run->timeline.label_of_plane(plane) == Label::h && fit.centroid.z() < lowest) {
+      lowest = fit.centroid.z();
+      floor = plane;
+    }
+  }
+  ASSERT_GE(floor, 0);
+  for (const float value : values_of(*run, look))  // each to its own plane
+    EXPECT_FALSE(std::abs(value) > 0.05);          // or to none
+  look.plane = floor;
+  const std::vector<float> values = values_of(*run, look);
+  EXPECT_NEAR(*std::ranges::max_element(values), 0.2, 0.02);
+  EXPECT_GT(*std::ranges::min_element(values), -0.05);
+  EXPECT_NE(color_scale(*run, look).what.find(debug::plane_name(*run, floor)), std::string::npos);
+  // Too far off to be told apart, and not its own: no colour of the map.
+  const std::vector<Rgba> colors = voxel_colors(*run, look, state);
+  const auto top = static_cast<std::size_t>(std::ranges::max_element(values) - values.begin());
+  EXPECT_EQ(colors[top], mark_colors(look.theme).waiting);
+}
+
+TEST(StepValues, TheRangeIsTheSameAtEveryStepAndPassesOutliersOver) {
+  const auto run = step_run();
+  for (const ColorBy by : {ColorBy::depth, ColorBy::height, ColorBy::rms, ColorBy::distance}) {
+    StepLook look = look_by(*run, by);
+    const ColorScale at_end = color_scale(*run, look);
+    look.step = run->steps() / 2;
+    EXPECT_EQ(color_scale(*run, look), at_end);
+    look.range = ValueRange{0.1, 0.4};
+    EXPECT_EQ(color_scale(*run, look).range, (ValueRange{0.1, 0.4}));
+  }
+  std::vector<float> values(1000);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F + 0.001F * static_cast<float>(i);
+  values[0] = 40;  // a stray measurement
+  values[1] = std::nanf("");
+  const ValueRange range = robust_range(values);
+  EXPECT_NEAR(range.low_m, 0.5, 0.051);
+  EXPECT_NEAR(range.high_m, 1.5, 0.051);
+}
+
+TEST(ColorScale, TicksAreRoundInOneUnitAndWithinTheRange) {
+  const auto texts = [](double low, double high, ColorScale::Map map = ColorScale::Map::rising) {
+    std::string all;
+    const ScaleTicks ticks = ticks_of({.what = "", .range = {low, high}, .map = map});
+    for (const ScaleTick& tick : ticks.ticks) {
+      EXPECT_GE(tick.value_m, low - 1e-9);
+      EXPECT_LE(tick.value_m, high + 1e-9);
+      all += tick.text + " ";
+    }
+    return all + ticks.unit;
+  };
+  EXPECT_EQ(texts(0.7, 1.5), "0.8 1.0 1.2 1.4 m");
+  EXPECT_EQ(texts(0, 0.02), "0 5 10 15 20 mm");
+  EXPECT_EQ(texts(-0.01, 0.01, ColorScale::Map::diverging), "-10 -5 0 +5 +10 mm");
+  EXPECT_EQ(texts(0, 0.5), "0 10 20 30 40 50 cm");
+  EXPECT_EQ(texts(0, 200), "0 50 100 150 200 m");
+}
+
+TEST(ColorScale, ColoursAreOrderedInLightnessAndBeyondTheEndsStayThose) {
+  const auto lightness = [](Rgba c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
+  ColorScale scale{.what = "", .range = {1, 3}};
+  double before = -1;
+  for (double value = 1; value <= 3; value += 0.1) {
+    EXPECT_GT(lightness(scale.color(value)), before);
+    before = lightness(scale.color(value));
+  }
+  EXPECT_EQ(scale.color(9), scale.color(3));
+  EXPECT_EQ(scale.color(-9), scale.color(1));
+  scale.map = ColorScale::Map::falling;
+  EXPECT_EQ(scale.color(1), ramp_color(1));
+  scale.map = ColorScale::Map::diverging;
+  EXPECT_GT(scale.color(1).b, scale.color(1).r);
+  EXPECT_GT(scale.color(3).r, scale.color(3).b);
+}
+
+}  // namespace
+}  // namespace planescope::render
