@@ -79,8 +79,9 @@ LabelledRecording open_labels(const LabelsArgs& args) {
     source.labels = list_labels(args.input.label_dir.value_or(labels::default_label_dir(given)));
     source.path = given;
   }
-  if (!source.path.empty())
-    source.recording = io::open_recording(source.path, args.input.recording);
+  io::RecordingOptions options = args.input.recording;
+  options.intrinsics_may_lack = true;  // then those in the label files hold
+  if (!source.path.empty()) source.recording = io::open_recording(source.path, options);
   return source;
 }
 
@@ -88,6 +89,7 @@ Frame frame_as_drawn(const LabelledRecording& source, int index, const FrameLabe
   Frame frame = source.recording->frame(index);
   const bool assumed = source.recording->info().depth_unit_source.starts_with("assumed");
   if (assumed && labels.depth_unit_m > 0) frame.depth_unit_m = labels.depth_unit_m;
+  if (!source.recording->info().knows_camera()) frame.intrinsics = labels.intrinsics;
   return frame;
 }
 

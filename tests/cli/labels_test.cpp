@@ -98,6 +98,14 @@ TEST_F(Labels, CheckNamesAnotherCameraThanTheyWereDrawnWith) {
       << ran.out;
 }
 
+TEST_F(Labels, CheckTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
+  fs::remove(rec / "camera_intrinsic.json");
+  ASSERT_EQ(run({"eval", rec.string()}).code, 2) << "the recording does not say it";
+  const Ran ran = labels("check", {own.string()});
+  EXPECT_EQ(ran.code, 0) << ran.out << ran.err;
+  EXPECT_NE(ran.out.find("2 labelled frames, 0 damaged, 0 findings"), std::string::npos) << ran.out;
+}
+
 TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = labels("check", {(dir / "alone.labels").string()});
