@@ -33,14 +33,23 @@ void draw_training(const Ui& ui, const Learning::Training& training) {
   action_button(ui, "label.learn", "Train the classifier");
 }
 
-void gain_row(const char* on, const Gain& gain) {
+void draw_gain_on(const Ui& ui, const char* frames, const Gain& gain) {
   if (gain.frames == 0) return;
-  ImGui::TableNextRow();
-  ImGui::TableNextColumn();
-  ImGui::Text("%s, %s", counted(gain.frames, "frame").c_str(), on);
-  for (const double percent : {gain.before.percent(), gain.after.percent(),
-                               gain.before.edge_percent(), gain.after.edge_percent()})
-    cell(fmt::format("{:.1f}", percent));
+  paragraph(
+      ui.colors.text,
+      fmt::format("On {} {}, points labelled right [%]:", counted(gain.frames, "frame"), frames));
+  if (!ImGui::BeginTable(frames, 3, kTable)) return;
+  for (const char* title : {"by the weights", "all", "near edges"}) ImGui::TableSetupColumn(title);
+  ImGui::TableHeadersRow();
+  const auto row = [](const char* weights, const planes::LabelAccuracy& accuracy) {
+    ImGui::TableNextRow();
+    for (const std::string& text : {std::string(weights), fmt::format("{:.1f}", accuracy.percent()),
+                                    fmt::format("{:.1f}", accuracy.edge_percent())})
+      cell(text);
+  };
+  row("shipped", gain.before);
+  row("trained", gain.after);
+  ImGui::EndTable();
 }
 
 void draw_gain(const Ui& ui, const Learnt& learnt) {
@@ -50,15 +59,8 @@ void draw_gain(const Ui& ui, const Learnt& learnt) {
                         counted(learnt.frames, "reviewed frame"), learnt.steps));
   if (learnt.since.frames == 0)
     paragraph(ui.colors.muted, "No frame was reviewed since: those that will be measure it.");
-  if (learnt.kept.frames + learnt.since.frames == 0 || !ImGui::BeginTable("gain", 5, kTable))
-    return;
-  ImGui::TableSetupColumn("points right [%]", ImGuiTableColumnFlags_WidthStretch);
-  for (const char* title : {"shipped", "trained", "edges: shipped", "trained"})
-    ImGui::TableSetupColumn(title);
-  ImGui::TableHeadersRow();
-  gain_row("reviewed since", learnt.since);
-  gain_row("kept aside", learnt.kept);
-  ImGui::EndTable();
+  draw_gain_on(ui, "reviewed since", learnt.since);
+  draw_gain_on(ui, "kept aside", learnt.kept);
   ui.name("learning.gain");
 }
 
