@@ -51,7 +51,7 @@ labels::SpaceView space_view(const LabelFrame& frame,
                              int width,
                              int height) {
   const render::View view = render::make_view(camera, width, height);
-  labels::SpaceView space;
+  labels::SpaceView space = labels::view_of_points(frame.grid);
   space.clip_from_sensor = view.proj * view.view * frame.T_world_sensor.cast<float>().matrix();
   space.width = width;
   space.height = height;
@@ -99,6 +99,11 @@ std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& 
 
 }  // namespace
 
+void expect_image(const State& state) {
+  if (state.label_frame()->grid.is_cloud())
+    throw Error("a cloud has no image: expected a view in space, space:WxH");
+}
+
 bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
 
 LabelGesture gesture_argument(const std::string& action,
@@ -142,6 +147,7 @@ std::int64_t pixel_argument(State& state, const std::string& action, const std::
   const labels::Vec2f& at = where.path.front();
   if (where.where == DrawnIn::space)
     return pixel_seen_at(sight(state, where.width, where.height), at);
+  expect_image(state);
   const labels::LabelGrid& grid = state.label_frame()->grid;
   const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
   if (u < 0 || v < 0 || u >= grid.width || v >= grid.height)
@@ -159,6 +165,7 @@ labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
   if (gesture.where == DrawnIn::space)
     return labels::points_in_space(sight(state, gesture.width, gesture.height), shape,
                                    state.view.label.through);
+  expect_image(state);
   const std::vector<std::uint8_t> shown = labels::shown_pixels(*state.labels());
   return {labels::pixels_on_image(state.label_frame()->grid, shape, shown), 0};
 }

@@ -202,6 +202,16 @@ PixelSet pixels_on_image(const LabelGrid& grid,
   return pixels;
 }
 
+SpaceView view_of_points(const LabelGrid& grid) {
+  constexpr float kMostOfCloud_px = 48, kCovers = 1.5f;
+  SpaceView view;
+  if (grid.is_cloud()) {
+    view.point_size_m = kCovers * static_cast<float>(grid.spacing_m);
+    view.max_px = kMostOfCloud_px;
+  }
+  return view;
+}
+
 SeenPoints see(const LabelGrid& grid, const SpaceView& view, std::span<const std::uint8_t> shown) {
   assert(shown.empty() || shown.size() == grid.pixels());
   SeenPoints seen;

@@ -39,6 +39,8 @@ struct SpaceView {
   bool orthographic = false;
   float min_px = 1.5f, max_px = 14;
 };
+/// Of points that are drawn so large that a surface seen from the front has no gaps.
+SpaceView view_of_points(const LabelGrid& grid);
 
 /// Each point's place in the view, and whether something nearer covers it.
 struct SeenPoints {
