@@ -162,10 +162,10 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
           labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
       if (!labels) return;
       if (frame.is_cloud() && format == labels::LabelFormat::coco)
-        throw Error(
-            fmt::format("frame {}: coco is for images, this is a cloud: expected --format "
-                        "evops, ply, pcd, kitti, npz or voxels",
-                        index));
+        throw Error(fmt::format(
+            "{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
+            "ply, pcd, kitti, npz or voxels",
+            input.path.string(), index));
       make_output_dir(args.out);
       const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
       paths[i] = labels::write_labelled(args.out / fmt::format("{:06}", index), format,

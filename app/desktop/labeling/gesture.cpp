@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
@@ -86,11 +88,12 @@ const labels::SeenPoints& sight(State& state, int width, int height) {
 /// The point that is seen at a place, as its pixel; -1 where there is none nearby.
 std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
   std::int64_t best = -1;
-  float least = kReach_px * kReach_px;
+  float least = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < seen.place.size(); ++i) {
     if (!seen.visible[i]) continue;
     const float distance = (seen.place[i] - place).squaredNorm();
-    if (!(distance < least)) continue;
+    const float reach = seen.radius_px.empty() ? kReach_px : std::max(kReach_px, seen.radius_px[i]);
+    if (!(distance < reach * reach && distance < least)) continue;
     least = distance;
     best = static_cast<std::int64_t>(i);
   }

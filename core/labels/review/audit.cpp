@@ -97,6 +97,8 @@ class Audit {
   }
 
  private:
+  const char* sample() const { return grid_.is_cloud() ? "point" : "pixel"; }
+
   void add(
       FindingKind kind, int plane, PixelSet pixels, double value, double limit, std::string text) {
     const std::uint32_t where = deepest_pixel(pixels, grid_);
@@ -120,7 +122,7 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        text_of("%.1f %% of its pixels lie off it, expected at most %.1f %%", value, limit));
+        text_of("%.1f %% of its %ss lie off it, expected at most %.1f %%", value, sample(), limit));
   }
 
   void check_parts(const Surface& s) {
@@ -137,8 +139,8 @@ class Audit {
     std::sort(smaller.begin(), smaller.end());
     const std::size_t pixels = smaller.size();
     add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
-        text_of("%.0f parts that lie apart, expected 1 (%zu pixels in the smaller ones)", value,
-                pixels));
+        text_of("%.0f parts that lie apart, expected 1 (%zu %ss in the smaller ones)", value,
+                pixels, sample()));
   }
 
   void check_area(const Surface& s) {
@@ -234,8 +236,9 @@ class Audit {
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          text_of("%s without a label (%zu pixels), expected less than %s",
-                  area_text(1e-4 * value).c_str(), pixels, area_text(1e-4 * limit).c_str()));
+          text_of("%s without a label (%zu %ss), expected less than %s",
+                  area_text(1e-4 * value).c_str(), pixels, sample(),
+                  area_text(1e-4 * limit).c_str()));
     }
   }
 

@@ -17,9 +17,9 @@
 #include "core/labels/wand/finish.hpp"
 #include "core/labels/wand/wand.hpp"
 #include "core/planes/pipeline/truth.hpp"
-#include "small_clouds.hpp"
 #include "small_frames.hpp"
 #include "support/refusal.hpp"
+#include "support/small_clouds.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::labels {
