@@ -105,27 +105,43 @@ LocalSurface local_surface(std::span<const Vec3f> points,
 PointGraph graph_of(const Places& places,
                     const std::vector<std::array<std::uint32_t, kNearestPlaces>>& nearest,
                     const std::vector<std::uint8_t>& nearest_count) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    edges.emplace_back(a, b);
-    edges.emplace_back(b, a);
+  const auto visit_pairs = [&](const auto& visit) {
+    for (std::size_t p = 0; p < nearest.size(); ++p)
+      for (std::size_t k = 0; k < nearest_count[p]; ++k)
+        visit(places.first[p], places.first[nearest[p][k]]);
+    for (std::uint32_t i = 0; i < places.place_of.size(); ++i)
+      if (const std::uint32_t place = places.place_of[i];
+          place != Places::kNone && places.first[place] != i)
+        visit(places.first[place], i);
   };
-  for (std::size_t p = 0; p < nearest.size(); ++p)
-    for (std::size_t k = 0; k < nearest_count[p]; ++k)
-      join(places.first[p], places.first[nearest[p][k]]);
-  for (std::uint32_t i = 0; i < places.place_of.size(); ++i)
-    if (const std::uint32_t place = places.place_of[i]; place != Places::kNone)
-      if (places.first[place] != i) join(places.first[place], i);
-  std::ranges::sort(edges);
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const std::size_t points = places.place_of.size();
   PointGraph graph;
-  graph.first.assign(places.place_of.size() + 1, 0);
-  graph.list.reserve(edges.size());
-  for (const auto& [from, to] : edges) {
-    ++graph.first[from + 1];
-    graph.list.push_back(to);
-  }
+  graph.first.assign(points + 1, 0);
+  visit_pairs([&](std::uint32_t a, std::uint32_t b) {
+    ++graph.first[a + 1];
+    ++graph.first[b + 1];
+  });
   std::partial_sum(graph.first.begin(), graph.first.end(), graph.first.begin());
+  graph.list.resize(graph.first.back());
+  std::vector<std::uint32_t> end(graph.first.begin(), graph.first.end() - 1);
+  visit_pairs([&](std::uint32_t a, std::uint32_t b) {
+    graph.list[end[a]++] = b;
+    graph.list[end[b]++] = a;
+  });
+  // Most pairs were found from both sides.
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0, from = 0; i < points; ++i) {
+    const auto begin = graph.list.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto last = graph.list.begin() + graph.first[i + 1];
+    from = graph.first[i + 1];
+    std::sort(begin, last);
+    const auto once = std::unique(begin, last);
+    std::copy(begin, once, graph.list.begin() + kept);
+    graph.first[i] = kept;
+    kept += static_cast<std::uint32_t>(once - begin);
+  }
+  graph.first[points] = kept;
+  graph.list.resize(kept);
   return graph;
 }
 
