@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
@@ -85,15 +83,26 @@ const labels::SeenPoints& sight(State& state, int width, int height) {
   return state.view.label.sight->points;
 }
 
+/// The point of a cloud that is drawn over a place, before all others; -1 where none is.
+std::int64_t point_drawn_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
+  std::int64_t front = -1;
+  for (std::size_t i = 0; i < seen.radius_px.size(); ++i) {
+    if (!((seen.place[i] - place).norm() <= seen.radius_px[i])) continue;
+    if (front < 0 || seen.depth_m[i] < seen.depth_m[static_cast<std::size_t>(front)])
+      front = static_cast<std::int64_t>(i);
+  }
+  return front;
+}
+
 /// The point that is seen at a place, as its pixel; -1 where there is none nearby.
 std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
+  if (const std::int64_t front = point_drawn_at(seen, place); front >= 0) return front;
   std::int64_t best = -1;
-  float least = std::numeric_limits<float>::max();
+  float least = kReach_px * kReach_px;
   for (std::size_t i = 0; i < seen.place.size(); ++i) {
     if (!seen.visible[i]) continue;
     const float distance = (seen.place[i] - place).squaredNorm();
-    const float reach = seen.radius_px.empty() ? kReach_px : std::max(kReach_px, seen.radius_px[i]);
-    if (!(distance < reach * reach && distance < least)) continue;
+    if (!(distance < least)) continue;
     least = distance;
     best = static_cast<std::int64_t>(i);
   }

@@ -47,7 +47,8 @@ struct SeenPoints {
   int width = 0, height = 0;
   std::vector<Vec2f> place;           // per pixel [view px]; NaN where outside or not measured
   std::vector<std::uint8_t> visible;  // per pixel
-  std::vector<float> radius_px;       // as drawn; of a cloud alone, whose points lie apart
+  // As drawn; of a cloud alone, whose points lie apart.
+  std::vector<float> radius_px, depth_m;
 };
 /// A point is visible unless the surface before it is nearer by more than a few times the noise.
 SeenPoints see(const LabelGrid& grid,
