@@ -4,7 +4,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/labels/edit/operations.hpp"
 #include "core/labels/edit/selection.hpp"
+#include "core/labels/model/pixel_sets.hpp"
 #include "render/paint.hpp"
 #include "render/palette.hpp"
 #include "render/region_image.hpp"
@@ -74,6 +76,11 @@ class Palette {
 std::uint8_t shade_of(const labels::LabelGrid& grid, std::size_t pixel) {
   const Vec3f& normal = grid.normals[pixel];
   if (normal.isZero()) return 150;
+  if (grid.is_cloud()) {  // from above, a little aside
+    const Vec3f down = grid.gravity.direction.cast<float>(), aside = down.unitOrthogonal();
+    const Vec3f from = (-down + 0.35f * aside + 0.25f * down.cross(aside)).normalized();
+    return static_cast<std::uint8_t>(70 + 165 * std::abs(normal.dot(from)));
+  }
   const Vec3f light = (-grid.points[pixel].normalized() + Vec3f(-0.25f, -0.35f, 0)).normalized();
   return static_cast<std::uint8_t>(70 + 165 * std::abs(normal.dot(light)));
 }
@@ -131,6 +138,17 @@ void tint_residuals(const labels::LabelGrid& grid,
     tints[i] = residual_color(share);
     tints[i].a = alpha;
   }
+}
+
+std::vector<LabelPlace> label_places_in_cloud(const FrameLabels& labels,
+                                              const labels::LabelGrid& grid) {
+  std::vector<LabelPlace> places;
+  for (const LabelPlane& plane : labels.planes) {
+    const labels::PixelSet pixels = labels::pixels_of_plane(labels, plane.id);
+    if (!plane.hidden && !pixels.empty())
+      places.push_back({plane.id, labels::deepest_pixel(pixels, grid)});
+  }
+  return places;
 }
 
 }  // namespace
@@ -203,7 +221,7 @@ DrawPoints label_points(const labels::LabelGrid& grid,
     points.positions.push_back(world[i]);
     points.ids.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  const labels::SpaceView drawn;  // strokes take points as they are drawn
+  const labels::SpaceView drawn = labels::view_of_points(grid);  // strokes take points as drawn
   points.size_m = drawn.point_size_m;
   points.min_px = drawn.min_px;
   points.max_px = drawn.max_px;
@@ -235,7 +253,8 @@ DrawList label_scene(const labels::LabelGrid& grid,
   return list;
 }
 
-std::vector<LabelPlace> label_places(const FrameLabels& labels) {
+std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid) {
+  if (grid.is_cloud()) return label_places_in_cloud(labels, grid);
   RegionImage regions(labels.plane.width, labels.plane.height);
   std::ranges::copy(labels.plane.data, regions.data.begin());
   const int largest = labels.planes.empty() ? 0 : labels.planes.back().id;

@@ -75,6 +75,6 @@ struct LabelPlace {
   std::uint32_t pixel = 0;
 };
 /// Of the planes that are shown, by id.
-std::vector<LabelPlace> label_places(const FrameLabels& labels);
+std::vector<LabelPlace> label_places(const FrameLabels& labels, const labels::LabelGrid& grid);
 
 }  // namespace planescope::render

@@ -38,7 +38,7 @@ std::optional<FrameLabels> read_prediction(const fs::path& dir,
   const std::string hash = recording.frame_hash(frame.index);
   const std::string name = fmt::format("{:06}", frame.index);
   if (fs::exists(dir / (name + ".plane.png")))
-    return labels::read_frame_labels(dir, frame.index, hash);
+    return labels::read_labels_of_frame(dir, frame, hash);
   std::vector<fs::path> candidates = {dir / report::frame_folder(frame.index) / "cloud.ply"};
   for (const char* ending : {".npy", ".label", ".npz", ".ply", ".pcd", ".json"})
     candidates.push_back(dir / (name + ending));
@@ -122,7 +122,7 @@ std::optional<Row> run_and_score(const OpenInput& input,
 std::optional<Row> score_prediction(const OpenInput& input, int index, const EvalArgs& args) {
   const Frame frame = input.recording->frame(index);
   const auto truth =
-      labels::read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+      labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
   if (!truth) return std::nullopt;
   const auto found = read_prediction(args.prediction, *input.recording, frame, truth->gravity);
   if (!found)
@@ -144,8 +144,6 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   if (predicted && inputs.size() != 1)
     throw Error(
         fmt::format("--prediction names one folder, but {} recordings are given", inputs.size()));
-  if (predicted && inputs[0].recording->info().width == 0)
-    throw Error(inputs[0].path.string() + ": --prediction is for depth images, this is a cloud");
   const planes::ChosenClassifier chosen =
       predicted ? planes::ChosenClassifier{} : choose_classifier(args.input.pipeline);
   struct Scored {

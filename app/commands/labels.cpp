@@ -98,8 +98,14 @@ FrameLabels read_labels_of(const LabelledRecording& source, int frame) {
   if (recording && frame >= recording->frame_count())
     throw Error(fmt::format("{}/{:06}.json: labels of frame {}, the recording has {} frames",
                             source.labels.dir.string(), frame, frame, recording->frame_count()));
-  auto labels = labels::read_frame_labels(source.labels.dir, frame,
-                                          recording ? recording->frame_hash(frame) : std::string());
+  // Clouds have no size that their description tells: the frame is read for it.
+  const bool is_cloud = recording && recording->info().width == 0;
+  auto labels =
+      !recording ? labels::read_frame_labels(source.labels.dir, frame, "")
+      : is_cloud
+          ? labels::read_labels_of_frame(source.labels.dir, recording->frame(frame),
+                                         recording->frame_hash(frame))
+          : labels::read_frame_labels(source.labels.dir, frame, recording->frame_hash(frame));
   if (!labels)
     throw Error(fmt::format("{}/{:06}.json: no such file", source.labels.dir.string(), frame));
   return std::move(*labels);

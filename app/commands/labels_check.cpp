@@ -15,6 +15,7 @@ using Json = nlohmann::ordered_json;
 struct CheckedFrame {
   int frame = 0;
   int width = 0;
+  bool is_cloud = false;
   std::string file;
   std::string damage;  // empty: none
   std::size_t planes = 0;
@@ -29,6 +30,7 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
     const FrameLabels labels = read_labels_of(source, frame);
     checked.planes = labels.planes.size();
     checked.width = labels.plane.width;
+    checked.is_cloud = labels.is_cloud();
     if (source.recording)
       checked.findings = labels::audit_labels(
           labels, labels::make_label_grid(frame_as_drawn(source, frame, labels), labels.gravity));
@@ -36,6 +38,12 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
     checked.damage = error.what();
   }
   return checked;
+}
+
+std::string place_of(const labels::Finding& finding, const CheckedFrame& frame) {
+  const auto pixel = static_cast<int>(finding.pixel);
+  if (frame.is_cloud) return fmt::format("point {}", pixel);
+  return fmt::format("pixel {},{}", pixel % frame.width, pixel / frame.width);
 }
 
 struct Counts {
@@ -101,10 +109,9 @@ int run_labels_check(const LabelsArgs& args, const std::stop_token& stop) {
     for (const CheckedFrame& frame : frames) {
       if (!frame.damage.empty()) fmt::print("{}\n", frame.damage);
       for (const labels::Finding& f : frame.findings)
-        fmt::print("{}: frame {}: {}{}: {}, see pixel {},{}\n", frame.file, frame.frame,
+        fmt::print("{}: frame {}: {}{}: {}, see {}\n", frame.file, frame.frame,
                    labels::is_hint(f.kind) ? "hint: " : "", labels::to_string(f.kind), f.text,
-                   static_cast<int>(f.pixel) % frame.width,
-                   static_cast<int>(f.pixel) / frame.width);
+                   place_of(f, frame));
     }
     fmt::print("{}: {} labelled {}, {} damaged, {}\n", source.labels.dir.string(), frames.size(),
                frames.size() == 1 ? "frame" : "frames", counts.damaged,

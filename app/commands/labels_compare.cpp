@@ -56,8 +56,9 @@ void print_row(const std::string& name, const labels::Agreement& a) {
 ComparedFrame compare_frame(const LabelledRecording& a, const LabelledRecording& b, int frame) {
   const FrameLabels of_a = read_labels_of(a, frame), of_b = read_labels_of(b, frame);
   if (of_a.depth_sha256 != of_b.depth_sha256)
-    throw Error(fmt::format("{} and {}: labels of frame {} were made for different depth images",
-                            a.labels.dir.string(), b.labels.dir.string(), frame));
+    throw Error(fmt::format("{} and {}: labels of frame {} were made for different {}s",
+                            a.labels.dir.string(), b.labels.dir.string(), frame,
+                            of_a.is_cloud() ? "cloud" : "depth image"));
   return {frame, labels::agreement_of(of_a, of_b)};
 }
 

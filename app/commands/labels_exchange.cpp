@@ -97,6 +97,7 @@ struct Import {
   std::size_t planes = 0, pixels = 0;
   std::size_t ignored = 0;  // not to be scored, beside the labelled ones
   std::size_t dropped = 0;  // labels on pixels without depth
+  const char* sample = "pixel";
 };
 
 std::size_t labelled_in(const labels::LabelledPoints& points) {
@@ -121,6 +122,7 @@ Import read_import(const FileOfFrame& file,
   after.annotator = before->annotator;
 
   Import import;
+  if (grid.is_cloud()) import.sample = "point";
   import.edit =
       labels::make_edit(file.frame, "Import " + file.path.filename().string(), *before, after);
   import.planes = after.planes.size();
@@ -155,12 +157,17 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     const auto make = [&](int i) {
       const int index = frames[i];
       if (stop.stop_requested()) return;
+      const Frame frame = input.recording->frame(index);
       const auto labels =
-          labels::read_frame_labels(input.label_dir, index, input.recording->frame_hash(index));
+          labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
       if (!labels) return;
+      if (frame.is_cloud() && format == labels::LabelFormat::coco)
+        throw Error(fmt::format(
+            "{}, frame {}: coco is for images, this is a cloud: expected --format evops, "
+            "ply, pcd, kitti, npz or voxels",
+            input.path.string(), index));
       make_output_dir(args.out);
-      const labels::LabelGrid grid =
-          labels::make_label_grid(input.recording->frame(index), labels->gravity);
+      const labels::LabelGrid grid = labels::make_label_grid(frame, labels->gravity);
       paths[i] = labels::write_labelled(args.out / fmt::format("{:06}", index), format,
                                         labels::points_of_labels(*labels, grid),
                                         args.input.pipeline.cloud.voxel_size_m);
@@ -206,10 +213,12 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
     store.save(files[i].frame);
     fmt::print(
         "frame {}: {}: {}, {} labelled{}{}{}\n", files[i].frame, files[i].path.string(),
-        counted(imports[i].planes, "plane"), counted(imports[i].pixels, "pixel"),
+        counted(imports[i].planes, "plane"), counted(imports[i].pixels, imports[i].sample),
         imports[i].ignored > 0 ? fmt::format(", {} not to be scored", imports[i].ignored) : "",
         imports[i].dropped > 0
-            ? fmt::format(", {} labels left out for want of depth", imports[i].dropped)
+            ? fmt::format(
+                  ", {} labels left out for want of {}", imports[i].dropped,
+                  imports[i].sample == std::string_view("point") ? "a measurement" : "depth")
             : "",
         imports[i].edit.empty() ? ", as it was" : "");
   }

@@ -171,11 +171,12 @@ void draw_label_mode(const Ui& ui, const Places& at) {
   const Layout& layout = ui.state.view.layout;
   const float bar = std::round(ImGui::GetFrameHeight() + ui.px(14)), grip = at.grip;
   const float y = at.top + bar, height = at.body - bar;
-  // Both views as large as they can be, for pictures of 4:3.
+  const bool has_image = picture_shape(ui.state) > 0;
+  // Both views as large as they can be, for pictures of 4:3. A cloud has no image.
   const bool beside = at.middle > 2 * height;
   const float extent = beside ? at.middle : height;
-  const float image = std::round(extent * share(layout.image + 0.1, 0.0, 0.8));
-  const float space = extent - image - grip;
+  const float image = has_image ? std::round(extent * share(layout.image + 0.1, 0.0, 0.8)) : 0;
+  const float space = has_image ? extent - image - grip : extent;
   const Rect first = beside ? Rect{at.x1, y, space, height} : Rect{at.x1, y, at.middle, space};
   const Rect second = beside ? Rect{at.x1 + space + grip, y, image, height}
                              : Rect{at.x1, y + space + grip, at.middle, image};
@@ -184,10 +185,10 @@ void draw_label_mode(const Ui& ui, const Places& at) {
 
   panel(ui, "label_tools", {at.x1, at.top, at.middle, bar}, kStill, [&] { draw_label_tools(ui); });
   panel(ui, "view3d", first, kStill, [&] { draw_label_space(ui); });
-  panel(ui, "image", second, kStill, [&] { draw_label_image(ui); });
+  if (has_image) panel(ui, "image", second, kStill, [&] { draw_label_image(ui); });
   panel(ui, "labels", {at.x2 + grip, at.top, at.right, at.body}, kStill,
         [&] { tabs(ui, "##label_tabs", ui.state.view.label.tab, "tab.label", kLabelTabs); });
-  splitter(ui, "image", between, beside, layout.image, extent, -1);
+  if (has_image) splitter(ui, "image", between, beside, layout.image, extent, -1);
 }
 
 /// The menu or list that is open, if one is. ImGui closes none by itself while its keys are ours.

@@ -57,18 +57,22 @@ struct ReviewNote {
   bool operator==(const ReviewNote&) const = default;
 };
 
-/// Ground truth of one depth frame, on its native pixels.
+/// Ground truth of one depth frame, on its native pixels; or of one cloud, whose points are one row
+/// of pixels in file order.
 struct FrameLabels {
   std::string depth_sha256;  // Recording::frame_hash of the frame that was labelled
-  Intrinsics intrinsics;
-  double depth_unit_m = 0;  // metres per count of that depth; 0: not known, as in older files
+  Intrinsics intrinsics;     // of a cloud: its points as the width, no focal length
+  double depth_unit_m = 0;   // metres per count of that depth; 0: not known, as in older files
   Gravity gravity;
-  Image16 plane;  // plane id; 0 unlabelled, kPlaneIgnore
-  Image8 hv;      // 0 unknown, 1 h, 2 v, kHvIgnore
+  Vec3d origin = Vec3d::Zero();  // of a cloud far from 0: what planes are about
+  Image16 plane;                 // plane id; 0 unlabelled, kPlaneIgnore
+  Image8 hv;                     // 0 unknown, 1 h, 2 v, kHvIgnore
   std::vector<LabelPlane> planes;
   std::string annotator;
   std::string review_state;  // "unreviewed", "reviewed"
   std::vector<ReviewNote> review;
+
+  bool is_cloud() const { return intrinsics.fx == 0 && intrinsics.height == 1; }
 };
 
 }  // namespace planescope

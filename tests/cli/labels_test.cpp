@@ -5,8 +5,11 @@
 
 #include "cli/program.hpp"
 #include "cli/scene_files.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "core/labels/exchange/exchange.hpp"
 #include "core/labels/store/store.hpp"
+#include "support/small_clouds.hpp"
 
 using namespace planescope;
 using namespace planescope::testing_cli;
@@ -369,4 +372,105 @@ TEST_F(Labels, CheckFailsForHintsOnlyWhereAsked) {
   EXPECT_EQ(lax.code, 0) << lax.out;
   EXPECT_NE(lax.out.find("frame 0: hint: unlabelled"), std::string::npos) << lax.out;
   EXPECT_EQ(labels("check", {own.string(), "--strict"}).code, 1);
+}
+
+// Labels of clouds.
+
+namespace {
+
+/// Two steps behind a floor, all planes labelled.
+class CloudLabels : public testing::Test {
+ protected:
+  void SetUp() override {
+    io::write_ply(rec, *cloud.frame.cloud);
+    write(rec, own);
+  }
+  void write(const fs::path& recording, const fs::path& to) {
+    const auto opened = io::open_recording(recording);
+    FrameLabels labels = labels::empty_labels(cloud.grid, opened->frame_hash(0));
+    for (const int plane : {1, 2, 3, 4, 5})
+      labels = labels::painted(labels, cloud.grid, cloud.on(plane), {.plane = plane},
+                               labels::PaintMode::over);
+    labels::write_frame_labels(to, 0, labels);
+  }
+  Ran labels_of(const std::string& command, std::vector<std::string> args) {
+    args.insert(args.begin(), {"labels", command});
+    return run(args);
+  }
+  void expect_refused(const Ran& ran, const std::string& part) {
+    EXPECT_EQ(ran.code, 2) << ran.out;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << ran.err;
+  }
+
+  const test::TrueCloud cloud = test::stair_cloud();
+  const fs::path dir = scratch(), rec = dir / "stairs.ply", own = dir / "stairs.ply.labels";
+};
+
+}  // namespace
+
+TEST_F(CloudLabels, AreCheckedCountedAndComparedLikeThoseOfImages) {
+  const Ran checked = labels_of("check", {rec.string()});
+  EXPECT_EQ(checked.code, 0) << checked.out << checked.err;
+  EXPECT_NE(checked.out.find("1 labelled frame, 0 damaged, 0 findings, 0 hints"), std::string::npos)
+      << checked.out;
+  const Json stats = Json::parse(labels_of("stats", {rec.string(), "--json"}).out);
+  EXPECT_EQ(stats["frames"][0]["labelled"], cloud.grid.pixels());
+  EXPECT_EQ(stats["frames"][0]["h"], 3);
+  EXPECT_EQ(stats["frames"][0]["v"], 2);
+  EXPECT_NEAR(stats["frames"][0]["labelled_m2"].get<double>(), 2, 0.2);
+  const Json same = Json::parse(labels_of("compare", {own.string(), own.string(), "--json"}).out);
+  EXPECT_EQ(same["mean"]["mean_iou"], 1);
+}
+
+TEST_F(CloudLabels, ScoreTheMethodAndWhatOthersFound) {
+  const Json scored = Json::parse(run({"eval", rec.string(), "--classifier", "pca", "--json"}).out);
+  EXPECT_EQ(scored["frames"][0]["planes_truth"], 5);
+  EXPECT_GT(scored["frames"][0]["mean_iou"].get<double>(), 80);
+  const std::string out = (dir / "kitti").string();
+  ASSERT_EQ(labels_of("export", {rec.string(), "--format", "kitti", "-o", out}).code, 0);
+  const Json others = Json::parse(run({"eval", rec.string(), "--prediction", out, "--json"}).out);
+  EXPECT_EQ(others["frames"][0]["mean_iou"], 100);
+}
+
+TEST_F(CloudLabels, WhatIsExportedComesBackByImport) {
+  const auto before = labels::read_frame_labels(own, 0, "");
+  for (const char* format : {"evops", "ply", "pcd", "kitti", "npz"}) {
+    SCOPED_TRACE(format);
+    const std::string out = (dir / format).string(), back = out + ".labels";
+    ASSERT_EQ(labels_of("export", {rec.string(), "--format", format, "-o", out}).code, 0);
+    const Ran imported =
+        labels_of("import", {rec.string(), "--format", format, "--from", out, "--labels", back});
+    ASSERT_EQ(imported.code, 0) << imported.err;
+    EXPECT_NE(imported.out.find(" points labelled"), std::string::npos) << imported.out;
+    const auto after = labels::read_frame_labels(back, 0, "");
+    ASSERT_TRUE(after);
+    EXPECT_EQ(after->plane.data, before->plane.data);
+    EXPECT_EQ(after->hv.data, before->hv.data);
+  }
+}
+
+TEST_F(CloudLabels, FormatsOfImagesAreRefusedAndNothingIsWritten) {
+  const fs::path out = dir / "coco";
+  expect_refused(labels_of("export", {rec.string(), "--format", "coco", "-o", out.string()}),
+                 "stairs.ply, frame 0: coco is for images, this is a cloud: expected --format");
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST_F(CloudLabels, LabelsOfAnotherCloudAreRefusedByEveryCommand) {
+  PointSet fewer = *cloud.frame.cloud;
+  fewer.points.pop_back();
+  const std::string other = (dir / "other.ply").string();
+  io::write_ply(other, fewer);
+  const std::string part =
+      "000000.json: made for a cloud of " + std::to_string(cloud.grid.pixels()) +
+      " points, this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
+  const Ran checked = labels_of("check", {own.string(), "--recording", other});
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_NE(checked.out.find(part), std::string::npos) << checked.out;
+  expect_refused(labels_of("stats", {own.string(), "--recording", other}), part);
+  expect_refused(labels_of("export", {other, "--labels", own.string(), "--format", "ply", "-o",
+                                      (dir / "out").string()}),
+                 part);
+  expect_refused(run({"eval", other, "--labels", own.string(), "--classifier", "pca"}), part);
 }

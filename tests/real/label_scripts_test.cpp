@@ -119,5 +119,55 @@ INSTANTIATE_TEST_SUITE_P(, LabelScript, testing::ValuesIn(read_list()), [](const
   return instance.param.name;
 });
 
+TEST(LabelScriptOfACloud, LabelsTheFloorTheTreadsAndTheLandingOfStairs) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const fs::path dir = temp_dir() / "planescope_label_scripts" / "entrance_stairs";
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  const std::string recording =
+      (fs::path(data) / "plane_seg_clouds/anymal/ori_entrance_stair_climb/06.pcd").string();
+  const std::string labelled =
+      fmt::format("'{}' --labels '{}'", recording, (dir / "labels").string());
+  ASSERT_EQ(run(fmt::format("view {} --classifier pca --offscreen --size 640x400 --script '{}'",
+                            labelled, (kFolder / "entrance_stairs.json").string())),
+            0);
+  const auto labels = labels::read_frame_labels(dir / "labels", 0, "");
+  ASSERT_TRUE(labels);
+  EXPECT_TRUE(labels->is_cloud());
+  ASSERT_EQ(labels->planes.size(), 5u);
+  const auto ignored = std::ranges::count(labels->plane.data, kPlaneIgnore);
+  EXPECT_GT(ignored, 2000) << "the lasso";
+
+  // By the height of their points above the floor, four risers of 17 cm.
+  const PointSet cloud = *io::open_recording(recording)->frame(0).cloud;
+  std::vector<double> heights;
+  for (const LabelPlane& plane : labels->planes) {
+    EXPECT_EQ(plane.label, Label::h);
+    double sum = 0;
+    int points = 0;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      if (labels->plane.data[i] != plane.id) continue;
+      sum += static_cast<double>(cloud.points[i].z());
+      ++points;
+    }
+    EXPECT_GT(points, 2500) << plane.id;
+    heights.push_back(sum / points);
+  }
+  for (std::size_t k = 1; k < heights.size(); ++k)
+    EXPECT_NEAR(heights[k] - heights[k - 1], 0.17, 0.02) << k;
+
+  EXPECT_LE(
+      run(fmt::format("labels check '{}' --recording '{}'", (dir / "labels").string(), recording)),
+      1);
+  for (const char* format : {"ply", "kitti"})
+    EXPECT_EQ(run(fmt::format("labels export {} --format {} -o '{}'", labelled, format,
+                              (dir / format).string())),
+              0);
+  EXPECT_EQ(fs::file_size(dir / "kitti/000000.label"), 4 * cloud.points.size());
+  EXPECT_EQ(run(fmt::format("eval {} --classifier pca", labelled)), 0);
+  if (!HasFailure()) fs::remove_all(dir);
+}
+
 }  // namespace
 }  // namespace planescope

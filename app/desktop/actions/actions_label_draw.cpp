@@ -52,6 +52,7 @@ void cut(State& state, const std::string& text) {
   const int plane = state.view.label.plane;
   if (plane == 0) throw Error("there is no active plane to cut: choose one first");
   const labels::LabelGrid& grid = state.label_frame()->grid;
+  if (gesture.where == DrawnIn::image) expect_image(state);
   const labels::Vec2f &from = gesture.path.front(), &to = gesture.path.back();
   const std::vector<float> sides =
       gesture.where == DrawnIn::image

@@ -25,10 +25,11 @@ void show(State& state,
   view.plane = plane;
   view.paints = Paints::plane;
   if (finish.empty()) return say_nothing_done(state, fmt::format("P{} {}", plane, nothing));
+  const char* const sample = sample_name(*state.label_frame());
   std::string what;
-  if (!finish.adds.empty()) what = counted(finish.adds.size(), "pixel") + " more";
+  if (!finish.adds.empty()) what = counted(finish.adds.size(), sample) + " more";
   if (!finish.takes.empty())
-    what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), "pixel") + " less";
+    what += (what.empty() ? "" : ", ") + counted(finish.takes.size(), sample) + " less";
   say_hint(state, fmt::format("{}: {}; Enter accepts, Esc leaves it", title, what),
            [](const State& s) { return !s.view.label.finish; });
   view.finish = FinishPreview{plane, title, std::move(finish)};

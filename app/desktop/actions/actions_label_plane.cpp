@@ -102,6 +102,7 @@ const debug::Run* run_of_frame(const State& state) {
 
 /// How much of the frame the algorithm was not shown: labels there have to be drawn.
 std::string beyond_text(const debug::Run& run, const labels::LabelGrid& grid) {
+  if (grid.is_cloud()) return "";
   const double range_m = run.options.cloud.max_range_m;
   std::size_t beyond = 0;
   for (std::size_t i = 0; i < grid.pixels(); ++i)

@@ -47,6 +47,9 @@ std::shared_ptr<const LabelFrame> make_label_frame(std::shared_ptr<const io::Rec
   made->sha256 = recording->frame_hash(made->frame);
   made->grid = labels::make_label_grid(subject.frame, subject.prepared.gravity);
   made->T_world_sensor = subject.prepared.cloud.T_world_sensor;
+  if (made->grid.is_cloud())  // from points about their origin to the scene's, about another
+    made->T_world_sensor.translation() =
+        made->T_world_sensor.linear() * made->grid.origin - subject.prepared.cloud.origin;
   const Eigen::Isometry3f T = made->T_world_sensor.cast<float>();
   made->world.reserve(made->grid.pixels());
   for (const Vec3f& point : made->grid.points) made->world.push_back(T * point);

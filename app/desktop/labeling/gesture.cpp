@@ -51,7 +51,7 @@ labels::SpaceView space_view(const LabelFrame& frame,
                              int width,
                              int height) {
   const render::View view = render::make_view(camera, width, height);
-  labels::SpaceView space;
+  labels::SpaceView space = labels::view_of_points(frame.grid);
   space.clip_from_sensor = view.proj * view.view * frame.T_world_sensor.cast<float>().matrix();
   space.width = width;
   space.height = height;
@@ -83,8 +83,20 @@ const labels::SeenPoints& sight(State& state, int width, int height) {
   return state.view.label.sight->points;
 }
 
+/// The point of a cloud that is drawn over a place, before all others; -1 where none is.
+std::int64_t point_drawn_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
+  std::int64_t front = -1;
+  for (std::size_t i = 0; i < seen.radius_px.size(); ++i) {
+    if (!((seen.place[i] - place).norm() <= seen.radius_px[i])) continue;
+    if (front < 0 || seen.depth_m[i] < seen.depth_m[static_cast<std::size_t>(front)])
+      front = static_cast<std::int64_t>(i);
+  }
+  return front;
+}
+
 /// The point that is seen at a place, as its pixel; -1 where there is none nearby.
 std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
+  if (const std::int64_t front = point_drawn_at(seen, place); front >= 0) return front;
   std::int64_t best = -1;
   float least = kReach_px * kReach_px;
   for (std::size_t i = 0; i < seen.place.size(); ++i) {
@@ -98,6 +110,11 @@ std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& 
 }
 
 }  // namespace
+
+void expect_image(const State& state) {
+  if (state.label_frame()->grid.is_cloud())
+    throw Error("a cloud has no image: expected a view in space, space:WxH");
+}
 
 bool labels_at_hand(const State& state) { return state.labels() != nullptr; }
 
@@ -142,6 +159,7 @@ std::int64_t pixel_argument(State& state, const std::string& action, const std::
   const labels::Vec2f& at = where.path.front();
   if (where.where == DrawnIn::space)
     return pixel_seen_at(sight(state, where.width, where.height), at);
+  expect_image(state);
   const labels::LabelGrid& grid = state.label_frame()->grid;
   const int u = static_cast<int>(std::floor(at.x())), v = static_cast<int>(std::floor(at.y()));
   if (u < 0 || v < 0 || u >= grid.width || v >= grid.height)
@@ -159,6 +177,7 @@ labels::SpaceSelection selected_by(State& state, const LabelGesture& gesture) {
   if (gesture.where == DrawnIn::space)
     return labels::points_in_space(sight(state, gesture.width, gesture.height), shape,
                                    state.view.label.through);
+  expect_image(state);
   const std::vector<std::uint8_t> shown = labels::shown_pixels(*state.labels());
   return {labels::pixels_on_image(state.label_frame()->grid, shape, shown), 0};
 }

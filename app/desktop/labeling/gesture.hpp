@@ -28,6 +28,9 @@ LabelGesture gesture_argument(const std::string& action,
                               std::size_t least_places);
 std::string gesture_text(const LabelGesture& gesture);
 
+/// Throws Error in a cloud, which has none to draw on.
+void expect_image(const State& state);
+
 /// "U,V", or "VIEW X,Y": the pixel meant; -1 where nothing is seen there.
 std::int64_t pixel_argument(State& state, const std::string& action, const std::string& text);
 

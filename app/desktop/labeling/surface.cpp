@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/look.hpp"
 #include "app/desktop/views.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/labels/edit/operations.hpp"
+#include "core/model/text.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -127,16 +129,21 @@ void click_tool(const Ui& ui, const DrawingSurface& surface) {
           gesture_text(gesture));
 }
 
-/// What is under the mouse in either view is a depth pixel.
+/// What is under the mouse in either view is a depth pixel, in a cloud a point.
 void click_gravity(const Ui& ui) {
   const LabelFrame* frame = ui.state.label_frame();
   if (!frame || !ImGui::IsItemHovered() || !ImGui::IsMouseReleased(0)) return;
   if (was_dragged()) return;
   const std::int64_t pixel = ui.state.view.label.hover;
   const bool is_floor = ui.state.view.click == Click::floor;
-  ui.emit(is_floor ? "gravity.floor" : "gravity.wall",
-          pixel < 0 ? std::string("nothing")
-                    : fmt::format("{},{}", pixel % frame->grid.width, pixel / frame->grid.width));
+  std::string what = "nothing";
+  if (pixel >= 0 && !frame->grid.is_cloud()) {
+    what = fmt::format("{},{}", pixel % frame->grid.width, pixel / frame->grid.width);
+  } else if (const debug::Run* run = ui.state.run(); pixel >= 0 && run) {
+    const auto voxel = run->subject->voxel_of_source(static_cast<std::size_t>(pixel));
+    if (voxel != planes::kNoVoxel) what = fmt::format("voxel {}", voxel);
+  }
+  ui.emit(is_floor ? "gravity.floor" : "gravity.wall", what);
 }
 
 void point(const Ui& ui, const DrawingSurface& surface) {
@@ -166,7 +173,8 @@ constexpr ImU32 kInk = IM_COL32(255, 255, 255, 255), kHalo = IM_COL32(0, 0, 0, 1
 void draw_names(const Ui& ui, const DrawingSurface& surface) {
   const std::shared_ptr<const FrameLabels> labels = ui.state.labels();
   LabelNames& names = ui.memory.label_names;
-  if (names.of != labels) names = {labels, render::label_places(*labels)};
+  if (names.of != labels)
+    names = {labels, render::label_places(*labels, ui.state.label_frame()->grid)};
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float size = ui.bold->FontSize;
   std::vector<render::LabelPlace> places = names.places;
@@ -270,7 +278,7 @@ void draw_seeds(const Ui& ui, const DrawingSurface& surface) {
     if (const auto at = surface.screen_of_pixel(seed)) draw_circle(ui, *at, ui.px(3));
 }
 
-std::vector<std::string> wand_lines(const LabelView& view) {
+std::vector<std::string> wand_lines(const LabelView& view, const char* sample) {
   std::vector<std::string> lines;
   if (!view.wand.found) {
     lines.push_back(view.wand.why_not.empty() ? "no plane there" : view.wand.why_not);
@@ -282,8 +290,9 @@ std::vector<std::string> wand_lines(const LabelView& view) {
                                                   : "class not known";
     lines.push_back(fmt::format("{}   RMS {:.1f} mm   {}   {}", label, 1000 * plane.rms_m,
                                 area_text(plane.area_m2), tilt_text(plane.tilt_deg)));
-    lines.push_back(fmt::format("normal {:.3f}, {:.3f}, {:.3f}   {} pixels", plane.normal.x(),
-                                plane.normal.y(), plane.normal.z(), found.pixels.size()));
+    lines.push_back(fmt::format("normal {:.3f}, {:.3f}, {:.3f}   {}", plane.normal.x(),
+                                plane.normal.y(), plane.normal.z(),
+                                counted(found.pixels.size(), sample)));
   }
   lines.push_back(view.wand.found ? "Enter accepts, Shift+click adds a part, the wheel sizes"
                                   : "the wheel makes the tolerance larger");
@@ -295,9 +304,16 @@ std::string pointed_text(const State& state) {
   const labels::LabelGrid& grid = state.label_frame()->grid;
   if (pixel < 0 || pixel >= static_cast<std::int64_t>(grid.pixels())) return {};
   const auto at = static_cast<std::size_t>(pixel);
-  std::string text = fmt::format("{}, {}", pixel % grid.width, pixel / grid.width);
+  std::string text = grid.is_cloud()
+                         ? fmt::format("point {}", pixel)
+                         : fmt::format("{}, {}", pixel % grid.width, pixel / grid.width);
   if (!grid.measured[at]) return text + "   no measurement";
-  text += fmt::format("   {:.3f} m", grid.points[at].z());
+  if (grid.is_cloud()) {
+    const Vec3d point = grid.origin + grid.points[at].cast<double>();
+    text += fmt::format("   {:.3f}, {:.3f}, {:.3f} m", point.x(), point.y(), point.z());
+  } else {
+    text += fmt::format("   {:.3f} m", grid.points[at].z());
+  }
   if (const std::optional<render::Residual> residual = residual_of(state))
     text += fmt::format("   {:+.1f} mm of {}", 1000 * residual->distance_m(grid.points[at]),
                         residual->name);
@@ -332,7 +348,7 @@ void draw_facts(const Ui& ui, const DrawingSurface& surface) {
   const LabelView& view = ui.state.view.label;
   std::vector<std::string> lines;
   if (!view.wand.seeds.empty())
-    lines = wand_lines(view);
+    lines = wand_lines(view, sample_name(*ui.state.label_frame()));
   else if (std::string text = pointed_text(ui.state); !text.empty())
     lines = {std::move(text)};
   if (lines.empty()) return;

@@ -10,6 +10,7 @@
 #include "app/desktop/look.hpp"
 #include "core/labels/edit/operations.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -62,6 +63,10 @@ bool takes_off(const labels::Paint& paint, labels::PaintMode mode) {
 
 bool can_label(const State& state) { return state.view.mode == Mode::labels && state.labels(); }
 
+const char* sample_name(const LabelFrame& frame) {
+  return frame.grid.is_cloud() ? "point" : "pixel";
+}
+
 LabelWork label_work(const State& state) {
   if (!can_label(state)) throw Error("the frame is not ready for labels yet");
   return {*state.label_frame(), state.labels()};
@@ -112,7 +117,7 @@ LabelProgress progress_of(const State& state) {
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
   const LabelFrame* frame = state.label_frame();
   if (!frame || pixels.empty()) return;
-  look_on_image(state.view, frame->grid, pixels);
+  if (!frame->grid.is_cloud()) look_on_image(state.view, frame->grid, pixels);
   move_camera(state, camera_at(camera_of(state), *frame, pixels));
 }
 
@@ -120,6 +125,8 @@ void begin_carry(State& state, const CarryJob& plan) {
   const LabelWork work = label_work(state);
   const int frame = state.document.frame;
   const OpenRecording& open = *state.document.current();
+  if (work.frame.grid.is_cloud())
+    throw Error("labels of a cloud are not carried on: the motion is found in depth images");
   if (work.labels->planes.empty())
     throw Error(fmt::format("frame {} has no planes that could be carried on", frame));
   if (frame + 1 >= open.recording->frame_count())
@@ -188,14 +195,15 @@ void paint_pixels(State& state,
   const LabelPlane* plane = is_plane(paint) ? labels::find_plane(labels, paint.plane) : nullptr;
   if (plane && plane->locked) throw Error(fmt::format("P{} is locked", plane->id));
   if (is_plane(paint) && !plane && mode == labels::PaintMode::subtract)
-    throw Error(fmt::format("P{} has no pixels yet that could be taken off", paint.plane));
+    throw Error(fmt::format("P{} has no {}s yet that could be taken off", paint.plane,
+                            sample_name(*state.label_frame())));
   const std::size_t changed = labels::changed_by_painting(labels, grid, pixels, paint, mode).size();
   if (changed == 0) return say_nothing_done(state, "nothing to change there");
   const std::string title = fmt::format(
       "{} {}{}", tool, mode == labels::PaintMode::subtract ? "off " : "", name_of_paint(paint));
   commit_labels(state, title, labels::painted(labels, grid, pixels, paint, mode));
   if (is_plane(paint)) state.view.label.plane = paint.plane;
-  say(state, fmt::format("{}: {} pixels", title, changed));
+  say(state, fmt::format("{}: {}", title, counted(changed, sample_name(*state.label_frame()))));
 }
 
 }  // namespace planescope::desktop

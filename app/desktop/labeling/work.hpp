@@ -17,6 +17,8 @@ struct LabelWork {
 };
 /// The label mode is on, and the frame is ready.
 bool can_label(const State& state);
+/// What labels are drawn on, for messages: "pixel", or in a cloud "point".
+const char* sample_name(const LabelFrame& frame);
 /// Throws Error where it is not.
 LabelWork label_work(const State& state);
 

@@ -291,7 +291,7 @@ std::vector<int> nearest_large_part(const LabelGrid& grid,
   while (open > 0 && !front.empty()) {
     next.clear();
     for (const std::uint32_t pixel : front)
-      for_neighbours(pixel, grid.width, grid.height, [&](std::uint32_t other) {
+      for_neighbours(pixel, grid, [&](std::uint32_t other) {
         if (owner[other] >= 0) return;
         owner[other] = owner[pixel];
         next.push_back(other);
@@ -329,7 +329,7 @@ FrameLabels split_by_parts(
   for (std::size_t k = 0; k < parts.size(); ++k)
     for (const std::uint32_t pixel : parts[k]) {
       ordered.push_back(pixel);
-      group.push_back(group_of[nearest[k]]);
+      group.push_back(group_of[nearest[k] < 0 ? largest : static_cast<std::size_t>(nearest[k])]);
     }
   return with_groups(labels, grid, plane, ordered, group, groups);
 }

@@ -202,6 +202,16 @@ PixelSet pixels_on_image(const LabelGrid& grid,
   return pixels;
 }
 
+SpaceView view_of_points(const LabelGrid& grid) {
+  constexpr float kMostOfCloud_px = 48, kCovers = 1.5f;
+  SpaceView view;
+  if (grid.is_cloud()) {
+    view.point_size_m = kCovers * static_cast<float>(grid.spacing_m);
+    view.max_px = kMostOfCloud_px;
+  }
+  return view;
+}
+
 SeenPoints see(const LabelGrid& grid, const SpaceView& view, std::span<const std::uint8_t> shown) {
   assert(shown.empty() || shown.size() == grid.pixels());
   SeenPoints seen;
@@ -210,6 +220,10 @@ SeenPoints see(const LabelGrid& grid, const SpaceView& view, std::span<const std
   seen.place.resize(grid.pixels(), Vec2f::Constant(std::numeric_limits<float>::quiet_NaN()));
   seen.visible.resize(grid.pixels(), 0);
   if (view.width <= 0 || view.height <= 0) return seen;
+  if (grid.is_cloud()) {
+    seen.radius_px.resize(grid.pixels(), 0);
+    seen.depth_m.resize(grid.pixels(), 0);
+  }
   const Projection projection(view);
   DepthBuffer nearest(view.width, view.height);
   std::vector<std::uint32_t> inside;
@@ -222,6 +236,10 @@ SeenPoints see(const LabelGrid& grid, const SpaceView& view, std::span<const std
     if (!projection.project(grid.points[i], splat)) continue;
     nearest.draw(splat);
     seen.place[i] = splat.place;
+    if (grid.is_cloud()) {
+      seen.radius_px[i] = splat.radius_px;
+      seen.depth_m[i] = splat.depth_m;
+    }
     inside.push_back(static_cast<std::uint32_t>(i));
     splats.push_back(splat);
   }

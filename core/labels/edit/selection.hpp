@@ -39,12 +39,16 @@ struct SpaceView {
   bool orthographic = false;
   float min_px = 1.5f, max_px = 14;
 };
+/// Of points that are drawn so large that a surface seen from the front has no gaps.
+SpaceView view_of_points(const LabelGrid& grid);
 
 /// Each point's place in the view, and whether something nearer covers it.
 struct SeenPoints {
   int width = 0, height = 0;
   std::vector<Vec2f> place;           // per pixel [view px]; NaN where outside or not measured
   std::vector<std::uint8_t> visible;  // per pixel
+  // As drawn; of a cloud alone, whose points lie apart.
+  std::vector<float> radius_px, depth_m;
 };
 /// A point is visible unless the surface before it is nearer by more than a few times the noise.
 SeenPoints see(const LabelGrid& grid,

@@ -107,10 +107,18 @@ const char* to_string(LabelFormat format) { return kFormatNames[static_cast<int>
 LabelledPoints points_of_labels(const FrameLabels& labels, const LabelGrid& grid) {
   assert(labels.plane.pixels() == grid.pixels() && labels.hv.pixels() == grid.pixels());
   LabelledPoints points;
+  points.planes = labels.planes;
+  points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, !grid.is_cloud());
+  if (grid.is_cloud()) {  // all of them: other tools count along with the cloud's own file
+    points.points = grid.points;
+    points.origin = grid.origin;
+    points.rgb = grid.color.data;
+    points.label = labels.hv.data;
+    points.instance.assign(labels.plane.data.begin(), labels.plane.data.end());
+    return points;
+  }
   points.width = grid.width;
   points.height = grid.height;
-  points.planes = labels.planes;
-  points.T_world_sensor = planes::world_from_gravity(labels.gravity.direction, true);
   for (std::size_t i = 0; i < grid.pixels(); ++i) {
     if (!grid.measured[i]) continue;
     points.points.push_back(grid.points[i]);
@@ -170,6 +178,7 @@ namespace {
 // Coordinates that went through another tool are this close to what they were. Only the distance
 // from the sensor is compared: a tool may well have turned the points, upright for example.
 constexpr double kSameDistance_m = 0.001;
+constexpr double kFloatStep = 2e-7;  // of its distance: as exact as a float is far from 0
 
 std::string name_of(DepthPixel pixel) {
   return "pixel (" + std::to_string(pixel.u) + ", " + std::to_string(pixel.v) + ")";
@@ -201,6 +210,9 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabelledPoints& points,
                                                   const LabelGrid& grid,
                                                   const std::string& where) {
   const bool all = points.size() == grid.pixels();
+  if (!all && points.size() != grid.measured_count && grid.is_cloud())
+    throw Error(where + ": labels of " + std::to_string(points.size()) +
+                " points, the frame's cloud has " + std::to_string(grid.pixels()));
   if (!all && points.size() != grid.measured_count)
     throw Error(where + ": " + std::to_string(points.size()) + " points, expected " +
                 std::to_string(grid.measured_count) + ", one per pixel with depth, or " +
@@ -220,9 +232,9 @@ void check_points(const LabelledPoints& points,
   if (points.points.size() != indices.size()) return;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (!grid.measured[indices[i]]) continue;
-    const double found = points.points[i].cast<double>().norm();
-    const double expected = grid.points[indices[i]].cast<double>().norm();
-    if (std::abs(found - expected) <= kSameDistance_m) continue;
+    const double found = (points.origin + points.points[i].cast<double>()).norm();
+    const double expected = (grid.origin + grid.points[indices[i]].cast<double>()).norm();
+    if (std::abs(found - expected) <= std::max(kSameDistance_m, kFloatStep * expected)) continue;
     char text[160];
     std::snprintf(text, sizeof(text),
                   ": point %zu is %.3f m from the sensor, the frame has %.3f m there: these are "
@@ -274,6 +286,8 @@ FrameLabels labels_of_points(const LabelledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,
                              const std::string& where) {
+  if (grid.is_cloud() && (points.width > 0 || !points.pixel.empty()))
+    throw Error(where + ": labels of the pixels of a depth image, the frame is a cloud");
   if (points.width > 0 && (points.width != grid.width || points.height != grid.height))
     throw Error(where + ": labels of a depth image of " + size_text(points.width, points.height) +
                 ", the frame's is " + size_text(grid.width, grid.height));

@@ -4,6 +4,7 @@
 //
 //   evops     .npy      int32 plane id per measured pixel in raster order, 0 none
 //   ply, pcd            x y z [rgb] label instance u v; 1 point per measured pixel
+//                       of a cloud without u v; 1 point per point, in the cloud's order, as in all
 //   kitti     .bin + .label   float32 x y z remission; uint32 instance << 16 | class
 //   npz                 arrays points, [rgb,] label, instance, pixel, depth_size
 //   coco      .json     one annotation per plane: run-length mask, box, area, plane parameters
@@ -35,6 +36,7 @@ struct DepthPixel {
 /// Points with labels, however they are kept: what every format is read into and written from.
 struct LabelledPoints {
   std::vector<Vec3f> points;           // sensor frame [m]; empty where the format has none
+  Vec3d origin = Vec3d::Zero();        // of a cloud far from 0: what points are about
   std::vector<std::uint8_t> rgb;       // 3 per point, or empty
   std::vector<std::uint8_t> label;     // 0 unknown, 1 h, 2 v, kHvIgnore; empty where it has none
   std::vector<std::int32_t> instance;  // plane id, 0 none, kPlaneIgnore
@@ -58,11 +60,12 @@ std::vector<std::filesystem::path> write_labelled(const std::filesystem::path& s
 /// `voxels`, which were points once, are not read.
 LabelledPoints read_labelled(const std::filesystem::path& path, LabelFormat format);
 
-/// Onto the pixels of a frame: by `pixel` where the format has it, otherwise one by one in raster
-/// order of measured pixels (or of all pixels, where there are as many). Planes are fitted anew;
-/// without `label` a plane's class is that of its tilt. Pixels without depth keep no label. Throws
-/// Error naming `where` when counts or sizes do not match, or the points are not as far from the
-/// sensor as the frame's; nothing is resized or guessed.
+/// Onto the pixels of a frame, or one by one onto the points of a cloud: by `pixel` where the
+/// format has it, otherwise one by one in raster order of measured pixels (or of all pixels, where
+/// there are as many). Planes are fitted anew; without `label` a plane's class is that of its tilt.
+/// Pixels without depth keep no label. Throws Error naming `where` when counts or sizes do not
+/// match, or the points are not as far from the sensor as the frame's; nothing is resized or
+/// guessed.
 FrameLabels labels_of_points(const LabelledPoints& points,
                              const LabelGrid& grid,
                              const std::string& depth_sha256,

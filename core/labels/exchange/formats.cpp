@@ -100,6 +100,7 @@ namespace {
 PointSet point_set_of(const LabelledPoints& points) {
   PointSet set;
   set.points = points.points;
+  set.origin = points.origin;
   set.rgb = points.rgb;
   set.label = points.label;
   set.instance = points.instance;
@@ -142,8 +143,7 @@ LabelledPoints read_labelled_cloud(const std::filesystem::path& path) {
     for (std::size_t i = 0; i < u.size(); ++i) points.pixel.push_back({u[i], v[i]});
   points.rgb = std::move(set.rgb);
   points.points = std::move(set.points);
-  const Vec3f origin = set.origin.cast<float>();
-  for (Vec3f& point : points.points) point += origin;
+  points.origin = set.origin;
   return points;
 }
 
@@ -174,7 +174,10 @@ void check_whole(io::Bytes file, std::size_t each, const std::string& what) {
 FileBytes kitti_points_bytes(const LabelledPoints& points) {
   std::vector<KittiPoint> written;
   written.reserve(points.size());
-  for (const Vec3f& p : points.points) written.push_back({p.x(), p.y(), p.z(), 0});
+  for (const Vec3f& about : points.points) {
+    const Vec3f p = (points.origin + about.cast<double>()).cast<float>();
+    written.push_back({p.x(), p.y(), p.z(), 0});
+  }
   return bytes_of(written);
 }
 
@@ -223,7 +226,13 @@ FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();
   double extent_m = 0;
-  for (const Vec3f& point : points.points) {
+  std::vector<std::uint8_t> label;
+  std::vector<std::int32_t> instance;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3f& point = points.points[i];
+    if (!point.allFinite() || point.isZero(0)) continue;  // of a cloud: no measurement
+    if (!points.label.empty()) label.push_back(points.label[i]);
+    instance.push_back(points.instance[i]);
     cloud.points.push_back(T_world_sensor * point);
     extent_m = std::max(extent_m, static_cast<double>(cloud.points.back().cwiseAbs().maxCoeff()));
   }
@@ -234,9 +243,10 @@ FileBytes voxel_bytes(const LabelledPoints& points, double voxel_size_m) {
 
   const planes::VoxelCloud voxels = planes::voxelize(cloud, voxel_size_m);
   PointSet set;
+  set.origin = points.T_world_sensor * points.origin;
   set.points = voxels.points;
-  if (!points.label.empty()) set.label = planes::vote_labels(voxels, points.label);
-  set.instance = planes::vote_instances(voxels, points.instance);
+  if (!label.empty()) set.label = planes::vote_labels(voxels, label);
+  set.instance = planes::vote_instances(voxels, instance);
   return io::ply_bytes(set);
 }
 

@@ -144,9 +144,12 @@ class NpzWriter {
 FileBytes npz_bytes(const LabelledPoints& points, const std::string& where) {
   const std::uint64_t count = points.size();
   NpzWriter writer(where);
-  if (!points.points.empty())
+  std::vector<Vec3f> places;
+  for (const Vec3f& point : points.points)
+    places.push_back((points.origin + point.cast<double>()).cast<float>());
+  if (!places.empty())
     writer.add("points", "<f4", {count, 3},
-               std::span<const float>(points.points.front().data(), 3 * count));
+               std::span<const float>(places.front().data(), 3 * count));
   if (!points.rgb.empty())
     writer.add("rgb", "|u1", {count, 3}, std::span<const std::uint8_t>(points.rgb));
   if (!points.label.empty())

@@ -39,6 +39,10 @@ FittedPlane fit_plane(const LabelGrid& grid, std::span<const std::uint32_t> pixe
   }
   plane.normal = facing->normal;
   plane.offset_m = facing->offset_m();
+  if (grid.is_cloud() && plane.normal.dot(grid.gravity.direction) > 0) {  // no sensor is known
+    plane.normal = -plane.normal;
+    plane.offset_m = -plane.offset_m;
+  }
   plane.rms_m = facing->rms_m();
   plane.area_m2 = grid.area_m2(pixels, &plane.normal);
   plane.tilt_deg = tilt_of(plane.normal, grid.gravity);
@@ -73,7 +77,7 @@ void refit_planes(FrameLabels& labels, const LabelGrid& grid, std::span<const in
     if (const int k = slot[labels.plane.data[i]]; k >= 0)
       pixels[k].push_back(static_cast<std::uint32_t>(i));
 
-  const std::vector<int> fragments = count_fragments(labels.plane);
+  const std::vector<int> fragments = count_fragments(labels.plane, grid);
   for (std::size_t k = 0; k < pixels.size(); ++k) {
     if (pixels[k].empty()) continue;
     LabelPlane& plane = labels.planes[k];

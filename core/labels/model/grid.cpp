@@ -227,12 +227,46 @@ DepthSurface measure_surface(const InverseDepth& depth, double focal_px) {
 
 constexpr double kLeastCosine = 0.05;  // bounds the area of a surface seen edge-on
 
+/// Some files have a field of colour that is the same everywhere: surfaces cannot be told by it.
+bool has_colors(const PointSet& set) {
+  if (set.rgb.size() != 3 * set.points.size()) return false;
+  for (std::size_t i = 3; i < set.rgb.size(); ++i)
+    if (set.rgb[i] != set.rgb[i - 3]) return true;
+  return false;
+}
+
+LabelGrid grid_of_cloud(const Frame& frame, const Gravity& gravity) {
+  const PointSet& set = *frame.cloud;
+  if (set.points.empty()) throw Error("frame " + frame.name + ": has no points to label");
+  LabelGrid grid;
+  grid.width = static_cast<int>(set.points.size());
+  grid.height = 1;
+  grid.intrinsics.width = grid.width;
+  grid.intrinsics.height = grid.height;
+  grid.gravity = gravity;
+  grid.origin = set.origin;
+  grid.points = set.points;
+  grid.measured.reserve(set.points.size());
+  for (const Vec3f& point : set.points)
+    grid.measured.push_back(point.allFinite() && !point.isZero(0));
+  grid.measured_count = static_cast<std::size_t>(std::ranges::count(grid.measured, 1));
+  PointSurface surface = surface_of_points(grid.points, grid.measured);
+  grid.normals = std::move(surface.normals);
+  grid.graph = std::move(surface.graph);
+  grid.point_area_m2 = std::move(surface.area_m2);
+  grid.spacing_m = surface.spacing_m;
+  grid.sigma_m.resize(grid.pixels(), static_cast<float>(surface.noise_m));
+  if (has_colors(set)) {
+    grid.color = Image8(grid.width, 1, 3);
+    grid.color.data = set.rgb;
+  }
+  return grid;
+}
+
 }  // namespace
 
 LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
-  if (frame.is_cloud())
-    throw Error("frame " + frame.name +
-                ": is a cloud, whose labels are fields of its own file; expected a depth image");
+  if (frame.is_cloud()) return grid_of_cloud(frame, gravity);
   planes::check_camera(frame);
   LabelGrid grid;
   grid.width = frame.depth.width;
@@ -276,6 +310,7 @@ LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity) {
 
 double LabelGrid::pixel_area_m2(std::uint32_t pixel, const Vec3d* normal) const {
   if (!measured[pixel]) return 0;
+  if (is_cloud()) return static_cast<double>(point_area_m2[pixel]);
   const Vec3d point = points[pixel].cast<double>();
   const Vec3d facing = normal ? *normal : normals[pixel].cast<double>();
   if (facing.isZero()) return 0;
@@ -293,7 +328,7 @@ double LabelGrid::area_m2(std::span<const std::uint32_t> pixels, const Vec3d* no
 }
 
 std::optional<std::uint32_t> LabelGrid::pixel_that_sees(const Vec3d& point) const {
-  if (!(point.z() > 0)) return std::nullopt;
+  if (!(point.z() > 0) || is_cloud()) return std::nullopt;
   const Vec2d at = planes::ray_to_pixel(intrinsics, point.head<2>() / point.z());
   const double u = std::round(at.x()), v = std::round(at.y());
   if (!(u >= 0 && v >= 0 && u < width && v < height)) return std::nullopt;
@@ -307,6 +342,7 @@ FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256)
   labels.intrinsics = grid.intrinsics;
   labels.depth_unit_m = grid.depth_unit_m;
   labels.gravity = grid.gravity;
+  labels.origin = grid.origin;
   labels.plane = Image16(grid.width, grid.height);
   labels.hv = Image8(grid.width, grid.height);
   labels.review_state = "unreviewed";

@@ -1,12 +1,14 @@
 #pragma once
 
-// The geometry that labels are drawn on: each measured pixel of a depth frame as a point.
+// The geometry that labels are drawn on: each measured pixel of a depth frame as a point, or the
+// points of a cloud. A cloud is an image of one row: its "pixels" are its points, in file order.
 
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "core/labels/model/point_graph.hpp"
 #include "core/model/frame.hpp"
 #include "core/model/frame_labels.hpp"
 #include "core/model/image.hpp"
@@ -32,6 +34,13 @@ struct LabelGrid {
 
   std::size_t measured_count = 0;
 
+  // Of clouds alone, whose frame is the file's; points are about `origin`.
+  Vec3d origin = Vec3d::Zero();
+  PointGraph graph;
+  std::vector<float> point_area_m2;
+  double spacing_m = 0;
+
+  bool is_cloud() const { return !graph.empty(); }
   std::size_t pixels() const { return measured.size(); }
   /// Area of the surface that a pixel stands for [m2]; 0 where its normal is unknown and
   /// none is given.
@@ -42,14 +51,14 @@ struct LabelGrid {
   std::optional<std::uint32_t> pixel_that_sees(const Vec3d& point) const;
 };
 
-/// Throws Error for a cloud: its labels are fields of its own file.
+/// Throws Error where a depth image comes without a camera, or a cloud without a point.
 LabelGrid make_label_grid(const Frame& frame, const Gravity& gravity);
 
 /// No pixel labelled yet.
 FrameLabels empty_labels(const LabelGrid& grid, const std::string& depth_sha256);
 
-/// A plane through points by least squares, towards the sensor (offset <= 0); area is that of the
-/// pixels on it.
+/// A plane through points by least squares, towards the sensor (offset <= 0), of a cloud to the
+/// upper side; area is that of the pixels on it.
 struct FittedPlane {
   Vec3d normal = Vec3d::UnitZ();  // sensor frame
   double offset_m = 0;            // normal . x = offset

@@ -38,6 +38,43 @@ void check_sizes(const FrameLabels& labels, const std::string& where) {
   }
 }
 
+/// Throws Error where the labels were made for another depth image or cloud.
+void check_frame(const FrameLabels& labels,
+                 const ExpectedFrame& expected,
+                 const std::string& where) {
+  const auto points = static_cast<std::size_t>(labels.intrinsics.width);
+  if (labels.is_cloud() && expected.points > 0 && points != expected.points)
+    throw Error(where + ": made for a cloud of " + std::to_string(points) +
+                " points, this recording's frame has " + std::to_string(expected.points));
+  if (!expected.sha256.empty() && labels.depth_sha256 != expected.sha256)
+    throw Error(where + ": made for " +
+                (labels.is_cloud() ? "a cloud of " + std::to_string(points) + " points"
+                                   : std::string("a depth image")) +
+                " with SHA-256 " + labels.depth_sha256.substr(0, 12) +
+                ", this recording's frame has " + expected.sha256.substr(0, 12));
+}
+
+/// The points of a cloud as an image that any viewer opens.
+template <typename T>
+Image<T> in_rows(const Image<T>& points) {
+  Image<T> image(std::min(points.width, kPointsInRow),
+                 (points.width + kPointsInRow - 1) / kPointsInRow);
+  std::ranges::copy(points.data, image.data.begin());
+  return image;
+}
+
+/// The reverse. Throws Error where something is behind the last point.
+template <typename T>
+Image<T> in_one_row(Image<T> image, int points, const std::string& where) {
+  const auto end = image.data.begin() + points;
+  if (std::any_of(end, image.data.end(), [](T value) { return value != 0; }))
+    throw Error(where + ": labels behind the last of " + std::to_string(points) + " points");
+  image.data.resize(static_cast<std::size_t>(points));
+  image.width = points;
+  image.height = 1;
+  return image;
+}
+
 void check_numbers(const FrameLabels& labels, const std::string& where) {
   const Intrinsics& k = labels.intrinsics;
   bool finite = labels.gravity.direction.allFinite() && std::isfinite(labels.gravity.confidence);
@@ -137,6 +174,10 @@ std::array<fs::path, kLabelFiles> label_file_paths(const fs::path& dir, int fram
 LabelFileBytes encode_label_files(const fs::path& dir, int frame_index, const FrameLabels& labels) {
   check_labels(labels, label_file_paths(dir, frame_index).back().string());
   const std::string json = label_json(frame_index, labels);
+  if (labels.is_cloud())
+    return {io::encode_png(in_rows(labels.plane)),
+            io::encode_png(in_rows(labels.hv)),
+            {json.begin(), json.end()}};
   return {io::encode_png(labels.plane), io::encode_png(labels.hv), {json.begin(), json.end()}};
 }
 
@@ -154,7 +195,7 @@ void write_frame_labels(const fs::path& dir, int frame_index, const FrameLabels&
 
 std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
                                              int frame_index,
-                                             const std::string& expected_sha256) {
+                                             const ExpectedFrame& expected) {
   const auto paths = label_file_paths(dir, frame_index);
   if (std::none_of(paths.begin(), paths.end(), is_there)) return std::nullopt;
 
@@ -162,39 +203,53 @@ std::optional<FrameLabels> read_frame_labels(const fs::path& dir,
   const auto bytes = read_file_bytes(json_path, kMaxJsonBytes);
   FrameLabels labels =
       parse_label_json(std::string(bytes.begin(), bytes.end()), frame_index, json_path.string());
-  if (!expected_sha256.empty() && labels.depth_sha256 != expected_sha256) {
-    throw Error(json_path.string() + ": made for a depth image with SHA-256 " +
-                labels.depth_sha256.substr(0, 12) + ", this recording's frame has " +
-                expected_sha256.substr(0, 12));
-  }
+  check_frame(labels, expected, json_path.string());
+  const int points = labels.intrinsics.width;
+  const int width = labels.is_cloud() ? std::min(points, kPointsInRow) : labels.intrinsics.width;
+  const int height =
+      labels.is_cloud() ? (points + kPointsInRow - 1) / kPointsInRow : labels.intrinsics.height;
   // The headers first: images that would be refused for their size are not decoded.
   for (const fs::path& path : {plane_path, hv_path}) {
     const io::PngInfo info = io::png_info(path);
-    if (info.width != labels.intrinsics.width || info.height != labels.intrinsics.height) {
+    if (info.width != width || info.height != height) {
       throw Error(path.string() + ": " + std::to_string(info.width) + "x" +
-                  std::to_string(info.height) + " pixels, its frame has " +
-                  std::to_string(labels.intrinsics.width) + "x" +
-                  std::to_string(labels.intrinsics.height));
+                  std::to_string(info.height) + " pixels, its frame has " + std::to_string(width) +
+                  "x" + std::to_string(height));
     }
   }
   labels.plane = io::read_png_16(plane_path);
   labels.hv = io::read_png_grey(hv_path);
+  if (labels.is_cloud()) {
+    labels.plane = in_one_row(std::move(labels.plane), points, plane_path.string());
+    labels.hv = in_one_row(std::move(labels.hv), points, hv_path.string());
+  }
   check_labels(labels, json_path.string());
+  return labels;
+}
+
+std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir,
+                                                const Frame& frame,
+                                                const std::string& sha256) {
+  const std::size_t points = frame.is_cloud() ? frame.cloud->points.size() : 0;
+  auto labels = read_frame_labels(dir, frame.index, {sha256, points});
+  if (!labels) return labels;
+  const std::string where = dir.string() + ": labels of frame " + std::to_string(frame.index);
+  if (labels->is_cloud() != frame.is_cloud())
+    throw Error(where + (frame.is_cloud() ? " are of a depth image, the frame is a cloud"
+                                          : " are of a cloud, the frame is a depth image"));
+  if (!frame.is_cloud() &&
+      (labels->plane.width != frame.depth.width || labels->plane.height != frame.depth.height))
+    throw Error(where + " are " + size_of(labels->plane) + ", its depth is " +
+                size_of(frame.depth));
   return labels;
 }
 
 std::optional<planes::SourceTruth> frame_truth(const Frame& frame,
                                                const std::filesystem::path& label_dir,
                                                const std::string& sha256) {
-  if (!frame.is_cloud() && !label_dir.empty())
-    if (const auto labels = read_frame_labels(label_dir, frame.index, sha256)) {
-      if (labels->plane.width != frame.depth.width || labels->plane.height != frame.depth.height)
-        throw Error(label_dir.string() + ": labels of frame " + std::to_string(frame.index) +
-                    " are " + std::to_string(labels->plane.width) + "x" +
-                    std::to_string(labels->plane.height) + ", its depth is " +
-                    std::to_string(frame.depth.width) + "x" + std::to_string(frame.depth.height));
+  if (!label_dir.empty())
+    if (const auto labels = read_labels_of_frame(label_dir, frame, sha256))
       return planes::truth_of_labels(*labels);
-    }
   if (frame.is_cloud()) return planes::truth_of_cloud(*frame.cloud);
   return std::nullopt;
 }

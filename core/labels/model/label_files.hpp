@@ -1,8 +1,11 @@
 #pragma once
 
 // The label files of a frame: DIR/000123.{plane.png,hv.png,json}, numbered by 0-based depth frame.
+// The images of a cloud hold its points in file order, kPointsInRow to a row; what is left of the
+// last row is 0.
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,15 +22,34 @@ namespace planescope::labels {
 /// <recording>.labels beside the recording (a trailing slash is ignored).
 std::filesystem::path default_label_dir(const std::filesystem::path& recording);
 
+inline constexpr int kPointsInRow = 1024;
+inline constexpr std::uint32_t kMostPoints = 1u << 25;  // of a cloud: rows enough for any PNG
+
+/// What the frame that labels are read for is like, as far as that is known.
+struct ExpectedFrame {
+  std::string sha256;      // Recording::frame_hash; empty: not known
+  std::size_t points = 0;  // of a cloud; 0: of a depth image, or not known
+
+  ExpectedFrame(std::string hash, std::size_t cloud_points = 0)  // NOLINT: a hash is enough
+      : sha256(std::move(hash)), points(cloud_points) {}
+  ExpectedFrame(const char* hash) : sha256(hash) {}  // NOLINT
+};
+
 /// Writes the three files of a frame.
 void write_frame_labels(const std::filesystem::path& dir,
                         int frame_index,
                         const FrameLabels& labels);
 /// nullopt if the frame has no labels there. Throws Error if files are damaged, or if
-/// `expected_sha256` is not empty and differs, or sizes differ: labels are refused, never resized.
+/// they are of another frame than expected, or sizes differ: labels are refused, never resized.
 std::optional<FrameLabels> read_frame_labels(const std::filesystem::path& dir,
                                              int frame_index,
-                                             const std::string& expected_sha256);
+                                             const ExpectedFrame& expected);
+
+/// read_frame_labels() of a frame that is at hand. Throws Error also where the labels are of a
+/// cloud and the frame is a depth image, or the reverse, or where it has another size.
+std::optional<FrameLabels> read_labels_of_frame(const std::filesystem::path& dir,
+                                                const Frame& frame,
+                                                const std::string& sha256);
 
 /// From `label_dir` where that holds labels of the frame (`sha256` must match where it is not
 /// empty), otherwise from the frame's own cloud fields, otherwise nullopt.

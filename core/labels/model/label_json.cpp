@@ -159,8 +159,16 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
                 std::to_string(frame_index));
   }
   FrameLabels labels;
-  labels.depth_sha256 = json.at("depth_sha256").get<std::string>();
-  labels.intrinsics = intrinsics_from(json.at("intrinsics"), where);
+  const bool is_cloud = json.contains("points");
+  labels.depth_sha256 = json.at(is_cloud ? "cloud_sha256" : "depth_sha256").get<std::string>();
+  if (is_cloud) {
+    labels.intrinsics.width = static_cast<int>(
+        whole_number(json.at("points"), 1, std::int64_t{kMostPoints}, where + ": points"));
+    labels.intrinsics.height = 1;
+    if (json.contains("origin")) labels.origin = vector_from(json.at("origin"));
+  } else {
+    labels.intrinsics = intrinsics_from(json.at("intrinsics"), where);
+  }
   labels.depth_unit_m = json.value("depth_unit_m", 0.0);
   if (!(labels.depth_unit_m >= 0 && labels.depth_unit_m <= kLargestUnit_m))
     throw Error(where + ": depth_unit_m is " + std::to_string(labels.depth_unit_m) +
@@ -180,11 +188,15 @@ FrameLabels labels_from(const Json& json, int frame_index, const std::string& wh
 std::string label_json(int frame_index, const FrameLabels& labels) {
   Json planes = Json::array();
   for (const LabelPlane& plane : labels.planes) planes.push_back(to_json(plane));
-  Json json = {{"schema", kSchema},
-               {"frame", frame_index},
-               {"depth_sha256", labels.depth_sha256},
-               {"intrinsics", to_json(labels.intrinsics)}};
-  if (labels.depth_unit_m > 0) json["depth_unit_m"] = labels.depth_unit_m;
+  Json json = {{"schema", kSchema}, {"frame", frame_index}};
+  if (labels.is_cloud()) {
+    json.update({{"cloud_sha256", labels.depth_sha256}, {"points", labels.intrinsics.width}});
+    if (!labels.origin.isZero(0)) json["origin"] = to_json(labels.origin);
+  } else {
+    json.update(
+        {{"depth_sha256", labels.depth_sha256}, {"intrinsics", to_json(labels.intrinsics)}});
+  }
+  if (!labels.is_cloud() && labels.depth_unit_m > 0) json["depth_unit_m"] = labels.depth_unit_m;
   json.update({{"gravity", to_json(labels.gravity)},
                {"planes", planes},
                {"annotator", labels.annotator},

@@ -28,6 +28,18 @@ std::vector<int> count_fragments(const Image16& image) {
   return counts;
 }
 
+std::vector<int> count_fragments(const Image16& image, const LabelGrid& grid) {
+  if (!grid.is_cloud() || image.empty()) return count_fragments(image);
+  DisjointSets sets(image.pixels());
+  std::vector<int> counts(*std::max_element(image.data.begin(), image.data.end()) + 1, 0);
+  for (std::uint32_t i = 0; i < image.pixels(); ++i)
+    for (const std::uint32_t j : grid.graph.around(i))
+      if (j < i && image.data[i] == image.data[j]) sets.join(i, j);
+  for (std::uint32_t i = 0; i < sets.size(); ++i)
+    if (sets.root(i) == i) ++counts[image.data[i]];
+  return counts;
+}
+
 namespace {
 
 constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
@@ -37,6 +49,13 @@ constexpr std::uint16_t kFar = std::numeric_limits<std::uint16_t>::max();
 std::vector<PixelSet> connected_parts(const LabelGrid& grid,
                                       std::span<const std::uint32_t> pixels,
                                       int gap_px) {
+  if (grid.is_cloud()) {
+    std::vector<std::uint8_t> own(grid.pixels(), 0);
+    for (const std::uint32_t pixel : pixels) own[pixel] = 1;
+    std::vector<int> part_of;
+    return flooded_parts(pixels, grid, part_of,
+                         [&](std::uint32_t, std::uint32_t to) { return own[to] != 0; });
+  }
   // The pixels grow into the gaps, ring by ring; where two meet on a path short enough they are
   // one. `steps` is the distance into the gap.
   std::vector<std::uint16_t> steps(grid.pixels(), kFar);
@@ -115,13 +134,12 @@ std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
 }
 
 std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
-                                  int width,
-                                  int height,
+                                  const LabelGrid& grid,
                                   int gap_px) {
   // Grown by half of the gap, parts that are nearer touch.
-  const auto grown = pixels_near(pixels, width, height, std::max(0, gap_px / 2 - 1));
+  const auto grown = pixels_near(pixels, grid, std::max(0, gap_px / 2 - 1));
   std::vector<int> part_of;
-  return flooded_parts(pixels, width, height, part_of,
+  return flooded_parts(pixels, grid, part_of,
                        [&](std::uint32_t, std::uint32_t to) { return grown[to] != 0; });
 }
 

@@ -11,9 +11,10 @@
 
 namespace planescope::labels {
 
-/// Connected parts (four neighbours) of every value in an image, by value; as long as the largest
-/// value needs.
+/// Connected parts (four neighbours; of a cloud, its own) of every value in an image, by value; as
+/// long as the largest value needs.
 std::vector<int> count_fragments(const Image16& image);
+std::vector<int> count_fragments(const Image16& image, const LabelGrid& grid);
 
 /// Calls visit(neighbour) for the eight pixels around one, fewer at the image's border.
 template <typename Visit>
@@ -24,16 +25,22 @@ void for_neighbours(std::uint32_t pixel, int width, int height, const Visit& vis
       if (u != x || v != y) visit(static_cast<std::uint32_t>(v * width + u));
 }
 
+/// The same on a grid, whose neighbours are a cloud's own where it is one.
+template <typename Visit>
+void for_neighbours(std::uint32_t pixel, const LabelGrid& grid, const Visit& visit) {
+  if (!grid.is_cloud()) return for_neighbours(pixel, grid.width, grid.height, visit);
+  for (const std::uint32_t next : grid.graph.around(pixel)) visit(next);
+}
+
 /// Parts of a set: two pixels are in one part where steps to one of eight neighbours, each allowed
 /// by `joins(from, to)`, lead from one to the other, over pixels of the set or not. In order of
 /// their first pixels. `part_of`: per pixel of the image the part that reached it, -1 none.
 template <typename Joins>
 std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
-                                    int width,
-                                    int height,
+                                    const LabelGrid& grid,
                                     std::vector<int>& part_of,
                                     const Joins& joins) {
-  part_of.assign(static_cast<std::size_t>(width) * height, -1);
+  part_of.assign(grid.pixels(), -1);
   std::vector<PixelSet> parts;
   std::vector<std::uint32_t> open;
   for (const std::uint32_t seed : pixels) {
@@ -45,7 +52,7 @@ std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
       while (!open.empty()) {
         const std::uint32_t pixel = open.back();
         open.pop_back();
-        for_neighbours(pixel, width, height, [&](std::uint32_t next) {
+        for_neighbours(pixel, grid, [&](std::uint32_t next) {
           if (part_of[next] >= 0 || !joins(pixel, next)) return;
           part_of[next] = part;
           open.push_back(next);
@@ -58,7 +65,7 @@ std::vector<PixelSet> flooded_parts(std::span<const std::uint32_t> pixels,
 }
 
 /// Eight neighbours; parts that at most `gap_px` pixels without a measurement keep apart are one.
-/// In order of their first pixels.
+/// Of a cloud, its own neighbours. In order of their first pixels.
 std::vector<PixelSet> connected_parts(const LabelGrid& grid,
                                       std::span<const std::uint32_t> pixels,
                                       int gap_px);
@@ -66,6 +73,9 @@ std::vector<PixelSet> connected_parts(const LabelGrid& grid,
 /// The pixel of a set that is farthest from all that is not in it; of several the first. The
 /// image's border counts as outside. `pixels` is not empty.
 std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, int width, int height);
+/// Of a cloud the point most steps from all that is not in the set; of several the one nearest to
+/// their middle.
+std::uint32_t deepest_pixel(std::span<const std::uint32_t> pixels, const LabelGrid& grid);
 
 /// Per pixel of the image: 1 where one of the set is at most `distance_px` columns and rows away.
 std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
@@ -73,11 +83,20 @@ std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
                                       int height,
                                       int distance_px);
 
-/// Parts of a set that lie at least `gap_px` (even) columns or rows apart, whatever lies between.
+/// Of a cloud: at most about as many spacings away.
+std::vector<std::uint8_t> pixels_near(std::span<const std::uint32_t> pixels,
+                                      const LabelGrid& grid,
+                                      int distance_px);
+
+/// Parts of a set that lie at least `gap_px` (even) columns or rows apart, of a cloud about as many
+/// spacings, whatever lies between.
 std::vector<PixelSet> parts_apart(std::span<const std::uint32_t> pixels,
-                                  int width,
-                                  int height,
+                                  const LabelGrid& grid,
                                   int gap_px);
+
+/// Steps from each point of a region of a cloud to what is outside of it, 1 beside it; of a region
+/// with no outside very many. `region_of`: per point, below 0 in none.
+std::vector<int> steps_to_outside(const LabelGrid& cloud, std::span<const int> region_of);
 
 /// Adds to `region` (1) what can be reached from `start` over pixels where `passable` is not 0,
 /// by sides. Returns the pixels added.

@@ -54,7 +54,8 @@ Surface measure(const LabelPlane& plane,
     const Vec3d point = grid.points[pixel].cast<double>();
     const double range_m = point.norm();
     // Depth errors act along the ray: a plane seen edge-on is hardly moved by them.
-    const double across = std::abs(plane.normal.dot(point)) / range_m * grid.sigma_m[pixel];
+    const double slant = grid.is_cloud() ? 1 : std::abs(plane.normal.dot(point)) / range_m;
+    const double across = slant * grid.sigma_m[pixel];
     surface.distance_m.push_back(std::abs(plane.normal.dot(point) - plane.offset_m));
     surface.noise_m.push_back(std::hypot(options.max_rms_m / 2, across));
     surface.mean_range_m += range_m / static_cast<double>(surface.pixels.size());
@@ -96,9 +97,11 @@ class Audit {
   }
 
  private:
+  const char* sample() const { return grid_.is_cloud() ? "point" : "pixel"; }
+
   void add(
       FindingKind kind, int plane, PixelSet pixels, double value, double limit, std::string text) {
-    const std::uint32_t where = deepest_pixel(pixels, grid_.width, grid_.height);
+    const std::uint32_t where = deepest_pixel(pixels, grid_);
     if (plane > 0) text = text_of("P%d: ", plane) + text;
     findings_.push_back({kind, plane, where, std::move(pixels), value, limit, std::move(text)});
   }
@@ -119,11 +122,11 @@ class Audit {
     const double limit = 100 * options_.max_outlier_share;
     if (value <= limit) return;
     add(FindingKind::outliers, s.plane.id, std::move(far), value, limit,
-        text_of("%.1f %% of its pixels lie off it, expected at most %.1f %%", value, limit));
+        text_of("%.1f %% of its %ss lie off it, expected at most %.1f %%", value, sample(), limit));
   }
 
   void check_parts(const Surface& s) {
-    auto parts = parts_apart(s.pixels, grid_.width, grid_.height, options_.gap_px);
+    auto parts = parts_apart(s.pixels, grid_, options_.gap_px);
     std::erase_if(parts, [](const PixelSet& part) { return part.size() < kSpeck_px; });
     if (parts.size() < 2) return;
     const auto largest =
@@ -136,8 +139,8 @@ class Audit {
     std::sort(smaller.begin(), smaller.end());
     const std::size_t pixels = smaller.size();
     add(FindingKind::parts, s.plane.id, std::move(smaller), value, 1,
-        text_of("%.0f parts that lie apart, expected 1 (%zu pixels in the smaller ones)", value,
-                pixels));
+        text_of("%.0f parts that lie apart, expected 1 (%zu %ss in the smaller ones)", value,
+                pixels, sample()));
   }
 
   void check_area(const Surface& s) {
@@ -196,6 +199,13 @@ class Audit {
   /// Of a region's pixels, on the plane that holds most of them. Clutter lies on none.
   double share_on_a_plane(const PixelSet& region) const {
     if (!field_) field_.emplace(make_wand_field(grid_, nullptr, {}));
+    LocalFitOptions all_alike;
+    all_alike.half_px = 10.0 * grid_.width;
+    all_alike.most_pixels = 4000;
+    if (grid_.is_cloud()) {
+      const auto fit = fit_through(*field_, region, all_alike);
+      return fit ? fit->share : 0;
+    }
     std::vector<std::uint8_t> usable(grid_.pixels(), 0);
     PixelBox box{grid_.width, grid_.height, 0, 0};
     for (const std::uint32_t i : region) {
@@ -204,9 +214,6 @@ class Audit {
       box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1),
              std::max(box.v1, v + 1)};
     }
-    LocalFitOptions all_alike;
-    all_alike.half_px = 10.0 * grid_.width;
-    all_alike.most_pixels = 4000;
     const auto fit = fit_around(*field_, usable, box, region[region.size() / 2], all_alike);
     return fit ? fit->share : 0;
   }
@@ -217,7 +224,7 @@ class Audit {
       const bool has_label = labels_.plane.data[i] != 0 || labels_.hv.data[i] != 0;
       if (has_label) labelled.push_back(i);
     }
-    const auto near = pixels_near(labelled, grid_.width, grid_.height, kStrip_px);
+    const auto near = pixels_near(labelled, grid_, kStrip_px);
     for (std::uint32_t i = 0; i < grid_.pixels(); ++i)
       if (grid_.measured[i] && !near[i]) open.push_back(i);
     const double limit = 1e4 * options_.unlabelled_area_m2;
@@ -229,8 +236,9 @@ class Audit {
       if (share < kLeastPlanar || share * value < limit) continue;
       const std::size_t pixels = region.size();
       add(FindingKind::unlabelled, 0, std::move(region), value, limit,
-          text_of("%s without a label (%zu pixels), expected less than %s",
-                  area_text(1e-4 * value).c_str(), pixels, area_text(1e-4 * limit).c_str()));
+          text_of("%s without a label (%zu %ss), expected less than %s",
+                  area_text(1e-4 * value).c_str(), pixels, sample(),
+                  area_text(1e-4 * limit).c_str()));
     }
   }
 

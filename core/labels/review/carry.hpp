@@ -36,8 +36,9 @@ struct CarryOptions {
   double min_confidence = 0.3;  // a plane below it is left out, all its pixels doubtful
 };
 
-/// `existing`: the new frame's labels, kept where they are; what is carried fills the rest. Throws
-/// Error where the frames do not overlap, Cancelled when stopped. Repeats bit by bit.
+/// Of depth images. `existing`: the new frame's labels, kept where they are; what is carried fills
+/// the rest. Throws Error where the frames do not overlap, Cancelled when stopped. Repeats bit by
+/// bit.
 CarriedLabels carry_labels(const Frame& from_frame,
                            const LabelGrid& from,
                            const FrameLabels& labels,

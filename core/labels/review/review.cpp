@@ -21,6 +21,22 @@ struct PairRegions {
   std::vector<std::uint32_t> deepest;
 };
 
+/// The same of a cloud's regions.
+void measure_depth(PairRegions& regions, const LabelGrid& cloud) {
+  const std::size_t count = regions.pixels.size();
+  regions.thickness_px.assign(count, 0);
+  regions.deepest.assign(count, 0);
+  const std::vector<int> steps = steps_to_outside(cloud, regions.of_pixel);
+  for (std::size_t k = 0; k < count; ++k) {
+    const PixelSet& pixels = regions.pixels[k];
+    const auto deepest =
+        std::ranges::max_element(pixels, {}, [&](std::uint32_t i) { return steps[i]; });
+    regions.deepest[k] = *deepest;
+    // A point beside the outside may be as far from it as a step goes, on both sides.
+    regions.thickness_px[k] = 2 * kSpacingsOfStep * steps[*deepest] - 1;
+  }
+}
+
 /// Thickness and deepest pixel of all regions at once: a pass down and one up.
 void measure_depth(PairRegions& regions, int width) {
   const std::size_t count = regions.pixels.size(), pixels = regions.of_pixel.size();
@@ -52,15 +68,15 @@ void measure_depth(PairRegions& regions, int width) {
 }
 
 /// `pairs`: per pixel a number for the pair of planes that disagree there, 0 where none do.
-PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, int width, int height) {
+PairRegions regions_of_pairs(const std::vector<std::uint64_t>& pairs, const LabelGrid& grid) {
   PixelSet disagreeing;
   for (std::uint32_t i = 0; i < pairs.size(); ++i)
     if (pairs[i] != 0) disagreeing.push_back(i);
   PairRegions regions;
   regions.pixels =
-      flooded_parts(disagreeing, width, height, regions.of_pixel,
+      flooded_parts(disagreeing, grid, regions.of_pixel,
                     [&](std::uint32_t from, std::uint32_t to) { return pairs[from] == pairs[to]; });
-  measure_depth(regions, width);
+  grid.is_cloud() ? measure_depth(regions, grid) : measure_depth(regions, grid.width);
   return regions;
 }
 
@@ -169,8 +185,7 @@ std::vector<Disagreement> find_disagreements(const FrameLabels& labels,
   assert(labels.plane.pixels() == grid.pixels() && other.plane.size() == grid.pixels());
   const auto planes = compared_planes(labels, grid);
   const Partners partners(planes, other);
-  PairRegions regions =
-      regions_of_pairs(disagreeing_pairs(planes, labels, other, partners), grid.width, grid.height);
+  PairRegions regions = regions_of_pairs(disagreeing_pairs(planes, labels, other, partners), grid);
 
   std::vector<Disagreement> found;
   for (std::size_t i = 0; i < regions.pixels.size(); ++i) {

@@ -16,8 +16,13 @@ void require_same_depth(const FrameLabels& labels,
   const auto size_of = [](const FrameLabels& of) {
     return std::to_string(of.plane.width) + "x" + std::to_string(of.plane.height);
   };
+  if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width) {
+    throw Error(where + ": labels of a cloud of " + std::to_string(labels.plane.width) +
+                " points, the frame has " + std::to_string(expected.plane.width));
+  }
   if (labels.depth_sha256 != expected.depth_sha256) {
-    throw Error(where + ": labels of a depth image with SHA-256 " +
+    const std::string what = labels.is_cloud() ? "cloud" : "depth image";
+    throw Error(where + ": labels of a " + what + " with SHA-256 " +
                 labels.depth_sha256.substr(0, 12) + ", this recording's frame has " +
                 expected.depth_sha256.substr(0, 12));
   }
@@ -64,11 +69,13 @@ LabelStore::State::OpenFrame LabelStore::State::first_labels(int frame,
   OpenFrame open;
   open.in_files = 0;
   open.base_files = digests_of_files(frame);
-  auto found = read_frame_labels(dir, frame, blank.depth_sha256);
+  auto found = read_frame_labels(dir, frame,
+                                 {blank.depth_sha256, blank.is_cloud() ? blank.plane.pixels() : 0});
   if (found) require_same_depth(*found, blank, label_file_paths(dir, frame).back().string());
   FrameLabels labels = blank;
   if (found) labels = std::move(*found);
   if (labels.depth_unit_m == 0) labels.depth_unit_m = blank.depth_unit_m;  // of an older file
+  labels.origin = blank.origin;
   if (!found && labels.annotator.empty()) labels.annotator = options.annotator;
   std::sort(labels.planes.begin(), labels.planes.end(),
             [](const LabelPlane& a, const LabelPlane& b) { return a.id < b.id; });
@@ -95,6 +102,7 @@ LabelStore::State::OpenFrame& LabelStore::State::open(int frame, const FrameLabe
   FrameLabels labels = replay(frame);
   if (blank) require_same_depth(labels, *blank, journal->path().string());
   if (blank && labels.depth_unit_m == 0) labels.depth_unit_m = blank->depth_unit_m;
+  if (blank) labels.origin = blank->origin;
   frames[frame].labels = std::make_shared<const FrameLabels>(std::move(labels));
   try {
     compare_with_files(frame);

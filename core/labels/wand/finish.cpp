@@ -1,6 +1,8 @@
 #include "core/labels/wand/finish.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <string>
@@ -54,6 +56,72 @@ Plane plane_of(const FrameLabels& labels,
   return plane;
 }
 
+constexpr double kRasterSpacings = 2;  // edge of the cells that a cloud's holes are found in
+constexpr int kMostCells = 4000;       // cells along a side
+
+/// A cloud's plane as cells, so that its holes are those of an image.
+class Raster {
+ public:
+  Raster(const LabelGrid& grid, const Sheet& sheet, const PixelSet& pixels) : grid_(grid) {
+    across_ = sheet.normal.unitOrthogonal();
+    up_ = sheet.normal.cross(across_);
+    Eigen::AlignedBox2f bounds;
+    for (const std::uint32_t i : pixels) bounds.extend(on_plane(i));
+    const float extent = bounds.isEmpty() ? 0 : bounds.sizes().maxCoeff();
+    edge_m_ = std::max(
+        {static_cast<float>(kRasterSpacings * grid.spacing_m), extent / kMostCells, 1e-6f});
+    if (!bounds.isEmpty()) corner_ = bounds.min() - Vec2f::Constant(edge_m_);
+    size_ = static_cast<int>(extent / edge_m_) + 3;
+    own_.assign(static_cast<std::size_t>(size_) * size_, 0);
+    for (const std::uint32_t i : pixels)
+      if (const int at = cell_of(i); at >= 0) own_[at] = 1;
+    inside_ = own_;
+    for (const PixelSet& hole : small_holes(own_, size_, size_, size_ * size_))
+      for (const std::uint32_t cell : hole) inside_[cell] = 1;
+  }
+
+  /// Within the plane's outline: not in a cell that the outline runs through. The cells' border is
+  /// empty.
+  bool holds(std::uint32_t pixel) const {
+    const int at = cell_of(pixel);
+    return at >= 0 && inside_[at] && inside_[at - 1] && inside_[at + 1] && inside_[at - size_] &&
+           inside_[at + size_];
+  }
+
+ private:
+  Vec2f on_plane(std::uint32_t i) const {
+    return {across_.dot(grid_.points[i]), up_.dot(grid_.points[i])};
+  }
+  int cell_of(std::uint32_t i) const {
+    const Vec2f at = (on_plane(i) - corner_) / edge_m_;
+    if (!(at.minCoeff() >= 0 && at.maxCoeff() < static_cast<float>(size_))) return -1;
+    return static_cast<int>(at.y()) * size_ + static_cast<int>(at.x());
+  }
+
+  const LabelGrid& grid_;
+  Vec3f across_, up_;
+  Vec2f corner_ = Vec2f::Zero();
+  float edge_m_ = 1;
+  int size_ = 0;
+  std::vector<std::uint8_t> own_, inside_;
+};
+
+/// Own points minus others, of what lies on the plane within two steps of a point of a cloud.
+int majority_in_cloud(const Plane& plane, const LabelGrid& grid, std::uint32_t point) {
+  PixelSet disc{point};
+  for (std::size_t k = 0, end = 1; k < end; ++k)
+    for (const std::uint32_t j : grid.graph.around(disc[k])) {
+      disc.push_back(j);
+      if (k == 0) end = disc.size();
+    }
+  std::ranges::sort(disc);
+  disc.erase(std::unique(disc.begin(), disc.end()), disc.end());
+  int balance = 0;
+  for (const std::uint32_t j : disc)
+    if (plane.region[j] || plane.takes(j, kLoosely)) balance += plane.region[j] ? 1 : -1;
+  return balance;
+}
+
 /// Own pixels minus others in a disc around a pixel. Opposite places count together or not at all,
 /// so that neither the image's border nor what was not measured tips a straight border.
 int majority(const Plane& plane, const LabelGrid& grid, std::uint32_t pixel) {
@@ -84,6 +152,12 @@ Finish fill_holes(const FrameLabels& labels,
                   const WandOptions& options) {
   const Plane plane = plane_of(labels, grid, id, options);
   Finish finish;
+  if (grid.is_cloud()) {
+    const Raster raster(grid, plane.sheet, plane.pixels);
+    for (std::uint32_t i = 0; i < grid.pixels(); ++i)
+      if (plane.takes(i, kLoosely) && raster.holds(i)) finish.adds.push_back(i);
+    return finish;
+  }
   const int any = static_cast<int>(grid.pixels());
   for (const PixelSet& hole : small_holes(plane.region, grid.width, grid.height, any))
     std::ranges::copy_if(hole, std::back_inserter(finish.adds),
@@ -97,11 +171,12 @@ Finish smooth_border(const FrameLabels& labels,
                      int id,
                      const WandOptions& options) {
   const Plane plane = plane_of(labels, grid, id, options);
-  const auto near = pixels_near(plane.pixels, grid.width, grid.height, kSmooth_px);
+  const auto near = pixels_near(plane.pixels, grid, kSmooth_px);
   Finish finish;
   for (std::uint32_t i = 0; i < grid.pixels(); ++i) {
     if (!near[i] || (!plane.region[i] && !plane.takes(i, kLoosely))) continue;
-    const int balance = majority(plane, grid, i);
+    const int balance =
+        grid.is_cloud() ? majority_in_cloud(plane, grid, i) : majority(plane, grid, i);
     if (plane.region[i] && balance < 0) finish.takes.push_back(i);
     if (!plane.region[i] && balance > 0) finish.adds.push_back(i);
   }
@@ -119,15 +194,16 @@ Finish grow_to_border(const FrameLabels& labels,
   std::ranges::stable_sort(parts, std::ranges::greater{}, &PixelSet::size);
   if (parts.size() > kMostParts) parts.resize(kMostParts);
   std::vector<std::uint32_t> seeds;
-  for (const PixelSet& part : parts) seeds.push_back(deepest_pixel(part, grid.width, grid.height));
+  for (const PixelSet& part : parts) seeds.push_back(deepest_pixel(part, grid));
   FrameLabels others = labels;
   for (const std::uint32_t i : plane.pixels) others.plane.data[i] = 0;
   WandOptions free_only = options;
   free_only.take_labelled = false;
   const auto found = seeds.empty() ? std::nullopt : grow_plane(grid, &others, seeds, free_only);
   Finish finish;
-  if (!found || found->plane.normal.cast<float>().dot(plane.sheet.normal) < kSameCosine)
-    return finish;
+  if (!found) return finish;
+  const float cosine = found->plane.normal.cast<float>().dot(plane.sheet.normal);
+  if ((grid.is_cloud() ? std::abs(cosine) : cosine) < kSameCosine) return finish;
   std::ranges::copy_if(found->pixels, std::back_inserter(finish.adds),
                        [&](std::uint32_t i) { return plane.field.allowed[i] && !plane.region[i]; });
   return finish;

@@ -299,6 +299,7 @@ std::optional<WandResult> grow_plane(const LabelGrid& grid,
   };
   if (seeds.empty()) return refuse("nothing was clicked");
   const WandField field = make_wand_field(grid, labels, options);
+  if (grid.is_cloud()) return grow_plane_in_cloud(field, seeds, why_not);
   const auto click = nearest_allowed(field, seeds[0]);
   if (!click)
     return refuse(!grid.measured[seeds[0]] ? "nothing was measured there"

@@ -57,6 +57,35 @@ std::optional<Sheet> best_of_samples(const WandField& field,
   return best;
 }
 
+std::optional<LocalFit> fit_weighted(const WandField& field,
+                                     const std::vector<Weighted>& all,
+                                     double weights,
+                                     const LocalFitOptions& options) {
+  const LabelGrid& grid = field.grid;
+  if (all.size() < kLeastFitPixels) return std::nullopt;
+
+  const auto share_of = [&](const Sheet& sheet) {
+    double share = 0;
+    for (const auto& [pixel, weight] : all)
+      if (field.lies_on(sheet, pixel)) share += weight;
+    return share / weights;
+  };
+  for (const Sheet& hint : options.hints)
+    if (const double share = share_of(hint); share >= kHintShare) return LocalFit{hint, share};
+
+  std::optional<Sheet> best = best_of_samples(field, all, options.samples);
+  for (int k = 0; k < kRefits && best; ++k) {
+    Moments moments;
+    for (const auto& [pixel, weight] : all)
+      if (field.lies_on(*best, pixel)) moments.add(grid.points[pixel].cast<double>());
+    const auto refitted = labels::sheet_through(moments);
+    if (!refitted) break;
+    best = refitted;
+  }
+  if (!best) return std::nullopt;
+  return LocalFit{*best, share_of(*best)};
+}
+
 }  // namespace
 
 std::optional<Sheet> sheet_through(const Moments& moments) {
@@ -72,7 +101,9 @@ WandField make_wand_field(const LabelGrid& grid,
   WandField field{grid, options, {}, grid.measured, static_cast<float>(std::cos(max_angle))};
   field.noise.resize(grid.pixels(), 0);
   for (std::size_t i = 0; i < grid.pixels(); ++i)
-    field.noise[i] = grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
+    field.noise[i] = grid.is_cloud()
+                         ? grid.sigma_m[i]
+                         : grid.sigma_m[i] / grid.points[i].norm();  // NaN where not measured
   for (std::size_t i = 0; i < options.within.size(); ++i)
     if (!options.within[i]) field.allowed[i] = 0;
   if (!labels) return field;
@@ -105,28 +136,26 @@ std::optional<LocalFit> fit_around(const WandField& field,
       all.push_back({pixel, static_cast<float>(1 / (1 + du * du + dv * dv))});
       weights += all.back().weight;
     }
-  if (all.size() < kLeastFitPixels) return std::nullopt;
+  return fit_weighted(field, all, weights, options);
+}
 
-  const auto share_of = [&](const Sheet& sheet) {
-    double share = 0;
-    for (const auto& [pixel, weight] : all)
-      if (field.lies_on(sheet, pixel)) share += weight;
-    return share / weights;
-  };
-  for (const Sheet& hint : options.hints)
-    if (const double share = share_of(hint); share >= kHintShare) return LocalFit{hint, share};
-
-  std::optional<Sheet> best = best_of_samples(field, all, options.samples);
-  for (int k = 0; k < kRefits && best; ++k) {
-    Moments moments;
-    for (const auto& [pixel, weight] : all)
-      if (field.lies_on(*best, pixel)) moments.add(grid.points[pixel].cast<double>());
-    const auto refitted = sheet_through(moments);
-    if (!refitted) break;
-    best = refitted;
+std::optional<LocalFit> fit_through(const WandField& field,
+                                    std::span<const std::uint32_t> pixels,
+                                    const LocalFitOptions& options) {
+  if (pixels.empty()) return std::nullopt;
+  const Vec3f middle = field.grid.points[pixels[0]];
+  const double half_m = options.half_px * std::max(field.grid.spacing_m, 1e-6);
+  const auto most = static_cast<std::size_t>(options.most_pixels);
+  const std::size_t step = (pixels.size() + most - 1) / most;
+  std::vector<Weighted> all;
+  double weights = 0;
+  for (std::size_t k = 0; k < pixels.size(); k += step) {
+    const double away =
+        static_cast<double>((field.grid.points[pixels[k]] - middle).norm()) / half_m;
+    all.push_back({pixels[k], static_cast<float>(1 / (1 + away * away))});
+    weights += static_cast<double>(all.back().weight);
   }
-  if (!best) return std::nullopt;
-  return LocalFit{*best, share_of(*best)};
+  return fit_weighted(field, all, weights, options);
 }
 
 }  // namespace planescope::labels

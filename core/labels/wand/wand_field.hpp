@@ -49,7 +49,7 @@ constexpr float kLoosely = 1.5f;  // tolerances: within holes, and at borders th
 struct WandField {
   const LabelGrid& grid;
   WandOptions options;
-  std::vector<float> noise;           // across a sheet at 1 m of offset, per pixel [m]
+  std::vector<float> noise;  // across a sheet at 1 m of offset, per pixel; of a cloud at any [m]
   std::vector<std::uint8_t> allowed;  // measured, and free to take
   float least_cosine = 0;             // between normals that face the same way
 
@@ -59,8 +59,8 @@ struct WandField {
     constexpr double kCloseNoise_m = 0.0023;
     const auto tolerance = static_cast<float>(options.tolerance_m);
     const auto close = static_cast<float>(std::min(options.tolerance_m, kCloseTolerance_m));
-    return std::max(tolerance, close * noise[pixel] * std::abs(sheet.offset_m) *
-                                   static_cast<float>(1 / kCloseNoise_m));
+    const float away = grid.is_cloud() ? 1 : std::abs(sheet.offset_m);
+    return std::max(tolerance, close * noise[pixel] * away * static_cast<float>(1 / kCloseNoise_m));
   }
   bool lies_on(const Sheet& sheet, std::uint32_t pixel, float times = 1) const {
     return std::abs(sheet.distance_m(grid.points[pixel])) <= times * tolerance_m(sheet, pixel);
@@ -68,7 +68,8 @@ struct WandField {
   /// True also where the normal is not known.
   bool faces(const Sheet& sheet, std::uint32_t pixel) const {
     const Vec3f& normal = grid.normals[pixel];
-    return normal.isZero(0) || normal.dot(sheet.normal) >= least_cosine;
+    const float cosine = normal.dot(sheet.normal);
+    return normal.isZero(0) || (grid.is_cloud() ? std::abs(cosine) : cosine) >= least_cosine;
   }
 };
 WandField make_wand_field(const LabelGrid& grid,
@@ -92,6 +93,16 @@ std::optional<LocalFit> fit_around(const WandField& field,
                                    const PixelBox& box,
                                    std::uint32_t middle,
                                    const LocalFitOptions& options = {});
+
+/// The same of points of a cloud, the first of them the middle; `half_px` is in spacings.
+std::optional<LocalFit> fit_through(const WandField& field,
+                                    std::span<const std::uint32_t> pixels,
+                                    const LocalFitOptions& options = {});
+
+/// grow_plane() in a cloud, over its own neighbours (wand_cloud.cpp).
+std::optional<WandResult> grow_plane_in_cloud(const WandField& field,
+                                              std::span<const std::uint32_t> seeds,
+                                              std::string* why_not);
 
 /// Takes pixels off `region` that lie on another surface which meets the sheet at a crease. All of
 /// `region` is within tolerance of the sheet; where the other surface lies is told by its part

@@ -239,9 +239,10 @@ TEST(PixelDepth, TheDeepestPixelIsFarthestFromTheOutside) {
 
 TEST(PixelDepth, PartsNearerThanTheGapAreOne) {
   const std::vector<std::uint32_t> pixels = {0, 5, 12};  // of a row of 20
-  EXPECT_EQ(parts_apart(pixels, 20, 1, 4).size(), 3u);
-  EXPECT_EQ(parts_apart(pixels, 20, 1, 6).size(), 2u);
-  EXPECT_EQ(parts_apart(pixels, 20, 1, 8).size(), 1u);
+  const LabelGrid row = test::wall_grid(20, 1);
+  EXPECT_EQ(parts_apart(pixels, row, 4).size(), 3u);
+  EXPECT_EQ(parts_apart(pixels, row, 6).size(), 2u);
+  EXPECT_EQ(parts_apart(pixels, row, 8).size(), 1u);
 }
 
 }  // namespace

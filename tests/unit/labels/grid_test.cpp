@@ -27,7 +27,7 @@ TEST(LabelGrid, MeasuresWhatTheCloudOfTheFrameHas) {
   EXPECT_TRUE(grid.normals[4 * 24 + 3].isZero(0));
 }
 
-TEST(LabelGrid, RefusesACloudAndIntrinsicsOfAnotherSize) {
+TEST(LabelGrid, RefusesACloudWithoutPointsAndIntrinsicsOfAnotherSize) {
   Frame cloud;
   cloud.cloud = PointSet{};
   EXPECT_THROW(make_label_grid(cloud, Gravity{}), Error);

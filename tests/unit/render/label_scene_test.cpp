@@ -63,7 +63,7 @@ TEST_F(LabelScene, LeavesHiddenPlanesOut) {
   EXPECT_EQ(list.points[0].positions.size(),
             grid.measured_count - labels::pixels_of_plane(*labels, 2).size());
   EXPECT_EQ(tints(look())[at(38, 5)].a, 0);
-  EXPECT_EQ(label_places(*labels).size(), 1u);
+  EXPECT_EQ(label_places(*labels, grid).size(), 1u);
 }
 
 TEST_F(LabelScene, TellsPlanesApartAndTheActiveOneFromTheOthers) {
@@ -106,7 +106,7 @@ TEST_F(LabelScene, PaintsOutlinesBetweenPlanesButNotAroundHoles) {
 }
 
 TEST_F(LabelScene, NamesStandDeepInTheirPlanes) {
-  const std::vector<LabelPlace> places = label_places(*labels);
+  const std::vector<LabelPlace> places = label_places(*labels, grid);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_NEAR(static_cast<double>(places[0].pixel % 40), 10, 5);
   EXPECT_NEAR(static_cast<double>(places[1].pixel % 40), 37, 1);

@@ -26,7 +26,9 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
       s.measured == 0 ? 0 : static_cast<double>(s.labelled) / static_cast<double>(s.measured);
   share_bar(share, fmt::format("{:.0f} % labelled", 100 * share));
   ui.name("planes.labelled");
-  tooltip(fmt::format("{} of {} measured pixels, {} ignored", s.labelled, s.measured, s.ignored));
+  const char* const sample = sample_name(*ui.state.label_frame());
+  tooltip(
+      fmt::format("{} of {} measured {}s, {} ignored", s.labelled, s.measured, sample, s.ignored));
   const LabelProgress progress = progress_of(ui.state);
   if (progress.frames > 1) {
     paragraph(ui.colors.muted, fmt::format("{} of {} frames labelled, {} reviewed",
@@ -37,7 +39,7 @@ void draw_totals(const Ui& ui, const FrameLabels& labels, const LabelFacts& fact
   std::string text =
       fmt::format("{}: {} h, {} v", counted(labels.planes.size(), "plane"), s.h, s.v);
   const auto hidden = std::ranges::count_if(labels.planes, &LabelPlane::hidden);
-  if (hidden > 0) text += fmt::format("  ·  {} hidden with {} pixels", hidden, s.hidden);
+  if (hidden > 0) text += fmt::format("  ·  {} hidden with {} {}s", hidden, s.hidden, sample);
   if (hidden > 0) ImGui::AlignTextToFramePadding();
   paragraph(hidden > 0 ? ui.colors.warning : ui.colors.muted, text);
   if (hidden > 0) {
@@ -67,9 +69,9 @@ void draw_beginnings(const Ui& ui) {
   ui.name("planes.doubt");
 }
 
-void tell(const LabelPlane& plane, const PlaneFacts& facts) {
+void tell(const LabelPlane& plane, const PlaneFacts& facts, const char* sample) {
   std::string text =
-      fmt::format("P{}, {}, {} pixels", plane.id, name_of(plane.origin), facts.pixels);
+      fmt::format("P{}, {}, {}", plane.id, name_of(plane.origin), counted(facts.pixels, sample));
   if (plane.confidence < 1) text += fmt::format("\nconfidence {:.0f} %", 100 * plane.confidence);
   ImGui::SetTooltip("%s\nclick: active   double click: look at it", text.c_str());
 }
@@ -86,7 +88,7 @@ void draw_plane(const Ui& ui, const LabelPlane& plane, const PlaneFacts& facts, 
                             ImGuiSelectableFlags_AllowDoubleClick))
     ui.emit(ImGui::IsMouseDoubleClicked(0) ? "label.look" : "label.plane", id);
   ui.name(widget);
-  if (ImGui::IsItemHovered()) tell(plane, facts);
+  if (ImGui::IsItemHovered()) tell(plane, facts, sample_name(*ui.state.label_frame()));
   ImGui::SetCursorPos(at);
   plane_swatch(ui, plane.id, plane.hidden);
   cell(to_string(plane.label, "?"));
@@ -175,9 +177,10 @@ void draw_wand(const Ui& ui) {
     const labels::FittedPlane& plane = view.wand.found->plane;
     paragraph(
         ui.colors.accent,
-        fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {} pixels",
+        fmt::format("{}  ·  {}  ·  RMS {:.1f} mm  ·  {}  ·  {}",
                     to_string(view.wand.found->label, "?"), area_text(plane.area_m2),
-                    1000 * plane.rms_m, tilt_text(plane.tilt_deg), view.wand.found->pixels.size()));
+                    1000 * plane.rms_m, tilt_text(plane.tilt_deg),
+                    counted(view.wand.found->pixels.size(), sample_name(*ui.state.label_frame()))));
     ui.name("planes.wand");
   } else if (!view.wand.why_not.empty()) {
     paragraph(ui.colors.warning, view.wand.why_not);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
@@ -63,10 +64,11 @@ void draw_agreement(const Ui& ui, const labels::Agreement& agreement) {
                                         agreement.mean_iou, agreement.adjusted_rand));
   ui.name("review.agreement");
   paragraph(ui.colors.muted,
-            fmt::format("{} of {} and {} planes match  ·  same plane on {:.1f} % of the pixels, "
+            fmt::format("{} of {} and {} planes match  ·  same plane on {:.1f} % of the {}s, "
                         "same class on {:.1f} %",
                         agreement.matched, agreement.planes_a, agreement.planes_b,
-                        100 * agreement.pixel_agreement, 100 * agreement.label_accuracy));
+                        100 * agreement.pixel_agreement, sample_name(*ui.state.label_frame()),
+                        100 * agreement.label_accuracy));
 }
 
 std::string planes_text(int ours, int theirs) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "app/desktop/labeling/panels/parts.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 #include "core/model/text.hpp"
@@ -21,9 +22,9 @@ void line(const std::string& name, const std::string& value) {
   cell(value);
 }
 
-std::string share_text(std::size_t pixels, std::size_t of) {
+std::string share_text(std::size_t pixels, std::size_t of, const char* sample) {
   const double share = of == 0 ? 0 : static_cast<double>(pixels) / static_cast<double>(of);
-  return fmt::format("{} pixels, {:.1f} %", pixels, 100 * share);
+  return fmt::format("{}, {:.1f} %", counted(pixels, sample), 100 * share);
 }
 
 void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStatistics& s) {
@@ -31,9 +32,10 @@ void draw_frame(const Ui& ui, const FrameLabels& labels, const labels::LabelStat
   if (!ImGui::BeginTable("frame", 2, kTable)) return;
   line("labelled area", area_text(s.labelled_m2));
   line("planes", fmt::format("{}: {} h, {} v", s.planes, s.h, s.v));
-  line("labelled", share_text(s.labelled, s.measured));
-  line("ignored", share_text(s.ignored, s.measured));
-  if (s.hidden > 0) line("hidden", share_text(s.hidden, s.measured));
+  const char* const sample = sample_name(*ui.state.label_frame());
+  line("labelled", share_text(s.labelled, s.measured, sample));
+  line("ignored", share_text(s.ignored, s.measured, sample));
+  if (s.hidden > 0) line("hidden", share_text(s.hidden, s.measured, sample));
   line("review", labels.review_state.empty() ? "unreviewed" : labels.review_state);
   ImGui::EndTable();
 }

@@ -1,0 +1,124 @@
+// The label mode on a cloud: tools in space, no image, undo, review, what is refused.
+
+#include "app/desktop/look.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "desktop_fixture.hpp"
+#include "render/view.hpp"
+#include "support/small_clouds.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two steps behind a floor, as a file.
+const fs::path& stair_file() {
+  static const fs::path path = [] {
+    const fs::path file = fs::path(testing::TempDir()) /
+                          ("planescope_ui_stairs." + std::to_string(::getpid()) + ".ply");
+    io::write_ply(file, *test::stair_cloud().frame.cloud);
+    return file;
+  }();
+  return path;
+}
+
+struct LabelClouds : testing::Test {
+  const fs::path dir = scratch_dir();
+  LabelWindow window{dir / "labels", stair_file()};
+  const test::TrueCloud cloud = test::stair_cloud();
+
+  LabelClouds() { window.run("camera.top"); }
+  static void TearDownTestSuite() { fs::remove(stair_file()); }
+
+  const State& state() const { return window.state(); }
+  const FrameLabels& labels() const { return window.labels(); }
+  std::size_t points_of(int plane) const { return labels::pixels_of_plane(labels(), plane).size(); }
+  /// Where a place of the cloud is seen in a view of 800x800, as an argument.
+  std::string seen(const Vec3f& place) const {
+    const LabelFrame& frame = *state().label_frame();
+    const render::View view = render::make_view(scene_camera(state(), 1), 800, 800);
+    const auto point =
+        render::project(view, (frame.T_world_sensor * place.cast<double>()).cast<float>());
+    return fmt::format("{:.1f},{:.1f}", point->px.x(), point->px.y());
+  }
+  void wand_at(const Vec3f& place) { window.run("label.wand", "space:800x800 " + seen(place)); }
+};
+
+TEST_F(LabelClouds, AreDrawnInSpaceAloneAndTheWandTakesATread) {
+  EXPECT_FALSE(window.shows("panel.image"));
+  EXPECT_TRUE(window.shows("panel.view3d"));
+  wand_at({0.5f, 1.15f, 0.2f});
+  window.run("label.accept");
+  ASSERT_EQ(labels().planes.size(), 1u);
+  EXPECT_EQ(labels().planes[0].label, Label::h);
+  EXPECT_NEAR(static_cast<double>(points_of(1)), static_cast<double>(cloud.on(3).size()), 60);
+  EXPECT_NE(state().view.message.find(" points"), std::string::npos) << state().view.message;
+}
+
+TEST_F(LabelClouds, ALassoTakesWhatIsSeenAndThroughTakesWhatIsBelow) {
+  const auto lasso = "space:800x800 over " + seen({0.1f, 0.7f, 0}) + " " + seen({0.9f, 0.7f, 0}) +
+                     " " + seen({0.9f, 1.25f, 0.2f}) + " " + seen({0.1f, 1.25f, 0.2f});
+  window.run("label.tool.lasso");
+  window.run("label.area", lasso);
+  const std::size_t seen_points = points_of(1);
+  EXPECT_GT(seen_points, 500u);
+  window.run("label.undo");
+  EXPECT_TRUE(labels().planes.empty());
+  window.run("label.through");
+  window.run("label.area", lasso);
+  EXPECT_GT(points_of(1), seen_points) << "the riser below the nosing, too";
+}
+
+TEST_F(LabelClouds, ABrushACutAndTheFinishingGesturesAreEachOneStepOfUndo) {
+  window.run("label.stroke",
+             "space:800x800 20 " + seen({0.3f, 0.5f, 0}) + " " + seen({0.7f, 0.5f, 0}));
+  const std::size_t stroke = points_of(1);
+  EXPECT_GT(stroke, 20u);
+  window.run("label.grow");
+  window.run("label.accept");
+  EXPECT_NEAR(static_cast<double>(points_of(1)), static_cast<double>(cloud.on(1).size()), 120);
+  window.run("label.cut", "space:800x800 " + seen({0.5f, 0, 0}) + " " + seen({0.5f, 0.99f, 0}));
+  EXPECT_EQ(labels().planes.size(), 2u);
+  EXPECT_EQ(window.store().undo_count(), 3u);
+  for (int i = 0; i < 3; ++i) window.run("label.undo");
+  EXPECT_TRUE(labels().planes.empty());
+}
+
+TEST_F(LabelClouds, StartFromTheAlgorithmAndAreReviewedAgainstIt) {
+  window.run("label.take");
+  const std::size_t planes = labels().planes.size();
+  EXPECT_GE(planes, 5u);
+  window.run("review.start");
+  EXPECT_TRUE(state().results.label.review->items.empty());
+  window.run("label.plane", "1");
+  window.run("label.remove");
+  ASSERT_FALSE(state().results.label.review->items.empty());
+  EXPECT_EQ(state().results.label.review->items[0].kind, DisagreementKind::invented);
+  window.run("review.item", "0");
+  window.run("review.take");
+  EXPECT_EQ(labels().planes.size(), planes);
+}
+
+TEST_F(LabelClouds, AreThereAgainAfterACrashAndInTheFilesOnceSaved) {
+  wand_at({0.5f, 0.5f, 0});
+  window.run("label.accept");
+  const auto drawn = labels().plane.data;
+  fs::copy(dir / "labels", dir / "crashed", fs::copy_options::recursive);
+  EXPECT_FALSE(fs::exists(dir / "crashed" / "000000.json"));
+  LabelWindow again(dir / "crashed", stair_file());
+  EXPECT_EQ(again.labels().plane.data, drawn);
+  window.run("label.save");
+  EXPECT_EQ(labels::read_frame_labels(dir / "labels", 0, "")->plane.data, drawn);
+}
+
+TEST_F(LabelClouds, SayInOneLineWhatCloudsHaveNot) {
+  EXPECT_EQ(window.refusal("label.wand", "3,4"),
+            "a cloud has no image: expected a view in space, space:WxH");
+  EXPECT_EQ(window.refusal("label.area", "image over 1,1 5,1 5,5"),
+            "a cloud has no image: expected a view in space, space:WxH");
+  EXPECT_NE(window.refusal("label.carry").find("labels of a cloud are not carried on"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
