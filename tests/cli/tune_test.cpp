@@ -221,3 +221,26 @@ TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
   EXPECT_NE(refused({"--list", "x.txt"}).find("leave out"), std::string::npos);
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
+
+TEST(ProfileOfOnesOwn, TheWindowOpensItAsBBesideWhatWasTyped) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "mine.json", R"({"schema": "planescope.profile/1", "base": "paper",
+                                    "options": {"theta_n_in": 12}})");
+  write_text(dir / "s.json", R"({"actions": [{"expect": {"pinned": true, "profile": "paper"}},
+      {"state": ")" + (dir / "b.json").string() +
+                                 R"("},
+      "option.undo", {"expect": {"profile": "refined"}}]})");
+  const std::vector<std::string> view = {"view",      (dir / "rec").string(),
+                                         "--gravity", "0,1,0",
+                                         "--set",     "theta_n_in=7",
+                                         "--fresh",   "--offscreen",
+                                         "--script",  (dir / "s.json").string(),
+                                         "--compare"};
+  const Ran ran = run_with(view, {(dir / "mine.json").string()});
+  if (ran.code == 3) GTEST_SKIP() << ran.err;
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(Json::parse(read_text(dir / "b.json"))["options"]["theta_n_in"], "12");
+  EXPECT_NE(refusal_of(run_with(view, {"fined"})).find("profile 'fined' is unknown"),
+            std::string::npos);
+}

@@ -6,6 +6,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -30,6 +31,15 @@ void pin(State& state) {
   state.view.against = Against::pinned;
   state.view.tool_tab = "compare";
   say(state, "A pinned: change an option to make B");
+}
+
+/// `profile`: a name, or a file of one's own. What is looked at becomes A.
+void compare_profile(State& state, const std::string& profile) {
+  planes::PipelineOptions after = state.document.options;
+  planes::set_profile(after, profile);
+  pin(state);
+  change_options(state, after);
+  say(state, fmt::format("A is as it was, B has the profile {}", profile));
 }
 
 void flash(State& state) {
@@ -64,6 +74,14 @@ std::vector<Action> compare_actions() {
        "A",
        "",
        [](State& s, const std::string&) { pin(s); },
+       has_current,
+       {}},
+      {"compare.profile",
+       "Pin this run as A, and take a profile as B",
+       menu,
+       "",
+       "NAME|FILE",
+       [](State& s, const std::string& profile) { compare_profile(s, profile); },
        has_current,
        {}},
       {"run.unpin",

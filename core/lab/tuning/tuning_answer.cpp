@@ -59,8 +59,12 @@ std::vector<PricedTrial> pareto_front(std::vector<PricedTrial> trials) {
 std::string verdict(const TuningAnswer& answer) {
   if (answer.tuned.best.setting.empty())
     return "Nothing was found that gains on the tuning half: the profile is that of the start.";
-  if (gain_of(answer.held_tuned, answer.held_base).counts())
+  const Gain gain = gain_of(answer.held_tuned, answer.held_base);
+  if (gain.counts() && gain.mean > 2 * gain.error)
     return "The tuned options gain on the frames that were held out.";
+  if (gain.counts())
+    return "The tuned options gain on the frames that were held out, but by less than two standard "
+           "errors: more labelled frames would tell.";
   if (gain_of(answer.held_base, answer.held_tuned).counts())
     return "The tuned options LOSE on the frames that were held out: keep those of the start.";
   return "The tuned options DO NOT GAIN on the frames that were held out, beyond what one frame "
