@@ -53,10 +53,11 @@ std::string setting_text(const Setting& setting) {
 }
 
 std::string front_table(const TuningAnswer& answer) {
-  std::string rows = "<tr><th>ms</th><th>PQ</th><th>options</th></tr>\n";
+  constexpr const char* kLeft = "style=\"text-align:left;white-space:nowrap\"";
+  std::string rows = fmt::format("<tr><th>ms</th><th>PQ</th><th {}>options</th></tr>\n", kLeft);
   for (const PricedTrial& trial : pareto_front(answer.priced))
-    rows += fmt::format("<tr><td>{:.1f}</td><td>{:.2f}</td><td><code>{}</code></td></tr>\n",
-                        trial.ms, trial.pq, html_escape(setting_text(trial.setting)));
+    rows += fmt::format("<tr><td>{:.1f}</td><td>{:.2f}</td><td {}><code>{}</code></td></tr>\n",
+                        trial.ms, trial.pq, kLeft, html_escape(setting_text(trial.setting)));
   return "<div class=\"wide\"><table>\n" + rows + "</table></div>\n";
 }
 
