@@ -14,6 +14,7 @@ void define_eval(CLI::App& app, Line& line);
 void define_options(CLI::App& app, Line& line);
 void define_synth(CLI::App& app, Line& line);
 void define_train(CLI::App& app, Line& line);
+void define_tune(CLI::App& app, Line& line);
 void define_labels(CLI::App& app, Line& line);
 
 constexpr const char* kManyInputs = "Bags, folders, .raw, .ply or .pcd files";

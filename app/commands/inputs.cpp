@@ -15,6 +15,7 @@
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::app {
 namespace fs = std::filesystem;
@@ -79,6 +80,7 @@ void set_pipeline_option(planes::PipelineOptions& options,
     if (equals == std::string::npos) throw Error("--set: '" + text + "' is not NAME=VALUE");
     return planes::set_option(options, text.substr(0, equals), text.substr(equals + 1));
   }
+  if (name == "--profile") return planes::set_profile(options, text);
   if (name == "--foot")
     return planes::set_option(options, "foot_radius_m", fmt::format("{}", foot_radius_m(text)));
   const std::string option = name == "--max-range" ? "max_range_m"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <vector>
 
 #include "app/cli/assets.hpp"
 #include "app/cli/output.hpp"
@@ -15,6 +15,7 @@
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::app {
 namespace {
@@ -89,11 +90,19 @@ void expect_folder_of(const std::filesystem::path& file) {
         fmt::format("{}: cannot be written, {} is no folder", file.string(), folder.string()));
 }
 
+/// What is played when the window is there.
+std::vector<Script> scripts_of(const ViewArgs& args) {
+  std::vector<Script> scripts;
+  if (!args.compare.empty())
+    scripts.push_back(Script::of("compare.profile", args.compare, "--compare"));
+  if (!args.script.empty()) scripts.push_back(Script::read(args.script));
+  return scripts;
+}
+
 int run_offscreen(const ViewArgs& args, std::stop_token stop) {
   expect_folder_of(args.screenshot);
   expect_folder_of(args.state);
-  std::optional<Script> script;
-  if (!args.script.empty()) script = Script::read(args.script);
+  const std::vector<Script> scripts = scripts_of(args);
   std::unique_ptr<Offscreen> offscreen;
   State state = view_state(args);
   try {
@@ -104,7 +113,7 @@ int run_offscreen(const ViewArgs& args, std::stop_token stop) {
     return 3;
   }
   settle(offscreen->shell(), *offscreen, stop, /*background=*/false);
-  if (script) script->play(offscreen->shell(), *offscreen, stop);
+  for (const Script& script : scripts) script.play(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty() || !args.state.empty()) settle(offscreen->shell(), *offscreen, stop);
   if (!args.screenshot.empty()) offscreen->screenshot(args.screenshot);
   if (!args.state.empty())
@@ -117,7 +126,7 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   options.settings = args.fresh ? Settings{} : load_settings();
   options.keep_settings = !args.fresh;
   options.state_file = args.state;
-  if (!args.script.empty()) options.script = Script::read(args.script);
+  options.scripts = scripts_of(args);
   try {
     run_window(first_state(args, options.settings), options, stop);
   } catch (const NoDisplay& none) {
@@ -181,6 +190,8 @@ void define_view(CLI::App& app, Line& line) {
          "before it: of the report's second recording");
   option("--baseline", args->baseline, "FILE",
          "Of the report that is opened, whose options become run A; default: the one it names");
+  option("--compare", args->compare, "NAME|FILE",
+         "A profile that becomes run B beside what is typed, which is A");
   option("--script", args->script, "FILE.json", "Actions and input to begin with, docs/desktop.md");
   option("--screenshot", args->screenshot, "FILE.png", "Draw the window into a picture, and end");
   option("--state", args->state, "FILE.json", "Write what the window shows as plain facts");
@@ -197,6 +208,8 @@ void define_view(CLI::App& app, Line& line) {
     if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
       throw Error("--screenshot " + args->screenshot.string() +
                   ": expected a name that ends in .png");
+    planes::PipelineOptions ignored;
+    if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // a bad one throws
     if (args->open.empty() && !args->baseline.empty())
       throw Error("--baseline: is of a report, give --open REPORT.json");
     if (!args->open.empty() && method_typed(*view))

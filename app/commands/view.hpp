@@ -14,6 +14,7 @@ struct ViewArgs {
   InputArgs input;
   std::string open;                  // session or report, or a place in it after a '#'
   std::filesystem::path baseline;    // of the report; empty: the one that it names
+  std::string compare;               // a profile, as B against what is typed
   std::filesystem::path script;      // scripted actions and input
   std::filesystem::path screenshot;  // a PNG of the window, drawn without a display
   std::filesystem::path state;       // facts about the window, as JSON

@@ -256,6 +256,13 @@ Script Script::read(const fs::path& path) {
   return script;
 }
 
+Script Script::of(const std::string& action, const std::string& with, const std::string& from) {
+  Script script;
+  script.path_ = from;
+  script.actions_ = std::make_shared<const Json>(Json::array({{{"do", action}, {"with", with}}}));
+  return script;
+}
+
 void Script::play(Shell& shell, Stage& stage, std::stop_token stop) const {
   Player player(shell, stage, stop);
   int number = 0;

@@ -53,6 +53,8 @@ class Script {
  public:
   /// Throws Error naming the file and the action that cannot be understood.
   static Script read(const std::filesystem::path& path);
+  /// Of one action; `from`: what is named where it fails.
+  static Script of(const std::string& action, const std::string& with, const std::string& from);
   /// Throws as the actions do, Error naming the place in the script; ExpectationFailed. Only a
   /// screenshot, a state and an expectation that does not hold yet wait for background work.
   void play(Shell& shell, Stage& stage, std::stop_token stop) const;

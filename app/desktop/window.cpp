@@ -270,7 +270,7 @@ void Window::keep_settings() const {
 
 void Window::run(std::stop_token stop) {
   const std::stop_callback wake(stop, [] { glfwPostEmptyEvent(); });
-  if (options_.script) options_.script->play(shell(), *this, stop);
+  for (const Script& script : options_.scripts) script.play(shell(), *this, stop);
   while (!glfwWindowShouldClose(window_) && !shell().state().view.quit && !stop.stop_requested()) {
     // Nothing is drawn until something happens; what is under way wakes the window when it is done.
     if (shell().idle())

@@ -23,7 +23,7 @@ struct NoDisplay : std::runtime_error {
 struct WindowOptions {
   Settings settings;                 // size and place
   bool keep_settings = true;         // write them back when it closes
-  std::optional<Script> script;      // played when the window is there
+  std::vector<Script> scripts;       // played when the window is there
   std::filesystem::path state_file;  // state_facts() whenever they change; empty: nowhere
 };
 

@@ -1,51 +1,16 @@
 #include "app/lab/lists.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
-#include <functional>
-#include <span>
 #include <sstream>
 
+#include "app/commands/input_list.hpp"
 #include "core/model/error.hpp"
-#include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::app {
 namespace {
-
-/// Calls read(words) for each line that is not empty and no comment. Throws Error naming the list
-/// and the line where that throws one.
-void read_list(const std::filesystem::path& list,
-               const std::function<void(std::istringstream& words)>& read) {
-  std::ifstream file = open_to_read(list);
-  int number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++number;
-    std::istringstream words(line);
-    if ((words >> std::ws).eof() || words.peek() == '#') continue;
-    try {
-      read(words);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}, line {}: {}", list.string(), number, error.what()));
-    }
-  }
-  if (file.bad()) throw Error(list.string() + ": cannot be read to its end");
-}
-
-/// The rest of a line: options as they would be typed, of those that are `known`. Throws Error.
-void set_options(InputArgs& args, std::istringstream& words, std::span<const std::string> known) {
-  std::string name, value;
-  while (words >> name) {
-    if (std::ranges::find(known, name) == known.end())
-      throw Error(
-          fmt::format("'{}' is not known, expected some of {}", name, fmt::join(known, ", ")));
-    if (!(words >> value)) throw Error(name + " has no value");
-    set_input_option(args, name, value);
-  }
-}
 
 lab::ListedFrame listed_frame(std::istringstream& words) {
   static const std::vector<std::string> options = {"--intrinsics", "--depth-unit", "--gravity",
@@ -59,7 +24,7 @@ lab::ListedFrame listed_frame(std::istringstream& words) {
   name.frame = parse_integer(frame, "FRAME");
   if (name.frame < 0) throw Error("FRAME: " + frame + " is out of range, expected at least 0");
   InputArgs input;
-  set_options(input, words, options);
+  set_listed_options(input, words, options);
   listed.reading = {input.recording, input.pipeline.gravity, input.pipeline.cloud.max_range_m};
   return listed;
 }
@@ -92,7 +57,7 @@ std::vector<PaperRecording> listed_recordings(const std::filesystem::path& list,
     std::string name, path;
     if (!(words >> name >> path)) throw Error("a name without a path");
     PaperRecording recording{name, {}};
-    set_options(recording.input, words, options);
+    set_listed_options(recording.input, words, options);
     recording.input.inputs = {data / path};
     if (std::filesystem::exists(data / path)) recordings.push_back(std::move(recording));
   });

@@ -12,7 +12,7 @@ using Words = std::vector<std::string>;
 
 const std::vector<Words> kCommands = {{"view"},  {"info"},    {"segment"}, {"report"},
                                       {"eval"},  {"options"}, {"synth"},   {"synth", "sample"},
-                                      {"train"}, {"labels"}};
+                                      {"train"}, {"tune"},    {"labels"}};
 const std::vector<Words> kLabCommands = {{"bench"},
                                          {"bench", "paper"},
                                          {"bench", "real"},

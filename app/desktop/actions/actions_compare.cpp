@@ -6,6 +6,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -31,6 +32,15 @@ void pin(State& state) {
   state.view.tool_tab = "compare";
   say_hint(state, "A pinned: change an option to make B",
            [](const State& s) { return s.results.pinned != s.results.current; });
+}
+
+/// `profile`: a name, or a file of one's own. What is looked at becomes A.
+void compare_profile(State& state, const std::string& profile) {
+  planes::PipelineOptions after = state.document.options;
+  planes::set_profile(after, profile);
+  pin(state);
+  change_options(state, after);
+  say(state, fmt::format("A is as it was, B has the profile {}", profile));
 }
 
 void flash(State& state) {
@@ -72,6 +82,14 @@ std::vector<Action> compare_actions() {
        "A",
        "",
        [](State& s, const std::string&) { pin(s); },
+       has_current,
+       {}},
+      {"compare.profile",
+       "Pin this run as A, and take a profile as B",
+       menu,
+       "",
+       "NAME|FILE",
+       [](State& s, const std::string& profile) { compare_profile(s, profile); },
        has_current,
        {}},
       {"run.unpin",

@@ -5,25 +5,12 @@
 #include <kainjow/mustache.hpp>
 
 #include "core/report/page/charts.hpp"
+#include "core/report/page/plain_page.hpp"
 
 namespace planescope::lab {
 namespace {
 
 using kainjow::mustache::html_escape;
-
-constexpr const char* kStyle =
-    ":root{color-scheme:light dark;--page:#f7f7f5;--ink:#1d2127;--soft:#5a626d;--line:#e2e3e1}\n"
-    "@media (prefers-color-scheme:dark){"
-    ":root{--page:#131519;--ink:#e5e7ea;--soft:#9aa2ad;--line:#2c3037}}\n"
-    "body{margin:2.5rem auto;max-width:56rem;padding:0 1.5rem;background:var(--page);"
-    "color:var(--ink);font:15px/1.55 system-ui,sans-serif;font-variant-numeric:tabular-nums}\n"
-    "h1{font-size:1.7rem;line-height:1.2;overflow-wrap:anywhere}h2{font-size:1.2rem;margin:2rem 0 "
-    ".6rem}\n"
-    "dl{display:grid;grid-template-columns:max-content minmax(0,1fr);gap:.2rem 1.4rem}"
-    "dt,.soft{color:var(--soft)}dd{margin:0;overflow-wrap:anywhere}\n"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;width:100%}"
-    "td,th{padding:.2rem .6rem;text-align:right;border-bottom:1px solid var(--line)}"
-    "th{font-weight:600;vertical-align:bottom}\n";
 
 report::LineChart chart_over(const std::vector<Epoch>& epochs, const std::string& title) {
   report::LineChart chart{.title = title, .x_name = "steps", .x = {}, .curves = {}};
@@ -67,12 +54,7 @@ std::string table(const TrainingSummary& summary) {
 }  // namespace
 
 std::string training_page(const TrainingSummary& summary) {
-  const std::string title = html_escape(summary.title);
-  std::string page = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-      "<title>{0}</title>\n<style>\n{1}{2}</style></head><body>\n<h1>{0}</h1>\n<dl>\n",
-      title, kStyle, report::line_chart_style());
+  std::string page = "<dl>\n";
   for (const auto& [name, value] : summary.facts)
     page += fmt::format("<dt>{}</dt><dd>{}</dd>\n", html_escape(name), html_escape(value));
   page += "</dl>\n";
@@ -86,7 +68,7 @@ std::string training_page(const TrainingSummary& summary) {
         "[%]</p>\n" +
         table(summary);
   }
-  return page + "</body></html>\n";
+  return report::plain_page(summary.title, page);
 }
 
 }  // namespace planescope::lab

@@ -116,10 +116,10 @@ double x_of(const Axis& axis, double value) {
   return kLeft + axis.share(value) * (kWidth - kLeft - kRight);
 }
 
-/// Where all x are whole numbers, there are no ticks between whole numbers.
-std::string x_ticks(const Axis& axis, const LineChart& chart) {
-  const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
-  const bool counts = std::ranges::all_of(chart.x, is_whole);
+bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-9; }
+
+/// `counts`: no ticks between whole numbers.
+std::string x_ticks(const Axis& axis, const std::string& x_name, bool counts) {
   std::string svg;
   for (const double tick : axis.ticks) {
     if (counts && !is_whole(tick)) continue;
@@ -127,7 +127,7 @@ std::string x_ticks(const Axis& axis, const LineChart& chart) {
                        x_of(axis, tick), kHeight - kBottom + 18, tick);
   }
   return svg + fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                           (kLeft + kWidth - kRight) / 2, kHeight - 6, html_escape(chart.x_name));
+                           (kLeft + kWidth - kRight) / 2, kHeight - 6, html_escape(x_name));
 }
 
 std::string mark(const LineChart& chart, const Axis& axis) {
@@ -184,7 +184,9 @@ std::string line_chart(const LineChart& chart) {
   assert(!chart.x.empty() && !chart.curves.empty());
   const Axis x = x_axis(chart);
   const Axis y = y_axis(chart);
-  std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart) + mark(chart, x);
+  std::string svg = begin_svg(chart.title) + y_grid(y) +
+                    x_ticks(x, chart.x_name, std::ranges::all_of(chart.x, is_whole)) +
+                    mark(chart, x);
   for (std::size_t c = 0; c < chart.curves.size(); ++c) {
     const Curve& curve = chart.curves[c];
     assert(curve.values.size() == chart.x.size());
@@ -232,6 +234,35 @@ std::string bar_chart(const BarChart& chart) {
   }
   for (std::size_t g = 0; g < chart.groups.size(); ++g)
     svg += group_name(chart.groups[g], kLeft + (static_cast<double>(g) + 0.5) * group_px);
+  return svg + "</svg>\n";
+}
+
+std::string scatter_chart(const ScatterChart& chart) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  Range across{kNone, kNone}, up{kNone, kNone};
+  for (const Scatter& group : chart.groups)
+    for (const auto& [x, y] : group.points) {
+      across = {std::fmin(across.low, x), std::fmax(across.high, x)};
+      up = {std::fmin(up.low, y), std::fmax(up.high, y)};
+    }
+  assert(!std::isnan(up.low));
+  const Axis x = axis_over(across.low, across.high), y = axis_over(up.low, up.high);
+  std::string svg = begin_svg(chart.title) + y_grid(y) + x_ticks(x, chart.x_name, false);
+  for (std::size_t g = 0; g < chart.groups.size(); ++g) {
+    const Scatter& group = chart.groups[g];
+    std::string path;
+    for (const auto& [px, py] : group.points) {
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x_of(x, px), y_of(y, py));
+      svg += fmt::format("<circle class=\"bar{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n",
+                         group.color, x_of(x, px), y_of(y, py), group.radius_px);
+    }
+    if (group.joined) svg += fmt::format("<path class=\"curve{}\" d=\"{}\"/>\n", group.color, path);
+    const int legend_x = kWidth - kRight + 24, legend_y = kTop + 8 + 20 * static_cast<int>(g);
+    svg += fmt::format(
+        "<circle class=\"bar{}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/><text x=\"{}\" y=\"{}\">{}</text>\n",
+        group.color, legend_x, legend_y, group.radius_px, legend_x + 16, legend_y + 4,
+        html_escape(group.name));
+  }
   return svg + "</svg>\n";
 }
 

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace planescope::report {
@@ -41,6 +42,24 @@ struct BarChart {
 /// The chart as an SVG element. Each bar says its value where a
 /// mouse rests on it.
 std::string bar_chart(const BarChart& chart);
+
+/// Points of one kind.
+struct Scatter {
+  std::string name;
+  std::vector<std::pair<double, double>> points;  // x, y
+  int color = 0;                                  // one of the style's
+  double radius_px = 3.5;
+  bool joined = false;  // by a line, in their order
+};
+
+struct ScatterChart {
+  std::string title;  // read out where the chart is not seen
+  std::string x_name;
+  std::vector<Scatter> groups;  // later ones above; with one point at least
+};
+
+/// The chart as an SVG element.
+std::string scatter_chart(const ScatterChart& chart);
 
 /// CSS for a page with charts, light and dark as the reader's system is.
 std::string line_chart_style();

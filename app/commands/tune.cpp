@@ -1,0 +1,192 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/tune_frames.hpp"
+#include "core/lab/tuning/tuning_answer.hpp"
+#include "core/lab/tuning/tuning_journal.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/sha256.hpp"
+#include "core/model/text.hpp"
+#include "core/report/data/build_info.hpp"
+
+namespace planescope::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string digest(const std::string& text) {
+  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+/// What another search must not go on with. What is held out is none of it: it is not searched on.
+lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
+                              const std::vector<std::string>& searched,
+                              const planes::ChosenClassifier& chosen) {
+  std::string hashes, options, names;
+  for (const lab::TuningFrame& frame : frames) {
+    hashes += frame.hash;
+    for (const planes::OptionInfo& info : planes::option_table())
+      options += info.name + "=" + info.get(frame.options) + "\n";
+  }
+  for (const std::string& name : searched) names += name + "\n";
+  const report::BuildInfo build = report::build_info();
+  return {{"frames or labels", digest(hashes)},
+          {"options", digest(options)},
+          {"weights", chosen.weights ? chosen.weights->sha256 : "none"},
+          {"options that are searched", digest(names)},
+          {"program", build.version + " " + build.commit}};
+}
+
+std::vector<std::string> searched_options(const TuneArgs& args) {
+  std::vector<std::string> names;
+  for (const planes::OptionInfo& info : planes::option_table()) {
+    const bool asked =
+        args.options.empty() || std::ranges::find(args.options, info.name) != args.options.end();
+    if (asked && lab::is_tunable(info)) names.push_back(info.name);
+  }
+  for (const std::string& name : args.options)
+    if (!lab::is_tunable(planes::find_option(name)))
+      throw Error(fmt::format(
+          "--only {}: is not tuned, it decides what is scored or is no number, switch or choice "
+          "of the method",
+          name));
+  return names;
+}
+
+class TuneRun {
+ public:
+  TuneRun(const TuneArgs& args, std::stop_token stop)
+      : args_(args), stop_(std::move(stop)), searched_(searched_options(args)) {}
+
+  int run() {
+    check_output_dir(args_.out);
+    TuneFrames frames = read_tune_frames(args_);
+    planes::ChosenClassifier chosen = choose_classifier(args_.input.pipeline);
+    make_output_dir(args_.out);
+    const FolderLock lock = FolderLock::take(args_.out, "planescope tune");
+    if (!lock.is_held()) throw Error(args_.out.string() + ": is " + lock.why_not());
+    lab::TuningJournal journal(args_.out, purpose_of(frames.tuning, searched_, chosen));
+    if (!journal.trials().empty() && !args_.json)
+      notice("going on after {}", counted(journal.trials().size(), "trial"));
+    const lab::TuningSet tuning(std::move(frames.tuning), chosen.classifier);
+    const lab::TuningSet held(std::move(frames.held), chosen.classifier);
+
+    lab::TuningAnswer answer;
+    answer.base = args_.input.pipeline;
+    for (const lab::TuningFrame& frame : tuning.frames()) answer.frames.push_back(frame.name);
+    for (const lab::TuningFrame& frame : held.frames()) answer.held.push_back(frame.name);
+    answer.tuned = search(tuning, journal);
+    score_held(held, answer);
+    answer.trials = journal.trials().size();
+    for (const lab::Trial& trial : journal.trials())
+      if (const auto ms = journal.time_of(trial.setting))
+        answer.priced.push_back({trial.setting, lab::mean_score(trial), *ms});
+    write(answer);
+    return 0;
+  }
+
+ private:
+  lab::Tuned search(const lab::TuningSet& set, lab::TuningJournal& journal) {
+    const auto begin = std::chrono::steady_clock::now();
+    Progress bar("tune", args_.trials);
+    double best = 0;
+    const auto evaluate = [&](std::span<const lab::Setting> settings, bool may_end) {
+      std::vector<lab::Setting> unknown;
+      for (const lab::Setting& setting : settings)
+        if (!journal.find(setting) && std::ranges::find(unknown, setting) == unknown.end())
+          unknown.push_back(setting);
+      const auto take = [&](const lab::TimedTrial& timed) {
+        journal.add(timed.trial, timed.ms);
+        best = std::max(best, lab::mean_score(timed.trial));
+      };
+      const auto progress = [&](int, int) {
+        if (stop_.stop_requested()) throw Cancelled();
+        const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
+        if (may_end && args_.time_s > 0 && spent.count() > args_.time_s) throw lab::TuningSpent();
+        bar.show(std::min(static_cast<int>(journal.trials().size()), args_.trials),
+                 fmt::format("best PQ {:.2f}", best));
+      };
+      set.score(unknown, args_.input.pipeline.threads, take, progress);
+      std::vector<lab::Trial> trials;
+      for (const lab::Setting& setting : settings) trials.push_back(*journal.find(setting));
+      return trials;
+    };
+    return lab::search_options({args_.input.pipeline, searched_, args_.trials, evaluate});
+  }
+
+  void score_held(const lab::TuningSet& held, lab::TuningAnswer& answer) {
+    const std::vector<lab::Setting> both = {{}, answer.tuned.best.setting};
+    std::vector<lab::TimedTrial> scored;
+    held.score(
+        both, args_.input.pipeline.threads,
+        [&](const lab::TimedTrial& timed) { scored.push_back(timed); },
+        [&](int, int) {
+          if (stop_.stop_requested()) throw Cancelled();
+        });
+    answer.held_base = scored[0].trial;
+    answer.base_ms = scored[0].ms;
+    answer.held_tuned = scored[1].trial;
+    answer.tuned_ms = scored[1].ms;
+  }
+
+  void write(const lab::TuningAnswer& answer) {
+    const std::string json = lab::tuning_json(answer);
+    write_file_text(args_.out / "profile.json", lab::tuned_profile(answer));
+    write_file_text(args_.out / "tuning.json", json);
+    write_file_text(args_.out / "index.html", lab::tuning_page(answer));
+    if (!answer.priced.empty())
+      write_file_text(args_.out / "pareto.svg", lab::pareto_picture(answer));
+    if (args_.json) {
+      fmt::print("{}", json);
+      return;
+    }
+    const std::string profile = (args_.out / "profile.json").string();
+    fmt::print("{}\nprofile: {}\npage: {}\n", lab::tuning_text(answer), profile,
+               (args_.out / "index.html").string());
+  }
+
+  const TuneArgs& args_;
+  std::stop_token stop_;
+  std::vector<std::string> searched_;
+};
+
+/// Searches options for labelled frames, and writes what it found. A rerun goes on where a stop,
+/// --trials or --time ended it. Returns the exit code; throws Cancelled on a stop.
+int run_tune(const TuneArgs& args, std::stop_token stop) {
+  return TuneRun(args, std::move(stop)).run();
+}
+
+}  // namespace
+
+void define_tune(CLI::App& app, Line& line) {
+  CLI::App* tune = app.add_subcommand(
+      "tune",
+      "Search options for labelled frames: on one half of them, scored once on the other.\n"
+      "Writes profile.json for --profile, and index.html; a rerun goes on where it was stopped.");
+  const auto args = std::make_shared<TuneArgs>();
+  add_inputs(tune, args->input, kManyInputs);
+  add_out(tune, args->out)->required();
+  add_json(tune, args->json);
+  add(tune, "--list", args->list, "FILE",
+      "In place of recordings: lines of HALF RECORDING OPTIONS, with options of that recording; "
+      "HALF is tuning, held-out, or - for every --hold-out-th frame; paths are from its folder on");
+  add(tune, "--hold-out", args->hold_out, "N",
+      "Every so many-th labelled frame is held out, default 2: it is never searched on")
+      ->transform(whole(2));
+  add(tune, "--trials", args->trials, "N", "At most so many, default 1000")->transform(whole(1));
+  add(tune, "--time", args->time_s, "SECONDS", "Stop the search after so long; default: no limit")
+      ->check(number(0));
+  add(tune, "--only", args->options, "NAME,...",
+      "Options to search; default: all of the method, docs/tuning.md");
+  add_method(tune, args->input.pipeline);
+  runs(tune, line, args, run_tune);
+}
+
+}  // namespace planescope::app

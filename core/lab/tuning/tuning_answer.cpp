@@ -1,0 +1,131 @@
+#include "core/lab/tuning/tuning_answer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/model/text.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
+
+namespace planescope::lab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// "81.23 +- 9.11": over frames.
+std::string spread_text(const Trial& trial) {
+  const double mean = mean_score(trial);
+  double squares = 0;
+  for (const double score : trial.scores) squares += (score - mean) * (score - mean);
+  const auto count = static_cast<double>(trial.scores.size());
+  return fmt::format("{:.2f} +- {:.2f}", mean, count < 2 ? 0.0 : std::sqrt(squares / (count - 1)));
+}
+
+std::string half_line(const char* name, const Trial& base, const Trial& tuned) {
+  const Gain gain = gain_of(tuned, base);
+  return fmt::format("{:<9} {:>6}  {:>15}  {:>15}  {:>15}  {:>6}  {:>5}  {:>5}\n", name,
+                     base.scores.size(), spread_text(base), spread_text(tuned),
+                     fmt::format("{:+.2f} +- {:.2f}", gain.mean, gain.error), gain.better,
+                     gain.worse, gain.alike);
+}
+
+Json half_json(const std::vector<std::string>& names, const Trial& base, const Trial& tuned) {
+  const Gain gain = gain_of(tuned, base);
+  Json json = {{"base_pq", mean_score(base)},
+               {"tuned_pq", mean_score(tuned)},
+               {"gain", gain.mean},
+               {"standard_error", gain.error},
+               {"frames", Json::array()}};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    json["frames"].push_back(
+        {{"name", names[i]}, {"base_pq", base.scores[i]}, {"tuned_pq", tuned.scores[i]}});
+  return json;
+}
+
+}  // namespace
+
+std::vector<PricedTrial> pareto_front(std::vector<PricedTrial> trials) {
+  std::ranges::sort(trials, [](const PricedTrial& a, const PricedTrial& b) {
+    return a.ms != b.ms ? a.ms < b.ms : a.pq > b.pq;
+  });
+  std::vector<PricedTrial> front;
+  for (PricedTrial& trial : trials)
+    if (front.empty() || trial.pq > front.back().pq) front.push_back(std::move(trial));
+  return front;
+}
+
+std::string verdict(const TuningAnswer& answer) {
+  if (answer.tuned.best.setting.empty())
+    return "Nothing was found that gains on the tuning half: the profile is that of the start.";
+  const Gain gain = gain_of(answer.held_tuned, answer.held_base);
+  if (gain.counts() && gain.mean > 2 * gain.error)
+    return "The tuned options gain on the frames that were held out.";
+  if (gain.counts())
+    return "The tuned options gain on the frames that were held out, but by less than two standard "
+           "errors: more labelled frames would tell.";
+  if (gain_of(answer.held_base, answer.held_tuned).counts())
+    return "The tuned options LOSE on the frames that were held out: keep those of the start.";
+  return "The tuned options DO NOT GAIN on the frames that were held out, beyond what one frame "
+         "makes: what was found is of the tuning half alone.";
+}
+
+std::string tuning_text(const TuningAnswer& answer) {
+  const Tuned& tuned = answer.tuned;
+  std::string text = fmt::format(
+      "PQ [%], mean +- standard deviation over frames; gain +- its standard error\n"
+      "{:<9} {:>6}  {:>15}  {:>15}  {:>15}  {:>6}  {:>5}  {:>5}\n",
+      "half", "frames", "start", "tuned", "gain", "better", "worse", "alike");
+  text += half_line("tuning", tuned.base, tuned.best);
+  text += half_line("held out", answer.held_base, answer.held_tuned);
+  text += fmt::format("\n{}\n", verdict(answer));
+  if (!tuned.changes.empty()) {
+    std::size_t width = 6;
+    for (const TakenBack& change : tuned.changes) width = std::max(width, change.option.size());
+    text +=
+        fmt::format("\n{:<{}}  {:>10}  {:>10}  PQ lost on the tuning half where it is taken back\n",
+                    "option", width, "start", "tuned");
+    for (const TakenBack& change : tuned.changes)
+      text += fmt::format("{:<{}}  {:>10}  {:>10}  {:.2f}\n", change.option, width,
+                          planes::find_option(change.option).get(answer.base),
+                          tuned.best.setting.at(change.option),
+                          -gain_of(change.without, tuned.best).mean);
+  }
+  return text + fmt::format("\n{}; {}.\n", counted(answer.trials, "trial"),
+                            tuned.complete ? "no step from here gains more"
+                                           : "stopped before the search was through, a rerun with "
+                                             "more --trials or --time goes on");
+}
+
+std::string tuning_json(const TuningAnswer& answer) {
+  const Tuned& tuned = answer.tuned;
+  Json json;
+  json["schema"] = "planescope.tuning/1";
+  json["verdict"] = verdict(answer);
+  json["complete"] = tuned.complete;
+  json["trials"] = answer.trials;
+  json["options"] = Json::array();
+  for (const TakenBack& change : tuned.changes)
+    json["options"].push_back({{"name", change.option},
+                               {"start", planes::find_option(change.option).get(answer.base)},
+                               {"tuned", tuned.best.setting.at(change.option)},
+                               {"pq_lost_without", -gain_of(change.without, tuned.best).mean}});
+  json["tuning"] = half_json(answer.frames, tuned.base, tuned.best);
+  json["held_out"] = half_json(answer.held, answer.held_base, answer.held_tuned);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string tuned_profile(const TuningAnswer& answer) {
+  const planes::PipelineOptions tuned = with_setting(answer.base, answer.tuned.best.setting);
+  planes::ProfileFile profile{tuned.segment.profile, {}};
+  for (const planes::OptionInfo& info : planes::option_table()) {
+    const bool chosen = is_tunable(info) || info.name == "method" || info.name == "classifier";
+    if (const std::string value = info.get(tuned);
+        chosen && value != planes::default_value(info, profile.base))
+      profile.options.emplace_back(info.name, value);
+  }
+  return planes::profile_text(profile);
+}
+
+}  // namespace planescope::lab

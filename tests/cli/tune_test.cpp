@@ -1,0 +1,246 @@
+// Profiles of one's own, and the search for them.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/program.hpp"
+#include "cli/scene_files.hpp"
+#include "core/labels/model/label_files.hpp"
+
+namespace fs = std::filesystem;
+using namespace planescope;
+using namespace planescope::testing_cli;
+using Json = nlohmann::json;
+
+namespace {
+
+/// Value of an option as `planescope options` shows it with these words typed.
+std::string value_of(std::vector<std::string> typed, const std::string& name) {
+  typed.insert(typed.begin(), {"options", "--json"});
+  const Ran ran = run(typed);
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  const Json printed = Json::parse(ran.out);
+  for (const Json& option : printed["options"])
+    if (option["name"] == name) return option["value"];
+  return "no such option";
+}
+
+/// A recording with labels of all frames beside it.
+void write_labelled(const fs::path& dir, int frames) {
+  write_depth_folder(dir, floor_and_wall(), frames);
+  const auto recording = io::open_recording(dir);
+  for (int i = 0; i < frames; ++i)
+    labels::write_frame_labels(labels::default_label_dir(dir), i,
+                               floor_and_wall_labels(*recording, i));
+}
+
+void write_without_wall(const fs::path& dir, int frame) {
+  FrameLabels labels = floor_and_wall_labels(*io::open_recording(dir), frame);
+  for (std::size_t i = 0; i < labels.plane.data.size(); ++i)
+    if (labels.plane.data[i] == 2) labels.plane.data[i] = labels.hv.data[i] = 0;
+  labels.planes.pop_back();
+  labels::write_frame_labels(labels::default_label_dir(dir), frame, labels);
+}
+
+/// On the recording `rec` of a folder, into its folder `out`. PCA labels are not perfect: there is
+/// something to gain.
+std::vector<std::string> tune(const fs::path& dir, const std::string& out) {
+  return {"tune",
+          (dir / "rec").string(),
+          "-o",
+          (dir / out).string(),
+          "--gravity",
+          "0,1,0",
+          "--classifier",
+          "pca",
+          "--only",
+          "pca_neighbours,voxel_size_m,theta_coplane,r10_pixels,r11_reach_m,r11_pixel_borders"};
+}
+
+Ran run_with(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return run(words);
+}
+
+std::vector<std::string> answers(const fs::path& dir) {
+  std::vector<std::string> texts;
+  for (const char* name : {"journal.jsonl", "profile.json", "tuning.json"})
+    texts.push_back(read_text(dir / name));
+  return texts;
+}
+
+/// The one line that tells what is wrong.
+std::string refusal_of(const Ran& ran) {
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+  return ran.err;
+}
+
+}  // namespace
+
+TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
+  const auto file = scratch() / "mine.json";
+  write_text(file, R"({"schema": "planescope.profile/1", "base": "paper",
+                      "options": {"theta_n_in": 12, "theta_coplane": 0.9, "r7_second_merge": true}})");
+  EXPECT_EQ(value_of({"--profile", file.string()}, "theta_n_in"), "12");
+  EXPECT_EQ(value_of({"--profile", file.string()}, "profile"), "paper");
+  EXPECT_EQ(value_of({"--profile", file.string()}, "r7_second_merge"), "on");
+  const std::vector<std::string> both = {"--set", "theta_n_in=20", "--profile", file.string()};
+  EXPECT_EQ(value_of(both, "theta_n_in"), "20");
+  EXPECT_EQ(value_of(both, "theta_coplane"), "0.9");
+}
+
+TEST(ProfileOfOnesOwn, WhatItSetsIsRecordedInThePlanes) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "mine.json", R"({"schema": "planescope.profile/1",
+                                    "options": {"theta_n_in": 12}})");
+  const auto planes = [&](const std::string& out, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "segment", (dir / "rec").string(), "-o", (dir / out).string(), "--gravity", "0,1,0"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = run(words);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return read_text(dir / out / "frames/000000/planes.json");
+  };
+  const std::string by_file = planes("a", {"--profile", (dir / "mine.json").string()});
+  EXPECT_EQ(by_file, planes("b", {"--set", "theta_n_in=12"}));
+  EXPECT_NE(by_file, planes("c", {}));
+}
+
+TEST(ProfileOfOnesOwn, ABadOneIsRefusedInOneLineByEveryCommand) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "bad.json", R"({"schema": "planescope.profile/1",
+                                   "options": {"theta_n_inn": 12}})");
+  for (const std::string command : {"view", "info", "segment", "report", "eval", "train"}) {
+    const Ran ran =
+        run({command, (dir / "rec").string(), "--profile", (dir / "bad.json").string()});
+    EXPECT_EQ(ran.code, 2) << command;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find("bad.json: option 'theta_n_inn' is unknown, did you mean 'theta_n_in'?"),
+              std::string::npos)
+        << ran.err;
+  }
+  const Ran missing = run({"options", "--profile", (dir / "none.json").string()});
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_TRUE(is_one_line(missing.err)) << missing.err;
+}
+
+TEST(Tune, TheAnswerIsTheSameForAnyNumberOfThreadsAndAfterEveryStop) {
+  const auto dir = scratch();
+  write_labelled(dir / "rec", 4);
+  const Ran ran = run_with(tune(dir, "whole"), {"--threads", "1"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto whole = answers(dir / "whole");
+  ASSERT_EQ(run_with(tune(dir, "threads"), {"--threads", "3"}).code, 0);
+  EXPECT_EQ(answers(dir / "threads"), whole);
+
+  const Ran stopped = run_and_signal(tune(dir, "stopped"), SIGINT, dir / "stopped/times.jsonl");
+  EXPECT_TRUE(stopped.code == 130 || stopped.code == 0) << stopped.err;
+  const std::string begun = read_text(dir / "stopped/journal.jsonl");
+  EXPECT_TRUE(whole[0].starts_with(begun));
+  ASSERT_EQ(run(tune(dir, "stopped")).code, 0);
+  EXPECT_EQ(answers(dir / "stopped"), whole);
+  for (const char* file : {"index.html", "pareto.svg"})
+    EXPECT_TRUE(fs::exists(dir / "whole" / file)) << file;
+}
+
+TEST(Tune, ItsProfileReachesWhatItSaysItReaches) {
+  const auto dir = scratch();
+  write_labelled(dir / "rec", 2);
+  ASSERT_EQ(run(tune(dir, "out")).code, 0);
+  const Json answer = Json::parse(read_text(dir / "out/tuning.json"));
+  const Ran ran = run({"eval", "--json", (dir / "rec").string(), "--gravity", "0,1,0", "--profile",
+                       (dir / "out/profile.json").string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json eval = Json::parse(ran.out);
+  EXPECT_EQ(eval["frames"][0]["pq"], answer["tuning"]["frames"][0]["tuned_pq"]);
+  EXPECT_EQ(eval["frames"][1]["pq"], answer["held_out"]["frames"][0]["tuned_pq"]);
+}
+
+TEST(Tune, FramesThatAreHeldOutTakeNoPartInTheSearch) {
+  const auto dir = scratch();
+  write_labelled(dir / "rec", 4);
+  ASSERT_EQ(run(tune(dir, "out")).code, 0);
+  for (const int held : {1, 3}) write_without_wall(dir / "rec", held);
+  ASSERT_EQ(run(tune(dir, "other")).code, 0);
+  EXPECT_EQ(read_text(dir / "other/journal.jsonl"), read_text(dir / "out/journal.jsonl"));
+  EXPECT_EQ(read_text(dir / "other/profile.json"), read_text(dir / "out/profile.json"));
+  EXPECT_NE(read_text(dir / "other/tuning.json"), read_text(dir / "out/tuning.json"));
+  // The frames that are searched on are another search.
+  write_without_wall(dir / "rec", 0);
+  EXPECT_NE(refusal_of(run(tune(dir, "out"))).find("is of a search with other frames or labels"),
+            std::string::npos);
+}
+
+TEST(Tune, AListNamesTheHalvesAndTheOptionsOfEachRecording) {
+  const auto dir = scratch();
+  write_labelled(dir / "a", 2);
+  write_labelled(dir / "b", 2);
+  write_text(dir / "list.txt",
+             "# two recordings\n"
+             "tuning a --gravity 0,1,0 --frames 0\n"
+             "held-out b --gravity 0,1,0 --labels b.labels\n");
+  const std::vector<std::string> words = {
+      "tune", "--list", (dir / "list.txt").string(), "-o", (dir / "out").string(), "--trials", "3"};
+  ASSERT_EQ(run(words).code, 0);
+  const Json answer = Json::parse(read_text(dir / "out/tuning.json"));
+  ASSERT_EQ(answer["tuning"]["frames"].size(), 1u);
+  EXPECT_EQ(answer["tuning"]["frames"][0]["name"], "a 0");
+  EXPECT_EQ(answer["held_out"]["frames"].size(), 2u);
+  EXPECT_EQ(answer["trials"], 3);
+
+  for (const auto& [line, why] : std::vector<std::pair<std::string, std::string>>{
+           {"half a", "line 1: HALF: 'half' is unknown, expected tuning, held-out or -"},
+           {"tuning", "line 1: expected HALF RECORDING OPTIONS"},
+           {"tuning a --set x=1", "line 1: '--set' is not known"},
+           {"tuning a\n- b", "line 2: some lines name a half and others do not"}}) {
+    write_text(dir / "list.txt", line + "\n");
+    const std::string refusal = refusal_of(run(words));
+    EXPECT_NE(refusal.find("list.txt, " + why), std::string::npos) << refusal;
+  }
+}
+
+TEST(Tune, WhatCannotBeSearchedIsToldInOneLine) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall(), 2);
+  const auto refused = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"tune", (dir / "rec").string(), "-o", (dir / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return refusal_of(run(words));
+  };
+  EXPECT_NE(refused({}).find("found 0 and 0"), std::string::npos);
+  EXPECT_NE(refused({"--only", "theta_n_inn"}).find("did you mean 'theta_n_in'?"),
+            std::string::npos);
+  EXPECT_NE(refused({"--only", "max_range_m"}).find("--only max_range_m: is not tuned"),
+            std::string::npos);
+  EXPECT_NE(refused({"--hold-out", "1"}).find("expected at least 2"), std::string::npos);
+  EXPECT_NE(refused({"--list", "x.txt"}).find("leave out"), std::string::npos);
+  EXPECT_FALSE(fs::exists(dir / "out"));
+}
+
+TEST(ProfileOfOnesOwn, TheWindowOpensItAsBBesideWhatWasTyped) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  write_text(dir / "mine.json", R"({"schema": "planescope.profile/1", "base": "paper",
+                                    "options": {"theta_n_in": 12}})");
+  write_text(dir / "s.json", R"({"actions": [{"expect": {"pinned": true, "profile": "paper"}},
+      {"state": ")" + (dir / "b.json").string() +
+                                 R"("},
+      "option.undo", {"expect": {"profile": "refined"}}]})");
+  const std::vector<std::string> view = {"view",      (dir / "rec").string(),
+                                         "--gravity", "0,1,0",
+                                         "--set",     "theta_n_in=7",
+                                         "--fresh",   "--offscreen",
+                                         "--script",  (dir / "s.json").string(),
+                                         "--compare"};
+  const Ran ran = run_with(view, {(dir / "mine.json").string()});
+  if (ran.code == 3) GTEST_SKIP() << ran.err;
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(Json::parse(read_text(dir / "b.json"))["options"]["theta_n_in"], "12");
+  EXPECT_NE(refusal_of(run_with(view, {"fined"})).find("profile 'fined' is unknown"),
+            std::string::npos);
+}
