@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/io/recording.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/labels/review/agreement.hpp"
 #include "support/temp_dir.hpp"
