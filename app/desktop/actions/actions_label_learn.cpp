@@ -84,7 +84,7 @@ std::vector<Action> label_learn_actions() {
       {"label.learn.stop",
        "Stop the training",
        "Labels",
-       "",
+       "Ctrl+Shift+X",
        "",
        [](State& s, const std::string&) { stop_training(s); },
        is_training,
