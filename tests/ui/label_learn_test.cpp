@@ -50,6 +50,11 @@ TEST_F(Learner, LearnsFromWhatWasReviewedAndIsTakenForWhatComesNext) {
   EXPECT_EQ(learning().learnt->frames, 1u);
   EXPECT_EQ(learning().learnt->since.frames, 0u) << "what was learnt from measures nothing";
 
+  const auto run = state().results.current;
+  window.run("label.learn", "3 1");
+  EXPECT_NE(state().results.current, run) << "the file has the same name, and other weights";
+  EXPECT_EQ(learning().learnt->steps, 3);
+
   review_frame(1);
   window.run("tab.label", "learning");
   ASSERT_EQ(learning().learnt->since.frames, 1u);

@@ -87,9 +87,17 @@ Image8 cloud_thumbnail(const debug::Run& run, const render::StepLook& look, int 
 
 constexpr int kThumbnailWidth = 200;  // [px]
 
+/// Of a weights file, what is another once it was written anew, as by a training; else nothing.
+std::string stamp_of(const std::string& classifier) {
+  if (!planes::names_weights_file(classifier)) return "";
+  std::error_code absent;
+  return std::to_string(
+      std::filesystem::last_write_time(classifier, absent).time_since_epoch().count());
+}
+
 /// The options of some sections as one text.
 std::string options_key(const planes::PipelineOptions& options, bool preparing) {
-  std::string key;
+  std::string key = preparing ? stamp_of(options.classifier) : "";
   for (const planes::OptionInfo& info : planes::option_table()) {
     if (is_about_planes(info)) continue;
     const bool segments = info.steers_segmentation() || info.section == "rivals";
@@ -108,8 +116,9 @@ std::optional<debug::QuickScore> score_of(const debug::Run& run) {
 std::shared_ptr<const planes::Classifier> Classifiers::get(const planes::PipelineOptions& options) {
   const std::lock_guard lock(mutex_);
   if (options.method != planes::Method::ours) return nullptr;
-  const std::string key = fmt::format("{}|{}|{}", options.classifier, options.pca.neighbours,
-                                      options.pca.max_angle_deg);
+  const std::string key =
+      fmt::format("{}|{}|{}|{}", options.classifier, stamp_of(options.classifier),
+                  options.pca.neighbours, options.pca.max_angle_deg);
   if (key != key_) chosen_ = app::choose_classifier(options).classifier;
   key_ = key;
   return chosen_;
