@@ -22,12 +22,12 @@ std::string name_of(FolderForm form, int number, const Frame& frame) {
 }
 
 Json json_of(const Intrinsics& k) {
-  Json json = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
-               {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
-  json["distortion"] = k.coefficients;
+  Json camera = {{"width", k.width}, {"height", k.height}, {"fx", k.fx},
+                 {"fy", k.fy},       {"cx", k.cx},         {"cy", k.cy}};
+  camera["distortion"] = k.coefficients;
   if (k.distortion == Distortion::inverse_brown_conrady)
-    json["distortion_model"] = to_string(k.distortion);
-  return json;
+    camera["distortion_model"] = to_string(k.distortion);
+  return camera;
 }
 
 /// Colour that is not on depth's pixels.
@@ -50,8 +50,8 @@ Json frames_json(const std::vector<WrittenFrame>& frames) {
   return list;
 }
 
-void write_json(const fs::path& path, const Json& json) {
-  write_file_text(path, json.dump(1) + "\n");
+void write_json(const fs::path& path, const Json& document) {
+  write_file_text(path, document.dump(1) + "\n");
 }
 
 const WrittenFrame* first_in_color(const std::vector<WrittenFrame>& frames) {
@@ -123,16 +123,16 @@ void write_folder_facts(const fs::path& dir,
   } else {
     write_json(dir / "camera_intrinsic.json", open3d_camera(facts));
   }
-  Json json = {{"schema", "planescope.recording/1"},
-               {"intrinsics", json_of(facts.intrinsics)},
-               {"depth_unit_m", facts.depth_unit_m}};
+  Json sidecar = {{"schema", "planescope.recording/1"},
+                  {"intrinsics", json_of(facts.intrinsics)},
+                  {"depth_unit_m", facts.depth_unit_m}};
   if (const WrittenFrame* colored = first_in_color(frames)) {
-    json["color_aligned"] = colored->facts.color_aligned;
+    sidecar["color_aligned"] = colored->facts.color_aligned;
     if (!colored->facts.color_aligned && colored->facts.color_intrinsics.fx > 0)
-      json["color"] = color_json(colored->facts);
+      sidecar["color"] = color_json(colored->facts);
   }
-  json["frames"] = frames_json(frames);
-  write_json(dir / "planescope.json", json);
+  sidecar["frames"] = frames_json(frames);
+  write_json(dir / "planescope.json", sidecar);
 }
 
 void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>& frames) {
