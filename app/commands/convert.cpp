@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 enum class Form : std::uint8_t { folder, tum, ply, pcd };
 constexpr const char* kForms[] = {"folder", "tum", "ply", "pcd"};
 
-struct ConvertArgs {
+struct RecastArgs {
   InputArgs input;
   fs::path out;
   std::optional<Form> form;  // nothing: by the ending of `out`
@@ -44,7 +44,7 @@ struct Target {
   bool one_file = false;  // `out` is the file of the only frame
 };
 
-Target target_of(const ConvertArgs& args, const OpenInput& input) {
+Target target_of(const RecastArgs& args, const OpenInput& input) {
   Target target{args.out.has_filename() ? args.out : args.out.parent_path()};
   const std::string ending = lower_case(target.out.extension().string());
   target.one_file = ending == ".ply" || ending == ".pcd";
@@ -95,15 +95,16 @@ io::WrittenFrame write_cloud(const fs::path& path, Form form, const Frame& frame
 }
 
 io::WrittenFrame write_one(Form form, const fs::path& dir, int number, const Frame& frame) {
-  if (form == Form::folder) return write_frame(dir, io::FolderForm::open3d, number, frame);
-  if (form == Form::tum) return write_frame(dir, io::FolderForm::tum, number, frame);
+  if (form == Form::folder) return io::write_frame(dir, io::FolderForm::open3d, number, frame);
+  if (form == Form::tum) return io::write_frame(dir, io::FolderForm::tum, number, frame);
   const std::string ending = kForms[static_cast<std::size_t>(form)];
   return write_cloud(dir / fmt::format("{:06}.{}", number, ending), form, frame);
 }
 
 void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFrame>& frames) {
-  if (is_cloud_form(form)) return write_frame_facts(dir / "planescope.json", frames);
-  write_folder_facts(dir, form == Form::tum ? io::FolderForm::tum : io::FolderForm::open3d, frames);
+  if (is_cloud_form(form)) return io::write_frame_facts(dir / "planescope.json", frames);
+  io::write_folder_facts(dir, form == Form::tum ? io::FolderForm::tum : io::FolderForm::open3d,
+                         frames);
 }
 
 /// What a cloud of depth means to whoever reads it.
@@ -140,7 +141,7 @@ int copy_labels(const OpenInput& input, const fs::path& to) {
   return copied;
 }
 
-int run_convert(const ConvertArgs& args, const std::stop_token& stop) {
+int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   if (inputs.size() != 1)
     throw Error(fmt::format("convert: {} recordings, expected one", inputs.size()));
@@ -152,7 +153,7 @@ int run_convert(const ConvertArgs& args, const std::stop_token& stop) {
   if (target.one_file) {
     const io::WrittenFrame written =
         write_cloud(target.out, target.form, input.recording->frame(input.frames[0]));
-    write_frame_facts(target.out.string() + ".planescope.json", {written});
+    io::write_frame_facts(target.out.string() + ".planescope.json", {written});
     if (!is_cloud) warn_of_axes(written);
     fmt::print("{}: frame {} of {}\n", target.out.string(), input.frames[0], input.path.string());
     return 0;
@@ -194,7 +195,7 @@ int run_convert(const ConvertArgs& args, const std::stop_token& stop) {
 void define_convert(CLI::App& app, Line& line) {
   CLI::App* command = app.add_subcommand(
       "convert", "A recording in another form: frames, colour, gravity and labels come along");
-  const auto args = std::make_shared<ConvertArgs>();
+  const auto args = std::make_shared<RecastArgs>();
   add_inputs(command, args->input, kOneInput);
   add(command, "-o,--out", args->out, "OUT", "A new folder, or of one frame a .ply or .pcd file")
       ->required();
