@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
           "recording is\n"
           "given.",
       .commands = {define_view, define_info, define_segment, define_report, define_eval,
-                   define_options, define_synth, define_train, define_tune, define_labels},
+                   define_options, define_synth, define_train, define_tune, define_labels,
+                   define_convert},
       .alone = "view"};
   return run_program(program, argc, argv);
 }

@@ -63,8 +63,28 @@ struct Keys {
       if (!value.is_number()) fail("distortion", "numbers [k1, k2, p1, p2, k3]");
       coefficients.push_back(value.get<double>());
     }
-    set_distortion("brown_conrady", coefficients, result);
+    const json model = object.value("distortion_model", json("brown_conrady"));
+    if (!model.is_string() || !set_distortion(model.get<std::string>(), coefficients, result))
+      fail("distortion_model",
+           "\"brown_conrady\" or \"inverse_brown_conrady\" with up to five numbers");
     return result;
+  }
+
+  Pose pose(const json& object, const std::string& key) const {
+    const auto found = object.find(key);
+    Pose pose = Pose::Identity();
+    bool usable = found != object.end() && found->is_array() && found->size() == 16;
+    for (std::size_t i = 0; usable && i < 16; ++i) {
+      usable = (*found)[i].is_number();
+      if (usable)
+        pose.matrix()(static_cast<int>(i / 4), static_cast<int>(i % 4)) = (*found)[i].get<double>();
+    }
+    const Mat3d turn = pose.linear();
+    if (!usable || !pose.matrix().allFinite() ||
+        !(turn * turn.transpose()).isApprox(Mat3d::Identity(), 1e-4) || turn.determinant() < 0 ||
+        pose.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+      fail(key, "16 numbers of a rigid motion, row by row");
+    return pose;
   }
 };
 
@@ -104,6 +124,12 @@ Sidecar read_sidecar(const std::filesystem::path& recording) {
   if (document.contains("color_aligned")) {
     if (!document["color_aligned"].is_boolean()) keys.fail("color_aligned", "true or false");
     sidecar.color_aligned = document["color_aligned"].get<bool>();
+  }
+  if (document.contains("color")) {
+    if (!document["color"].is_object())
+      keys.fail("color", "an object with intrinsics and T_color_depth");
+    sidecar.color_intrinsics = keys.intrinsics(document["color"].value("intrinsics", json()));
+    sidecar.T_color_depth = keys.pose(document["color"], "T_color_depth");
   }
   if (!document.contains("frames")) return sidecar;
   if (!document["frames"].is_array()) keys.fail("frames", "a list");

@@ -17,6 +17,7 @@ namespace planescope::io {
 ///   {"schema": "planescope.recording/1",
 ///    "intrinsics": {"width", "height", "fx", "fy", "cx", "cy", "distortion": [k1,k2,p1,p2,k3]},
 ///    "depth_unit_m": 0.001, "gravity": [x, y, z], "color_aligned": true,
+///    "color": {"intrinsics": {...}, "T_color_depth": [16 numbers, row by row]},
 ///    "frames": [{"name": "000000", "timestamp_s": 0.0, "gravity": [x, y, z]}]}
 struct Sidecar {
   struct FrameFacts {
@@ -29,6 +30,8 @@ struct Sidecar {
   std::optional<double> depth_unit_m;
   std::optional<Vec3d> gravity;  // unit vector, for all frames that have none of their own
   std::optional<bool> color_aligned;
+  std::optional<Intrinsics> color_intrinsics;  // of colour on pixels of its own, with ...
+  Pose T_color_depth = Pose::Identity();       // ... where its camera stands
   std::vector<FrameFacts> frames;
 };
 

@@ -160,11 +160,11 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     }
     color_aligned_ = true;
     info_.color_note = "aligned";
-  } else if (camera.color && camera.T_color_depth) {
-    color_intrinsics_ = *camera.color;
+  } else if (sidecar_.color_intrinsics || (camera.color && camera.T_color_depth)) {
+    color_intrinsics_ = sidecar_.color_intrinsics.value_or(camera.color.value_or(Intrinsics()));
     color_intrinsics_.width = color.width;
     color_intrinsics_.height = color.height;
-    T_color_depth_ = *camera.T_color_depth;
+    T_color_depth_ = sidecar_.color_intrinsics ? sidecar_.T_color_depth : *camera.T_color_depth;
     info_.color_note = "projected by extrinsics";
   } else if (same_size && !camera.color && !sidecar_.color_aligned) {
     color_aligned_ = true;

@@ -1,0 +1,210 @@
+// planescope convert: a recording in another form, depth unchanged to the bit.
+
+#include <fmt/format.h>
+
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
+#include "app/commands/commands.hpp"
+#include "app/commands/inputs.hpp"
+#include "core/io/cloud_files/cloud_file.hpp"
+#include "core/io/folder/folder_write.hpp"
+#include "core/labels/model/grid.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/parallel.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Form : std::uint8_t { folder, tum, ply, pcd };
+constexpr const char* kForms[] = {"folder", "tum", "ply", "pcd"};
+
+struct RecastArgs {
+  InputArgs input;
+  fs::path out;
+  std::optional<Form> form;  // nothing: by the ending of `out`
+};
+
+bool is_cloud_form(Form form) { return form == Form::ply || form == Form::pcd; }
+
+Form form_called(const std::string& name) {
+  for (std::size_t i = 0; i < std::size(kForms); ++i)
+    if (name == kForms[i]) return static_cast<Form>(i);
+  throw Error(fmt::format("--to {}, expected folder, tum, ply or pcd", name));
+}
+
+/// Where it is written, and as what.
+struct Target {
+  fs::path out;
+  Form form = Form::folder;
+  bool one_file = false;  // `out` is the file of the only frame
+};
+
+Target target_of(const RecastArgs& args, const OpenInput& input) {
+  Target target{args.out.has_filename() ? args.out : args.out.parent_path()};
+  const std::string ending = lower_case(target.out.extension().string());
+  target.one_file = ending == ".ply" || ending == ".pcd";
+  if (target.one_file) {
+    target.form = form_called(ending.substr(1));
+    if (args.form && *args.form != target.form)
+      throw Error(fmt::format("{}: --to {} is no {} file", target.out.string(),
+                              kForms[static_cast<std::size_t>(*args.form)], ending));
+    if (input.frames.size() != 1)
+      throw Error(fmt::format("{}: one file for {} frames, expected a folder, or --frames N",
+                              target.out.string(), input.frames.size()));
+  } else if (ending == ".bag" || ending == ".db3" || ending == ".mcap") {
+    throw Error(fmt::format("{}: {} is not written, expected a folder, or a .ply or .pcd file",
+                            target.out.string(), ending));
+  } else {
+    target.form = args.form.value_or(input.recording->info().width > 0 ? Form::folder : Form::ply);
+  }
+  if (input.recording->info().width == 0 && !is_cloud_form(target.form))
+    throw Error(fmt::format("{}: its clouds have no depth images for --to {}, expected ply or pcd",
+                            input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+  if (fs::exists(target.out) && !(fs::is_directory(target.out) && fs::is_empty(target.out)))
+    throw Error(target.out.string() + ": is there already, expected a new name");
+  return target;
+}
+
+/// The measured points of a depth image, in the sensor's frame.
+PointSet points_of(const Frame& frame) {
+  if (frame.cloud) return *frame.cloud;
+  const labels::LabelGrid grid = labels::make_label_grid(frame, Gravity{});
+  PointSet set;
+  for (std::size_t i = 0; i < grid.pixels(); ++i) {
+    if (!grid.measured[i]) continue;
+    set.points.push_back(grid.points[i]);
+    if (!grid.color.empty())
+      set.rgb.insert(set.rgb.end(), &grid.color.data[3 * i], &grid.color.data[3 * i] + 3);
+  }
+  return set;
+}
+
+/// A cloud, and what it cannot say itself.
+io::WrittenFrame write_cloud(const fs::path& path, Form form, const Frame& frame) {
+  const PointSet points = points_of(frame);
+  write_file_bytes(path, form == Form::ply ? io::ply_bytes(points) : io::pcd_bytes(points));
+  io::WrittenFrame written{{}, path.stem().string(), false};
+  written.facts.timestamp_s = frame.timestamp_s;
+  written.facts.gravity = frame.gravity;
+  return written;
+}
+
+io::WrittenFrame write_one(Form form, const fs::path& dir, int number, const Frame& frame) {
+  if (form == Form::folder) return io::write_frame(dir, io::FolderForm::open3d, number, frame);
+  if (form == Form::tum) return io::write_frame(dir, io::FolderForm::tum, number, frame);
+  const std::string ending = kForms[static_cast<std::size_t>(form)];
+  return write_cloud(dir / fmt::format("{:06}.{}", number, ending), form, frame);
+}
+
+void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFrame>& frames) {
+  if (is_cloud_form(form)) return io::write_frame_facts(dir / "planescope.json", frames);
+  io::write_folder_facts(dir, form == Form::tum ? io::FolderForm::tum : io::FolderForm::open3d,
+                         frames);
+}
+
+/// What a cloud of depth means to whoever reads it.
+void warn_of_axes(const io::WrittenFrame& frame) {
+  if (!frame.facts.gravity)
+    notice("gravity is not known: z of the clouds is where the camera looks, not up");
+}
+
+/// Reads what was written. Throws Error where a frame is missing or its depth is another.
+void check_written(const OpenInput& input, const fs::path& dir, bool same_data) {
+  const auto written = io::open_recording(dir);
+  if (written->frame_count() != static_cast<int>(input.frames.size()))
+    throw Error(fmt::format("{}: {} frames were written of {}", dir.string(),
+                            written->frame_count(), input.frames.size()));
+  if (!same_data) return;
+  for (int i = 0; i < written->frame_count(); ++i)
+    if (const int from = input.frames[static_cast<std::size_t>(i)];
+        written->frame_hash(i) != input.recording->frame_hash(from))
+      throw Error(
+          fmt::format("{}: frame {} is not the same as it was written", dir.string(), from));
+}
+
+/// Label files of the frames, numbered anew. Returns how many there are.
+int copy_labels(const OpenInput& input, const fs::path& to) {
+  int copied = 0;
+  for (std::size_t i = 0; i < input.frames.size(); ++i) {
+    const int from = input.frames[i];
+    const auto labels = labels::read_frame_labels(input.label_dir, from,
+                                                  {input.recording->frame_hash(from).c_str()});
+    if (!labels) continue;
+    labels::write_frame_labels(to, static_cast<int>(i), *labels);
+    ++copied;
+  }
+  return copied;
+}
+
+int run_convert(const RecastArgs& args, const std::stop_token& stop) {
+  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  if (inputs.size() != 1)
+    throw Error(fmt::format("convert: {} recordings, expected one", inputs.size()));
+  const OpenInput& input = inputs[0];
+  const Target target = target_of(args, input);
+  const bool is_cloud = input.recording->info().width == 0;
+  const bool same_data = is_cloud == is_cloud_form(target.form);
+
+  if (target.one_file) {
+    const io::WrittenFrame written =
+        write_cloud(target.out, target.form, input.recording->frame(input.frames[0]));
+    io::write_frame_facts(target.out.string() + ".planescope.json", {written});
+    if (!is_cloud) warn_of_axes(written);
+    fmt::print("{}: frame {} of {}\n", target.out.string(), input.frames[0], input.path.string());
+    return 0;
+  }
+
+  const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
+  StagedOutput staged(parent);
+  const fs::path dir = staged.add(target.out.filename());
+  std::vector<io::WrittenFrame> frames(input.frames.size());
+  work_through(
+      static_cast<int>(frames.size()), args.input.pipeline.threads,
+      [&](int i) {
+        const auto at = static_cast<std::size_t>(i);
+        frames[at] = write_one(target.form, dir, i, input.recording->frame(input.frames[at]));
+      },
+      Bar("convert", stop));
+  if (stop.stop_requested()) throw Cancelled();
+  write_facts(target.form, dir, frames);
+  check_written(input, dir, same_data);
+
+  int labelled = 0;
+  if (same_data) {
+    const fs::path labels = labels::default_label_dir(target.out);
+    if (fs::exists(labels))
+      throw Error(labels.string() + ": is there already, expected a new name");
+    if (fs::exists(input.label_dir)) labelled = copy_labels(input, staged.add(labels.filename()));
+  }
+  staged.commit();
+  if (!same_data) warn_of_axes(frames[0]);
+  fmt::print("{}: {} of {} frames of {}{}, read back{}\n", target.out.string(), frames.size(),
+             input.frames.size(), input.path.string(),
+             labelled > 0 ? fmt::format(" and the labels of {}", labelled) : "",
+             same_data ? ", the same to the bit" : "");
+  return 0;
+}
+
+}  // namespace
+
+void define_convert(CLI::App& app, Line& line) {
+  CLI::App* command = app.add_subcommand(
+      "convert", "A recording in another form: frames, colour, gravity and labels come along");
+  const auto args = std::make_shared<RecastArgs>();
+  add_inputs(command, args->input, kOneInput);
+  add(command, "-o,--out", args->out, "OUT", "A new folder, or of one frame a .ply or .pcd file")
+      ->required();
+  add_read(
+      command, "--to", [args](const std::string& name) { args->form = form_called(name); },
+      "folder|tum|ply|pcd",
+      "folder: numbered PNGs, as Open3D's recorder has them (the default); tum: PNGs named by "
+      "time; ply, pcd: a cloud for each frame, of depth in the sensor's frame");
+  runs(command, line, args, run_convert);
+}
+
+}  // namespace planescope::app

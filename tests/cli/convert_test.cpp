@@ -1,0 +1,135 @@
+// planescope convert: what goes in comes out, in another form.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/io/recording.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "program.hpp"
+#include "scene_files.hpp"
+
+namespace planescope {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Convert : testing::Test {
+  const fs::path dir = scratch();
+  const fs::path sample = fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
+
+  Ran convert(std::vector<std::string> args) {
+    args.insert(args.begin(), "convert");
+    return run(args);
+  }
+  void expect_refused(const Ran& ran, const std::string& told) {
+    EXPECT_EQ(ran.code, 2) << ran.out;
+    EXPECT_TRUE(is_one_line(ran.err)) << ran.err;
+    EXPECT_NE(ran.err.find(told), std::string::npos) << ran.err;
+  }
+};
+
+void expect_same(const Frame& a, const Frame& b) {
+  EXPECT_EQ(a.depth.data, b.depth.data);
+  EXPECT_EQ(a.depth_unit_m, b.depth_unit_m);
+  EXPECT_EQ(a.intrinsics, b.intrinsics);
+  EXPECT_EQ(a.timestamp_s, b.timestamp_s);
+  EXPECT_EQ(a.color.data, b.color.data);
+  EXPECT_EQ(a.color_aligned, b.color_aligned);
+  ASSERT_EQ(a.gravity.has_value(), b.gravity.has_value());
+  if (a.gravity) EXPECT_EQ(a.gravity->direction, b.gravity->direction);
+}
+
+}  // namespace
+
+TEST_F(Convert, AFolderHasTheSameFramesColourTimesAndLabels) {
+  const fs::path out = dir / "out";
+  const Ran ran = convert({sample.string(), "-o", out.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("3 of 3 frames"), std::string::npos) << ran.out;
+  const auto before = io::open_recording(sample), after = io::open_recording(out);
+  ASSERT_EQ(after->frame_count(), before->frame_count());
+  for (int i = 0; i < before->frame_count(); ++i) {
+    SCOPED_TRACE(i);
+    expect_same(before->frame(i), after->frame(i));
+    const auto labels =
+        labels::read_frame_labels(labels::default_label_dir(out), i, after->frame_hash(i).c_str());
+    EXPECT_TRUE(labels);
+  }
+  const Ran from_sample =
+      run({"segment", sample.string(), "--gravity", "0,0.9,0.4", "-o", (dir / "a").string()});
+  const Ran from_out =
+      run({"segment", out.string(), "--gravity", "0,0.9,0.4", "-o", (dir / "b").string()});
+  ASSERT_EQ(from_sample.code + from_out.code, 0) << from_out.err;
+  EXPECT_EQ(read_text(dir / "a/frames/000001/planes.json"),
+            read_text(dir / "b/frames/000001/planes.json"));
+}
+
+TEST_F(Convert, OnlyTheFramesThatAreAskedForWithTheirOwnLabels) {
+  const fs::path out = dir / "out";
+  ASSERT_EQ(convert({sample.string(), "-o", out.string(), "--frames", "2"}).code, 0);
+  const auto before = io::open_recording(sample), after = io::open_recording(out);
+  ASSERT_EQ(after->frame_count(), 1);
+  EXPECT_EQ(after->frame_hash(0), before->frame_hash(2));
+  EXPECT_TRUE(
+      labels::read_frame_labels(labels::default_label_dir(out), 0, before->frame_hash(2).c_str()));
+}
+
+TEST_F(Convert, TumNamesItsFilesByTime) {
+  const fs::path out = dir / "tum";
+  const Ran ran = convert({sample.string(), "-o", out.string(), "--to", "tum"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(read_text(out / "depth.txt"),
+            "# timestamp filename\n0.000000 depth/0.000000.png\n1.000000 depth/1.000000.png\n"
+            "2.000000 depth/2.000000.png\n");
+  const auto before = io::open_recording(sample), after = io::open_recording(out);
+  ASSERT_EQ(after->frame_count(), 3);
+  for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
+}
+
+TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
+  fs::create_directories(dir / "clouds");
+  PointSet set = floor_and_wall_cloud();
+  set.origin = Vec3d(430'000, 5'400'000, 120);
+  io::write_ply(dir / "clouds" / "a.ply", set);
+  const fs::path out = dir / "out";
+  const Ran ran = convert({(dir / "clouds").string(), "-o", out.string(), "--to", "pcd"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const PointSet before = *io::open_recording(dir / "clouds")->frame(0).cloud;
+  const PointSet after = *io::open_recording(out)->frame(0).cloud;
+  EXPECT_EQ(after.label, before.label);
+  EXPECT_EQ(after.instance, before.instance);
+  ASSERT_EQ(after.points.size(), before.points.size());
+  for (std::size_t i = 0; i < after.points.size(); i += 97)
+    EXPECT_EQ(after.origin + after.points[i].cast<double>(),
+              before.origin + before.points[i].cast<double>());
+  expect_refused(convert({(dir / "clouds").string(), "-o", (dir / "no").string(), "--to", "tum"}),
+                 "expected ply or pcd");
+}
+
+TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
+  const fs::path out = dir / "one.ply";
+  expect_refused(convert({sample.string(), "-o", out.string()}), "one file for 3 frames");
+  const Ran ran = convert({sample.string(), "-o", out.string(), "--frames", "1"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.err.find("z of the clouds is where the camera looks"), std::string::npos)
+      << ran.err;
+  const Frame depth = io::open_recording(sample)->frame(1);
+  const PointSet cloud = *io::open_recording(out)->frame(0).cloud;
+  EXPECT_EQ(cloud.points.size(), static_cast<std::size_t>(std::ranges::count_if(
+                                     depth.depth.data, [](auto d) { return d > 0 && d < 65535; })));
+  EXPECT_EQ(cloud.rgb.size(), 3 * cloud.points.size());
+}
+
+TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {
+  fs::create_directories(dir / "full");
+  write_text(dir / "full" / "mine.txt", "mine");
+  expect_refused(convert({sample.string(), "-o", (dir / "full").string()}), "is there already");
+  expect_refused(convert({sample.string(), "-o", (dir / "x.bag").string()}), ".bag is not written");
+  expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "avi"}),
+                 "expected folder, tum, ply or pcd");
+  EXPECT_EQ(files_below(dir), std::vector<std::string>{"full/mine.txt"});
+}
+
+}  // namespace planescope
