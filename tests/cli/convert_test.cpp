@@ -38,7 +38,9 @@ void expect_same(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.color.data, b.color.data);
   EXPECT_EQ(a.color_aligned, b.color_aligned);
   ASSERT_EQ(a.gravity.has_value(), b.gravity.has_value());
-  if (a.gravity) EXPECT_EQ(a.gravity->direction, b.gravity->direction);
+  if (a.gravity) {
+    EXPECT_EQ(a.gravity->direction, b.gravity->direction);
+  }
 }
 
 }  // namespace
