@@ -86,17 +86,19 @@ Placed view_of(const planes::PreparedFrame& prepared, const planes::Segmentation
     left = {std::clamp(pitch_deg + 10, 24.0, 60.0), 18};
     right = {left.elevation_deg, -left.yaw_deg};
   } else if (const Vec3d sight = sight_of(prepared); sight.norm() > 0.7) {
-    // A scan from one place, as it seems: from that side, or it is seen from behind. The zero of a
-    // cloud often lies on the ground: never from so low that what lies level is an edge.
+    // A scan from one place, as it seems: from that side, or it is seen from behind.
     const double pitch_deg = std::asin(std::clamp(-sight.normalized().z(), -1.0, 1.0)) / kDegree;
     const double yaw_deg = std::atan2(sight.y(), sight.x()) / kDegree;
-    left = {std::clamp(pitch_deg + 10, 24.0, 60.0), yaw_deg + 18};
+    left = {std::clamp(pitch_deg + 10, -60.0, 60.0), yaw_deg + 18};
     right = {left.elevation_deg, yaw_deg - 18};
   }
-  // To the side from which more is seen.
-  return facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left))
-             ? right
-             : left;
+  // To the side from which more is seen; and, as the zero of a cloud often lies on the ground,
+  // never from so low that what lies level is an edge.
+  const bool from_right =
+      facing(segmentation, direction_of(right)) > facing(segmentation, direction_of(left));
+  Placed placed = from_right ? right : left;
+  placed.elevation_deg = std::max(placed.elevation_deg, 24.0);
+  return placed;
 }
 
 }  // namespace

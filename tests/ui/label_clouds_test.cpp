@@ -55,6 +55,28 @@ TEST_F(LabelClouds, AreDrawnInSpaceAloneAndTheWandTakesATread) {
   EXPECT_NE(state().view.message.find(" points"), std::string::npos) << state().view.message;
 }
 
+TEST(LabelSparseClouds, AClickBetweenTheirPointsMeansThemAndNotWhatIsSeenThroughTheGaps) {
+  PointSet set;
+  const auto add_sheet = [&](float z, float step) {
+    for (float x = 0; x < 1; x += step)
+      for (float y = 0; y < 1; y += step) set.points.emplace_back(x, y, z);
+    return set.points.size();
+  };
+  const std::size_t sparse = add_sheet(1.5f, 0.03f);
+  add_sheet(0.5f, 0.008f);
+  const fs::path dir = scratch_dir();
+  io::write_ply(dir / "sheets.ply", set);
+  LabelWindow window{dir / "labels", dir / "sheets.ply"};
+  window.run("camera.top");
+  const LabelFrame& frame = *window.state().label_frame();
+  const render::View view = render::make_view(scene_camera(window.state(), 1), 800, 800);
+  const Vec3d between(0.495, 0.495, 1.5);
+  const auto at = render::project(view, (frame.T_world_sensor * between).cast<float>());
+  window.run("label.wand", fmt::format("space:800x800 {:.1f},{:.1f}", at->px.x(), at->px.y()));
+  ASSERT_TRUE(window.state().view.label.wand.found);
+  EXPECT_EQ(window.state().view.label.wand.found->pixels.size(), sparse);
+}
+
 TEST_F(LabelClouds, ALassoTakesWhatIsSeenAndThroughTakesWhatIsBelow) {
   const auto lasso = "space:800x800 over " + seen({0.1f, 0.7f, 0}) + " " + seen({0.9f, 0.7f, 0}) +
                      " " + seen({0.9f, 1.25f, 0.2f}) + " " + seen({0.1f, 1.25f, 0.2f});

@@ -40,7 +40,9 @@ void read_view(const std::string& action, const std::string& text, LabelGesture&
   gesture.height = whole_argument(action, size[1], 1, kLargestView_px);
 }
 
-constexpr float kReach_px = 4;  // of a click
+constexpr float kReach_px = 4;    // of a click
+constexpr float kGap_px = 20;     // to the points around a gap in a sparse surface
+constexpr float kBefore = 0.97f;  // of the depth of what is seen through it
 
 render::Camera camera_in_force(const State& state, int width, int height) {
   return scene_camera(state, static_cast<double>(width) / height);
@@ -94,9 +96,31 @@ std::int64_t point_drawn_at(const labels::SeenPoints& seen, const labels::Vec2f&
   return front;
 }
 
+/// Where points before `drawn` lie all around the place, their surface is meant, through whose gaps
+/// it is seen: the nearest of them to the place; else `drawn` itself.
+std::int64_t point_meant_at(const labels::SeenPoints& seen,
+                            const labels::Vec2f& place,
+                            std::int64_t drawn) {
+  const float before_m = kBefore * seen.depth_m[static_cast<std::size_t>(drawn)];
+  std::int64_t best = drawn;
+  float least = kGap_px * kGap_px;
+  unsigned sides = 0;
+  for (std::size_t i = 0; i < seen.depth_m.size(); ++i) {
+    const labels::Vec2f away = seen.place[i] - place;
+    const float distance = away.squaredNorm();
+    if (!(distance < kGap_px * kGap_px && seen.depth_m[i] < before_m)) continue;
+    sides |= 1u << ((away.x() < 0 ? 1 : 0) + (away.y() < 0 ? 2 : 0));
+    if (distance >= least) continue;
+    least = distance;
+    best = static_cast<std::int64_t>(i);
+  }
+  return sides == 0xF ? best : drawn;
+}
+
 /// The point that is seen at a place, as its pixel; -1 where there is none nearby.
 std::int64_t pixel_seen_at(const labels::SeenPoints& seen, const labels::Vec2f& place) {
-  if (const std::int64_t front = point_drawn_at(seen, place); front >= 0) return front;
+  if (const std::int64_t front = point_drawn_at(seen, place); front >= 0)
+    return point_meant_at(seen, place, front);
   std::int64_t best = -1;
   float least = kReach_px * kReach_px;
   for (std::size_t i = 0; i < seen.place.size(); ++i) {
