@@ -230,6 +230,30 @@ struct PlacedLabel {
   }
 };
 
+// Whether a label would stand on a panel, the axes or the scale bar.
+bool is_covered(const OverlayText& label, double width, const Overlay& by) {
+  const double top = label.baseline - 0.8 * label.size_px;
+  const double bottom = label.baseline + 0.1 * label.size_px;
+  const auto covers = [&](double x0, double y0, double x1, double y1) {
+    return label.x < x1 && x0 < label.x + width && top < y1 && y0 < bottom;
+  };
+  return std::any_of(by.shapes.begin(), by.shapes.end(),
+                     [&](const OverlayShape& s) { return covers(s.x0, s.y0, s.x1, s.y1); }) ||
+         std::any_of(by.segments.begin(), by.segments.end(),
+                     [&](const Segment& s) {
+                       const double half = s.width_px / 2;
+                       const Vec3f low = s.a.cwiseMin(s.b);
+                       const Vec3f high = s.a.cwiseMax(s.b);
+                       return covers(low.x() - half, low.y() - half, high.x() + half,
+                                     high.y() + half);
+                     }) ||
+         std::any_of(by.texts.begin(), by.texts.end(), [&](const OverlayText& text) {
+           const double text_width = default_font().layout(text.text, text.size_px).width;
+           return covers(text.x, text.baseline - 0.8 * text.size_px, text.x + text_width,
+                         text.baseline + 0.1 * text.size_px);
+         });
+}
+
 // By rank, then the nearest.
 void drop_overlapping(std::vector<PlacedLabel>& labels) {
   std::stable_sort(labels.begin(), labels.end(), [](const PlacedLabel& a, const PlacedLabel& b) {
@@ -243,6 +267,7 @@ void drop_overlapping(std::vector<PlacedLabel>& labels) {
   labels = std::move(kept);
 }
 
+// Where nothing else lies over the picture yet.
 void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View& view) {
   std::vector<PlacedLabel> placed;
   const double scale = std::max(1.0, pen.scale);
@@ -254,16 +279,15 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     const double x = at->px.x() - (label.centered ? width / 2 : 0);
     if (x > pen.width || x + width < 0) continue;
     if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
-    placed.push_back({at->depth_m,
-                      width,
-                      label.rank,
-                      {.x = x,
-                       .baseline = at->px.y() + default_font().cap_height(size_px) / 2,
-                       .size_px = size_px,
-                       .text = label.text,
-                       .color = label.color,
-                       .halo = pen.theme.halo,
-                       .halo_px = std::clamp(0.16 * size_px, 1.5, 4.0)}});
+    const OverlayText text = {.x = x,
+                              .baseline = at->px.y() + default_font().cap_height(size_px) / 2,
+                              .size_px = size_px,
+                              .text = label.text,
+                              .color = label.color,
+                              .halo = pen.theme.halo,
+                              .halo_px = std::clamp(0.16 * size_px, 1.5, 4.0)};
+    if (!is_covered(text, width, pen.overlay))
+      placed.push_back({at->depth_m, width, label.rank, text});
   }
   drop_overlapping(placed);
   for (PlacedLabel& label : placed) pen.overlay.labels.push_back(std::move(label.text));
@@ -278,7 +302,6 @@ Overlay layout_overlay(const DrawList& list,
   Overlay overlay;
   const Pen pen = {overlay, theme, overlay_scale(view.width, view.height),
                    static_cast<double>(view.width), static_cast<double>(view.height)};
-  if (part != OverlayPart::panels) add_labels(pen, list.labels, view);
   if (part != OverlayPart::scene) {
     add_heading(pen, list);
     const double below_heading = overlay.shapes.empty() ? 0 : overlay.shapes.back().y1;
@@ -292,6 +315,7 @@ Overlay layout_overlay(const DrawList& list,
     right = pen.width - pen.px(20) - 2 * reach;
   }
   if (list.show_scale_bar) add_scale_bar(pen, view, right, pen.height - pen.px(24));
+  add_labels(pen, list.labels, view);  // last: they keep clear of all the rest
   return overlay;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -191,6 +192,27 @@ TEST(Overlay, NoTwoLabelsStandOnEachOther) {
         EXPECT_TRUE(beside || std::abs(one.baseline - other.baseline) >= high)
             << one.text << " on " << other.text;
       }
+  }
+}
+
+TEST(Overlay, ALabelKeepsClearOfWhatLiesOverThePicture) {
+  DrawList list;
+  list.title = "Planes";
+  list.legend = {{LegendEntry::Mark::dot, {0, 0, 0}, "plane 1"}};
+  const View view = view_of(900, 720);
+  const Overlay bare = layout_overlay(list, view, theme_colors(Theme::light));
+  const Eigen::Matrix4f to_world = (view.proj * view.view).inverse();
+  const auto shown_at = [&](double x, double y) {
+    const Eigen::Vector4f clip(static_cast<float>(2 * x / 900 - 1),
+                               static_cast<float>(1 - 2 * y / 720), 0.5f, 1);
+    const Vec3f at = (to_world * clip).hnormalized();
+    list.labels = {{at, "P7", {}, 14, true}};
+    EXPECT_NEAR((project(view, at)->px - Vec2d(x, y)).norm(), 0, 1);
+    return !layout_overlay(list, view, theme_colors(Theme::light)).labels.empty();
+  };
+  EXPECT_TRUE(shown_at(450, 360));
+  for (const OverlayText& text : bare.texts) {  // title, legend, names of the axes, length
+    EXPECT_FALSE(shown_at(text.x + 4, text.baseline - 4)) << text.text;
   }
 }
 
