@@ -18,6 +18,7 @@ class MappedFile {
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
   Bytes bytes() const { return bytes_; }
   /// What `read`, which looks at bytes(), returns or throws. Throws Error where bytes were missing:
   /// whatever came of zeros is not told.

@@ -56,6 +56,7 @@ std::string extension(const fs::path& path) { return lower_case(path.extension()
 
 bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
 bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }
+bool is_bag(const fs::path& path) { return extension(path) == ".bag" || extension(path) == ".db3"; }
 bool is_cloud(const fs::path& path) {
   return is_ply(path) || is_pcd(path) || is_of_added_format(path);
 }
@@ -112,7 +113,8 @@ namespace {
 std::string expected() {
   std::string kinds = ".ply or .pcd";
   for (const CloudFormat& format : added_cloud_formats()) kinds += " or " + format.extension;
-  return "expected a RealSense .bag, a folder with depth/ as 16-bit PNG, a RealSense Viewer .raw "
+  return "expected a RealSense .bag or .db3, a folder with depth/ as 16-bit PNG, a RealSense "
+         "Viewer .raw "
          "with its _metadata.csv, or a " +
          kinds + " cloud";
 }
@@ -136,12 +138,11 @@ std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOpti
   if (!find_folder_layout(path).depth.empty()) return open_image_folder(path, options);
   const auto files = files_in(path);
   std::vector<fs::path> bags;
-  std::copy_if(files.begin(), files.end(), std::back_inserter(bags),
-               [](const fs::path& file) { return extension(file) == ".bag"; });
+  std::copy_if(files.begin(), files.end(), std::back_inserter(bags), is_bag);
   if (bags.size() == 1) return open_bag(bags.front(), options);
   if (bags.size() > 1) {
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
-                " bags, expected the path of one of them, such as " + bags.front().string());
+                " recordings, expected the path of one of them, such as " + bags.front().string());
   }
   if (!cloud_files_under(path).empty()) return open_clouds(path, options);
   throw Error(path.string() + ": a folder with no recording in it (" + describe_files(files) +
@@ -165,7 +166,9 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (fs::is_directory(status)) return open_folder(path, options);
   const std::string start = first_bytes(path);
   const std::string kind = extension(path);
-  if (kind == ".bag" || start.starts_with("#ROSBAG")) return open_bag(path, options);
+  if (is_bag(path) || start.starts_with("#ROSBAG") || start.starts_with("SQLite f")) {
+    return open_bag(path, options);
+  }
   if (is_cloud(path)) return open_clouds(path, options);
   if (kind == ".raw" || kind == ".csv") return open_viewer_raw(path, options);
   if (start.starts_with("\x89PNG") || kind == ".png") return open_image_folder(path, options);

@@ -92,6 +92,7 @@ std::string extension(const std::filesystem::path& path);
 bool is_ply(const std::filesystem::path& path);
 bool is_pcd(const std::filesystem::path& path);
 bool is_cloud(const std::filesystem::path& path);
+bool is_bag(const std::filesystem::path& path);  // of ROS 1 or 2
 
 /// Orders names as people do: 2 before 10.
 bool natural_less(const std::string& a, const std::string& b);

@@ -60,7 +60,7 @@ class Recording {
   virtual std::string frame_hash(int i) const = 0;
 };
 
-/// Opens any format that planescope reads (bag, folder of PNGs, Viewer .raw, clouds),
+/// Opens any format that planescope reads (bag of ROS 1 or 2, folder of PNGs, Viewer .raw, clouds),
 /// found out from the content. Throws Error with one line on anything else.
 /// A sidecar beside the recording adds what its files cannot say (gravity, intrinsics, unit):
 /// `planescope.json` or `gravity.json` in a folder, `<file>.planescope.json` beside a file; its

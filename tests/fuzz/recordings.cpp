@@ -46,8 +46,8 @@ std::vector<ByteVector> split_bag(Bytes bytes) {
   const io::rosbag1::Bag bag(file_of("bag/split.bag", bytes));
   std::vector<ByteVector> pieces = {{0, 0, 8}};
   for (const auto& [topic, type] : bag.topics())
-    for (const io::rosbag1::MessageRef& at : bag.messages(topic)) {
-      const io::rosbag1::MessageBytes message = bag.read(at);
+    for (const io::MessageRef& at : bag.messages(topic)) {
+      const io::Message message = bag.read(at);
       const auto* first = reinterpret_cast<const unsigned char*>(message.bytes.data());
       PieceWriter piece;
       piece.text(topic);

@@ -5,21 +5,20 @@
 #include <optional>
 
 #include "core/io/bag/ros_messages.hpp"
+#include "core/io/bag/sdk_messages.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
 namespace {
 
-using rosbag1::Bag;
-
 /// The first message of a topic through `parse`; nullopt where there is none that can be read.
 template <typename Parse>
-auto first_message(const Bag& bag, const std::string& topic, Parse parse)
-    -> std::optional<decltype(parse(Bytes{}))> {
+auto first_message(const MessageLog& bag, const std::string& topic, Parse parse)
+    -> std::optional<decltype(parse(Message{}))> {
   const auto messages = bag.messages(topic);
   if (messages.empty()) return std::nullopt;
   try {
-    return parse(bag.read(messages.front()).bytes);
+    return parse(bag.read(messages.front()));
   } catch (OutOfBytes) {
     return std::nullopt;
   }
@@ -36,7 +35,7 @@ bool starts_with_token(const std::string& text, const std::string& token, std::s
 // --- RealSense SDK: /device_0/sensor_0/Depth_0/image/data ---
 
 /// Prefixes such as "/device_0/sensor_1/Color_0" of topics that end in `suffix`.
-std::vector<std::string> sdk_streams(const Bag& bag,
+std::vector<std::string> sdk_streams(const MessageLog& bag,
                                      const std::string& kind,
                                      const std::string& suffix) {
   std::vector<std::string> prefixes;
@@ -52,18 +51,20 @@ std::vector<std::string> sdk_streams(const Bag& bag,
 }
 
 /// T_stream_reference by extrinsics group: streams of one group share their reference.
-std::map<std::string, Pose> sdk_extrinsics(const Bag& bag, const std::string& prefix) {
+std::map<std::string, Pose> sdk_extrinsics(const MessageLog& bag, const std::string& prefix) {
   std::map<std::string, Pose> by_group;
   const std::string start = prefix + "/tf/";
   for (const auto& [topic, type] : bag.topics()) {
     if (topic.compare(0, start.size(), start) != 0) continue;
-    const auto pose = first_message(bag, topic, ros::parse_transform);
+    const auto pose = first_message(bag, topic, ros::parse_sdk_extrinsics);
     if (pose) by_group.emplace(topic.substr(start.size()), *pose);
   }
   return by_group;
 }
 
-std::optional<Pose> sdk_transform(const Bag& bag, const std::string& to, const std::string& from) {
+std::optional<Pose> sdk_transform(const MessageLog& bag,
+                                  const std::string& to,
+                                  const std::string& from) {
   const auto from_groups = sdk_extrinsics(bag, from);
   for (const auto& [group, T_to_reference] : sdk_extrinsics(bag, to)) {
     const auto match = from_groups.find(group);
@@ -72,11 +73,10 @@ std::optional<Pose> sdk_transform(const Bag& bag, const std::string& to, const s
   return std::nullopt;
 }
 
-std::string sdk_device_name(const Bag& bag, const std::string& device) {
+std::string sdk_device_name(const MessageLog& bag, const std::string& device) {
   for (const auto& message : bag.messages(device + "/info")) {
     try {
-      const auto pair = ros::parse_key_value(bag.read(message).bytes);
-      if (pair.key == "Name") return pair.value;
+      if (const auto name = ros::parse_sdk_info(bag.read(message), "Name")) return *name;
     } catch (OutOfBytes) {
       continue;
     }
@@ -84,14 +84,18 @@ std::string sdk_device_name(const Bag& bag, const std::string& device) {
   return {};
 }
 
-std::string first_topic(const Bag& bag, const std::vector<std::string>& candidates) {
+std::string first_topic(const MessageLog& bag, const std::vector<std::string>& candidates) {
   for (const std::string& topic : candidates) {
     if (bag.has(topic) && !bag.messages(topic).empty()) return topic;
   }
   return {};
 }
 
-std::optional<BagLayout> sdk_layout(const Bag& bag) {
+std::string sdk_camera_info(const MessageLog& bag, const std::string& prefix) {
+  return first_topic(bag, {prefix + "/info/camera_info", prefix + "/camera_info"});
+}
+
+std::optional<BagLayout> sdk_layout(const MessageLog& bag) {
   const auto depth = sdk_streams(bag, "Depth", "/image/data");
   if (depth.empty()) return std::nullopt;
   const std::string& prefix = depth.front();
@@ -102,10 +106,19 @@ std::optional<BagLayout> sdk_layout(const Bag& bag) {
     layout.warnings.push_back(std::to_string(depth.size()) + " depth streams, only " + prefix +
                               " is read");
   }
-  layout.format = "RealSense SDK bag";
+  layout.format = "RealSense SDK " + bag.kind();
+  layout.is_sdk = true;
   layout.device = sdk_device_name(bag, device);
   layout.depth = prefix + "/image/data";
-  layout.depth_info = prefix + "/info/camera_info";
+  if (bag.topics().at(layout.depth) == "sensor_msgs/CompressedImage") {
+    throw Error(bag.path().string() + ": depth images on " + layout.depth +
+                " are compressed (sensor_msgs/CompressedImage), expected sensor_msgs/Image");
+  }
+  layout.depth_info = sdk_camera_info(bag, prefix);
+  const auto metadata = bag.topics().find(prefix + "/image/metadata");
+  if (metadata != bag.topics().end() && metadata->second == "std_msgs/String") {
+    layout.depth_metadata = metadata->first;
+  }
   layout.depth_unit = first_topic(
       bag, {sensor + "/option/Depth Units/value", sensor + "/option/Depth_Units/value"});
   const auto on_device = [&](const std::string& other) {
@@ -114,13 +127,15 @@ std::optional<BagLayout> sdk_layout(const Bag& bag) {
   for (const std::string& color : sdk_streams(bag, "Color", "/image/data")) {
     if (!on_device(color)) continue;
     layout.color = color + "/image/data";
-    layout.color_info = color + "/info/camera_info";
+    layout.color_info = sdk_camera_info(bag, color);
     const auto pose = sdk_transform(bag, color, prefix);
     layout.has_extrinsics = pose.has_value();
     if (pose) layout.T_color_depth = *pose;
     break;
   }
-  for (const std::string& accel : sdk_streams(bag, "Accel", "/imu/data")) {
+  auto accels = sdk_streams(bag, "Accel", "/imu/data");
+  if (accels.empty()) accels = sdk_streams(bag, "Motion", "/imu/data");  // with the gyroscope
+  for (const std::string& accel : accels) {
     if (!on_device(accel)) continue;
     layout.accel = accel + "/imu/data";
     const auto pose = sdk_transform(bag, prefix, accel);
@@ -136,7 +151,7 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-std::vector<std::string> image_topics(const Bag& bag) {
+std::vector<std::string> image_topics(const MessageLog& bag) {
   std::vector<std::string> topics;
   for (const auto& [topic, type] : bag.topics()) {
     if (type == "sensor_msgs/Image" && !bag.messages(topic).empty()) topics.push_back(topic);
@@ -152,24 +167,27 @@ std::string image_topic_in(const std::vector<std::string>& topics, const std::st
   return {};
 }
 
-std::string info_beside(const std::string& image_topic) {
-  return image_topic.substr(0, image_topic.rfind('/')) + "/camera_info";
+/// Of the image's own namespace, as some ROS 2 recorders have it, or beside the image.
+std::string info_of(const MessageLog& bag, const std::string& image_topic) {
+  const std::string beside = image_topic.substr(0, image_topic.rfind('/')) + "/camera_info";
+  const std::string own = first_topic(bag, {image_topic + "/camera_info"});
+  return own.empty() ? beside : own;
 }
 
-std::string frame_id(const Bag& bag, const std::string& topic) {
+std::string frame_id(const MessageLog& bag, const std::string& topic) {
   const auto header = first_message(bag, topic, ros::parse_header);
   return header ? header->frame_id : "";
 }
 
 /// T_to_from along the static transforms, whichever way each of them points.
-std::optional<Pose> static_transform(const Bag& bag,
+std::optional<Pose> static_transform(const MessageLog& bag,
                                      const std::string& to,
                                      const std::string& from) {
   if (to.empty() || from.empty()) return std::nullopt;
   std::vector<ros::NamedTransform> edges;
   for (const auto& message : bag.messages("/tf_static")) {
     try {
-      const auto some = ros::parse_tf_message(bag.read(message).bytes);
+      const auto some = ros::parse_tf_message(bag.read(message));
       edges.insert(edges.end(), some.begin(), some.end());
     } catch (OutOfBytes) {
       continue;
@@ -195,9 +213,9 @@ std::optional<Pose> static_transform(const Bag& bag,
   return found->second;
 }
 
-void use_depth_topic(const Bag& bag, const std::string& topic, BagLayout& layout) {
+void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout& layout) {
   layout.depth = topic;
-  layout.depth_info = info_beside(topic);
+  layout.depth_info = info_of(bag, topic);
   const std::string folder = topic.substr(0, topic.rfind('/'));
   layout.color_aligned = ends_with(folder, "aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
@@ -208,16 +226,16 @@ void use_depth_topic(const Bag& bag, const std::string& topic, BagLayout& layout
   layout.T_color_depth = pose.value_or(Pose::Identity());
 }
 
-std::optional<BagLayout> ros_layout(const Bag& bag) {
+std::optional<BagLayout> ros_layout(const MessageLog& bag) {
   const auto topics = image_topics(bag);
   const std::string native = image_topic_in(topics, "depth");
   const std::string aligned = image_topic_in(topics, "aligned_depth_to_color");
   if (native.empty() && aligned.empty()) return std::nullopt;
   BagLayout layout;
-  layout.format = "realsense-ros bag";
+  layout.format = "realsense-ros " + bag.kind();
   layout.color = image_topic_in(topics, "color");
   if (layout.color.empty()) layout.color = image_topic_in(topics, "rgb");
-  if (!layout.color.empty()) layout.color_info = info_beside(layout.color);
+  if (!layout.color.empty()) layout.color_info = info_of(bag, layout.color);
   // Native pixels are the truth; the aligned copy serves where colour could not be placed else.
   use_depth_topic(bag, native.empty() ? aligned : native, layout);
   if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
@@ -236,7 +254,7 @@ std::optional<BagLayout> ros_layout(const Bag& bag) {
 
 }  // namespace
 
-BagLayout find_bag_layout(const Bag& bag) {
+BagLayout find_bag_layout(const MessageLog& bag) {
   if (auto layout = sdk_layout(bag)) return *layout;
   if (auto layout = ros_layout(bag)) return *layout;
   std::string found;

@@ -1,80 +1,22 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <set>
 
+#include "core/io/bag/bag_gravity.hpp"
 #include "core/io/bag/bag_layout.hpp"
 #include "core/io/bag/ros_messages.hpp"
+#include "core/io/bag/sdk_messages.hpp"
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io {
 namespace {
 
-constexpr std::size_t kMaxSamples = 64;
-// Samples are spread over the recording, and each compressed chunk they lie in is unpacked.
-constexpr std::size_t kMaxCost = 4 << 20;
-constexpr double kMinMean = 7;  // [m/s2]
-constexpr double kMaxMean = 13;
-
-/// Gravity from the accelerometer samples recorded nearest to `time_ns`: at rest it measures the
-/// reaction to gravity, so things fall along the negative of their mean. nullopt where there are
-/// no samples or their mean is not near 1 g (shaken, or damaged). `accel` is sorted by time.
-std::optional<Gravity> gravity_near(const rosbag1::Bag& bag,
-                                    const std::vector<rosbag1::MessageRef>& accel,
-                                    std::uint64_t time_ns,
-                                    const Mat3d& R_depth_accel) {
-  const auto gap_ns = [&](std::size_t i) {
-    return accel[i].time_ns > time_ns ? accel[i].time_ns - time_ns : time_ns - accel[i].time_ns;
-  };
-  auto after =
-      static_cast<std::size_t>(std::lower_bound(accel.begin(), accel.end(), time_ns,
-                                                [](const rosbag1::MessageRef& m, std::uint64_t t) {
-                                                  return m.time_ns < t;
-                                                }) -
-                               accel.begin());
-  std::size_t before = after;  // [before, after) are the samples taken
-  std::set<std::uint32_t> chunks;
-  std::size_t cost = 0;
-  Vec3d sum = Vec3d::Zero();
-  std::uint64_t widest_ns = 0;
-  std::size_t count = 0;
-  while (count < kMaxSamples && (before > 0 || after < accel.size())) {
-    const bool earlier =
-        before > 0 && (after == accel.size() || gap_ns(before - 1) <= gap_ns(after));
-    const std::size_t i = earlier ? --before : after++;
-    if (chunks.insert(accel[i].chunk).second) cost += bag.unpacking_cost(accel[i]);
-    if (count > 0 && cost > kMaxCost) break;
-    try {
-      const auto sample = ros::parse_imu(bag.read(accel[i]).bytes);
-      if (!sample.meters_per_s2.allFinite()) continue;
-      sum += sample.meters_per_s2;
-    } catch (OutOfBytes) {
-      continue;
-    } catch (const Error&) {
-      continue;  // a damaged chunk; the others decide
-    }
-    widest_ns = gap_ns(i);
-    ++count;
-  }
-  if (count == 0) return std::nullopt;
-  const Vec3d mean = sum / static_cast<double>(count);
-  if (mean.norm() < kMinMean || mean.norm() > kMaxMean) return std::nullopt;
-  char note[120];
-  std::snprintf(note, sizeof(note), "mean of %zu accelerometer samples within %.2f s, %.2f m/s2",
-                count, 1e-9 * static_cast<double>(widest_ns), mean.norm());
-  return Gravity{-(R_depth_accel * mean).normalized(), GravitySource::imu, 1, note};
-}
-
-using rosbag1::Bag;
-using rosbag1::MessageRef;
-
 constexpr double kMaxColorGap_s = 0.5;
 constexpr double kClocksDiffer_s = 10;
 
 class BagRecording : public Recording {
  public:
-  BagRecording(const std::filesystem::path& path, const RecordingOptions& options);
+  BagRecording(std::unique_ptr<MessageLog> log, const RecordingOptions& options);
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(depth_.size()); }
@@ -83,16 +25,25 @@ class BagRecording : public Recording {
   std::string frame_hash(int i) const override;
 
  private:
-  Image16 read_depth(int i, Frame* frame) const;
-  void add_color(const MessageRef& depth, Frame& frame) const;
+  struct DepthMessage {
+    ros::Header header;
+    std::optional<double> unit_m;
+    Image16 depth;
+  };
+  DepthMessage read_depth(int i) const;
+  void add_color(const MessageRef& depth, double stamp_s, Frame& frame) const;
   const MessageRef* nearest_color(const MessageRef& depth, double stamp_s) const;
   double color_gap_s(std::size_t color, double depth_stamp_s) const;
   void order_by_stamp();
+  ros::CameraInfo read_camera_info(const MessageRef& message, const std::string& topic) const;
+  ros::SdkFrameFacts facts_beside(const MessageRef& depth) const;
+  void name_frame(int i, const ros::Header& header, Frame& frame) const;
   void read_camera(const RecordingOptions& options);
   void drop_unreadable_color();
   void read_color_camera();
 
-  Bag bag_;
+  std::unique_ptr<MessageLog> log_;
+  const MessageLog& bag_;
   BagLayout layout_;
   RecordingInfo info_;
   Sidecar sidecar_;
@@ -100,19 +51,24 @@ class BagRecording : public Recording {
   bool unit_is_given_ = false;  // by option or sidecar: wins over what single frames say
   Intrinsics color_intrinsics_;
   std::vector<MessageRef> depth_;
+  std::vector<MessageRef> metadata_;  // texts beside them
   std::vector<MessageRef> color_;
   std::vector<MessageRef> accel_;
   double color_period_s_ = 0;
 };
 
+constexpr std::size_t kHeaderBytes = 4096;  // a header ends before
+
+/// Reads a message, or the first bytes of it, through `parse`.
 template <typename Parse>
-auto parse_message(const Bag& bag,
+auto parse_message(const MessageLog& bag,
                    const MessageRef& message,
                    const std::string& topic,
-                   Parse parse) {
-  const auto bytes = bag.read(message);
+                   Parse parse,
+                   std::size_t at_most = kWholeMessage) {
+  const Message bytes = bag.read(message, at_most);
   try {
-    return parse(bytes.bytes);
+    return parse(bytes);
   } catch (OutOfBytes) {
     throw Error(bag.path().string() + ": a message on " + topic + " is damaged");
   }
@@ -140,9 +96,12 @@ Intrinsics to_intrinsics(const ros::CameraInfo& camera,
   return result;
 }
 
-BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOptions& options)
-    : bag_(path), layout_(find_bag_layout(bag_)), sidecar_(read_sidecar(path)) {
-  info_.path = path;
+BagRecording::BagRecording(std::unique_ptr<MessageLog> log, const RecordingOptions& options)
+    : log_(std::move(log)),
+      bag_(*log_),
+      layout_(find_bag_layout(bag_)),
+      sidecar_(read_sidecar(bag_.path())) {
+  info_.path = bag_.path();
   info_.format = layout_.format;
   info_.device = layout_.device;
   info_.warnings = bag_.warnings();
@@ -150,6 +109,7 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
   unit_is_given_ = options.depth_unit_m || sidecar_.depth_unit_m;
   depth_ = bag_.messages(layout_.depth);
   order_by_stamp();
+  if (!layout_.depth_metadata.empty()) metadata_ = bag_.messages(layout_.depth_metadata);
   if (!layout_.color.empty()) color_ = bag_.messages(layout_.color);
   if (!layout_.accel.empty()) accel_ = bag_.messages(layout_.accel);
   color_period_s_ = median_period_s(color_);
@@ -160,7 +120,7 @@ BagRecording::BagRecording(const std::filesystem::path& path, const RecordingOpt
   info_.warnings.insert(info_.warnings.end(), layout_.warnings.begin(), layout_.warnings.end());
   read_camera(options);
   read_color_camera();
-  bag_.file().expect_whole();
+  bag_.expect_whole();
 }
 
 /// Frames come in the order of the sensor's clock. The recording order is the same in practice;
@@ -171,15 +131,15 @@ void BagRecording::order_by_stamp() {
   for (std::size_t i = 1; i < depth_.size(); ++i) {
     const MessageRef& a = depth_[i - 1];
     const MessageRef& b = depth_[i];
-    suspicious = suspicious || a.time_ns == b.time_ns ||
-                 std::tie(a.chunk, a.offset) > std::tie(b.chunk, b.offset);
+    suspicious = suspicious || a.time_ns == b.time_ns || a.place() > b.place();
   }
   if (!suspicious && depth_.size() > kCheapMessages) return;
   std::vector<std::tuple<double, std::uint32_t, std::size_t>> order;
   try {
     for (std::size_t i = 0; i < depth_.size(); ++i) {
-      const auto header = parse_message(bag_, depth_[i], layout_.depth, ros::parse_header);
-      order.emplace_back(header.stamp_s, header.seq, i);
+      const auto header =
+          parse_message(bag_, depth_[i], layout_.depth, ros::parse_header, kHeaderBytes);
+      order.emplace_back(header.stamp_s, header.seq.value_or(0), i);
     }
   } catch (const Error&) {
     return;  // a damaged frame: it is reported when it is asked for, the order stays
@@ -190,8 +150,22 @@ void BagRecording::order_by_stamp() {
   depth_ = std::move(sorted);
 }
 
+ros::CameraInfo BagRecording::read_camera_info(const MessageRef& message,
+                                               const std::string& topic) const {
+  return parse_message(bag_, message, topic,
+                       layout_.is_sdk ? ros::parse_sdk_camera_info : ros::parse_camera_info);
+}
+
+/// What the SDK wrote beside a depth image, at the same time.
+ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
+  const auto found = std::lower_bound(metadata_.begin(), metadata_.end(), depth.time_ns,
+                                      [](const MessageRef& m, auto t) { return m.time_ns < t; });
+  if (found == metadata_.end() || found->time_ns != depth.time_ns) return {};
+  return parse_message(bag_, *found, layout_.depth_metadata, ros::parse_sdk_metadata);
+}
+
 void BagRecording::read_camera(const RecordingOptions& options) {
-  const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](Bytes bytes) {
+  const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](const Message& bytes) {
     auto parsed = ros::parse_image(bytes);
     parsed.data = {};  // only the header is kept
     return parsed;
@@ -202,16 +176,17 @@ void BagRecording::read_camera(const RecordingOptions& options) {
   CameraFacts facts;
   const auto infos = bag_.messages(layout_.depth_info);
   if (!infos.empty()) {
-    const auto camera =
-        parse_message(bag_, infos.front(), layout_.depth_info, ros::parse_camera_info);
+    const auto camera = read_camera_info(infos.front(), layout_.depth_info);
     facts.intrinsics = to_intrinsics(camera, layout_.depth_info, info_.warnings);
     facts.intrinsics_source = "bag topic " + layout_.depth_info;
   }
   if (!layout_.depth_unit.empty()) {
-    const float unit = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
-                                     layout_.depth_unit, ros::parse_float32);
-    facts.depth_unit_m = ros::decimal(unit);
+    facts.depth_unit_m = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
+                                       layout_.depth_unit, ros::parse_sdk_option);
     facts.depth_unit_source = "bag topic " + layout_.depth_unit;
+  } else if (const auto unit = facts_beside(depth_.front()).depth_unit_m) {
+    facts.depth_unit_m = unit;
+    facts.depth_unit_source = "bag topic " + layout_.depth_metadata;
   } else if (image.depth_unit_m) {
     facts.depth_unit_m = ros::decimal(*image.depth_unit_m);
     facts.depth_unit_source = "depth messages of the bag";
@@ -226,7 +201,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
 void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {
-    parse_message(bag_, color_.front(), layout_.color, [&](Bytes bytes) {
+    parse_message(bag_, color_.front(), layout_.color, [&](const Message& bytes) {
       return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
     });
   } catch (const Error& error) {
@@ -253,14 +228,14 @@ void BagRecording::read_color_camera() {
                                      : "shown only: the bag has no depth-to-colour extrinsics";
     return;
   }
-  const auto camera =
-      parse_message(bag_, infos.front(), layout_.color_info, ros::parse_camera_info);
+  const auto camera = read_camera_info(infos.front(), layout_.color_info);
   color_intrinsics_ = to_intrinsics(camera, layout_.color_info, info_.warnings);
   info_.color_note = "projected by extrinsics";
 }
 
 double BagRecording::color_gap_s(std::size_t color, double depth_stamp_s) const {
-  const auto header = parse_message(bag_, color_[color], layout_.color, ros::parse_header);
+  const auto header =
+      parse_message(bag_, color_[color], layout_.color, ros::parse_header, kHeaderBytes);
   return std::abs(header.stamp_s - depth_stamp_s);
 }
 
@@ -296,10 +271,10 @@ const MessageRef* BagRecording::nearest_color(const MessageRef& depth, double st
   return gap_s <= kMaxColorGap_s ? &color_[best] : nullptr;
 }
 
-void BagRecording::add_color(const MessageRef& depth, Frame& frame) const {
-  const MessageRef* color = reads_color_ ? nearest_color(depth, frame.timestamp_s) : nullptr;
+void BagRecording::add_color(const MessageRef& depth, double stamp_s, Frame& frame) const {
+  const MessageRef* color = reads_color_ ? nearest_color(depth, stamp_s) : nullptr;
   if (!color) return;
-  frame.color = parse_message(bag_, *color, layout_.color, [&](Bytes bytes) {
+  frame.color = parse_message(bag_, *color, layout_.color, [&](const Message& bytes) {
     return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
   });
   frame.color_aligned = layout_.color_aligned && frame.color.width == frame.depth.width &&
@@ -308,8 +283,17 @@ void BagRecording::add_color(const MessageRef& depth, Frame& frame) const {
   frame.T_color_depth = layout_.T_color_depth;
 }
 
-Image16 BagRecording::read_depth(int i, Frame* frame) const {
-  return parse_message(bag_, depth_.at(i), layout_.depth, [&](Bytes bytes) {
+/// Name, time and unit of frame i, whose unit is already set where the image tells it.
+void BagRecording::name_frame(int i, const ros::Header& header, Frame& frame) const {
+  const ros::SdkFrameFacts facts = facts_beside(depth_.at(i));
+  frame.name = facts.number.value_or(std::to_string(header.seq.value_or(i)));
+  frame.timestamp_s = facts.timestamp_s.value_or(header.stamp_s);
+  if (facts.depth_unit_m) frame.depth_unit_m = *facts.depth_unit_m;
+  if (unit_is_given_ || frame.depth_unit_m == 0) frame.depth_unit_m = info_.depth_unit_m;
+}
+
+BagRecording::DepthMessage BagRecording::read_depth(int i) const {
+  return parse_message(bag_, depth_.at(i), layout_.depth, [&](const Message& bytes) {
     const auto image = ros::parse_image(bytes);
     if (image.width != info_.width || image.height != info_.height) {
       throw Error(bag_.path().string() + ": depth frame " + std::to_string(i) + " is " +
@@ -317,24 +301,23 @@ Image16 BagRecording::read_depth(int i, Frame* frame) const {
                   std::to_string(info_.width) + "x" + std::to_string(info_.height) +
                   " as the first one");
     }
-    if (frame) {
-      frame->name = std::to_string(image.header.seq);
-      frame->timestamp_s = image.header.stamp_s;
-      frame->depth_unit_m = !unit_is_given_ && image.depth_unit_m
-                                ? ros::decimal(*image.depth_unit_m)
-                                : info_.depth_unit_m;
-    }
-    return ros::to_depth(image, bag_.path(), layout_.depth);
+    DepthMessage result{image.header, std::nullopt,
+                        ros::to_depth(image, bag_.path(), layout_.depth)};
+    if (image.depth_unit_m) result.unit_m = ros::decimal(*image.depth_unit_m);
+    return result;
   });
 }
 
 Frame BagRecording::frame(int i) const {
-  return bag_.file().guarded([&] {
+  return bag_.guarded([&] {
     Frame frame;
     frame.index = i;
-    frame.depth = read_depth(i, &frame);
+    DepthMessage message = read_depth(i);
+    frame.depth = std::move(message.depth);
+    frame.depth_unit_m = message.unit_m.value_or(0);
+    name_frame(i, message.header, frame);
     frame.intrinsics = info_.intrinsics;
-    add_color(depth_[i], frame);
+    add_color(depth_[i], message.header.stamp_s, frame);
     frame.gravity = gravity_near(bag_, accel_, depth_[i].time_ns, layout_.R_depth_accel);
     apply_sidecar(sidecar_, frame);
     return frame;
@@ -343,25 +326,21 @@ Frame BagRecording::frame(int i) const {
 
 double BagRecording::timestamp_s(int i) const {
   Frame facts;
-  parse_message(bag_, depth_.at(i), layout_.depth, [&](Bytes bytes) {
-    const auto image = ros::parse_image(bytes);
-    facts.name = std::to_string(image.header.seq);
-    facts.timestamp_s = image.header.stamp_s;
-    return 0;
-  });
+  name_frame(i, parse_message(bag_, depth_.at(i), layout_.depth, ros::parse_header, kHeaderBytes),
+             facts);
   apply_sidecar(sidecar_, facts);
   return facts.timestamp_s;
 }
 
 std::string BagRecording::frame_hash(int i) const {
-  return bag_.file().guarded([&] { return sha256_of_depth(read_depth(i, nullptr)); });
+  return bag_.guarded([&] { return sha256_of_depth(read_depth(i).depth); });
 }
 
 }  // namespace
 
 std::unique_ptr<Recording> open_bag(const std::filesystem::path& path,
                                     const RecordingOptions& options) {
-  return std::make_unique<BagRecording>(path, options);
+  return std::make_unique<BagRecording>(open_message_log(path), options);
 }
 
 }  // namespace planescope::io

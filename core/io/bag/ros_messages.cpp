@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/io/bag/field_reader.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io::ros {
@@ -10,29 +11,29 @@ namespace {
 
 constexpr std::uint32_t kMaxSide = 1 << 15;
 
-Header read_header(ByteReader& reader) {
+Header read_header(FieldReader& reader) {
   Header header;
-  header.seq = reader.read<std::uint32_t>();
+  if (!reader.is_cdr()) header.seq = reader.read<std::uint32_t>();
   const auto seconds = reader.read<std::uint32_t>();
   const auto nanoseconds = reader.read<std::uint32_t>();
   header.stamp_s = seconds + nanoseconds * 1e-9;
-  header.frame_id = reader.read_text();
+  header.frame_id = reader.text();
   return header;
 }
 
-int read_side(ByteReader& reader) {
+int read_side(FieldReader& reader) {
   const auto side = reader.read<std::uint32_t>();
   if (side > kMaxSide) throw OutOfBytes{};
   return static_cast<int>(side);
 }
 
-Vec3d read_vector(ByteReader& reader) {
+Vec3d read_vector(FieldReader& reader) {
   Vec3d vector;
   for (int i = 0; i < 3; ++i) vector[i] = reader.read<double>();
   return vector;
 }
 
-Pose read_transform(ByteReader& reader) {
+Pose read_transform(FieldReader& reader) {
   const Vec3d translation = read_vector(reader);
   const Vec3d xyz = read_vector(reader);
   Eigen::Quaterniond rotation(reader.read<double>(), xyz.x(), xyz.y(), xyz.z());
@@ -47,82 +48,73 @@ Pose read_transform(ByteReader& reader) {
 
 }  // namespace
 
-Header parse_header(Bytes message) {
-  ByteReader reader(message);
+Header parse_header(const Message& message) {
+  FieldReader reader(message);
   return read_header(reader);
 }
 
-Image parse_image(Bytes message) {
-  ByteReader reader(message);
+Image parse_image(const Message& message) {
+  FieldReader reader(message);
   Image image;
   image.header = read_header(reader);
   image.height = read_side(reader);
   image.width = read_side(reader);
-  image.encoding = reader.read_text();
+  image.encoding = reader.text();
   image.big_endian = reader.read<std::uint8_t>() != 0;
   image.step = reader.read<std::uint32_t>();
-  image.data = reader.take_sized();
+  image.data = reader.bytes();
   if (image.step * image.height > image.data.size()) throw OutOfBytes{};
-  if (reader.left() >= 4) {
+  if (!reader.is_cdr() && reader.left() >= 4) {
     const auto unit = reader.read<float>();
     if (unit > 1e-7f && unit < 1.0f) image.depth_unit_m = unit;
   }
   return image;
 }
 
-CameraInfo parse_camera_info(Bytes message) {
-  ByteReader reader(message);
+CameraInfo parse_camera_info(const Message& message) {
+  FieldReader reader(message);
   read_header(reader);
   CameraInfo info;
   info.height = read_side(reader);
   info.width = read_side(reader);
-  info.distortion_model = reader.read_text();
-  const auto coefficients = reader.read<std::uint32_t>();
-  ByteReader d(reader.take(std::uint64_t{8} * coefficients));
-  while (!d.done()) info.d.push_back(d.read<double>());
+  info.distortion_model = reader.text();
+  info.d = reader.doubles();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) info.k(row, column) = reader.read<double>();
   }
   return info;
 }
 
-Acceleration parse_imu(Bytes message) {
-  ByteReader reader(message);
+Acceleration parse_imu(const Message& message) {
+  FieldReader reader(message);
   Acceleration acceleration;
   acceleration.header = read_header(reader);
   // orientation and angular velocity, each with its covariance
-  reader.take(8 * (4 + 9 + 3 + 9));
+  for (int i = 0; i < 4 + 9 + 3 + 9; ++i) reader.read<double>();
   acceleration.meters_per_s2 = read_vector(reader);
   return acceleration;
 }
 
-Pose parse_transform(Bytes message) {
-  ByteReader reader(message);
+Pose parse_transform(const Message& message) {
+  FieldReader reader(message);
   return read_transform(reader);
 }
 
-std::vector<NamedTransform> parse_tf_message(Bytes message) {
-  ByteReader reader(message);
+std::vector<NamedTransform> parse_tf_message(const Message& message) {
+  FieldReader reader(message);
   std::vector<NamedTransform> transforms;
   const auto count = reader.read<std::uint32_t>();
   for (std::uint32_t i = 0; i < count; ++i) {
     NamedTransform transform;
     transform.parent = read_header(reader).frame_id;
-    transform.child = reader.read_text();
+    transform.child = reader.text();
     transform.T_parent_child = read_transform(reader);
     transforms.push_back(std::move(transform));
   }
   return transforms;
 }
 
-Pose parse_extrinsics(Bytes message) {
-  // Older messages start with a header: 9 + 3 doubles end both.
-  constexpr std::size_t kBytes = 12 * sizeof(double);
-  if (message.size() < kBytes) throw OutOfBytes{};
-  ByteReader reader(message.last(kBytes));
-  Mat3d rotation;
-  for (int column = 0; column < 3; ++column) rotation.col(column) = read_vector(reader);
-  const Vec3d translation = read_vector(reader);
+Pose to_pose(const Mat3d& rotation, const Vec3d& translation) {
   const bool is_rotation = rotation.allFinite() && translation.allFinite() &&
                            (rotation * rotation.transpose()).isIdentity(1e-3) &&
                            rotation.determinant() > 0;
@@ -133,15 +125,26 @@ Pose parse_extrinsics(Bytes message) {
   return pose;
 }
 
-KeyValue parse_key_value(Bytes message) {
-  ByteReader reader(message);
+Pose parse_extrinsics(const Message& message) {
+  // Older messages start with a header: 9 + 3 doubles end both.
+  constexpr std::size_t kBytes = 12 * sizeof(double);
+  if (message.bytes.size() < kBytes) throw OutOfBytes{};
+  FieldReader reader({message.held, message.bytes.last(kBytes)});
+  Mat3d rotation;
+  for (int column = 0; column < 3; ++column) rotation.col(column) = read_vector(reader);
+  const Vec3d translation = read_vector(reader);
+  return to_pose(rotation, translation);
+}
+
+KeyValue parse_key_value(const Message& message) {
+  FieldReader reader(message);
   KeyValue pair;
-  pair.key = reader.read_text();
-  pair.value = reader.read_text();
+  pair.key = reader.text();
+  pair.value = reader.text();
   return pair;
 }
 
-float parse_float32(Bytes message) { return ByteReader(message).read<float>(); }
+float parse_float32(const Message& message) { return FieldReader(message).read<float>(); }
 
 namespace {
 

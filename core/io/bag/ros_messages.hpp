@@ -5,21 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "core/io/byte_reader.hpp"
+#include "core/io/bag/message_log.hpp"
 #include "core/model/image.hpp"
 #include "core/model/types.hpp"
 
 namespace planescope::io::ros {
 
-// The ROS 1 messages that recordings of depth cameras use. Every function throws OutOfBytes when
-// the bytes end early.
+// The messages of ROS 1 and 2 that recordings of depth cameras use. Every function throws
+// OutOfBytes when the bytes end early.
 
 struct Header {
-  std::uint32_t seq = 0;
+  std::optional<std::uint32_t> seq;  // ROS 1 alone
   double stamp_s = 0;
   std::string frame_id;
 };
-Header parse_header(Bytes message);
+Header parse_header(const Message& message);
 
 struct Image {
   Header header;
@@ -31,7 +31,7 @@ struct Image {
   Bytes data;
   std::optional<float> depth_unit_m;  // trailing field of RealSense SDK 2.49 and later
 };
-Image parse_image(Bytes message);
+Image parse_image(const Message& message);
 
 struct CameraInfo {
   int width = 0;
@@ -40,34 +40,37 @@ struct CameraInfo {
   std::vector<double> d;
   Mat3d k = Mat3d::Zero();
 };
-CameraInfo parse_camera_info(Bytes message);
+CameraInfo parse_camera_info(const Message& message);
 
 struct Acceleration {
   Header header;
   Vec3d meters_per_s2 = Vec3d::Zero();
 };
-Acceleration parse_imu(Bytes message);
+Acceleration parse_imu(const Message& message);
 
 /// geometry_msgs/Transform; the quaternion is normalised. Throws OutOfBytes on a zero quaternion.
-Pose parse_transform(Bytes message);
+Pose parse_transform(const Message& message);
 
 struct NamedTransform {
   std::string parent;
   std::string child;
   Pose T_parent_child = Pose::Identity();
 };
-std::vector<NamedTransform> parse_tf_message(Bytes message);
+std::vector<NamedTransform> parse_tf_message(const Message& message);
+
+/// Throws OutOfBytes where it is no rotation.
+Pose to_pose(const Mat3d& rotation, const Vec3d& translation);
 
 /// realsense2_camera/Extrinsics: rotation column-major, then translation.
-Pose parse_extrinsics(Bytes message);
+Pose parse_extrinsics(const Message& message);
 
 struct KeyValue {
   std::string key;
   std::string value;
 };
-KeyValue parse_key_value(Bytes message);
+KeyValue parse_key_value(const Message& message);
 
-float parse_float32(Bytes message);
+float parse_float32(const Message& message);
 
 /// Throws Error naming bag and topic unless the image holds 16-bit depth counts.
 void check_depth_encoding(const Image& image,

@@ -45,7 +45,7 @@ void walk_chunk(Scan& scan, std::uint32_t number) {
         add_connection(record, scan.index);
       } else if (record.header.op() == Op::message) {
         const std::uint64_t time = nanoseconds(record.header.get<std::uint64_t>("time"));
-        add_messages(scan, record.header.get<std::uint32_t>("conn"), {{time, number, offset}});
+        add_messages(scan, record.header.get<std::uint32_t>("conn"), {{time, 0, number, offset}});
       }
     }
   } catch (OutOfBytes) {

@@ -78,6 +78,58 @@ TEST_F(RealRecordings, ASdkBagCutAnywhereGivesTheFramesBeforeTheCut) {
   EXPECT_EQ(frames, 2);
 }
 
+TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
+  const auto bag = open("realsense_sdk_bag/single_depth_color_640x480.bag");
+  for (const std::string dialect : {"plain", "zstd"}) {
+    SCOPED_TRACE(dialect);
+    const auto db3 = open("realsense_sdk_db3/" + dialect + "_single_depth_color_640x480.db3");
+    EXPECT_EQ(db3->info().device, bag->info().device);
+    EXPECT_EQ(db3->info().depth_unit_m, bag->info().depth_unit_m);
+    EXPECT_EQ(db3->info().color_note, bag->info().color_note);
+    EXPECT_TRUE(db3->info().warnings.empty());
+    // The SDK's texts have six digits.
+    EXPECT_NEAR(db3->info().intrinsics.fx, bag->info().intrinsics.fx, 5e-4);
+    EXPECT_NEAR(db3->info().intrinsics.cy, bag->info().intrinsics.cy, 5e-4);
+    ASSERT_EQ(db3->frame_count(), bag->frame_count());
+    for (int i = 0; i < bag->frame_count(); ++i) {
+      const Frame ours = db3->frame(i), theirs = bag->frame(i);
+      EXPECT_EQ(ours.name, theirs.name);
+      EXPECT_NEAR(ours.timestamp_s, theirs.timestamp_s, 1e-6);
+      EXPECT_EQ(ours.depth_unit_m, theirs.depth_unit_m);
+      EXPECT_EQ(ours.depth.data, theirs.depth.data);
+      EXPECT_EQ(db3->frame_hash(i), bag->frame_hash(i));
+      EXPECT_EQ(ours.color.data, theirs.color.data);
+      EXPECT_TRUE(ours.T_color_depth.isApprox(theirs.T_color_depth, 1e-5));
+    }
+  }
+}
+
+TEST_F(RealRecordings, AnSdkDb3CutAnywhereGivesTheFramesBeforeTheCut) {
+  const std::string name = "realsense_sdk_db3/plain_single_depth_color_640x480.db3";
+  const auto bytes = read_file_bytes(root_ / name);
+  const auto whole = open(name);
+  const std::string hashes[] = {whole->frame_hash(0), whole->frame_hash(1)};
+  const auto path = temp_folder() / "cut.db3";
+  int frames = 0;
+  for (std::size_t cut = 20'000; cut < bytes.size(); cut += 50'001) {
+    write_anew(path, std::span(bytes).first(cut));
+    std::unique_ptr<Recording> recording;
+    const std::string error = error_of([&] { recording = open_recording(path); });
+    if (!recording) {
+      ASSERT_EQ(frames, 0) << error;
+      continue;
+    }
+    ASSERT_GE(recording->frame_count(), frames) << "cut at byte " << cut;
+    frames = recording->frame_count();
+    for (int i = 0; i < frames; ++i) ASSERT_EQ(recording->frame_hash(i), hashes[i]);
+    ASSERT_GE(recording->info().warnings.size(), 1u);
+    if (cut >= 900'000) {
+      ASSERT_GE(frames, 1);
+    }
+  }
+  EXPECT_GE(frames, 1);
+}
+
 TEST_F(RealRecordings, TheFolderOfASingleBagOpensTheBag) {
   EXPECT_EQ(open("realsense_sdk_bag")->frame_count(), 2);
 }

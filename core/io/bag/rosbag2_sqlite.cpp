@@ -1,0 +1,227 @@
+#include "core/io/bag/rosbag2_sqlite.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/io/bag/ros2_message.hpp"
+#include "core/io/bag/unpack.hpp"
+#include "core/model/error.hpp"
+
+// https://www.sqlite.org/fileformat2.html, and the tables that `ros2 bag` makes in it.
+
+namespace planescope::io::rosbag2 {
+namespace {
+
+constexpr std::uint64_t kLeastRowBytes = 8;  // no message takes less of the file
+
+/// A statement that is finished with its owner.
+class Rows {
+ public:
+  Rows(sqlite3* database, const char* sql) {
+    if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK)
+      status_ = SQLITE_ERROR;
+  }
+  ~Rows() { sqlite3_finalize(statement_); }
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
+
+  void bind(int at, std::int64_t value) { sqlite3_bind_int64(statement_, at, value); }
+  bool next() {
+    if (status_ == SQLITE_ROW) status_ = sqlite3_step(statement_);
+    return status_ == SQLITE_ROW;
+  }
+  /// Whether next() came to the end, not to damage.
+  bool is_whole() const { return status_ == SQLITE_DONE; }
+  std::int64_t number(int column) const { return sqlite3_column_int64(statement_, column); }
+  std::string text(int column) const {
+    const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return bytes ? std::string(bytes,
+                               static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
+                 : std::string();
+  }
+
+ private:
+  sqlite3_stmt* statement_ = nullptr;
+  int status_ = SQLITE_ROW;
+};
+
+}  // namespace
+
+SqliteLog::SqliteLog(const std::filesystem::path& path) : MessageLog(path), file_(path) {
+  read_topics();
+  read_index();
+  drop_cut_messages();
+  warn_of_loss();
+}
+
+void SqliteLog::read_topics() {
+  // Tables proper: a view or a virtual table of these names would compute.
+  Rows tables(file_.database(),
+              "SELECT name FROM sqlite_master WHERE type = 'table' AND rootpage > 0 AND "
+              "name IN ('topics', 'messages')");
+  int found = 0;
+  while (tables.next()) ++found;
+  if (found < 2) {
+    throw Error(path_.string() + ": a SQLite file that " +
+                (tables.is_whole()
+                     ? "has no tables \"topics\" and \"messages\", expected a recording of "
+                       "ros2 bag or of the RealSense SDK"
+                     : "is cut or damaged where its tables are named"));
+  }
+  Rows topics(file_.database(), "SELECT id, name, type, serialization_format FROM topics");
+  std::map<std::string, int> others;
+  while (topics.next()) {
+    if (topics.text(3) != "cdr") {
+      ++others[topics.text(3)];
+      continue;
+    }
+    topic_of_[topics.number(0)] = topics.text(1);
+    topics_.emplace(topics.text(1), ros_type(topics.text(2)));
+  }
+  if (!topics.is_whole() && topics_.empty()) {
+    throw Error(path_.string() + ": its table of topics is cut or damaged");
+  }
+  if (!topics.is_whole()) damage_ = "; its table of topics is cut or damaged";
+  for (const auto& [format, count] : others) {
+    warnings_.push_back(std::to_string(count) + " topics are serialized as \"" + format +
+                        "\", expected cdr; they are left out");
+  }
+}
+
+/// Walks the table from its start, and from its end where it is damaged between.
+void SqliteLog::read_index() {
+  const auto take = [&](const Rows& row) {
+    if (++count_ > file_.file().bytes().size() / kLeastRowBytes)
+      throw Error(path_.string() + ": more messages than bytes, it is damaged");
+    const auto topic = topic_of_.find(row.number(1));
+    if (topic == topic_of_.end()) return;
+    const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(row.number(2), 0));
+    messages_[topic->second].push_back({time_ns, 0, 0, static_cast<std::uint64_t>(row.number(0))});
+  };
+  std::int64_t last = std::numeric_limits<std::int64_t>::min();
+  Rows rows(file_.database(), "SELECT rowid, topic_id, timestamp FROM messages ORDER BY rowid");
+  while (rows.next()) {
+    take(rows);
+    last = rows.number(0);
+  }
+  if (!rows.is_whole()) {
+    Rows back(file_.database(),
+              "SELECT rowid, topic_id, timestamp FROM messages ORDER BY rowid DESC");
+    std::int64_t first = std::numeric_limits<std::int64_t>::max();
+    while (back.next() && back.number(0) > last) {
+      take(back);
+      first = back.number(0);
+    }
+    if (!file_.is_cut()) damage_ += "; a part of the table of messages is damaged";
+    if (first != std::numeric_limits<std::int64_t>::max() && last >= 0) {
+      damage_ += ", " + std::to_string(first - last - 1) + " messages in it are lost";
+    }
+  }
+  for (auto& [topic, found] : messages_) std::sort(found.begin(), found.end());
+}
+
+/// The last messages before a cut are listed though their blobs are behind it.
+void SqliteLog::drop_cut_messages() {
+  if (!file_.is_cut()) return;
+  std::vector<std::int64_t> ids;
+  for (const auto& [topic, found] : messages_) {
+    for (const MessageRef& message : found)
+      ids.push_back(static_cast<std::int64_t>(message.offset));
+  }
+  std::sort(ids.begin(), ids.end());
+  // A blob that takes pages of its own was written after all before it: once one is there, they
+  // are.
+  std::vector<std::int64_t> lost;
+  for (std::size_t bytes = 0; !ids.empty() && bytes <= file_.page_bytes(); ids.pop_back()) {
+    if (!can_be_read(ids.back(), bytes)) lost.push_back(ids.back());
+  }
+  for (auto& [topic, found] : messages_) {
+    count_ -= std::erase_if(found, [&](const MessageRef& message) {
+      return std::ranges::count(lost, static_cast<std::int64_t>(message.offset)) > 0;
+    });
+  }
+}
+
+void SqliteLog::warn_of_loss() {
+  std::string text;
+  if (file_.is_cut()) {
+    text = "the file is cut: it has " + std::to_string(file_.file().bytes().size()) +
+           " bytes, its header says " + std::to_string(file_.promised_bytes());
+  } else if (!damage_.empty()) {
+    text = "the file is damaged";
+  }
+  if (!text.empty()) {
+    warnings_.insert(warnings_.begin(),
+                     text + damage_ + "; " + std::to_string(count_) + " messages recovered");
+  }
+  for (const char* suffix : {"-wal", "-journal"}) {
+    std::error_code ignored;
+    const std::filesystem::path beside = path_.string() + suffix;
+    const auto bytes = std::filesystem::file_size(beside, ignored);
+    if (ignored || bytes == 0) continue;
+    warnings_.push_back(
+        "the recording was never closed: " + beside.filename().string() + " holds " +
+        std::to_string(bytes) + " bytes that are not in it yet and are not read; sqlite3 " +
+        path_.filename().string() + " \"PRAGMA wal_checkpoint(TRUNCATE)\" takes them in");
+  }
+}
+
+std::vector<MessageRef> SqliteLog::messages(const std::string& topic) const {
+  const auto found = messages_.find(topic);
+  return found == messages_.end() ? std::vector<MessageRef>{} : found->second;
+}
+
+namespace {
+
+/// A blob that is closed with its owner; null where it cannot be opened.
+struct BlobCloser {
+  void operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
+};
+using Blob = std::unique_ptr<sqlite3_blob, BlobCloser>;
+
+Blob open_blob(sqlite3* database, std::int64_t id) {
+  sqlite3_blob* blob = nullptr;
+  const bool opened =
+      sqlite3_blob_open(database, "main", "messages", "data", id, 0, &blob) == SQLITE_OK;
+  return Blob(opened ? blob : nullptr);
+}
+
+}  // namespace
+
+bool SqliteLog::can_be_read(std::int64_t id, std::size_t& bytes) const {
+  const Blob blob = open_blob(file_.database(), id);
+  bytes = blob ? static_cast<std::size_t>(sqlite3_blob_bytes(blob.get())) : 0;
+  char last = 0;
+  const bool readable =
+      blob && (bytes == 0 ||
+               sqlite3_blob_read(blob.get(), &last, 1, static_cast<int>(bytes) - 1) == SQLITE_OK);
+  if (!readable) bytes = 0;
+  return readable;
+}
+
+Message SqliteLog::read(const MessageRef& message, std::size_t at_most) const {
+  const auto id = static_cast<std::int64_t>(message.offset);
+  const std::string what = path_.string() + ": message " + std::to_string(id);
+  std::vector<std::byte> bytes;
+  {
+    const std::lock_guard lock(mutex_);
+    const Blob blob = open_blob(file_.database(), id);
+    if (!blob) throw Error(what + " is cut or damaged");
+    const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
+    if (size > file_.file().bytes().size()) throw Error(what + " is damaged: longer than the file");
+    const auto read_to = [&](std::size_t end) {
+      const std::size_t from = bytes.size();
+      bytes.resize(end);
+      if (sqlite3_blob_read(blob.get(), bytes.data() + from, static_cast<int>(end - from),
+                            static_cast<int>(from)) != SQLITE_OK) {
+        throw Error(what + " is cut or damaged");
+      }
+    };
+    read_to(std::min(size, at_most));
+    if (is_zstd(bytes)) read_to(size);  // no part of it can be unpacked alone
+  }
+  const auto held = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  return cdr_message(held, *held, at_most, what);
+}
+
+}  // namespace planescope::io::rosbag2

@@ -1,0 +1,217 @@
+#include <set>
+
+#include "unit/io/ros2_writer.hpp"
+#include "unit/io/support.hpp"
+
+namespace planescope::io {
+namespace {
+
+using namespace testing_bags;
+
+class Ros2Bag : public testing::Test {
+ protected:
+  void SetUp() override { folder_ = temp_folder(); }
+
+  std::unique_ptr<Recording> open_db3(const Ros2Messages& messages, int page = 4096) {
+    write_db3(folder_ / "a.db3", messages, page);
+    return open_recording(folder_ / "a.db3");
+  }
+  std::filesystem::path folder_;
+};
+
+void expect_sdk_frames(const Recording& recording, int frames) {
+  ASSERT_EQ(recording.frame_count(), frames);
+  for (int i = 0; i < frames; ++i) {
+    const Frame frame = recording.frame(i);
+    ASSERT_EQ(frame.name, std::to_string(100 + i));
+    ASSERT_NEAR(frame.timestamp_s, 500 + i * kDepthPeriod_s, 1e-6);
+    ASSERT_EQ(frame.timestamp_s, recording.timestamp_s(i));
+    ASSERT_EQ(frame.depth.data, depth_of(100 + i).data);
+    ASSERT_EQ(frame.depth_unit_m, 0.00025);
+    ASSERT_EQ(frame.color.at(3, 2, 0), 10 + i);
+  }
+}
+
+TEST_F(Ros2Bag, TheSdksTextsTellCameraUnitAndTimesOfEachFrame) {
+  for (const bool is_packed : {false, true}) {
+    const Ros2Messages messages = sdk_messages(4);
+    const auto recording = open_db3(is_packed ? packed(messages) : messages);
+    const RecordingInfo& info = recording->info();
+    EXPECT_EQ(info.format, "RealSense SDK ROS 2 bag (SQLite)");
+    EXPECT_EQ(info.device, "Intel RealSense D435I");
+    EXPECT_EQ(info.depth_unit_m, 0.00025);
+    EXPECT_EQ(info.intrinsics.fx, 20);
+    EXPECT_EQ(info.intrinsics.fy, 21);
+    EXPECT_EQ(info.intrinsics.cx, 12);
+    EXPECT_EQ(info.intrinsics.cy, 8);
+    EXPECT_EQ(info.color_note, "projected by extrinsics");
+    EXPECT_TRUE(info.warnings.empty());
+    expect_sdk_frames(*recording, 4);
+    const Frame frame = recording->frame(0);
+    EXPECT_EQ(frame.color_intrinsics.fx, 30);
+    EXPECT_TRUE(frame.T_color_depth.linear().col(0).isApprox(Vec3d::UnitY()));
+    EXPECT_EQ(frame.T_color_depth.translation().x(), 0.015);
+  }
+}
+
+TEST_F(Ros2Bag, RealsenseRosTopicsAreReadWithTheirColourAndGravity) {
+  for (const char* camera : {"/camera", "/camera/camera", "/robot1/D455_1"}) {
+    const auto recording = open_db3(realsense_ros_messages(3, camera));
+    EXPECT_EQ(recording->info().format, "realsense-ros ROS 2 bag (SQLite)");
+    EXPECT_EQ(recording->info().depth_unit_m, 0.001);
+    EXPECT_EQ(recording->info().intrinsics.fy, 21);
+    EXPECT_EQ(recording->info().color_note, "projected by extrinsics");
+    ASSERT_EQ(recording->frame_count(), 3);
+    const Frame frame = recording->frame(2);
+    EXPECT_EQ(frame.name, "2");
+    EXPECT_NEAR(frame.timestamp_s, 1'700'000'000 + 2 * kDepthPeriod_s, 1e-6);
+    EXPECT_EQ(frame.depth.data, depth_of(102).data);
+    EXPECT_EQ(frame.color.at(0, 0, 0), 12);
+    EXPECT_NEAR(frame.T_color_depth.translation().x(), -0.015, 1e-12);
+    ASSERT_TRUE(frame.gravity);
+    // Up is z of the accelerometer, whose z is -y of the depth camera: down is y.
+    EXPECT_TRUE(frame.gravity->direction.isApprox(Vec3d(0, 1, 0), 1e-9));
+  }
+}
+
+TEST_F(Ros2Bag, DepthAlignedToColourServesWhereThereIsNoOther) {
+  Ros2Messages messages = realsense_ros_messages(2);
+  for (Ros2Message& message : messages) {
+    const auto at = message.topic.find("/depth/");
+    if (at == std::string::npos) continue;
+    message.topic.replace(at, 7, "/aligned_depth_to_color/");
+  }
+  const auto recording = open_db3(messages);
+  EXPECT_EQ(recording->info().color_note, "aligned");
+  EXPECT_TRUE(recording->frame(1).color_aligned);
+}
+
+TEST_F(Ros2Bag, MessagesOfABigEndianMachineAreRead) {
+  Ros2Messages messages = realsense_ros_messages(2);
+  for (Ros2Message& message : messages) {
+    if (message.topic != "/camera/camera/depth/image_rect_raw") continue;
+    ImageMessage image = depth_message(100, 3);
+    image.encoding = "16UC1";
+    message.bytes = cdr_image(image, true);
+  }
+  EXPECT_EQ(open_db3(messages)->frame(0).depth.data, depth_of(100).data);
+}
+
+TEST_F(Ros2Bag, AFileWithoutDepthSaysWhatItHolds) {
+  Ros2Messages messages = realsense_ros_messages(1);
+  std::erase_if(messages, [](const Ros2Message& message) {
+    return message.topic.find("depth") != std::string::npos;
+  });
+  expect_one_line_with(error_of([&] { open_db3(messages); }),
+                       {"a.db3: no depth images", "/camera/camera/color/image_raw", "expected"});
+}
+
+TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRefusedByThatName) {
+  Ros2Messages messages = sdk_messages(2);
+  for (Ros2Message& message : messages) {
+    if (message.topic != kSdkDepth + "/image/data") continue;
+    message.type = "sensor_msgs/msg/CompressedImage";
+    message.bytes = cdr_compressed_image(0, "Depth", "16UC1; compressedDepth png", {1, 2, 3});
+  }
+  expect_one_line_with(error_of([&] { open_db3(messages); }),
+                       {"a.db3", "are compressed", "expected sensor_msgs/Image"});
+}
+
+TEST_F(Ros2Bag, OpeningWritesNothingBesideTheFileAndChangesItsBytesNot) {
+  write_db3(folder_ / "a.db3", sdk_messages(3));
+  const auto before = read_file_bytes(folder_ / "a.db3");
+  std::filesystem::permissions(
+      folder_, std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const auto recording = open_recording(folder_ / "a.db3");
+  EXPECT_EQ(recording->frame(2).name, "102");
+  std::filesystem::permissions(folder_, std::filesystem::perms::owner_all);
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    names.insert(entry.path().filename().string());
+  }
+  EXPECT_EQ(names, std::set<std::string>{"a.db3"});
+  EXPECT_EQ(read_file_bytes(folder_ / "a.db3"), before);
+}
+
+TEST_F(Ros2Bag, ADatabaseWithWriteAheadLoggingOpensAndALogThatIsLeftIsTold) {
+  write_db3(folder_ / "a.db3", sdk_messages(3));
+  auto bytes = read_file_bytes(folder_ / "a.db3");
+  bytes[18] = bytes[19] = 2;
+  write_anew(folder_ / "a.db3", bytes);
+  EXPECT_TRUE(open_recording(folder_ / "a.db3")->info().warnings.empty());
+  write_text(folder_ / "a.db3-wal", "what was not taken in");
+  const auto recording = open_recording(folder_ / "a.db3");
+  expect_sdk_frames(*recording, 3);
+  ASSERT_EQ(recording->info().warnings.size(), 1u);
+  expect_one_line_with(recording->info().warnings[0], {"never closed", "a.db3-wal holds 21 bytes"});
+}
+
+TEST_F(Ros2Bag, ADatabaseOfSomethingElseIsRefused) {
+  write_text(folder_ / "text.db3", "no database");
+  expect_one_line_with(error_of([&] { open_recording(folder_ / "text.db3"); }),
+                       {"text.db3: not a SQLite file (11 bytes"});
+  write_db3(folder_ / "a.db3", {});
+  auto bytes = read_file_bytes(folder_ / "a.db3");
+  const std::string name = "messages";
+  for (auto at = bytes.begin();
+       (at = std::search(at, bytes.end(), name.begin(), name.end())) != bytes.end(); ++at) {
+    *at = 'w';
+  }
+  write_anew(folder_ / "a.db3", bytes);
+  expect_one_line_with(error_of([&] { open_recording(folder_ / "a.db3"); }),
+                       {"a.db3: a SQLite file that has no tables \"topics\" and \"messages\""});
+}
+
+TEST_F(Ros2Bag, ACutDatabaseGivesTheFramesBeforeTheCutAndSaysWhatItLacks) {
+  const int frames = 30;
+  write_db3(folder_ / "a.db3", sdk_messages(frames), 512);
+  const auto bytes = read_file_bytes(folder_ / "a.db3");
+  int last = 0;
+  for (std::size_t cut = 0; cut < bytes.size(); cut += 700) {
+    SCOPED_TRACE("cut at byte " + std::to_string(cut));
+    write_anew(folder_ / "cut.db3", std::span(bytes).first(cut));
+    std::unique_ptr<Recording> recording;
+    const std::string error = error_of([&] { recording = open_recording(folder_ / "cut.db3"); });
+    if (!recording) {
+      ASSERT_EQ(last, 0) << error;
+      expect_one_line_with(error, {"cut.db3"});
+      continue;
+    }
+    const int found = recording->frame_count();
+    ASSERT_GE(found, last);
+    // 24x16 pixels of 2 and of 3 bytes, their facts, and what the pages take.
+    ASSERT_GE(found, static_cast<int>(cut) / 2900 - 4);
+    last = found;
+    ASSERT_GE(recording->info().warnings.size(), 1u);
+    expect_one_line_with(
+        recording->info().warnings[0],
+        {"the file is cut: it has", (" " + std::to_string(found) + " depth").c_str()});
+    for (int i = 0; i < found; ++i) {
+      ASSERT_EQ(recording->frame(i).depth.data, depth_of(100 + i).data);
+    }
+  }
+  EXPECT_GE(last, frames - 2);
+}
+
+TEST_F(Ros2Bag, ADamagedPageCostsWhatLiesThereOnly) {
+  const int frames = 40;
+  write_db3(folder_ / "a.db3", sdk_messages(frames), 512);
+  auto bytes = read_file_bytes(folder_ / "a.db3");
+  std::size_t damaged = 0, wrong = 0;
+  for (std::size_t page = bytes.size() / 1024 * 512; damaged < 20; page += 512, ++damaged) {
+    auto changed = bytes;
+    std::fill_n(changed.begin() + static_cast<std::ptrdiff_t>(page), 512, 0xff);
+    write_anew(folder_ / "damaged.db3", changed);
+    const auto recording = open_recording(folder_ / "damaged.db3");
+    EXPECT_GE(recording->frame_count(), frames - 3);
+    for (int i = 0; i < recording->frame_count(); ++i) {
+      const std::string error = error_of([&] { recording->frame(i); });
+      EXPECT_EQ(error.find('\n'), std::string::npos);
+      wrong += !error.empty();
+    }
+  }
+  EXPECT_LE(wrong, damaged * 3);
+}
+
+}  // namespace
+}  // namespace planescope::io
