@@ -2,6 +2,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/io/bag/rosbag2_mcap.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_layout.hpp"
 #include "core/io/readers.hpp"
@@ -56,7 +57,10 @@ std::string extension(const fs::path& path) { return lower_case(path.extension()
 
 bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
 bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }
-bool is_bag(const fs::path& path) { return extension(path) == ".bag" || extension(path) == ".db3"; }
+bool is_bag(const fs::path& path) {
+  const std::string kind = extension(path);
+  return kind == ".bag" || kind == ".db3" || kind == ".mcap";
+}
 bool is_cloud(const fs::path& path) {
   return is_ply(path) || is_pcd(path) || is_of_added_format(path);
 }
@@ -102,6 +106,12 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
+std::vector<fs::path> bags_in(const fs::path& folder) {
+  auto files = files_in(folder);
+  std::erase_if(files, [](const fs::path& file) { return !is_bag(file); });
+  return files;
+}
+
 std::vector<fs::path> cloud_files_under(const fs::path& folder) {
   const auto clouds =
       files_under(folder, [](const fs::path& file) { return is_ply(file) || is_pcd(file); });
@@ -113,9 +123,8 @@ namespace {
 std::string expected() {
   std::string kinds = ".ply or .pcd";
   for (const CloudFormat& format : added_cloud_formats()) kinds += " or " + format.extension;
-  return "expected a RealSense .bag or .db3, a folder with depth/ as 16-bit PNG, a RealSense "
-         "Viewer .raw "
-         "with its _metadata.csv, or a " +
+  return "expected a .bag, .db3 or .mcap of RealSense or ROS, a folder with depth/ as 16-bit PNG, "
+         "a RealSense Viewer .raw with its _metadata.csv, or a " +
          kinds + " cloud";
 }
 
@@ -136,17 +145,16 @@ std::string describe_files(const std::vector<fs::path>& files) {
 std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOptions& options) {
   if (!viewer_raw_files(path).empty()) return open_viewer_raw(path, options);
   if (!find_folder_layout(path).depth.empty()) return open_image_folder(path, options);
-  const auto files = files_in(path);
-  std::vector<fs::path> bags;
-  std::copy_if(files.begin(), files.end(), std::back_inserter(bags), is_bag);
+  const auto bags = bags_in(path);
   if (bags.size() == 1) return open_bag(bags.front(), options);
+  if (bags.size() > 1 && fs::exists(path / "metadata.yaml")) return open_bag(path, options);
   if (bags.size() > 1) {
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
                 " recordings, expected the path of one of them, such as " + bags.front().string());
   }
   if (!cloud_files_under(path).empty()) return open_clouds(path, options);
-  throw Error(path.string() + ": a folder with no recording in it (" + describe_files(files) +
-              "), " + expected());
+  throw Error(path.string() + ": a folder with no recording in it (" +
+              describe_files(files_in(path)) + "), " + expected());
 }
 
 std::string first_bytes(const fs::path& path) {
@@ -166,7 +174,8 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   if (fs::is_directory(status)) return open_folder(path, options);
   const std::string start = first_bytes(path);
   const std::string kind = extension(path);
-  if (is_bag(path) || start.starts_with("#ROSBAG") || start.starts_with("SQLite f")) {
+  if (is_bag(path) || start.starts_with("#ROSBAG") || start.starts_with("SQLite f") ||
+      start == rosbag2::kMcapMagic) {
     return open_bag(path, options);
   }
   if (is_cloud(path)) return open_clouds(path, options);

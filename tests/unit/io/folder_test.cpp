@@ -319,7 +319,7 @@ TEST(Open, WhatIsNoRecordingGetsOneLineThatSaysWhatWasFound) {
   expect_one_line_with(error_of([&] { open_recording(folder / "nothing"); }),
                        {"nothing", "no such file or folder"});
   expect_one_line_with(error_of([&] { open_recording(folder); }),
-                       {folder.c_str(), "no files", "expected a RealSense .bag"});
+                       {folder.c_str(), "no files", "expected a .bag, .db3 or .mcap"});
   write_text(folder / "notes.txt", "hello");
   write_text(folder / "more.txt", "hello");
   expect_one_line_with(error_of([&] { open_recording(folder); }), {"2 .txt"});

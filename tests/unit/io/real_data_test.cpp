@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/io/bag/message_log.hpp"
 #include "unit/io/support.hpp"
 
 namespace planescope::io {
@@ -101,6 +102,25 @@ TEST_F(RealRecordings, TheSdksDb3GivesThePixelsOfTheBagItWasMadeOf) {
       EXPECT_EQ(ours.color.data, theirs.color.data);
       EXPECT_TRUE(ours.T_color_depth.isApprox(theirs.T_color_depth, 1e-5));
     }
+  }
+}
+
+TEST_F(RealRecordings, McapOfRos2BagOpensAsFarAsItsTopicsAndHasNoDepth) {
+  const auto refusal = [&](const std::string& name) {
+    return error_of([&] { open("ros2_containers/" + name); });
+  };
+  expect_one_line_with(refusal("mcap_cdr_test/cdr_test_0.mcap"), {"no depth images"});
+  expect_one_line_with(refusal("sqlite3_cdr_test/cdr_test_0.db3"), {"no depth images"});
+  expect_one_line_with(refusal("topics_and_services.mcap"), {"no depth images"});
+  const auto log = open_message_log(root_ / "ros2_containers/mcap_cdr_test/cdr_test_0.mcap");
+  const auto same = open_message_log(root_ / "ros2_containers/sqlite3_cdr_test/cdr_test_0.db3");
+  EXPECT_TRUE(log->warnings().empty());
+  EXPECT_EQ(log->topics(), same->topics());
+  for (const auto& [topic, type] : same->topics()) {
+    const auto ours = log->messages(topic), theirs = same->messages(topic);
+    ASSERT_EQ(ours.size(), theirs.size()) << topic;
+    for (std::size_t i = 0; i < ours.size(); ++i)
+      EXPECT_TRUE(std::ranges::equal(log->read(ours[i]).bytes, same->read(theirs[i]).bytes));
   }
 }
 

@@ -193,6 +193,113 @@ TEST_F(Ros2Bag, ACutDatabaseGivesTheFramesBeforeTheCutAndSaysWhatItLacks) {
   EXPECT_GE(last, frames - 2);
 }
 
+TEST_F(Ros2Bag, McapInEveryFormHasTheFramesOfTheDatabase) {
+  const auto path = folder_ / "a.mcap";
+  for (const bool is_packed : {false, true})
+    for (const char* compression : {"", "lz4", "zstd"})
+      for (const std::size_t in_chunk : {0, 1, 5, 1000})
+        for (const bool summary : {true, false}) {
+          SCOPED_TRACE(std::string(compression) + " " + std::to_string(in_chunk) +
+                       (summary ? " indexed" : "") + (is_packed ? " packed" : ""));
+          const Ros2Messages sdk = sdk_messages(4);
+          write_mcap(path, is_packed ? packed(sdk) : sdk, {compression, in_chunk, summary, "cdr"});
+          const auto recording = open_recording(path);
+          EXPECT_EQ(recording->info().format, "RealSense SDK ROS 2 bag (MCAP)");
+          EXPECT_TRUE(recording->info().warnings.empty());
+          expect_sdk_frames(*recording, 4);
+          write_mcap(path, realsense_ros_messages(3), {compression, in_chunk, summary, "cdr"});
+          const auto ros = open_recording(path);
+          ASSERT_EQ(ros->frame_count(), 3);
+          EXPECT_EQ(ros->frame(2).depth.data, depth_of(102).data);
+          EXPECT_TRUE(ros->frame(2).gravity);
+        }
+}
+
+TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
+  const Ros2Messages all = sdk_messages(12);
+  const std::size_t parts = 12, size = all.size() / parts;  // 2 before 10
+  for (const std::string kind : {".mcap", ".db3"}) {
+    SCOPED_TRACE(kind);
+    const auto dir = folder_ / kind.substr(1);
+    for (std::size_t part = 0; part < parts; ++part) {
+      const auto end = part + 1 == parts ? all.end() : all.begin() + (part + 1) * size;
+      const Ros2Messages some(all.begin() + part * size, end);
+      std::filesystem::create_directories(dir);
+      const auto path = dir / ("rec_" + std::to_string(part) + kind);
+      kind == ".mcap" ? write_mcap(path, some, {"zstd", 3, true, "cdr"}) : write_db3(path, some);
+    }
+    expect_one_line_with(error_of([&] { open_recording(dir); }),
+                         {"a folder with 12 recordings, expected the path of one of them"});
+    write_text(dir / "metadata.yaml", "rosbag2_bagfile_information:\n");
+    const auto recording = open_recording(dir);
+    EXPECT_TRUE(recording->info().warnings.empty());
+    EXPECT_EQ(recording->info().path, dir);
+    expect_sdk_frames(*recording, 12);
+    write_text(dir / ("rec_3" + kind), "not one");
+    expect_one_line_with(error_of([&] { open_recording(dir); }), {("rec_3" + kind).c_str()});
+  }
+}
+
+TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
+  write_mcap(folder_ / "a.bin", sdk_messages(2));
+  EXPECT_EQ(open_recording(folder_ / "a.bin")->frame_count(), 2);
+  write_text(folder_ / "text.mcap", "no container");
+  expect_one_line_with(error_of([&] { open_recording(folder_ / "text.mcap"); }),
+                       {"text.mcap: not an MCAP file (12 bytes"});
+  write_mcap(folder_ / "a.mcap", sdk_messages(2), {"", 5, true, "protobuf"});
+  expect_one_line_with(error_of([&] { open_recording(folder_ / "a.mcap"); }),
+                       {"a.mcap", "no depth images"});
+}
+
+TEST_F(Ros2Bag, McapThatIsCutGivesTheFramesBeforeTheCutAndSaysSo) {
+  const int frames = 20;
+  for (const char* compression : {"", "lz4"}) {
+    write_mcap(folder_ / "a.mcap", sdk_messages(frames), {compression, 7, true, "cdr"});
+    const auto bytes = read_file_bytes(folder_ / "a.mcap");
+    int last = 0;
+    for (std::size_t cut = 0; cut < bytes.size(); cut += bytes.size() / 40 + 1) {
+      SCOPED_TRACE(std::string(compression) + " cut at byte " + std::to_string(cut));
+      write_anew(folder_ / "cut.mcap", std::span(bytes).first(cut));
+      std::unique_ptr<Recording> recording;
+      const std::string error = error_of([&] { recording = open_recording(folder_ / "cut.mcap"); });
+      if (!recording) {
+        ASSERT_EQ(last, 0) << error;
+        expect_one_line_with(error, {"cut.mcap"});
+        continue;
+      }
+      const int found = recording->frame_count();
+      ASSERT_GE(found, last);
+      last = found;
+      ASSERT_EQ(recording->info().warnings.size(), 1u);
+      expect_one_line_with(recording->info().warnings[0],
+                           {"has no end", (" " + std::to_string(found) + " depth").c_str()});
+      for (int i = 0; i < found; ++i)
+        ASSERT_EQ(recording->frame(i).depth.data, depth_of(100 + i).data);
+    }
+    EXPECT_GE(last, frames - 1);
+  }
+}
+
+TEST_F(Ros2Bag, McapWithADamagedIndexIsWalkedAndDamageNeverEndsTheProgram) {
+  write_mcap(folder_ / "a.mcap", sdk_messages(6), {"zstd", 5, true, "cdr"});
+  const auto bytes = read_file_bytes(folder_ / "a.mcap");
+  int whole = 0;
+  for (std::size_t at = 8; at < bytes.size(); at += 13) {
+    auto changed = bytes;
+    changed[at] ^= 0xff;
+    write_anew(folder_ / "damaged.mcap", changed);
+    std::unique_ptr<Recording> recording;
+    std::string error = error_of([&] { recording = open_recording(folder_ / "damaged.mcap"); });
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+    for (int i = 0; recording && i < recording->frame_count(); ++i) {
+      error = error_of([&] { recording->frame(i); });
+      EXPECT_EQ(error.find('\n'), std::string::npos);
+    }
+    whole += recording && recording->frame_count() == 6;
+  }
+  EXPECT_GT(whole, 0);
+}
+
 TEST_F(Ros2Bag, ADamagedPageCostsWhatLiesThereOnly) {
   const int frames = 40;
   write_db3(folder_ / "a.db3", sdk_messages(frames), 512);

@@ -1,11 +1,13 @@
 #include "unit/io/ros2_writer.hpp"
 
+#include <lz4frame.h>
 #include <sqlite3.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 namespace planescope::testing_bags {
@@ -154,6 +156,120 @@ void write_db3(const std::filesystem::path& path, const Ros2Messages& messages, 
   }
   run("COMMIT");
   sqlite3_close(database);
+}
+
+namespace {
+
+/// Fields and records of MCAP: https://mcap.dev/spec
+class McapBytes {
+ public:
+  template <typename T>
+  McapBytes& put(T value) {
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    out.insert(out.end(), bytes, bytes + sizeof(T));
+    return *this;
+  }
+  McapBytes& text(const std::string& text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    out.insert(out.end(), text.begin(), text.end());
+    return *this;
+  }
+  McapBytes& raw(const ByteVector& bytes) {
+    out.insert(out.end(), bytes.begin(), bytes.end());
+    return *this;
+  }
+  McapBytes& record(int op, const McapBytes& content) {
+    put(static_cast<std::uint8_t>(op)).put(static_cast<std::uint64_t>(content.out.size()));
+    return raw(content.out);
+  }
+  ByteVector out;
+};
+
+ByteVector mcap_packed(const ByteVector& bytes, const std::string& compression) {
+  if (compression == "zstd") return zstd_packed(bytes);
+  if (compression.empty()) return bytes;
+  ByteVector out(LZ4F_compressFrameBound(bytes.size(), nullptr));
+  out.resize(LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+  return out;
+}
+
+}  // namespace
+
+void write_mcap(const std::filesystem::path& path,
+                const Ros2Messages& messages,
+                const McapForm& form) {
+  const ByteVector magic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+  McapBytes file, summary;
+  file.raw(magic).record(1, McapBytes().text("ros2").text("a writer of tests"));
+  std::map<std::string, std::uint16_t> ids;
+  McapBytes chunk;  // what is written next into it
+  std::map<std::uint16_t, McapBytes> entries;
+  std::size_t in_chunk = 0, chunks = 0;
+  const auto end_chunk = [&] {
+    if (in_chunk == 0) return;
+    const ByteVector stored = mcap_packed(chunk.out, form.compression);
+    const std::uint64_t start = file.out.size();
+    McapBytes content;
+    content.put(std::uint64_t{1}).put(std::uint64_t{2}).put(std::uint64_t{chunk.out.size()});
+    content.put(std::uint32_t{0}).text(form.compression).put(std::uint64_t{stored.size()});
+    file.record(6, content.raw(stored));
+    const std::uint64_t index_start = file.out.size();
+    McapBytes offsets;
+    for (const auto& [channel, list] : entries) {
+      offsets.put(channel).put(std::uint64_t{file.out.size()});
+      McapBytes of_channel;
+      of_channel.put(channel).put(static_cast<std::uint32_t>(list.out.size())).raw(list.out);
+      file.record(7, of_channel);
+    }
+    McapBytes place;
+    place.put(std::uint64_t{1}).put(std::uint64_t{2}).put(start).put(index_start - start);
+    place.put(static_cast<std::uint32_t>(offsets.out.size())).raw(offsets.out);
+    place.put(std::uint64_t{file.out.size() - index_start}).text(form.compression);
+    place.put(std::uint64_t{stored.size()}).put(std::uint64_t{chunk.out.size()});
+    summary.record(8, place);
+    chunk = {};
+    entries.clear();
+    in_chunk = 0;
+    ++chunks;
+  };
+  std::uint32_t sequence = 0;
+  for (const Ros2Message& message : messages) {
+    McapBytes& to = form.in_chunk == 0 ? file : chunk;
+    const auto [known, is_new] =
+        ids.try_emplace(message.topic, static_cast<std::uint16_t>(ids.size()));
+    const std::uint16_t id = known->second;
+    if (is_new) {
+      McapBytes schema, channel;
+      schema.put(static_cast<std::uint16_t>(id + 1)).text(message.type).text("ros2msg").text("");
+      channel.put(id).put(static_cast<std::uint16_t>(id + 1)).text(message.topic);
+      channel.text(form.encoding).put(std::uint32_t{0});
+      for (McapBytes* bytes : {&to, &summary}) bytes->record(3, schema).record(4, channel);
+    }
+    entries[id].put(message.time_ns).put(std::uint64_t{to.out.size()});
+    McapBytes content;
+    content.put(id).put(sequence++).put(message.time_ns).put(message.time_ns);
+    to.record(5, content.raw(message.bytes));
+    if (form.in_chunk > 0 && ++in_chunk == form.in_chunk) end_chunk();
+  }
+  end_chunk();
+  file.record(0x0f, McapBytes().put(std::uint32_t{0}));
+  const std::uint64_t summary_start = form.summary ? file.out.size() : 0;
+  if (form.summary) {
+    McapBytes counts;
+    counts.put(std::uint64_t{messages.size()}).put(static_cast<std::uint16_t>(ids.size()));
+    counts.put(static_cast<std::uint32_t>(ids.size())).put(std::uint32_t{0});
+    counts.put(std::uint32_t{0}).put(static_cast<std::uint32_t>(chunks));
+    counts.put(std::uint64_t{1}).put(std::uint64_t{2}).put(std::uint32_t{0});
+    file.raw(summary.out).record(0x0b, counts);
+  }
+  McapBytes footer;
+  footer.put(summary_start).put(std::uint64_t{0}).put(std::uint32_t{0});
+  file.record(2, footer).raw(magic);
+  std::filesystem::remove(path);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(file.out.data()),
+             static_cast<std::streamsize>(file.out.size()));
 }
 
 Ros2Messages sdk_messages(int frames) {

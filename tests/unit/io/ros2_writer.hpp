@@ -34,6 +34,17 @@ Ros2Messages packed(Ros2Messages messages);
 /// As `ros2 bag` makes it: tables `topics` and `messages`.
 void write_db3(const std::filesystem::path& path, const Ros2Messages& messages, int page = 4096);
 
+/// How an MCAP file holds them.
+struct McapForm {
+  std::string compression;   // "", "lz4" or "zstd"
+  std::size_t in_chunk = 5;  // messages in each; 0: no chunks
+  bool summary = true;
+  std::string encoding = "cdr";
+};
+void write_mcap(const std::filesystem::path& path,
+                const Ros2Messages& messages,
+                const McapForm& form = {});
+
 /// As the RealSense SDK records: texts, depth frames 100, 101, ... with colour, as sdk_bag().
 Ros2Messages sdk_messages(int frames);
 /// As realsense-ros records under `camera`, depth_of(100), depth_of(101), ... with colour.
