@@ -128,7 +128,9 @@ void check_written(const OpenInput& input, const fs::path& dir, bool same_data) 
 }
 
 /// Label files of the frames, numbered anew. Returns how many there are.
-int copy_labels(const OpenInput& input, const fs::path& to) {
+int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& staged) {
+  if (!fs::exists(input.label_dir)) return 0;
+  const fs::path to = staged.add(name);
   int copied = 0;
   for (std::size_t i = 0; i < input.frames.size(); ++i) {
     const int from = input.frames[i];
@@ -141,6 +143,24 @@ int copy_labels(const OpenInput& input, const fs::path& to) {
   return copied;
 }
 
+/// The only frame as one file and what it cannot say beside it; neither is left where that fails.
+io::WrittenFrame write_cloud_file(const OpenInput& input, const Target& target, bool same_data) {
+  const fs::path facts = target.out.string() + ".planescope.json";
+  if (fs::exists(facts)) throw Error(facts.string() + ": is there already, expected a new name");
+  try {
+    const io::WrittenFrame written =
+        write_cloud(target.out, target.form, input.recording->frame(input.frames[0]));
+    io::write_frame_facts(facts, {written});
+    check_written(input, target.out, same_data);
+    return written;
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(target.out, ignored);
+    fs::remove(facts, ignored);
+    throw;
+  }
+}
+
 int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const std::vector<OpenInput> inputs = open_inputs(args.input);
   if (inputs.size() != 1)
@@ -150,17 +170,22 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   const bool is_cloud = input.recording->info().width == 0;
   const bool same_data = is_cloud == is_cloud_form(target.form);
 
+  const fs::path labels = labels::default_label_dir(target.out);
+  if (same_data && fs::exists(labels))
+    throw Error(labels.string() + ": is there already, expected a new name");
+  const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
+  StagedOutput staged(parent);
   if (target.one_file) {
-    const io::WrittenFrame written =
-        write_cloud(target.out, target.form, input.recording->frame(input.frames[0]));
-    io::write_frame_facts(target.out.string() + ".planescope.json", {written});
+    const io::WrittenFrame written = write_cloud_file(input, target, same_data);
+    const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
+    staged.commit();
     if (!is_cloud) warn_of_axes(written);
-    fmt::print("{}: frame {} of {}\n", target.out.string(), input.frames[0], input.path.string());
+    fmt::print("{}: frame {} of {}{}{}\n", target.out.string(), input.frames[0],
+               input.path.string(), labelled > 0 ? " and its labels" : "",
+               same_data ? ", read back, the same to the bit" : "");
     return 0;
   }
 
-  const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
-  StagedOutput staged(parent);
   const fs::path dir = staged.add(target.out.filename());
   std::vector<io::WrittenFrame> frames(input.frames.size());
   work_through(
@@ -174,13 +199,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   write_facts(target.form, dir, frames);
   check_written(input, dir, same_data);
 
-  int labelled = 0;
-  if (same_data) {
-    const fs::path labels = labels::default_label_dir(target.out);
-    if (fs::exists(labels))
-      throw Error(labels.string() + ": is there already, expected a new name");
-    if (fs::exists(input.label_dir)) labelled = copy_labels(input, staged.add(labels.filename()));
-  }
+  const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
   staged.commit();
   if (!same_data) warn_of_axes(frames[0]);
   fmt::print("{}: {} of {} frames of {}{}, read back{}\n", target.out.string(), frames.size(),

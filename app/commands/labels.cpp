@@ -85,11 +85,10 @@ LabelledRecording open_labels(const LabelsArgs& args) {
   return source;
 }
 
-Frame frame_as_drawn(const LabelledRecording& source, int index, const FrameLabels& labels) {
-  Frame frame = source.recording->frame(index);
-  const bool assumed = source.recording->info().depth_unit_source.starts_with("assumed");
+Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels) {
+  const bool assumed = info.depth_unit_source.starts_with("assumed");
   if (assumed && labels.depth_unit_m > 0) frame.depth_unit_m = labels.depth_unit_m;
-  if (!source.recording->info().knows_camera()) frame.intrinsics = labels.intrinsics;
+  if (!info.knows_camera()) frame.intrinsics = labels.intrinsics;
   return frame;
 }
 

@@ -42,8 +42,9 @@ LabelledRecording open_labels(const LabelsArgs& args);
 /// The labels of a frame that the recording has. Throws Error where they are damaged or of another
 /// depth image.
 FrameLabels read_labels_of(const LabelledRecording& source, int frame);
-/// The frame; where its depth unit is only assumed, that of the labels holds.
-Frame frame_as_drawn(const LabelledRecording& source, int frame, const FrameLabels& labels);
+/// The frame; where its depth unit is only assumed or its camera not known, those of the labels
+/// hold.
+Frame frame_as_drawn(Frame frame, const io::RecordingInfo& info, const FrameLabels& labels);
 
 void define_labels_check(CLI::App* labels, Line& line);
 void define_labels_stats(CLI::App* labels, Line& line);

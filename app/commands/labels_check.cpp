@@ -33,7 +33,9 @@ CheckedFrame check_frame(const LabelledRecording& source, int frame) {
     checked.is_cloud = labels.is_cloud();
     if (source.recording)
       checked.findings = labels::audit_labels(
-          labels, labels::make_label_grid(frame_as_drawn(source, frame, labels), labels.gravity));
+          labels, labels::make_label_grid(frame_as_drawn(source.recording->frame(frame),
+                                                         source.recording->info(), labels),
+                                          labels.gravity));
   } catch (const Error& error) {
     checked.damage = error.what();
   }

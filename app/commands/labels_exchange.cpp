@@ -25,7 +25,8 @@ OpenInput open_one(const LabelsArgs& args, const std::string& command) {
     throw Error(fmt::format("labels {}: {} recordings are given, expected one", command,
                             args.input.inputs.size()));
   InputArgs input = args.input;
-  input.label_dir.reset();  // need not exist
+  input.label_dir.reset();                                    // need not exist
+  input.recording.intrinsics_may_lack = command == "export";  // then those in the label files hold
   OpenInput opened = std::move(open_inputs(input)[0]);
   if (args.input.label_dir) opened.label_dir = *args.input.label_dir;
   return opened;
@@ -157,10 +158,11 @@ int run_labels_export(const LabelsArgs& args, const std::stop_token& stop) {
     const auto make = [&](int i) {
       const int index = frames[i];
       if (stop.stop_requested()) return;
-      const Frame frame = input.recording->frame(index);
+      Frame frame = input.recording->frame(index);
       const auto labels =
           labels::read_labels_of_frame(input.label_dir, frame, input.recording->frame_hash(index));
       if (!labels) return;
+      frame = frame_as_drawn(std::move(frame), input.recording->info(), *labels);
       if (frame.is_cloud() && format == labels::LabelFormat::coco)
         throw Error(fmt::format(
             "{}, frame {}: coco is for images, this is a cloud: expected --format evops, "

@@ -157,10 +157,12 @@ int run_labels_stats(const LabelsArgs& args, const std::stop_token& stop) {
       frames.back().doubtful = static_cast<int>(std::ranges::count_if(
           labels.planes, [](const LabelPlane& plane) { return plane.confidence < labels::kSure; }));
       frames.back().of =
-          source.recording ? labels::statistics_of(
-                                 labels, labels::make_label_grid(
-                                             frame_as_drawn(source, frame, labels), labels.gravity))
-                           : count_pixels(labels);
+          source.recording
+              ? labels::statistics_of(labels, labels::make_label_grid(
+                                                  frame_as_drawn(source.recording->frame(frame),
+                                                                 source.recording->info(), labels),
+                                                  labels.gravity))
+              : count_pixels(labels);
     }
   }
   if (!args.json) {

@@ -28,12 +28,25 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRulesFile = "planescope.rules.json";
 
+/// Where the range left little to find planes in.
+std::string beyond_range_text(const report::Report& report) {
+  std::size_t kept = 0, beyond = 0;
+  for (const report::ReportRecording& recording : report.recordings)
+    for (const report::ReportFrame& frame : recording.frames) {
+      kept += frame.counts.kept;
+      beyond += frame.counts.beyond_range;
+    }
+  if (beyond <= kept) return "";
+  return fmt::format(", {:.0f} % of the points beyond the range (--max-range)",
+                     100.0 * static_cast<double>(beyond) / static_cast<double>(kept + beyond));
+}
+
 void print_facts(const std::filesystem::path& out, const report::Report& report, bool json) {
   const report::ReportTotals totals = report::totals_of(report);
   const std::string page = (out / "index.html").string();
   if (!json) {
-    fmt::print("{}: {}, {}\n", page, counted(totals.frames_done, "frame"),
-               counted(totals.planes, "plane"));
+    fmt::print("{}: {}, {}{}\n", page, counted(totals.frames_done, "frame"),
+               counted(totals.planes, "plane"), beyond_range_text(report));
     if (report.judgement) fmt::print("{}", report.judgement->text());
     return;
   }

@@ -35,14 +35,14 @@ void draw_compare(const Ui& ui);  // A/B
 void draw_fix(const Ui& ui);      // what would fix this?
 
 // In the label mode.
-void draw_label_tools(const Ui& ui);   // the bar above both views
-void draw_label_space(const Ui& ui);   // the points, and tools in space
-void draw_label_image(const Ui& ui);   // the camera's image, and tools on it
-void draw_label_planes(const Ui& ui);  // the planes, their class, the wand's numbers
-void draw_label_review(const Ui& ui);  // the queue of disagreements
-void draw_label_checks(const Ui& ui);  // what looks wrong
-void draw_label_statistics(const Ui& ui);
-void draw_label_learning(const Ui& ui);  // area, planes, time, history
+void draw_label_tools(const Ui& ui);       // the bar above both views
+void draw_label_space(const Ui& ui);       // the points, and tools in space
+void draw_label_image(const Ui& ui);       // the camera's image, and tools on it
+void draw_label_planes(const Ui& ui);      // the planes, their class, the wand's numbers
+void draw_label_review(const Ui& ui);      // the queue of disagreements
+void draw_label_checks(const Ui& ui);      // what looks wrong
+void draw_label_statistics(const Ui& ui);  // area, planes, time, history
+void draw_label_learning(const Ui& ui);    // a classifier trained on what is reviewed
 
 /// Of a finished plane, in the inspector: what it carries and how well it is known; nothing where
 /// that is not known (debugger/panels/stairs.cpp).

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/recording.hpp"
+#include "core/labels/model/grid.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "program.hpp"
 #include "scene_files.hpp"
@@ -122,6 +123,27 @@ TEST_F(Convert, DepthBecomesACloudOfItsMeasuredPixels) {
   EXPECT_EQ(cloud.points.size(), static_cast<std::size_t>(std::ranges::count_if(
                                      depth.depth.data, [](auto d) { return d > 0 && d < 65535; })));
   EXPECT_EQ(cloud.rgb.size(), 3 * cloud.points.size());
+}
+
+TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
+  const fs::path in = dir / "a.ply", out = dir / "b.pcd";
+  io::write_ply(in, floor_and_wall_cloud());
+  const auto before = io::open_recording(in);
+  const labels::LabelGrid grid = labels::make_label_grid(before->frame(0), Gravity{});
+  labels::write_frame_labels(labels::default_label_dir(in), 0,
+                             labels::empty_labels(grid, before->frame_hash(0)));
+  write_text(dir / "b.pcd.planescope.json", "{}");
+  expect_refused(convert({in.string(), "-o", out.string()}), "b.pcd.planescope.json: is there");
+  EXPECT_FALSE(fs::exists(out));
+  fs::remove(dir / "b.pcd.planescope.json");
+
+  const Ran ran = convert({in.string(), "-o", out.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("its labels, read back"), std::string::npos) << ran.out;
+  const auto after = io::open_recording(out);
+  EXPECT_TRUE(
+      labels::read_frame_labels(labels::default_label_dir(out), 0,
+                                {after->frame_hash(0), after->frame(0).cloud->points.size()}));
 }
 
 TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {

@@ -109,6 +109,15 @@ TEST_F(Labels, CheckTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
   EXPECT_NE(ran.out.find("2 labelled frames, 0 damaged, 0 findings"), std::string::npos) << ran.out;
 }
 
+TEST_F(Labels, ExportTakesTheCameraOfTheLabelsWhereTheRecordingDoesNotSayIt) {
+  const fs::path known = dir / "known", unknown = dir / "unknown";
+  ASSERT_EQ(labels("export", {rec.string(), "--format", "ply", "-o", known.string()}).code, 0);
+  fs::remove(rec / "camera_intrinsic.json");
+  const Ran ran = labels("export", {rec.string(), "--format", "ply", "-o", unknown.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(read_text(unknown / "000001.ply"), read_text(known / "000001.ply"));
+}
+
 TEST_F(Labels, CheckWithoutTheRecordingSaysWhatItLeftOut) {
   fs::rename(own, dir / "alone.labels");
   const Ran ran = labels("check", {(dir / "alone.labels").string()});

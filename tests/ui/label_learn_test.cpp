@@ -62,6 +62,19 @@ TEST_F(Learner, LearnsFromWhatWasReviewedAndIsTakenForWhatComesNext) {
   EXPECT_GT(learning().learnt->since.after.percent(), 90);
 }
 
+TEST_F(Learner, AReviewedFrameWithoutALabelMeasuresNothing) {
+  review_frame(0);
+  window.run("label.learn", "2 1");
+  EXPECT_EQ(state().view.label.tab, "learning");
+  window.run("frame.show", "1");
+  window.run("tab.label", "review");
+  window.run("review.done");
+  window.run("label.save");
+  window.run("tab.label", "learning");
+  ASSERT_TRUE(learning().learnt);
+  EXPECT_EQ(learning().learnt->since.frames, 0u);
+}
+
 TEST_F(Learner, ATrainingThatIsStoppedLeavesTheClassifierAsItWas) {
   review_frame(0);
   window.shell.perform({"label.learn", "1000000 1"}, true);

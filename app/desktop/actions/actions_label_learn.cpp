@@ -30,6 +30,7 @@ Lesson lesson_argument(const std::string& text) {
 void begin_training(State& state, const std::string& text) {
   const Lesson lesson = lesson_argument(text);
   const OpenRecording& open = *state.document.current();
+  state.view.label.tab = "learning";
   if (learning(state).training.running) throw Error("a training is under way");
   if (open.labels && !open.labels->read_only().empty()) throw Error(open.labels->read_only());
   save_labels(state);
@@ -58,6 +59,8 @@ void show_doubtful(State& state) {
     return say(state, "the frames are searched for doubt");
   }
   if (doubt.running) return say_nothing_done(state, "the frames are still searched for doubt");
+  if (std::ranges::none_of(doubt.of_frame, [](const auto& share) { return share.has_value(); }))
+    return say_nothing_done(state, "no classifier tells its doubt about these frames");
   const std::vector<int> frames = by_doubt(state);
   const auto here = std::ranges::find(frames, state.document.frame);
   if (frames.empty() || (frames.size() == 1 && here != frames.end()))

@@ -158,11 +158,12 @@ std::vector<Action> step_actions() {
        [](State& s, const std::string&) {
          const Selection selected = s.view.selected;
          const auto decided = s.run()->timeline.decided_at();
-         if (selected.node < 0 ||
-             decided[static_cast<std::size_t>(selected.node)] == planes::kNever)
+         if (selected.node < 0)
            return say_hint(s, "no node is selected: click its box or its row in the tree",
                            [](const State& now) { return now.view.selected.node >= 0; });
-         go_to_step(s, decided[static_cast<std::size_t>(selected.node)]);
+         const std::int32_t step = decided[static_cast<std::size_t>(selected.node)];
+         if (step == planes::kNever) return say(s, "the selected node was never decided");
+         go_to_step(s, step);
        },
        has_run,
        {}},

@@ -69,6 +69,7 @@ void LearnJobs::pursue_training(State& state) {
   if (!training.running || training.begun) return;
   training.begun = training_asked_ = true;
   const int number = ++training_number_;
+  training_.cancel();  // one that was called off and begun anew before it was seen
   training_.replace([this, number, source = learning_source(state),
                      lesson = training.lesson](std::stop_token stop) {
     const auto finish = [&](std::function<void(State&)> with) {
@@ -98,7 +99,10 @@ void LearnJobs::pursue_measuring(State& state) {
   const LearningSource source = learning_source(state);
   const Measured wanted{source.recording, source.reviewed, trainings_};
   if (wanted == measured_) return;
-  if (wanted.recording != measured_.recording) state.results.label.learning.learnt = nullptr;
+  if (wanted.recording != measured_.recording) {
+    state.results.label.learning.learnt = nullptr;
+    state.results.label.learning.refusal.clear();
+  }
   measured_ = wanted;
   measuring_.cancel();
   measuring_.replace([this, wanted, source](std::stop_token stop) {
@@ -164,7 +168,12 @@ void LearnJobs::pursue_doubt(State& state) {
     deliver_([this, number](State& s) {
       if (number != doubt_number_) return;
       s.results.label.learning.doubt.running = false;
-      if (s.view.mode == Mode::labels) apply(s, {"label.next.doubtful", ""});
+      if (s.view.mode != Mode::labels || !can_label(s)) return;
+      try {
+        apply(s, {"label.next.doubtful", ""});
+      } catch (const Error& error) {
+        say(s, error.what(), true);
+      }
     });
   });
 }

@@ -73,6 +73,7 @@ class StepsFile {
       const Image8 picture = std::move(waiting_.front());
       waiting_.pop_front();
       lock.unlock();
+      if (stop.stop_requested()) throw Cancelled();
       if (!file) {
         width = picture.width;
         height = picture.height;
@@ -87,6 +88,7 @@ class StepsFile {
       lock.unlock();
       wake_();
     }
+    if (stop.stop_requested()) throw Cancelled();
     file->finish();
   }
 
@@ -137,7 +139,7 @@ bool StepsSaver::begin(State& state, bool still_at_work) {
     return false;
   }
   const bool all = saving->taken == saving->count();
-  if (!all && saving->run.lock().get() != state.run()) {
+  if (!all && (!state.run() || saving->run.lock().get() != state.run())) {
     end(state, "the steps were not saved: the run is another one now", true);
     return false;
   }

@@ -72,8 +72,9 @@ void learn(const LearningSource& source, const Lesson& lesson, const LearningPro
   app::begin_with(args, shipped_weights());
   args.recipe.train.steps = lesson.steps;
   app::limit_clouds(args.recipe, lesson.clouds, &args.validation_clouds);
-  planes::write_weights(learnt_weights(source.label_dir),
-                        app::teach(args, std::move(frames), progress));
+  const planes::NetworkWeights weights = app::teach(args, std::move(frames), progress);
+  progress("weights", 1, 1);  // the last moment at which it can be stopped
+  planes::write_weights(learnt_weights(source.label_dir), weights);
 }
 
 std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
@@ -95,6 +96,7 @@ std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
   learnt->frames = known.size();
   std::vector<planes::LabelledCloud> kept, since;
   for (app::LabelledFrame& frame : read_reviewed(source, progress)) {
+    if (frame.cloud.points.empty()) continue;  // nothing in it to score
     const auto at = std::ranges::find(known, frame.sha256);
     if (at == known.end())
       since.push_back(std::move(frame.cloud));

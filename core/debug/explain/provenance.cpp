@@ -161,7 +161,7 @@ Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t vox
     return outlier(run, event.node, voxel);
   }
   if (event.type == planes::EventType::refine) {
-    const std::string why = planes::refinement_of(event.stage)->why_dropped;
+    const std::string why = filled_in(planes::refinement_of(event.stage)->why_dropped, run, event);
     return {fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
                         planes::to_string(event.stage), why.empty() ? "" : ": ", why),
             switched_off(planes::switch_of(event.stage), "keep it")};

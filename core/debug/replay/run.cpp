@@ -51,12 +51,8 @@ std::string candidate(const Run& run, const planes::TraceEvent& event) {
 }
 
 std::string refinement(const Run& run, const planes::TraceEvent& event) {
-  return fmt::format(
-      "{}: {}", planes::to_string(event.stage),
-      fmt::format(fmt::runtime(planes::refinement_of(event.stage)->says),
-                  fmt::arg("plane", plane_name(run, event.plane)),
-                  fmt::arg("other", plane_name(run, event.other)), fmt::arg("point", event.point),
-                  fmt::arg("mm", event.value * kMm)));
+  return fmt::format("{}: {}", planes::to_string(event.stage),
+                     filled_in(planes::refinement_of(event.stage)->says, run, event));
 }
 
 /// Counts the true planes of one node after the other.
@@ -148,6 +144,13 @@ std::int32_t node_at_step(const Run& run, std::int32_t step) {
 
 std::string plane_name(const Run& run, std::int32_t plane) {
   return plane < 0 ? "-" : fmt::format("P{}", run.timeline.number_of_plane(plane));
+}
+
+std::string filled_in(const char* text, const Run& run, const planes::TraceEvent& event) {
+  return fmt::format(fmt::runtime(text), fmt::arg("plane", plane_name(run, event.plane)),
+                     fmt::arg("other", plane_name(run, event.other)),
+                     fmt::arg("point", event.point), fmt::arg("value", event.value),
+                     fmt::arg("mm", event.value * kMm));
 }
 
 std::string describe_event(const Run& run, std::int32_t step) {

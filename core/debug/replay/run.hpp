@@ -94,6 +94,8 @@ std::int32_t node_at_step(const Run& run, std::int32_t step);
 /// Name of a plane of the trace, "P1" for plane 1 of the result: Timeline::number_of_plane(). "-"
 /// for none, -1.
 std::string plane_name(const Run& run, std::int32_t plane);
+/// What a refinement says of its event, RefinementInfo::says or why_dropped, filled in.
+std::string filled_in(const char* text, const Run& run, const planes::TraceEvent& event);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
 std::string describe_event(const Run& run, std::int32_t step);
 

@@ -25,7 +25,8 @@ struct PointGraph {
 inline constexpr int kSpacingsOfStep = 2;
 
 struct PointSurface {
-  PointGraph graph;            // of the 12 nearest places; points at one place share neighbours
+  PointGraph graph;  // of the 12 nearest places; of points at one place the first has them,
+                     // and is the neighbour of the others
   std::vector<Vec3f> normals;  // unit, either way; zero where unknown
   std::vector<float> area_m2;  // of the surface that a point stands for
   double noise_m = 0;          // across a smooth surface

@@ -71,7 +71,7 @@ class Raster {
     edge_m_ = std::max(
         {static_cast<float>(kRasterSpacings * grid.spacing_m), extent / kMostCells, 1e-6f});
     if (!bounds.isEmpty()) corner_ = bounds.min() - Vec2f::Constant(edge_m_);
-    size_ = static_cast<int>(extent / edge_m_) + 3;
+    size_ = static_cast<int>(extent / edge_m_) + 4;  // a border each side, and one for rounding
     own_.assign(static_cast<std::size_t>(size_) * size_, 0);
     for (const std::uint32_t i : pixels)
       if (const int at = cell_of(i); at >= 0) own_[at] = 1;

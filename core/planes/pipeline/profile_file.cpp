@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
@@ -66,6 +67,7 @@ ProfileFile profile_of(const Json& json) {
 }
 
 bool names_file(const std::string& text) {
+  if (std::ranges::count(find_option("profile").choices, text) > 0) return false;
   std::error_code ignored;
   return text.find_first_of("./") != std::string::npos || fs::exists(text, ignored);
 }

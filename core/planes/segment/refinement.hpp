@@ -42,9 +42,10 @@ enum class After : std::uint8_t { within, merging, assignment };
 struct RefinementInfo {
   const char* name;   // as filters, pictures and lists call it: "R2"
   const char* title;  // "explain away"
-  /// What its `refine` event means, with {plane}, {other}, {point} and {mm} filled in (fmt).
+  /// What its `refine` event means, with {plane}, {other}, {point}, and the event's {value}, or as
+  /// a length in {mm}, filled in (fmt).
   const char* says = "{plane} changes";
-  /// Why a plane that it drops is none, where that needs saying.
+  /// Why a plane that it drops is none, where that needs saying; filled in likewise.
   const char* why_dropped = "";
   /// Of a part that it founds as a plane of its own: what the two are to each other.
   const char* why_parted = "";

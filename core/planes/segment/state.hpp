@@ -111,14 +111,18 @@ inline void log(const SegmentState& state, const TraceEvent& event) {
   if (state.trace) state.trace->events.push_back(event);
 }
 
-/// What a refinement does to a plane as a whole: `other`, the one it goes into.
+/// What a refinement does to a plane as a whole: `other`, the one it goes into; `value`, by what.
 template <typename Options>
 void log_refine(const SegmentState& state,
                 const Options& options,
                 std::int32_t plane,
-                std::int32_t other = -1) {
-  log(state,
-      {.type = EventType::refine, .stage = stage_of(options), .plane = plane, .other = other});
+                std::int32_t other = -1,
+                double value = 0) {
+  log(state, {.type = EventType::refine,
+              .stage = stage_of(options),
+              .plane = plane,
+              .other = other,
+              .value = static_cast<float>(value)});
 }
 
 // The only functions that change where points are, what planes are and how far nodes have come.

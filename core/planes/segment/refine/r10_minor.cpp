@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <optional>
 
 #include "core/model/inverse_plane.hpp"
 #include "core/model/plane.hpp"
@@ -109,10 +110,17 @@ std::vector<Picture> pictures(const SegmentState& state) {
   return all;
 }
 
-/// Is it too small by its pixels alone, of which the rest only takes away, or by what they count?
-bool is_minor(const Picture& picture, double scale, const Options& options) {
-  return !(scale * scale * picture.pixels >= options.pixels) ||
-         !(scale * scale * picture.counts_for(options) >= options.pixels);
+/// What the picture counts for where that is too little. Unless it is to be `exact`, its pixels are
+/// told where they alone are too few: the rest only takes away.
+std::optional<double> too_few_px(const Picture& picture,
+                                 double scale,
+                                 const Options& options,
+                                 bool exact) {
+  const double most = scale * scale * picture.pixels;
+  if (!exact && !(most >= options.pixels)) return most;
+  const double counts = scale * scale * picture.counts_for(options);
+  if (counts >= options.pixels) return std::nullopt;
+  return counts;
 }
 
 }  // namespace
@@ -123,8 +131,10 @@ void run(SegmentState& state, const Options& options) {
   const double scale = kWidth_px / state.more.pixels.width;
   const PlanePoints members = points_by_plane(state);
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(all.size()); ++k) {
-    if (!state.planes[k].alive || !is_minor(all[k], scale, options)) continue;
-    log_refine(state, options, k);
+    if (!state.planes[k].alive) continue;
+    const auto counts = too_few_px(all[k], scale, options, state.trace != nullptr);
+    if (!counts) continue;
+    log_refine(state, options, k, -1, *counts);
     drop_plane(state, k, members.of(k));
     state.minor.push_back(k);
     state.minor_points.emplace_back(members.of(k).begin(), members.of(k).end());

@@ -40,8 +40,10 @@ inline constexpr Options kRefined{.on = true};
 inline constexpr RefinementInfo kInfo{
     .name = "R10",
     .title = "minor planes",
-    .says = "{plane} is too small, ragged or curved to be listed, its points are left over",
-    .why_dropped = "it is too small, ragged or curved to be listed: a minor plane",
+    .says = "{plane} counts for {value:.0f} px, too few to be listed, its points are left over",
+    .why_dropped =
+        "a minor plane: small, ragged, curved or rough, it counts for {value:.0f} px, "
+        "fewer than r10_pixels",
     .after = After::assignment,
     .turn = 6,
     .on_pixels = true};

@@ -37,6 +37,17 @@ std::string refusal_of(const std::string& text) {
   return {};
 }
 
+TEST(ProfileFile, AFolderOfTheSameNameDoesNotHideAProfile) {
+  const fs::path before = fs::current_path(), dir = fs::path(testing::TempDir()) / "hides";
+  fs::create_directories(dir / "paper");
+  fs::current_path(dir);
+  PipelineOptions options;
+  set_profile(options, "paper");
+  fs::current_path(before);
+  fs::remove_all(dir);
+  EXPECT_EQ(options.segment.profile, Profile::paper);
+}
+
 TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
   for (const Profile base : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     PipelineOptions wanted;
