@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "core/io/bag/compressed_image.hpp"
 #include "core/io/bag/ros_messages.hpp"
 #include "core/io/bag/sdk_messages.hpp"
 #include "core/model/error.hpp"
@@ -110,10 +111,6 @@ std::optional<BagLayout> sdk_layout(const MessageLog& bag) {
   layout.is_sdk = true;
   layout.device = sdk_device_name(bag, device);
   layout.depth = prefix + "/image/data";
-  if (bag.topics().at(layout.depth) == "sensor_msgs/CompressedImage") {
-    throw Error(bag.path().string() + ": depth images on " + layout.depth +
-                " are compressed (sensor_msgs/CompressedImage), expected sensor_msgs/Image");
-  }
   layout.depth_info = sdk_camera_info(bag, prefix);
   const auto metadata = bag.topics().find(prefix + "/image/metadata");
   if (metadata != bag.topics().end() && metadata->second == "std_msgs/String") {
@@ -151,24 +148,31 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+/// Those that are not compressed first, then those that surely keep depth.
 std::vector<std::string> image_topics(const MessageLog& bag) {
   std::vector<std::string> topics;
   for (const auto& [topic, type] : bag.topics()) {
-    if (type == "sensor_msgs/Image" && !bag.messages(topic).empty()) topics.push_back(topic);
+    if (ros::is_image_type(type) && !bag.messages(topic).empty()) topics.push_back(topic);
   }
+  std::ranges::stable_sort(topics, {}, [&](const std::string& topic) {
+    if (bag.topics().at(topic) == "sensor_msgs/Image") return 0;
+    return ends_with(topic, "/compressed") ? 2 : 1;
+  });
   return topics;
 }
 
 /// The first topic whose last folder is `folder`, such as "depth" in /camera/depth/image_rect_raw.
 std::string image_topic_in(const std::vector<std::string>& topics, const std::string& folder) {
   for (const std::string& topic : topics) {
-    if (ends_with(topic.substr(0, topic.rfind('/')), "/" + folder)) return topic;
+    const std::string image = ros::without_transport(topic);
+    if (ends_with(image.substr(0, image.rfind('/')), "/" + folder)) return topic;
   }
   return {};
 }
 
 /// Of the image's own namespace, as some ROS 2 recorders have it, or beside the image.
-std::string info_of(const MessageLog& bag, const std::string& image_topic) {
+std::string info_of(const MessageLog& bag, const std::string& topic) {
+  const std::string image_topic = ros::without_transport(topic);
   const std::string beside = image_topic.substr(0, image_topic.rfind('/')) + "/camera_info";
   const std::string own = first_topic(bag, {image_topic + "/camera_info"});
   return own.empty() ? beside : own;
@@ -216,7 +220,8 @@ std::optional<Pose> static_transform(const MessageLog& bag,
 void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout& layout) {
   layout.depth = topic;
   layout.depth_info = info_of(bag, topic);
-  const std::string folder = topic.substr(0, topic.rfind('/'));
+  const std::string image = ros::without_transport(topic);
+  const std::string folder = image.substr(0, image.rfind('/'));
   layout.color_aligned = ends_with(folder, "aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
   const std::string camera = folder.substr(0, folder.rfind('/'));
@@ -241,7 +246,8 @@ std::optional<BagLayout> ros_layout(const MessageLog& bag) {
   if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
     use_depth_topic(bag, aligned, layout);
   }
-  const std::string folder = layout.depth.substr(0, layout.depth.rfind('/'));
+  const std::string depth = ros::without_transport(layout.depth);
+  const std::string folder = depth.substr(0, depth.rfind('/'));
   const std::string camera = folder.substr(0, folder.rfind('/'));
   layout.accel = first_topic(bag, {camera + "/accel/sample", camera + "/imu"});
   if (!layout.accel.empty()) {

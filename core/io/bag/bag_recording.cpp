@@ -3,6 +3,7 @@
 
 #include "core/io/bag/bag_gravity.hpp"
 #include "core/io/bag/bag_layout.hpp"
+#include "core/io/bag/compressed_image.hpp"
 #include "core/io/bag/ros_messages.hpp"
 #include "core/io/bag/sdk_messages.hpp"
 #include "core/io/readers.hpp"
@@ -35,6 +36,7 @@ class BagRecording : public Recording {
   const MessageRef* nearest_color(const MessageRef& depth, double stamp_s) const;
   double color_gap_s(std::size_t color, double depth_stamp_s) const;
   void order_by_stamp();
+  ros::HeldImage image_of(const Message& message, const std::string& topic) const;
   ros::CameraInfo read_camera_info(const MessageRef& message, const std::string& topic) const;
   ros::SdkFrameFacts facts_beside(const MessageRef& depth) const;
   void name_frame(int i, const ros::Header& header, Frame& frame) const;
@@ -150,6 +152,11 @@ void BagRecording::order_by_stamp() {
   depth_ = std::move(sorted);
 }
 
+ros::HeldImage BagRecording::image_of(const Message& message, const std::string& topic) const {
+  return ros::read_image(message, bag_.topics().at(topic),
+                         bag_.path().string() + ": an image on " + topic);
+}
+
 ros::CameraInfo BagRecording::read_camera_info(const MessageRef& message,
                                                const std::string& topic) const {
   return parse_message(bag_, message, topic,
@@ -166,7 +173,7 @@ ros::SdkFrameFacts BagRecording::facts_beside(const MessageRef& depth) const {
 
 void BagRecording::read_camera(const RecordingOptions& options) {
   const auto image = parse_message(bag_, depth_.front(), layout_.depth, [&](const Message& bytes) {
-    auto parsed = ros::parse_image(bytes);
+    auto parsed = image_of(bytes, layout_.depth).image;
     parsed.data = {};  // only the header is kept
     return parsed;
   });
@@ -202,7 +209,7 @@ void BagRecording::drop_unreadable_color() {
   if (color_.empty()) return;
   try {
     parse_message(bag_, color_.front(), layout_.color, [&](const Message& bytes) {
-      return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
+      return ros::to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
     });
   } catch (const Error& error) {
     info_.warnings.push_back(std::string(error.what()) + "; colour is left out");
@@ -275,7 +282,7 @@ void BagRecording::add_color(const MessageRef& depth, double stamp_s, Frame& fra
   const MessageRef* color = reads_color_ ? nearest_color(depth, stamp_s) : nullptr;
   if (!color) return;
   frame.color = parse_message(bag_, *color, layout_.color, [&](const Message& bytes) {
-    return ros::to_rgb(ros::parse_image(bytes), bag_.path(), layout_.color);
+    return ros::to_rgb(image_of(bytes, layout_.color).image, bag_.path(), layout_.color);
   });
   frame.color_aligned = layout_.color_aligned && frame.color.width == frame.depth.width &&
                         frame.color.height == frame.depth.height;
@@ -294,7 +301,8 @@ void BagRecording::name_frame(int i, const ros::Header& header, Frame& frame) co
 
 BagRecording::DepthMessage BagRecording::read_depth(int i) const {
   return parse_message(bag_, depth_.at(i), layout_.depth, [&](const Message& bytes) {
-    const auto image = ros::parse_image(bytes);
+    const ros::HeldImage unpacked = image_of(bytes, layout_.depth);
+    const ros::Image& image = unpacked.image;
     if (image.width != info_.width || image.height != info_.height) {
       throw Error(bag_.path().string() + ": depth frame " + std::to_string(i) + " is " +
                   std::to_string(image.width) + "x" + std::to_string(image.height) + ", expected " +

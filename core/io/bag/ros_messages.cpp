@@ -11,16 +11,6 @@ namespace {
 
 constexpr std::uint32_t kMaxSide = 1 << 15;
 
-Header read_header(FieldReader& reader) {
-  Header header;
-  if (!reader.is_cdr()) header.seq = reader.read<std::uint32_t>();
-  const auto seconds = reader.read<std::uint32_t>();
-  const auto nanoseconds = reader.read<std::uint32_t>();
-  header.stamp_s = seconds + nanoseconds * 1e-9;
-  header.frame_id = reader.text();
-  return header;
-}
-
 int read_side(FieldReader& reader) {
   const auto side = reader.read<std::uint32_t>();
   if (side > kMaxSide) throw OutOfBytes{};
@@ -47,6 +37,16 @@ Pose read_transform(FieldReader& reader) {
 }
 
 }  // namespace
+
+Header read_header(FieldReader& reader) {
+  Header header;
+  if (!reader.is_cdr()) header.seq = reader.read<std::uint32_t>();
+  const auto seconds = reader.read<std::uint32_t>();
+  const auto nanoseconds = reader.read<std::uint32_t>();
+  header.stamp_s = seconds + nanoseconds * 1e-9;
+  header.frame_id = reader.text();
+  return header;
+}
 
 Header parse_header(const Message& message) {
   FieldReader reader(message);
@@ -167,6 +167,9 @@ Layout layout_of(const std::string& encoding) {
 void check_depth_encoding(const Image& image,
                           const std::filesystem::path& bag,
                           const std::string& topic) {
+  if (image.lossy)
+    throw Error(bag.string() + ": depth images on " + topic +
+                " are JPEG, which does not keep depth; expected compressedDepth, PNG or zstd");
   if (image.encoding == "mono16" || image.encoding == "16UC1") return;
   throw Error(bag.string() + ": depth images on " + topic + " are encoded as \"" + image.encoding +
               "\", expected mono16 or 16UC1 (16-bit counts)");

@@ -20,6 +20,8 @@ struct Header {
   std::string frame_id;
 };
 Header parse_header(const Message& message);
+class FieldReader;
+Header read_header(FieldReader& reader);  // which goes on behind it
 
 struct Image {
   Header header;
@@ -30,6 +32,7 @@ struct Image {
   std::size_t step = 0;  // bytes per row
   Bytes data;
   std::optional<float> depth_unit_m;  // trailing field of RealSense SDK 2.49 and later
+  bool lossy = false;                 // its pixels are not those that were measured
 };
 Image parse_image(const Message& message);
 

@@ -62,8 +62,7 @@ bool read_jpeg_rows(JpegDecoder& decoder) {
 
 }  // namespace
 
-Image8 read_jpeg_rgb(const std::filesystem::path& path) {
-  const auto bytes = read_file_bytes(path);
+Image8 decode_jpeg_rgb(std::span<const unsigned char> bytes, const std::string& name) {
   JpegDecoder decoder;
   decoder.bytes = bytes.data();
   decoder.size = bytes.size();
@@ -71,24 +70,26 @@ Image8 read_jpeg_rgb(const std::filesystem::path& path) {
   decoder.jpeg.client_data = &decoder;
   decoder.errors.error_exit = on_error;
   decoder.errors.emit_message = on_message;
-  const auto fail = [&] {
-    throw Error(path.string() + ": not a readable JPEG (" + decoder.message + ")");
-  };
+  const auto fail = [&] { throw Error(name + ": not a readable JPEG (" + decoder.message + ")"); };
   if (bytes.empty() || !read_jpeg_header(decoder)) fail();
   // A JPEG block of 64 pixels takes at least a few bits: an image far larger than its file allows
   // is damaged, and is refused before it is allocated.
   const std::uint64_t pixels = std::uint64_t(decoder.jpeg.image_width) * decoder.jpeg.image_height;
   if (pixels > bytes.size() * std::uint64_t{4096}) {
-    throw Error(path.string() + ": promises " + std::to_string(decoder.jpeg.image_width) + "x" +
+    throw Error(name + ": promises " + std::to_string(decoder.jpeg.image_width) + "x" +
                 std::to_string(decoder.jpeg.image_height) + " pixels, more than its " +
                 std::to_string(bytes.size()) + " bytes can hold");
   }
-  expect_within_read_limit(3.0 * static_cast<double>(pixels), path.string() + ": its pixels");
+  expect_within_read_limit(3.0 * static_cast<double>(pixels), name + ": its pixels");
   Image8 image(static_cast<int>(decoder.jpeg.image_width),
                static_cast<int>(decoder.jpeg.image_height), 3);
   decoder.pixels = image.data.data();
   if (!read_jpeg_rows(decoder)) fail();
   return image;
+}
+
+Image8 read_jpeg_rgb(const std::filesystem::path& path) {
+  return decode_jpeg_rgb(read_file_bytes(path), path.string());
 }
 
 }  // namespace planescope::io

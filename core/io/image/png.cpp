@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint32_t kMaxSide = 1 << 15;
 constexpr std::size_t kSignatureBytes = 8;
+constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
 // Deflate never packs tighter than 1032:1, so a small file cannot ask for a large image.
 constexpr std::uint64_t kMaxDeflateRatio = 1040;
 
@@ -168,8 +169,7 @@ Image<T> decode(Decoder& decoder,
 }
 
 template <typename T>
-Image<T> read_grey(const std::filesystem::path& path) {
-  const auto bytes = read_file_bytes(path);
+Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem::path& path) {
   Decoder decoder;
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
@@ -184,14 +184,16 @@ Image<T> read_grey(const std::filesystem::path& path) {
 }  // namespace
 
 PngInfo png_info(const std::filesystem::path& path) {
-  constexpr std::size_t kHeaderBytes = 33;  // signature and IHDR chunk
   std::array<unsigned char, kHeaderBytes> head{};
   std::ifstream file = open_to_read(path);
   file.read(reinterpret_cast<char*>(head.data()), head.size());
-  const auto size = static_cast<std::size_t>(file.gcount());
-  require_signature(std::span(head).first(size), path);
-  if (size < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
-    throw Error(path.string() + ": not a readable PNG (its header is cut or damaged)");
+  return png_info(std::span(head).first(static_cast<std::size_t>(file.gcount())), path.string());
+}
+
+PngInfo png_info(std::span<const unsigned char> head, const std::string& name) {
+  require_signature(head, name);
+  if (head.size() < kHeaderBytes || std::memcmp(&head[12], "IHDR", 4) != 0) {
+    throw Error(name + ": not a readable PNG (its header is cut or damaged)");
   }
   const auto side = [&](std::size_t at) {
     return std::uint32_t(head[at]) << 24 | std::uint32_t(head[at + 1]) << 16 |
@@ -200,7 +202,7 @@ PngInfo png_info(const std::filesystem::path& path) {
   const std::uint32_t width = side(16);
   const std::uint32_t height = side(20);
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
-    throw Error(path.string() + ": PNG of " + std::to_string(width) + "x" + std::to_string(height) +
+    throw Error(name + ": PNG of " + std::to_string(width) + "x" + std::to_string(height) +
                 " pixels, expected 1 to " + std::to_string(kMaxSide) + " a side");
   }
   return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
@@ -221,15 +223,24 @@ bool png_is_cut(const std::filesystem::path& path) {
   return text.rfind("IEND") == std::string_view::npos;
 }
 
-Image16 read_png_16(const std::filesystem::path& path) { return read_grey<std::uint16_t>(path); }
-Image8 read_png_grey(const std::filesystem::path& path) { return read_grey<std::uint8_t>(path); }
+Image16 read_png_16(const std::filesystem::path& path) {
+  return decode_grey<std::uint16_t>(read_file_bytes(path), path);
+}
+Image8 read_png_grey(const std::filesystem::path& path) {
+  return decode_grey<std::uint8_t>(read_file_bytes(path), path);
+}
+Image16 decode_png_16(std::span<const unsigned char> bytes, const std::string& name) {
+  return decode_grey<std::uint16_t>(bytes, name);
+}
 
-Image8 read_png_rgb(const std::filesystem::path& path) {
-  const auto bytes = read_file_bytes(path);
+Image8 decode_png_rgb(std::span<const unsigned char> bytes, const std::string& name) {
   Decoder decoder;
-  const PngInfo info = open(decoder, bytes, path);
+  const PngInfo info = open(decoder, bytes, name);
   decoder.to_rgb = true;
-  return decode<std::uint8_t>(decoder, info, bytes, 3, path);
+  return decode<std::uint8_t>(decoder, info, bytes, 3, name);
+}
+Image8 read_png_rgb(const std::filesystem::path& path) {
+  return decode_png_rgb(read_file_bytes(path), path.string());
 }
 
 namespace {

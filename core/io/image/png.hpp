@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/model/image.hpp"
@@ -24,6 +25,11 @@ bool png_is_cut(const std::filesystem::path& path);
 Image16 read_png_16(const std::filesystem::path& path);   // exactly one channel of 16 bits
 Image8 read_png_grey(const std::filesystem::path& path);  // exactly one channel of 8 bits
 Image8 read_png_rgb(const std::filesystem::path& path);   // anything 8- or 16-bit, turned into RGB
+
+/// Likewise of a PNG in memory; `name` is what messages call it.
+PngInfo png_info(std::span<const unsigned char> bytes, const std::string& name);
+Image16 decode_png_16(std::span<const unsigned char> bytes, const std::string& name);
+Image8 decode_png_rgb(std::span<const unsigned char> bytes, const std::string& name);
 
 /// Writers: 16-bit grey; or 8-bit with 1, 3 or 4 channels. The same image gives the same bytes.
 void write_png(const std::filesystem::path& path, const Image16& image);

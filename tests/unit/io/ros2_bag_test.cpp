@@ -1,5 +1,8 @@
+#include <functional>
 #include <set>
 
+#include "core/io/image/png.hpp"
+#include "support/jpeg_bytes.hpp"
 #include "unit/io/ros2_writer.hpp"
 #include "unit/io/support.hpp"
 
@@ -106,15 +109,106 @@ TEST_F(Ros2Bag, AFileWithoutDepthSaysWhatItHolds) {
                        {"a.db3: no depth images", "/camera/camera/color/image_raw", "expected"});
 }
 
-TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRefusedByThatName) {
+/// realsense-ros with depth and colour sent as image_transport packs them.
+Ros2Messages transported(int frames,
+                         const std::string& transport,
+                         const std::function<ByteVector(const Image16&)>& pack,
+                         const std::string& format,
+                         const std::string& color_format = "rgb8; jpeg compressed bgr8") {
+  Ros2Messages messages = realsense_ros_messages(frames);
+  int number = 0;
+  for (Ros2Message& message : messages) {
+    const bool is_depth = message.topic.ends_with("/image_rect_raw");
+    if (!is_depth && !message.topic.ends_with("/color/image_raw")) continue;
+    const double stamp_s = 1'700'000'000 + number * kDepthPeriod_s;
+    message.type = "sensor_msgs/msg/CompressedImage";
+    message.topic += "/" + (is_depth ? transport : "compressed");
+    const auto jpeg = encode_jpeg(kWidth, kHeight, true);
+    message.bytes = is_depth ? cdr_compressed_image(stamp_s, "depth_optical", format,
+                                                    pack(depth_of(100 + number++)))
+                             : cdr_compressed_image(stamp_s, "color_optical", color_format, jpeg);
+  }
+  return messages;
+}
+
+ByteVector with_config(const ByteVector& picture) {
+  ByteVector bytes(12, 7);
+  bytes.insert(bytes.end(), picture.begin(), picture.end());
+  return bytes;
+}
+
+TEST_F(Ros2Bag, DepthOfEveryImageTransportIsReadBitForBit) {
+  const auto png = [](const Image16& depth) { return encode_png(depth); };
+  const auto headed = [&](const Image16& depth) { return with_config(encode_png(depth)); };
+  const auto rvl = [](const Image16& depth) { return with_config(rvl_packed(depth)); };
+  const Ros2Messages forms[] = {
+      transported(3, "compressedDepth", headed, "16UC1; compressedDepth png"),
+      transported(3, "compressedDepth", headed, "16UC1; compressedDepth"),
+      transported(3, "compressedDepth", headed, "mono16; compressedDepth png"),
+      transported(3, "compressedDepth", rvl, "16UC1; compressedDepth rvl"),
+      transported(3, "compressed", png, "16UC1; png compressed"),
+      transported(3, "compressed", png, "png"),
+      transported(3, "zstd", zstd_transport, "16UC1; zstd"),
+  };
+  for (const Ros2Messages& messages : forms) {
+    const auto recording = open_db3(messages);
+    EXPECT_TRUE(recording->info().warnings.empty());
+    EXPECT_EQ(recording->info().depth_unit_m, 0.001);
+    EXPECT_EQ(recording->info().intrinsics.fy, 21);
+    ASSERT_EQ(recording->frame_count(), 3);
+    for (int i = 0; i < 3; ++i) {
+      const Frame frame = recording->frame(i);
+      ASSERT_EQ(frame.depth.data, depth_of(100 + i).data);
+      ASSERT_EQ(frame.color.width, kWidth);
+      EXPECT_NEAR(frame.color.at(3, 3, 1), 100, 4);
+      EXPECT_EQ(frame.color_intrinsics.fx, 30);
+      EXPECT_TRUE(frame.gravity);
+    }
+  }
+}
+
+TEST_F(Ros2Bag, CompressedImagesOfTheSdkAreRead) {
   Ros2Messages messages = sdk_messages(2);
+  int number = 100;
   for (Ros2Message& message : messages) {
     if (message.topic != kSdkDepth + "/image/data") continue;
     message.type = "sensor_msgs/msg/CompressedImage";
-    message.bytes = cdr_compressed_image(0, "Depth", "16UC1; compressedDepth png", {1, 2, 3});
+    message.bytes = cdr_compressed_image(1e-9 * static_cast<double>(message.time_ns), "Depth",
+                                         "16UC1; compressedDepth png",
+                                         with_config(encode_png(depth_of(number++))));
   }
-  expect_one_line_with(error_of([&] { open_db3(messages); }),
-                       {"a.db3", "are compressed", "expected sensor_msgs/Image"});
+  expect_sdk_frames(*open_db3(messages), 2);
+}
+
+TEST_F(Ros2Bag, JpegOnDepthIsRefusedAndDamageInAPictureIsTold) {
+  const auto jpeg = [](const Image16&) { return encode_jpeg(kWidth, kHeight, true); };
+  expect_one_line_with(
+      error_of([&] { open_db3(transported(2, "compressed", jpeg, "mono16; jpeg compressed")); }),
+      {"a.db3: depth images on", "are JPEG, which does not keep depth", "expected"});
+  const auto floats = [](const Image16&) { return ByteVector(40, 1); };
+  expect_one_line_with(
+      error_of(
+          [&] { open_db3(transported(2, "compressedDepth", floats, "32FC1; compressedDepth")); }),
+      {"a.db3", "depth of floats (32FC1)"});
+  expect_one_line_with(error_of([&] { open_db3(transported(2, "compressed", floats, "qoi")); }),
+                       {"a.db3", "compressed as \"qoi\"", "expected"});
+  const auto packs = {std::pair<const char*, std::function<ByteVector(const Image16&)>>{
+                          "png", [](const Image16& depth) { return encode_png(depth); }},
+                      {"rvl", rvl_packed}};
+  for (const auto& [format, pack] : packs) {
+    for (std::size_t keep = 0; keep < pack(depth_of(100)).size(); keep += 5) {
+      const auto cut = [&](const Image16& depth) {
+        ByteVector bytes = with_config(pack(depth));
+        bytes.resize(12 + keep);
+        return bytes;
+      };
+      expect_one_line_with(error_of([&] {
+                             open_db3(transported(1, "compressedDepth", cut,
+                                                  std::string("16UC1; compressedDepth ") + format));
+                           }),
+                           {"a.db3"});
+    }
+  }
 }
 
 TEST_F(Ros2Bag, OpeningWritesNothingBesideTheFileAndChangesItsBytesNot) {

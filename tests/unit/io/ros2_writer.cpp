@@ -114,6 +114,63 @@ ByteVector zstd_packed(const ByteVector& bytes) {
   return out;
 }
 
+ByteVector rvl_packed(const Image16& depth) {
+  ByteVector out;
+  const auto put_word = [&](std::uint32_t word) {
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<unsigned char>(word >> (8 * i)));
+  };
+  put_word(static_cast<std::uint32_t>(depth.width));
+  put_word(static_cast<std::uint32_t>(depth.height));
+  std::uint32_t word = 0;
+  int nibbles = 0;
+  const auto put = [&](std::uint32_t value) {
+    do {
+      const std::uint32_t more = value > 7 ? 8 : 0;
+      word = word << 4 | more | (value & 7);
+      value >>= 3;
+      if (++nibbles == 8) {
+        put_word(word);
+        nibbles = 0;
+      }
+    } while (value > 0);
+  };
+  int before = 0;
+  for (std::size_t at = 0; at < depth.data.size();) {
+    std::size_t end = at;
+    while (end < depth.data.size() && depth.data[end] == 0) ++end;
+    put(static_cast<std::uint32_t>(end - at));
+    at = end;
+    while (end < depth.data.size() && depth.data[end] != 0) ++end;
+    put(static_cast<std::uint32_t>(end - at));
+    for (; at < end; ++at) {
+      const int change = depth.data[at] - before;
+      put(static_cast<std::uint32_t>(change < 0 ? -2 * change - 1 : 2 * change));
+      before = depth.data[at];
+    }
+  }
+  if (nibbles > 0) put_word(word << (4 * (8 - nibbles)));
+  return out;
+}
+
+ByteVector zstd_transport(const Image16& depth) {
+  const std::string encoding = "16UC1";
+  ByteVector out;
+  const auto put = [&](std::uint32_t value) {
+    for (int i = 0; i < 4; ++i) out.push_back(static_cast<unsigned char>(value >> (8 * i)));
+  };
+  put(static_cast<std::uint32_t>(depth.height));
+  put(static_cast<std::uint32_t>(depth.width));
+  out.push_back(0);
+  put(static_cast<std::uint32_t>(2 * depth.width));
+  put(static_cast<std::uint32_t>(encoding.size()));
+  out.insert(out.end(), encoding.begin(), encoding.end());
+  ByteVector pixels(2 * depth.data.size());
+  std::memcpy(pixels.data(), depth.data.data(), pixels.size());
+  const ByteVector stored = zstd_packed(pixels);
+  out.insert(out.end(), stored.begin(), stored.end());
+  return out;
+}
+
 Ros2Messages packed(Ros2Messages messages) {
   for (Ros2Message& message : messages) message.bytes = zstd_packed(message.bytes);
   return messages;

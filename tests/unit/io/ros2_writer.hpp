@@ -27,6 +27,11 @@ ByteVector cdr_imu(double stamp_s, const Vec3d& acceleration, const std::string&
 ByteVector cdr_tf(const std::string& parent, const std::string& child, const Pose& pose);
 ByteVector cdr_text(const std::string& text);
 
+/// Columns, rows, and counts as Wilson packs them (RVL, 2017).
+ByteVector rvl_packed(const Image16& depth);
+/// As zstd_image_transport packs an image of counts.
+ByteVector zstd_transport(const Image16& depth);
+
 ByteVector zstd_packed(const ByteVector& bytes);
 /// Each message a zstd frame of its own.
 Ros2Messages packed(Ros2Messages messages);
