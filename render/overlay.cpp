@@ -5,26 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/shortened.hpp"
 #include "render/font.hpp"
 
 namespace planescope::render {
 namespace {
 
-// One line of text, shortened with an ellipsis where it is wider than there is room.
+// One line of text, shortened where it is wider than there is room.
 std::string fitted(const std::string& text, double size_px, double room_px) {
-  const Font& font = default_font();
-  if (font.layout(text, size_px).width <= room_px) return text;
-  std::string kept = text;
-  while (!kept.empty()) {
-    do {
-      kept.pop_back();
-    } while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0u) == 0x80u);
-    // Do not leave a lead byte without its tail.
-    if (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0u) == 0xC0u)
-      kept.pop_back();
-    if (font.layout(kept + "…", size_px).width <= room_px) break;
-  }
-  return kept + "…";
+  return shortened(text, [&](const std::string& part) {
+    return default_font().layout(part, size_px).width <= room_px;
+  });
 }
 
 struct Pen {
@@ -276,8 +267,10 @@ void add_labels(const Pen& pen, const std::vector<DrawLabel>& labels, const View
     if (!at || label.text.empty()) continue;
     const double size_px = scale * label.size_px;
     const double width = default_font().layout(label.text, size_px).width;
-    const double x = at->px.x() - (label.centered ? width / 2 : 0);
-    if (x > pen.width || x + width < 0) continue;
+    const double wanted = at->px.x() - (label.centered ? width / 2 : 0);
+    if (wanted > pen.width || wanted + width < 0) continue;
+    const double margin = pen.px(3);
+    const double x = std::max(std::min(wanted, pen.width - width - margin), margin);  // all of it
     if (at->px.y() < -size_px || at->px.y() > pen.height + size_px) continue;
     const OverlayText text = {.x = x,
                               .baseline = at->px.y() + default_font().cap_height(size_px) / 2,

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/model/shortened.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::desktop {
@@ -159,6 +160,10 @@ float math_width(const Ui& ui, const std::string& text) {
     width += width_of(ui, text, begin, end, sub);
   });
   return width;
+}
+
+std::string fitted(const Ui& ui, const std::string& text, float room) {
+  return shortened(text, [&](const std::string& part) { return math_width(ui, part) <= room; });
 }
 
 void draw_math(const Ui& ui, ImDrawList* draw, ImVec2 at, ImU32 color, const std::string& text) {

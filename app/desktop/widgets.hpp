@@ -42,6 +42,8 @@ void case_badge(const Ui& ui, planes::Case c);
 // "N_out = 12" and "θ_Nout".
 
 float math_width(const Ui& ui, const std::string& text);
+/// Shortened with an ellipsis where it is wider than there is room [px].
+std::string fitted(const Ui& ui, const std::string& text, float room);
 /// At a place of the window.
 void draw_math(const Ui& ui, ImDrawList* draw, ImVec2 at, ImU32 color, const std::string& text);
 /// At the cursor; advances like text.

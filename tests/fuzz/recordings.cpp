@@ -41,6 +41,9 @@ void read_frames(const io::Recording& recording) {
 
 void read_bag(Bytes bytes) { read_frames(*io::open_recording(file_of("bag/a.bag", bytes))); }
 
+void read_db3(Bytes bytes) { read_frames(*io::open_recording(file_of("db3/a.db3", bytes))); }
+void read_mcap(Bytes bytes) { read_frames(*io::open_recording(file_of("mcap/a.mcap", bytes))); }
+
 /// How a bag is packed; then each message with its topic, type and time.
 std::vector<ByteVector> split_bag(Bytes bytes) {
   const io::rosbag1::Bag bag(file_of("bag/split.bag", bytes));
@@ -186,6 +189,8 @@ void read_gravity(Bytes bytes) {
 
 std::vector<Target> recording_targets() {
   return {{"bag", read_bag, split_bag, join_bag},
+          {"db3", read_db3},
+          {"mcap", read_mcap},
           {"png", read_png, split_png, join_png},
           {"jpeg", read_jpeg},
           {"ply", read_ply},

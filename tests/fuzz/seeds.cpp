@@ -22,6 +22,7 @@
 #include "fuzz/samples.hpp"
 #include "support/empty_report.hpp"
 #include "support/jpeg_bytes.hpp"
+#include "unit/io/ros2_writer.hpp"
 #include "unit/io/sample_bags.hpp"
 
 namespace planescope::fuzz {
@@ -125,6 +126,34 @@ void add_bags(const Seeds& seeds) {
   ros.add(camera + "/color/image_raw", "sensor_msgs/Image", 3, image_message(color));
   ros.add(camera + "/accel/sample", "sensor_msgs/Imu", 3, imu_message(1, 500, {0, -9.8, 0}));
   seeds.add("bag", "ros", ros.finish());
+}
+
+void add_ros2_recordings(const Seeds& seeds) {
+  using namespace testing_bags;
+  fs::create_directories(memory_folder() / "seeds");
+  const fs::path path = memory_folder() / "seeds" / "a";
+  write_db3(path, sdk_messages(1), 512);
+  seeds.add("db3", "sdk", bytes_of_file(path));
+  write_db3(path, packed(realsense_ros_messages(1)), 512);
+  seeds.add("db3", "ros_zstd", bytes_of_file(path));
+  Ros2Messages ros = realsense_ros_messages(4);
+  const Image16 depth = depth_of(100);
+  const std::pair<const char*, ByteVector> forms[] = {
+      {"16UC1; compressedDepth png", with_config(io::encode_png(depth))},
+      {"16UC1; compressedDepth rvl", with_config(rvl_packed(depth))},
+      {"16UC1; png", io::encode_png(depth)},
+      {"16UC1; zstd", zstd_transport(depth)}};
+  int frame = 0;
+  for (Ros2Message& message : ros) {
+    if (!message.topic.ends_with("/image_rect_raw")) continue;
+    const auto& [format, bytes] = forms[frame++];
+    message.type = "sensor_msgs/msg/CompressedImage";
+    message.bytes = cdr_compressed_image(1'700'000'000, "depth_optical", format, bytes);
+  }
+  for (const std::string compression : {"", "lz4", "zstd"}) {
+    write_mcap(path, ros, {compression, 7, compression != "lz4", "cdr"});
+    seeds.add("mcap", "ros_" + (compression.empty() ? "plain" : compression), bytes_of_file(path));
+  }
 }
 
 void add_images(const Seeds& seeds) {
@@ -325,6 +354,7 @@ void write_seeds(const fs::path& folder) {
   fs::create_directories(memory_folder() / "seeds");
   const Seeds seeds{folder};
   add_bags(seeds);
+  add_ros2_recordings(seeds);
   add_images(seeds);
   add_clouds(seeds);
   add_cameras(seeds);

@@ -21,6 +21,7 @@ void draw_recordings(const Ui& ui) {
     if (name.empty()) name = open.path.parent_path().filename().string();
     ImGui::PushID(static_cast<int>(i));
     const bool chosen = document.recording == static_cast<int>(i);
+    name = fitted(ui, name, ImGui::GetContentRegionAvail().x);
     if (ImGui::Selectable(name.c_str(), chosen) && !chosen)
       ui.emit("recording.show", std::to_string(i));
     ImGui::PopID();

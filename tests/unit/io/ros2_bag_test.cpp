@@ -131,12 +131,6 @@ Ros2Messages transported(int frames,
   return messages;
 }
 
-ByteVector with_config(const ByteVector& picture) {
-  ByteVector bytes(12, 7);
-  bytes.insert(bytes.end(), picture.begin(), picture.end());
-  return bytes;
-}
-
 TEST_F(Ros2Bag, DepthOfEveryImageTransportIsReadBitForBit) {
   const auto png = [](const Image16& depth) { return encode_png(depth); };
   const auto headed = [&](const Image16& depth) { return with_config(encode_png(depth)); };

@@ -152,6 +152,12 @@ ByteVector rvl_packed(const Image16& depth) {
   return out;
 }
 
+ByteVector with_config(const ByteVector& picture) {
+  ByteVector bytes(12, 7);
+  bytes.insert(bytes.end(), picture.begin(), picture.end());
+  return bytes;
+}
+
 ByteVector zstd_transport(const Image16& depth) {
   const std::string encoding = "16UC1";
   ByteVector out;

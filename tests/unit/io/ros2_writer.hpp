@@ -29,6 +29,8 @@ ByteVector cdr_text(const std::string& text);
 
 /// Columns, rows, and counts as Wilson packs them (RVL, 2017).
 ByteVector rvl_packed(const Image16& depth);
+/// With what compressedDepth puts before a picture.
+ByteVector with_config(const ByteVector& picture);
 /// As zstd_image_transport packs an image of counts.
 ByteVector zstd_transport(const Image16& depth);
 

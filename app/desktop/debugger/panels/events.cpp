@@ -288,7 +288,9 @@ void draw_row(const Ui& ui,
   const std::string number = std::to_string(step);
   draw->AddText(ImVec2(at.x + columns.step_right - ImGui::CalcTextSize(number.c_str()).x, at.y),
                 ui.colors.muted, number.c_str());
-  const std::string words = words_of(run, step);
+  const float sign_room = wrong ? ImGui::CalcTextSize("≠ truth").x + ui.px(8) : 0;
+  const std::string words =
+      fitted(ui, words_of(run, step), max.x - at.x - columns.text - sign_room);
   draw_math(ui, draw, ImVec2(at.x + columns.text, at.y), color, words);
   if (wrong)
     draw->AddText(ImVec2(at.x + columns.text + math_width(ui, words) + ui.px(8), at.y),

@@ -72,9 +72,9 @@ void draw_step_controls(const Ui& ui) {
       event || !run->is_ours() ? debug::describe_event(*run, ui.state.view.step)
       : run->steps() == 0      ? "nothing to step through on this frame"
                                : "before the first event: all points wait in the root";
-  const bool cut = math_width(ui, text) > ImGui::GetContentRegionAvail().x;
-  math_text(ui, ui.colors.text, text);
-  if (cut) tooltip(text);
+  const std::string shown = fitted(ui, text, ImGui::GetContentRegionAvail().x);
+  math_text(ui, ui.colors.text, shown);
+  if (shown != text) tooltip(text);
 }
 
 void draw_cases(const Ui& ui,

@@ -59,8 +59,10 @@ void draw_beginnings(const Ui& ui) {
     if (button(ui, "Stop", "planes.stop_carrying")) ui.emit("label.cancel");
     return;
   }
-  same_line_if_fits("To the next frame");
-  action_button(ui, "label.carry", "To the next frame");
+  if (const auto labels = ui.state.labels(); labels && !labels->is_cloud()) {
+    same_line_if_fits("To the next frame");
+    action_button(ui, "label.carry", "To the next frame");
+  }
   if (!carry.done) return;
   const auto doubtful = std::ranges::count(carry.done->doubt, std::uint8_t{1});
   paragraph(ui.colors.warning,
