@@ -6,6 +6,7 @@
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/inputs.hpp"
+#include "core/io/bag/mcap_write.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_write.hpp"
 #include "core/labels/model/grid.hpp"
@@ -20,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Form : std::uint8_t { folder, tum, ply, pcd };
-constexpr const char* kForms[] = {"folder", "tum", "ply", "pcd"};
+enum class Form : std::uint8_t { folder, tum, mcap, ply, pcd };
+constexpr const char* kForms[] = {"folder", "tum", "mcap", "ply", "pcd"};
 
 struct RecastArgs {
   InputArgs input;
@@ -34,33 +35,36 @@ bool is_cloud_form(Form form) { return form == Form::ply || form == Form::pcd; }
 Form form_called(const std::string& name) {
   for (std::size_t i = 0; i < std::size(kForms); ++i)
     if (name == kForms[i]) return static_cast<Form>(i);
-  throw Error(fmt::format("--to {}, expected folder, tum, ply or pcd", name));
+  throw Error(fmt::format("--to {}, expected folder, tum, mcap, ply or pcd", name));
 }
 
 /// Where it is written, and as what.
 struct Target {
   fs::path out;
   Form form = Form::folder;
-  bool one_file = false;  // `out` is the file of the only frame
+  bool one_file = false;  // `out` is a file, of one cloud or of all frames
 };
 
 Target target_of(const RecastArgs& args, const OpenInput& input) {
   Target target{args.out.has_filename() ? args.out : args.out.parent_path()};
   const std::string ending = lower_case(target.out.extension().string());
-  target.one_file = ending == ".ply" || ending == ".pcd";
+  target.one_file = ending == ".mcap" || ending == ".ply" || ending == ".pcd";
   if (target.one_file) {
     target.form = form_called(ending.substr(1));
     if (args.form && *args.form != target.form)
       throw Error(fmt::format("{}: --to {} is no {} file", target.out.string(),
                               kForms[static_cast<std::size_t>(*args.form)], ending));
-    if (input.frames.size() != 1)
+    if (target.form != Form::mcap && input.frames.size() != 1)
       throw Error(fmt::format("{}: one file for {} frames, expected a folder, or --frames N",
                               target.out.string(), input.frames.size()));
-  } else if (ending == ".bag" || ending == ".db3" || ending == ".mcap") {
-    throw Error(fmt::format("{}: {} is not written, expected a folder, or a .ply or .pcd file",
-                            target.out.string(), ending));
+  } else if (ending == ".bag" || ending == ".db3") {
+    throw Error(
+        fmt::format("{}: {} is not written, expected a folder, or a .mcap, .ply or .pcd file",
+                    target.out.string(), ending));
   } else {
     target.form = args.form.value_or(input.recording->info().width > 0 ? Form::folder : Form::ply);
+    if (target.form == Form::mcap)
+      throw Error(target.out.string() + ": --to mcap writes a file, expected a name with .mcap");
   }
   if (input.recording->info().width == 0 && !is_cloud_form(target.form))
     throw Error(fmt::format("{}: its clouds have no depth images for --to {}, expected ply or pcd",
@@ -143,15 +147,52 @@ int copy_labels(const OpenInput& input, const fs::path& name, StagedOutput& stag
   return copied;
 }
 
-/// The only frame as one file and what it cannot say beside it; neither is left where that fails.
-io::WrittenFrame write_cloud_file(const OpenInput& input, const Target& target, bool same_data) {
+/// All frames, in their order.
+std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
+                                         const fs::path& path,
+                                         int threads,
+                                         const std::stop_token& stop) {
+  const int count = static_cast<int>(input.frames.size());
+  std::vector<io::WrittenFrame> written;
+  std::vector<Frame> read(input.frames.size());
+  Progress progress("convert", count);
+  write_file_stream(path, [&](std::ostream& out) {
+    io::McapWriter file(out);
+    work_in_order(
+        count, threads,
+        [&](int i) {
+          const auto at = static_cast<std::size_t>(i);
+          if (!stop.stop_requested()) read[at] = input.recording->frame(input.frames[at]);
+        },
+        [&](int i) {
+          if (stop.stop_requested()) throw Cancelled();
+          Frame frame = std::move(read[static_cast<std::size_t>(i)]);
+          progress.show(i + 1, fmt::format("frame {}", frame.index));
+          file.add(frame);
+          written.push_back(io::facts_of(std::move(frame), std::to_string(i)));
+        });
+    file.finish();
+  });
+  return written;
+}
+
+/// All frames in one file and what it cannot say beside it; neither is left where that fails.
+std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
+                                             const Target& target,
+                                             int threads,
+                                             const std::stop_token& stop) {
   const fs::path facts = target.out.string() + ".planescope.json";
   if (fs::exists(facts)) throw Error(facts.string() + ": is there already, expected a new name");
   try {
-    const io::WrittenFrame written =
-        write_cloud(target.out, target.form, input.recording->frame(input.frames[0]));
-    io::write_frame_facts(facts, {written});
-    check_written(input, target.out, same_data);
+    std::vector<io::WrittenFrame> written;
+    if (target.form == Form::mcap) {
+      written = write_mcap(input, target.out, threads, stop);
+      io::write_recording_facts(facts, written);
+    } else {
+      written.push_back(
+          write_cloud(target.out, target.form, input.recording->frame(input.frames[0])));
+      io::write_frame_facts(facts, written);
+    }
     return written;
   } catch (...) {
     std::error_code ignored;
@@ -174,31 +215,25 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   if (same_data && fs::exists(labels))
     throw Error(labels.string() + ": is there already, expected a new name");
   const fs::path parent = target.out.has_parent_path() ? target.out.parent_path() : ".";
+  const int threads = args.input.pipeline.threads;
   StagedOutput staged(parent);
-  if (target.one_file) {
-    const io::WrittenFrame written = write_cloud_file(input, target, same_data);
-    const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
-    staged.commit();
-    if (!is_cloud) warn_of_axes(written);
-    fmt::print("{}: frame {} of {}{}{}\n", target.out.string(), input.frames[0],
-               input.path.string(), labelled > 0 ? " and its labels" : "",
-               same_data ? ", read back, the same to the bit" : "");
-    return 0;
-  }
-
-  const fs::path dir = staged.add(target.out.filename());
   std::vector<io::WrittenFrame> frames(input.frames.size());
-  work_through(
-      static_cast<int>(frames.size()), args.input.pipeline.threads,
-      [&](int i) {
-        const auto at = static_cast<std::size_t>(i);
-        frames[at] = write_one(target.form, dir, i, input.recording->frame(input.frames[at]));
-      },
-      Bar("convert", stop));
-  if (stop.stop_requested()) throw Cancelled();
-  write_facts(target.form, dir, frames);
-  check_written(input, dir, same_data);
-
+  if (target.one_file) {
+    frames = write_one_file(input, target, threads, stop);
+    check_written(input, target.out, same_data);
+  } else {
+    const fs::path dir = staged.add(target.out.filename());
+    work_through(
+        static_cast<int>(frames.size()), threads,
+        [&](int i) {
+          const auto at = static_cast<std::size_t>(i);
+          frames[at] = write_one(target.form, dir, i, input.recording->frame(input.frames[at]));
+        },
+        Bar("convert", stop));
+    if (stop.stop_requested()) throw Cancelled();
+    write_facts(target.form, dir, frames);
+    check_written(input, dir, same_data);
+  }
   const int labelled = same_data ? copy_labels(input, labels.filename(), staged) : 0;
   staged.commit();
   if (!same_data) warn_of_axes(frames[0]);
@@ -216,13 +251,15 @@ void define_convert(CLI::App& app, Line& line) {
       "convert", "A recording in another form: frames, colour, gravity and labels come along");
   const auto args = std::make_shared<RecastArgs>();
   add_inputs(command, args->input, kOneInput);
-  add(command, "-o,--out", args->out, "OUT", "A new folder, or of one frame a .ply or .pcd file")
+  add(command, "-o,--out", args->out, "OUT",
+      "A new folder, a .mcap file, or of one frame a .ply or .pcd file")
       ->required();
   add_read(
       command, "--to", [args](const std::string& name) { args->form = form_called(name); },
-      "folder|tum|ply|pcd",
+      "folder|tum|mcap|ply|pcd",
       "folder: numbered PNGs, as Open3D's recorder has them (the default); tum: PNGs named by "
-      "time; ply, pcd: a cloud for each frame, of depth in the sensor's frame");
+      "time; mcap: a ROS 2 recording; ply, pcd: a cloud for each frame, of depth in the sensor's "
+      "frame");
   runs(command, line, args, run_convert);
 }
 

@@ -91,6 +91,35 @@ TEST_F(Convert, TumNamesItsFilesByTime) {
   for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
 }
 
+TEST_F(Convert, McapHasTheSameFramesColourTimesLabelsAndPlanes) {
+  const fs::path out = dir / "out.mcap";
+  const Ran ran = convert({sample.string(), "-o", out.string()});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.out.find("3 of 3 frames"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("the labels of 3, read back, the same to the bit"), std::string::npos);
+  const auto before = io::open_recording(sample), after = io::open_recording(out);
+  EXPECT_EQ(after->info().format, "realsense-ros ROS 2 bag (MCAP)");
+  EXPECT_TRUE(after->info().warnings.empty());
+  ASSERT_EQ(after->frame_count(), 3);
+  for (int i = 0; i < 3; ++i) expect_same(before->frame(i), after->frame(i));
+  expect_refused(convert({sample.string(), "-o", out.string()}), "is there already");
+  expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "mcap"}),
+                 "expected a name with .mcap");
+  // From there on to a folder, and the planes are those of the folder.
+  ASSERT_EQ(convert({out.string(), "-o", (dir / "back").string()}).code, 0);
+  for (const char* from : {"out.mcap", "back"})
+    ASSERT_EQ(run({"segment", (dir / from).string(), "--gravity", "0,0.9,0.4", "--frames", "1",
+                   "-o", (dir / (std::string(from) + ".planes")).string()})
+                  .code,
+              0);
+  const auto planes = [&](const char* from) {
+    std::string text = read_text(dir / (std::string(from) + ".planes/frames/000001/planes.json"));
+    const std::size_t name = text.find("\"name\"");
+    return text.erase(name, text.find('\n', name) - name);  // a number in one, a file in the other
+  };
+  EXPECT_EQ(planes("out.mcap"), planes("back"));
+}
+
 TEST_F(Convert, CloudsKeepTheirPointsTheirTruthAndWhereTheyStand) {
   fs::create_directories(dir / "clouds");
   PointSet set = floor_and_wall_cloud();
@@ -139,7 +168,7 @@ TEST_F(Convert, ACloudAsOneFileTakesItsLabelsAlongAndOverwritesNothing) {
 
   const Ran ran = convert({in.string(), "-o", out.string()});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.out.find("its labels, read back"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("and the labels of 1, read back"), std::string::npos) << ran.out;
   const auto after = io::open_recording(out);
   EXPECT_TRUE(
       labels::read_frame_labels(labels::default_label_dir(out), 0,
@@ -152,7 +181,7 @@ TEST_F(Convert, NothingIsOverwrittenAndNothingIsLeftOfWhatFailed) {
   expect_refused(convert({sample.string(), "-o", (dir / "full").string()}), "is there already");
   expect_refused(convert({sample.string(), "-o", (dir / "x.bag").string()}), ".bag is not written");
   expect_refused(convert({sample.string(), "-o", (dir / "x").string(), "--to", "avi"}),
-                 "expected folder, tum, ply or pcd");
+                 "expected folder, tum, mcap, ply or pcd");
   EXPECT_EQ(files_below(dir), std::vector<std::string>{"full/mine.txt"});
 }
 

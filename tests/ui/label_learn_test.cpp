@@ -68,6 +68,7 @@ TEST_F(Learner, AReviewedFrameWithoutALabelMeasuresNothing) {
   EXPECT_EQ(state().view.label.tab, "learning");
   window.run("frame.show", "1");
   window.run("tab.label", "review");
+  while (state().results.label.review->undecided() > 0) window.run("review.ignore");
   window.run("review.done");
   window.run("label.save");
   window.run("tab.label", "learning");

@@ -66,7 +66,7 @@ void expect_one_camera(const std::vector<WrittenFrame>& frames) {
     if (!(frame.facts.intrinsics == first.intrinsics) ||
         frame.facts.depth_unit_m != first.depth_unit_m)
       throw Error(fmt::format(
-          "frame {} has another camera or depth unit than frame {}, a folder has one of each",
+          "frame {} has another camera or depth unit than frame {}, a recording has one of each",
           frame.facts.index, first.index));
 }
 
@@ -100,17 +100,19 @@ WrittenFrame write_frame(const fs::path& dir, FolderForm form, int number, const
     fs::create_directories(dir / color_folder(form));
     write_png(dir / color_folder(form) / (name + ".png"), frame.color);
   }
-  WrittenFrame written{frame, name, has_color};
-  written.facts.depth = {};
-  written.facts.color = {};
-  return written;
+  return facts_of(frame, name);
+}
+
+WrittenFrame facts_of(Frame frame, const std::string& name) {
+  const bool has_color = frame.color.channels == 3;
+  frame.depth = {};
+  frame.color = {};
+  return {std::move(frame), name, has_color};
 }
 
 void write_folder_facts(const fs::path& dir,
                         FolderForm form,
                         const std::vector<WrittenFrame>& frames) {
-  expect_one_camera(frames);
-  const Frame& facts = frames.front().facts;
   if (form == FolderForm::tum) {
     for (std::size_t i = 1; i < frames.size(); ++i)
       if (!(frames[i].facts.timestamp_s > frames[i - 1].facts.timestamp_s))
@@ -121,8 +123,14 @@ void write_folder_facts(const fs::path& dir,
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);
   } else {
-    write_json(dir / "camera_intrinsic.json", open3d_camera(facts));
+    write_json(dir / "camera_intrinsic.json", open3d_camera(frames.front().facts));
   }
+  write_recording_facts(dir / "planescope.json", frames);
+}
+
+void write_recording_facts(const fs::path& path, const std::vector<WrittenFrame>& frames) {
+  expect_one_camera(frames);
+  const Frame& facts = frames.front().facts;
   Json sidecar = {{"schema", "planescope.recording/1"},
                   {"intrinsics", json_of(facts.intrinsics)},
                   {"depth_unit_m", facts.depth_unit_m}};
@@ -132,7 +140,7 @@ void write_folder_facts(const fs::path& dir,
       sidecar["color"] = color_json(colored->facts);
   }
   sidecar["frames"] = frames_json(frames);
-  write_json(dir / "planescope.json", sidecar);
+  write_json(path, sidecar);
 }
 
 void write_frame_facts(const fs::path& sidecar, const std::vector<WrittenFrame>& frames) {

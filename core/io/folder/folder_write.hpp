@@ -23,6 +23,9 @@ struct WrittenFrame {
   bool has_color = false;
 };
 
+/// `name`: of the frame in what was written.
+WrittenFrame facts_of(Frame frame, const std::string& name);
+
 /// Writes the images of one frame below `dir`; from any thread. `number`: its place in the folder.
 /// Depth counts stay as they are. Throws Error.
 WrittenFrame write_frame(const std::filesystem::path& dir,
@@ -35,6 +38,11 @@ WrittenFrame write_frame(const std::filesystem::path& dir,
 void write_folder_facts(const std::filesystem::path& dir,
                         FolderForm form,
                         const std::vector<WrittenFrame>& frames);
+
+/// The sidecar alone: all that is told of frames with depth. Throws Error where they do not have
+/// one camera.
+void write_recording_facts(const std::filesystem::path& sidecar,
+                           const std::vector<WrittenFrame>& frames);
 
 /// The sidecar alone, of frames that lie in files of their own names: when they were taken, and
 /// their gravity.

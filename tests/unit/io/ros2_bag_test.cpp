@@ -328,6 +328,18 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
   }
 }
 
+/// The seed mcap/ros_plain of the fuzzers, copied message by message with npm's @mcap/core 2.
+TEST_F(Ros2Bag, McapOfAnotherWriterIsRead) {
+  const auto recording = open_recording(std::filesystem::path(PLANESCOPE_SOURCE_DIR) /
+                                        "tests/unit/io/data/mcap_core.mcap");
+  EXPECT_TRUE(recording->info().warnings.empty());
+  ASSERT_EQ(recording->frame_count(), 4);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(recording->frame(i).depth.data, depth_of(100).data);
+    EXPECT_EQ(recording->frame(i).color.at(0, 0, 0), 10);  // all are of one time
+  }
+}
+
 TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
   write_mcap(folder_ / "a.bin", sdk_messages(2));
   EXPECT_EQ(open_recording(folder_ / "a.bin")->frame_count(), 2);

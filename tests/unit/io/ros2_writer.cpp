@@ -269,12 +269,13 @@ void write_mcap(const std::filesystem::path& path,
   McapBytes chunk;  // what is written next into it
   std::map<std::uint16_t, McapBytes> entries;
   std::size_t in_chunk = 0, chunks = 0;
+  std::uint64_t first_ns = 0, last_ns = 0;  // of the chunk; messages come in their order
   const auto end_chunk = [&] {
     if (in_chunk == 0) return;
     const ByteVector stored = mcap_packed(chunk.out, form.compression);
     const std::uint64_t start = file.out.size();
     McapBytes content;
-    content.put(std::uint64_t{1}).put(std::uint64_t{2}).put(std::uint64_t{chunk.out.size()});
+    content.put(first_ns).put(last_ns).put(std::uint64_t{chunk.out.size()});
     content.put(std::uint32_t{0}).text(form.compression).put(std::uint64_t{stored.size()});
     file.record(6, content.raw(stored));
     const std::uint64_t index_start = file.out.size();
@@ -286,7 +287,7 @@ void write_mcap(const std::filesystem::path& path,
       file.record(7, of_channel);
     }
     McapBytes place;
-    place.put(std::uint64_t{1}).put(std::uint64_t{2}).put(start).put(index_start - start);
+    place.put(first_ns).put(last_ns).put(start).put(index_start - start);
     place.put(static_cast<std::uint32_t>(offsets.out.size())).raw(offsets.out);
     place.put(std::uint64_t{file.out.size() - index_start}).text(form.compression);
     place.put(std::uint64_t{stored.size()}).put(std::uint64_t{chunk.out.size()});
@@ -309,6 +310,8 @@ void write_mcap(const std::filesystem::path& path,
       channel.text(form.encoding).put(std::uint32_t{0});
       for (McapBytes* bytes : {&to, &summary}) bytes->record(3, schema).record(4, channel);
     }
+    if (in_chunk == 0) first_ns = message.time_ns;
+    last_ns = message.time_ns;
     entries[id].put(message.time_ns).put(std::uint64_t{to.out.size()});
     McapBytes content;
     content.put(id).put(sequence++).put(message.time_ns).put(message.time_ns);
@@ -323,7 +326,7 @@ void write_mcap(const std::filesystem::path& path,
     counts.put(std::uint64_t{messages.size()}).put(static_cast<std::uint16_t>(ids.size()));
     counts.put(static_cast<std::uint32_t>(ids.size())).put(std::uint32_t{0});
     counts.put(std::uint32_t{0}).put(static_cast<std::uint32_t>(chunks));
-    counts.put(std::uint64_t{1}).put(std::uint64_t{2}).put(std::uint32_t{0});
+    counts.put(messages.front().time_ns).put(messages.back().time_ns).put(std::uint32_t{0});
     file.raw(summary.out).record(0x0b, counts);
   }
   McapBytes footer;
