@@ -230,8 +230,10 @@ void print_text(const Facts& f, double max_range_m) {
         f.gaps == 0 ? "no gaps"
                     : fmt::format("{} gap{}, the longest {:.3f} s before frame {}", f.gaps,
                                   f.gaps == 1 ? "" : "s", f.longest_gap_s, f.longest_gap_frame);
-    line("time", fmt::format("{:.3f} s, {:.2f} frames per second, {}", f.span_s,
-                             1 / f.median_step_s, gaps));
+    const std::string rate = f.median_step_s > 0
+                                 ? fmt::format("{:.2f} frames per second", 1 / f.median_step_s)
+                                 : "most frames of the same time";
+    line("time", fmt::format("{:.3f} s, {}, {}", f.span_s, rate, gaps));
   } else if (f.frame_count > 1) {
     line("time", "the frames carry no time");
   }

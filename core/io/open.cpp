@@ -106,12 +106,6 @@ std::vector<fs::path> files_in(const fs::path& folder) {
   return files;
 }
 
-std::vector<fs::path> bags_in(const fs::path& folder) {
-  auto files = files_in(folder);
-  std::erase_if(files, [](const fs::path& file) { return !is_bag(file); });
-  return files;
-}
-
 std::vector<fs::path> cloud_files_under(const fs::path& folder) {
   const auto clouds =
       files_under(folder, [](const fs::path& file) { return is_ply(file) || is_pcd(file); });
@@ -145,9 +139,10 @@ std::string describe_files(const std::vector<fs::path>& files) {
 std::unique_ptr<Recording> open_folder(const fs::path& path, const RecordingOptions& options) {
   if (!viewer_raw_files(path).empty()) return open_viewer_raw(path, options);
   if (!find_folder_layout(path).depth.empty()) return open_image_folder(path, options);
-  const auto bags = bags_in(path);
+  if (fs::exists(path / "metadata.yaml")) return open_bag(path, options);
+  auto bags = files_in(path);
+  std::erase_if(bags, [](const fs::path& file) { return !is_bag(file); });
   if (bags.size() == 1) return open_bag(bags.front(), options);
-  if (bags.size() > 1 && fs::exists(path / "metadata.yaml")) return open_bag(path, options);
   if (bags.size() > 1) {
     throw Error(path.string() + ": a folder with " + std::to_string(bags.size()) +
                 " recordings, expected the path of one of them, such as " + bags.front().string());

@@ -100,7 +100,6 @@ bool natural_less(const std::string& a, const std::string& b);
 /// Regular files in a folder, hidden ones left out, in natural order. Throws Error naming the
 /// folder when it cannot be listed.
 std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder);
-std::vector<std::filesystem::path> bags_in(const std::filesystem::path& folder);  // likewise
 /// All .ply and .pcd files in a folder, then those in the folders below it. Where there is none,
 /// all files of the formats that were added, in the same order.
 std::vector<std::filesystem::path> cloud_files_under(const std::filesystem::path& folder);

@@ -1,5 +1,7 @@
 #include "core/io/bag/chunks.hpp"
 
+#include <libdeflate.h>
+
 #include <algorithm>
 
 #include "core/model/error.hpp"
@@ -32,6 +34,8 @@ std::shared_ptr<const std::vector<std::byte>> ChunkCache::unpacked(const MappedF
   }
   const std::string name = file.path().string() + ": chunk " + std::to_string(number);
   if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
+  if (chunk.compression == Compression::unknown)
+    throw Error(name + " is compressed in an unknown way, expected none, lz4, bz2 or zstd");
   file.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
@@ -39,6 +43,9 @@ std::shared_ptr<const std::vector<std::byte>> ChunkCache::unpacked(const MappedF
     throw Error(name + " is damaged: " + std::to_string(unpacked.bytes.size()) + " of " +
                 std::to_string(chunk.raw_bytes) + " bytes could be unpacked");
   }
+  if (chunk.crc != 0 && !chunk.cut &&
+      libdeflate_crc32(0, unpacked.bytes.data(), unpacked.bytes.size()) != chunk.crc)
+    throw Error(name + " is damaged: its checksum is another one");
   const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));
   const std::lock_guard lock(mutex_);
   cache_.push_back({number, bytes});

@@ -14,7 +14,8 @@ struct Chunk {
   Compression compression = Compression::none;
   Bytes stored;
   std::uint64_t raw_bytes = 0;
-  bool cut = false;  // its end is missing or damaged
+  bool cut = false;       // its end is missing or damaged
+  std::uint32_t crc = 0;  // CRC-32 of the content; 0: not known
 };
 
 /// What unpacking a chunk costs, in bytes of LZ4.

@@ -1,5 +1,6 @@
 #include "core/io/bag/mcap_write.hpp"
 
+#include <libdeflate.h>
 #include <zstd.h>
 
 #include <cmath>
@@ -204,7 +205,7 @@ void McapWriter::end_chunk() {
   write(record(0x06, Fields().put(chunk_first_ns_)
                              .put(chunk_last_ns_)
                              .put(std::uint64_t{chunk_.size()})
-                             .put(std::uint32_t{0})  // checksum: zstd has its own
+                             .put(libdeflate_crc32(0, chunk_.data(), chunk_.size()))
                              .text("zstd")
                              .put(std::uint64_t{stored.size()})
                              .bytes +

@@ -5,6 +5,7 @@
 
 #include "core/io/bag/rosbag1.hpp"
 #include "core/io/bag/rosbag2_mcap.hpp"
+#include "core/io/bag/rosbag2_metadata.hpp"
 #include "core/io/bag/rosbag2_sqlite.hpp"
 #include "core/io/bag/split_log.hpp"
 #include "core/io/readers.hpp"
@@ -13,7 +14,8 @@
 namespace planescope::io {
 
 std::unique_ptr<MessageLog> open_message_log(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return std::make_unique<SplitLog>(path, bags_in(path));
+  if (std::filesystem::is_directory(path))
+    return std::make_unique<SplitLog>(path, rosbag2::files_of_metadata(path));
   std::array<char, 8> start{};
   open_to_read(path).read(start.data(), start.size());
   const std::string_view magic(start.data(), start.size());

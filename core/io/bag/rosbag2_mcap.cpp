@@ -65,7 +65,7 @@ ReadChunk read_chunk(Bytes content) {
   in.take(16);  // times of the first and the last message
   ReadChunk read;
   read.chunk.raw_bytes = in.read<std::uint64_t>();
-  in.take(4);  // checksum of what is unpacked: compressed chunks have one of their own
+  read.chunk.crc = in.read<std::uint32_t>();  // checked where it is unpacked
   read.chunk.compression = parse_compression(in.read_text());
   const auto stored_bytes = in.read<std::uint64_t>();
   const std::size_t there = std::min<std::uint64_t>(stored_bytes, in.left());

@@ -73,8 +73,9 @@ CameraInfo parse_sdk_camera_info(const Message& message) {
   CameraInfo info;
   info.width = to_side(texts.required("width"));
   info.height = to_side(texts.required("height"));
-  info.k << texts.required("fx"), 0, texts.required("ppx"), 0, texts.required("fy"),
-      texts.required("ppy"), 0, 0, 1;
+  const double fx = texts.required("fx"), fy = texts.required("fy");  // any may throw
+  const double cx = texts.required("ppx"), cy = texts.required("ppy");
+  info.k << fx, 0, cx, 0, fy, cy, 0, 0, 1;
   info.distortion_model = texts.find("model").value_or("");
   info.d = texts.numbers("coeffs");
   return info;

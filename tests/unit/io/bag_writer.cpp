@@ -179,6 +179,18 @@ ByteVector BagWriter::finish() {
   return file_;
 }
 
+ByteVector compressed_image_message(double stamp_s,
+                                    const std::string& frame_id,
+                                    const std::string& format,
+                                    const ByteVector& data) {
+  ByteVector out;
+  put_header(out, 7, stamp_s, frame_id);
+  put_text(out, format);
+  put(out, static_cast<std::uint32_t>(data.size()));
+  out.insert(out.end(), data.begin(), data.end());
+  return out;
+}
+
 ByteVector image_message(const ImageMessage& image) {
   ByteVector out;
   put_header(out, image.seq, image.stamp_s, image.frame_id);

@@ -72,6 +72,10 @@ struct ImageMessage {
   std::optional<float> depth_unit_m;  // the four extra bytes of SDK 2.49
 };
 ByteVector image_message(const ImageMessage& image);
+ByteVector compressed_image_message(double stamp_s,
+                                    const std::string& frame_id,
+                                    const std::string& format,
+                                    const ByteVector& data);
 ByteVector camera_info_message(int width,
                                int height,
                                std::array<double, 4> k,

@@ -318,13 +318,30 @@ TEST_F(Ros2Bag, AFolderWithItsMetadataIsOneRecordingOfAllItsFiles) {
     }
     expect_one_line_with(error_of([&] { open_recording(dir); }),
                          {"a folder with 12 recordings, expected the path of one of them"});
-    write_text(dir / "metadata.yaml", "rosbag2_bagfile_information:\n");
+    std::string list = "rosbag2_bagfile_information:\n  version: 7\n  relative_file_paths:\n";
+    for (std::size_t part = 0; part < parts; ++part)
+      list += "    - rec_" + std::to_string(part) + kind + "\n";
+    write_text(dir / "metadata.yaml", list);
+    write_text(dir / ("not_listed" + kind), "left alone");
     const auto recording = open_recording(dir);
     EXPECT_TRUE(recording->info().warnings.empty());
     EXPECT_EQ(recording->info().path, dir);
     expect_sdk_frames(*recording, 12);
     write_text(dir / ("rec_3" + kind), "not one");
     expect_one_line_with(error_of([&] { open_recording(dir); }), {("rec_3" + kind).c_str()});
+    std::filesystem::remove(dir / ("rec_3" + kind));
+    expect_one_line_with(error_of([&] { open_recording(dir); }),
+                         {"metadata.yaml: lists rec_3", "which is not there"});
+    write_text(dir / ("rec_3" + kind + ".zstd"), "packed");
+    write_text(dir / "metadata.yaml",
+               list.replace(list.find("rec_3" + kind), 5 + kind.size(), "rec_3" + kind + ".zstd"));
+    expect_one_line_with(error_of([&] { open_recording(dir); }),
+                         {("rec_3" + kind + ".zstd: is compressed as a whole").c_str()});
+    for (const char* text : {"{", "a: b", "rosbag2_bagfile_information: 1",
+                             "rosbag2_bagfile_information:\n  relative_file_paths: []"}) {
+      write_text(dir / "metadata.yaml", text);
+      expect_one_line_with(error_of([&] { open_recording(dir); }), {"metadata.yaml: "});
+    }
   }
 }
 
@@ -349,6 +366,23 @@ TEST_F(Ros2Bag, McapIsKnownByItsContentAndOtherFilesAreRefused) {
   write_mcap(folder_ / "a.mcap", sdk_messages(2), {"", 5, true, "protobuf"});
   expect_one_line_with(error_of([&] { open_recording(folder_ / "a.mcap"); }),
                        {"a.mcap", "no depth images"});
+}
+
+TEST_F(Ros2Bag, AChunkWithAnotherChecksumOrAnUnknownCompressionIsRefused) {
+  const auto path = folder_ / "a.mcap";
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    write_mcap(path, sdk_messages(2), {"lz4", 100, true, "cdr"});
+    auto bytes = read_file_bytes(path);
+    for (auto at = bytes.begin();
+         (at = std::search(at, bytes.end(), from.begin(), from.end())) != bytes.end();)
+      at = std::copy(to.begin(), to.end(), at);
+    write_anew(path, bytes);
+    return error_of([&] { open_recording(path); });
+  };
+  const std::string none(4, '\0'), name("\x03\0\0\0lz4", 7);
+  expect_one_line_with(changed(none + name, "abcd" + name), {"a.mcap: chunk 0 is damaged"});
+  expect_one_line_with(changed(name, std::string("\x03\0\0\0foo", 7)),
+                       {"a.mcap: chunk 0 is compressed in an unknown way"});
 }
 
 TEST_F(Ros2Bag, McapThatIsCutGivesTheFramesBeforeTheCutAndSaysSo) {

@@ -1,3 +1,5 @@
+#include "core/io/image/png.hpp"
+#include "support/jpeg_bytes.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
@@ -100,6 +102,28 @@ TEST(RosBag, FloatDepthIsRefusedWithItsEncoding) {
   BagWriter bag;
   add_stream(bag, "/camera/depth", "image", depth_message(1, 1000), "32FC1", "f", 20);
   expect_one_line_with(error_of([&] { open_bag_of(bag); }), {"32FC1", "16UC1"});
+}
+
+TEST(RosBag, CompressedDepthIsReadAndTheRawTopicPreferred) {
+  BagWriter bag;
+  const std::string depth = "/camera/depth";
+  for (int i = 0; i < 2; ++i) {
+    const double stamp_s = 1000 + 0.1 * i;
+    const auto time_ns = static_cast<std::uint64_t>(1e9 * stamp_s);
+    bag.add(depth + "/camera_info", "sensor_msgs/CameraInfo", time_ns,
+            camera_info_message(kWidth, kHeight, {20, 20, 12, 8}, "plumb_bob"));
+    ByteVector data(12, 7);
+    const auto png = encode_png(depth_of(i));
+    data.insert(data.end(), png.begin(), png.end());
+    bag.add(depth + "/image_rect_raw/compressedDepth", "sensor_msgs/CompressedImage", time_ns,
+            compressed_image_message(stamp_s, "depth", "16UC1; compressedDepth png", data));
+    const std::vector<unsigned char> jpeg = encode_jpeg(kWidth, kHeight, false);
+    bag.add(depth + "/image_rect_raw/compressed", "sensor_msgs/CompressedImage", time_ns,
+            compressed_image_message(stamp_s, "depth", "mono16; jpeg compressed", jpeg));
+  }
+  const auto recording = open_bag_of(bag);
+  ASSERT_EQ(recording->frame_count(), 2);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(recording->frame(i).depth.data, depth_of(i).data);
 }
 
 }  // namespace
