@@ -1,7 +1,9 @@
 #include "render/scene_parts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -73,6 +75,33 @@ bool is_named(std::size_t voxels, std::size_t all) {
 std::int32_t plane_label_rank(std::size_t voxels, std::size_t all) {
   return kPlaneLabel +
          static_cast<std::int32_t>(1000 * (all - voxels) / std::max<std::size_t>(1, all));
+}
+
+Vec3f place_on_plane(const Vec3d& centroid, std::span<const Vec3f> own, float voxel_m) {
+  constexpr int kThere = 5;             // voxels about the centroid
+  constexpr float kThereVoxels = 2.5F;  // within so many edges
+  constexpr float kCellVoxels = 6;
+  const Vec3f middle = centroid.cast<float>();
+  const float reach = kThereVoxels * voxel_m;
+  const auto is_near = [&](const Vec3f& p) { return (p - middle).squaredNorm() < reach * reach; };
+  if (own.empty() || voxel_m <= 0 || std::ranges::count_if(own, is_near) >= kThere) return middle;
+  struct Cell {
+    int count = 0;
+    Vec3f sum = Vec3f::Zero();
+  };
+  std::map<std::array<int, 3>, Cell> cells;
+  const float edge = kCellVoxels * voxel_m;
+  for (const Vec3f& p : own) {
+    const Eigen::Array3i at = ((p - middle) / edge).array().round().cast<int>();
+    Cell& cell = cells[{at[0], at[1], at[2]}];
+    ++cell.count;
+    cell.sum += p;
+  }
+  const auto fuller = [](const auto& a, const auto& b) { return a.second.count < b.second.count; };
+  const Cell& most = std::ranges::max_element(cells, fuller)->second;
+  const Vec3f mean = most.sum / static_cast<float>(most.count);
+  return *std::ranges::min_element(own, {},
+                                   [&](const Vec3f& p) { return (p - mean).squaredNorm(); });
 }
 
 float normal_arrow_m(std::span<const Vec3f> voxels) {

@@ -45,6 +45,9 @@ RobustBounds robust_bounds(std::span<const Vec3f> points);
 bool is_named(std::size_t voxels, std::size_t all);
 /// Of the name of a plane with so many of all voxels.
 std::int32_t plane_label_rank(std::size_t voxels, std::size_t all);
+/// Where the name of a plane of these voxels stands: at its centroid where the plane is there, else
+/// where most of it is close together.
+Vec3f place_on_plane(const Vec3d& centroid, std::span<const Vec3f> own, float voxel_m);
 /// Length of the arrows along planes' normals in a scene of these voxels.
 float normal_arrow_m(std::span<const Vec3f> voxels);
 

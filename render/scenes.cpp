@@ -219,6 +219,15 @@ bool has_colors(std::span<const std::uint8_t> rgb) {
   return false;
 }
 
+/// By id - 1.
+std::vector<std::vector<Vec3f>> voxels_by_plane(const planes::FrameResult& result) {
+  std::vector<std::vector<Vec3f>> members(result.segmentation.planes.size());
+  for (std::size_t i = 0; i < result.voxels.points.size(); ++i)
+    if (const std::int32_t id = result.segmentation.plane_of[i]; id > 0)
+      members[static_cast<std::size_t>(id) - 1].push_back(result.voxels.points[i]);
+  return members;
+}
+
 void add_plane_shapes(const Frame& frame,
                       const planes::FrameResult& result,
                       std::span<const int> color_of_plane,
@@ -228,6 +237,7 @@ void add_plane_shapes(const Frame& frame,
   const Vec3d& origin = result.cloud.origin;
   const auto outlines = planes::outlines_of(frame, result, cell_m);
   std::vector<PlaneShape> shapes = plane_shapes(outlines, origin);
+  const auto members = voxels_by_plane(result);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const planes::PlaneRegion& plane = result.segmentation.planes[k];
     const Rgba color = color_of(plane.id, color_of_plane);
@@ -240,7 +250,7 @@ void add_plane_shapes(const Frame& frame,
                .id = static_cast<std::uint32_t>(plane.id)},
               list);
     if (!is_named(plane.points, result.voxels.points.size())) continue;
-    const Vec3f from = plane.fit.centroid.cast<float>();
+    const Vec3f from = place_on_plane(plane.fit.centroid, members[k], static_cast<float>(cell_m));
     const Vec3f normal = plane.fit.normal.cast<float>();
     list.arrows.push_back({from, from + arrow_m * normal, dark, 2.5F});
     list.labels.push_back({from + 1.35F * arrow_m * normal, std::to_string(plane.id), kSceneText,
@@ -297,11 +307,14 @@ DrawList scene_overlay(const Frame& frame,
   list.title = "Planes over the cloud";
   list.subtitle = std::to_string(points.positions.size()) + " points";
   list.points.push_back(std::move(points));
+  const auto members = voxels_by_plane(result);
   for (const planes::PlaneRegion& plane : result.segmentation.planes)
     if (is_named(plane.points, result.voxels.points.size()))
-      list.labels.push_back({plane.fit.centroid.cast<float>(), std::to_string(plane.id), kSceneText,
-                             19, true,
-                             plane_label_rank(plane.points, result.voxels.points.size())});
+      list.labels.push_back(
+          {place_on_plane(plane.fit.centroid, members[static_cast<std::size_t>(plane.id) - 1],
+                          static_cast<float>(result.voxels.size_m)),
+           std::to_string(plane.id), kSceneText, 19, true,
+           plane_label_rank(plane.points, result.voxels.points.size())});
   add_gravity(result, list);
   add_plane_legend(result, color_of_plane, list);
   return list;

@@ -235,7 +235,7 @@ void add_planes(const debug::Run& run,
     const bool named =
         shapes ? run.timeline.result_of_plane(plane) > 0 : is_named(own.size(), points.size());
     if ((!named || among_stairs) && !selected && !current) continue;
-    const Vec3f from = change->fit.centroid.cast<float>();
+    const Vec3f from = place_on_plane(change->fit.centroid, own, voxel_m);
     const float arrow_m = std::clamp(0.5F * voxel_m * std::sqrt(static_cast<float>(own.size())),
                                      most_arrow_m / 3, most_arrow_m);
     // Towards the viewer: up, or to the sensor's side.

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/palette.hpp"
+#include "render/scene_parts.hpp"
 
 namespace planescope::render {
 namespace {
@@ -268,6 +270,23 @@ TEST(SceneCloud, CroppedPointsAreLeftOut) {
   ASSERT_LT(result.cloud.counts.kept, 1600u);
   EXPECT_EQ(scene_overlay(frame, result, {}).points[0].positions.size(), result.cloud.counts.kept);
   EXPECT_EQ(scene_heights(result).points[0].positions.size(), result.cloud.counts.kept);
+}
+
+TEST(PlaceOnPlane, IsTheCentroidWhereThePlaneIsThereElseAmidMuchOfIt) {
+  std::vector<Vec3f> whole, ring;
+  for (int x = -30; x <= 30; ++x)
+    for (int y = -30; y <= 30; ++y) {
+      const Vec3f p(0.02F * static_cast<float>(x), 0.02F * static_cast<float>(y), 0);
+      whole.push_back(p);
+      if (std::max(std::abs(x), std::abs(y)) > 20) ring.push_back(p);
+    }
+  const Vec3d centroid = Vec3d::Zero();
+  EXPECT_EQ(place_on_plane(centroid, whole, 0.02F), Vec3f(0, 0, 0));
+  const Vec3f beside = place_on_plane(centroid, ring, 0.02F);
+  EXPECT_EQ(std::ranges::count(ring, beside), 1);
+  const float off = beside.cwiseAbs().maxCoeff();
+  EXPECT_GT(off, 0.02F * 22) << "at the edge of the hole";
+  EXPECT_LT(off, 0.02F * 29) << "at its border";
 }
 
 }  // namespace
