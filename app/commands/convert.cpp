@@ -179,6 +179,7 @@ std::vector<io::WrittenFrame> write_mcap(const OpenInput& input,
 /// All frames in one file and what it cannot say beside it; neither is left where that fails.
 std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
                                              const Target& target,
+                                             bool same_data,
                                              int threads,
                                              const std::stop_token& stop) {
   const fs::path facts = target.out.string() + ".planescope.json";
@@ -193,6 +194,7 @@ std::vector<io::WrittenFrame> write_one_file(const OpenInput& input,
           write_cloud(target.out, target.form, input.recording->frame(input.frames[0])));
       io::write_frame_facts(facts, written);
     }
+    check_written(input, target.out, same_data);
     return written;
   } catch (...) {
     std::error_code ignored;
@@ -219,8 +221,7 @@ int run_convert(const RecastArgs& args, const std::stop_token& stop) {
   StagedOutput staged(parent);
   std::vector<io::WrittenFrame> frames(input.frames.size());
   if (target.one_file) {
-    frames = write_one_file(input, target, threads, stop);
-    check_written(input, target.out, same_data);
+    frames = write_one_file(input, target, same_data, threads, stop);
   } else {
     const fs::path dir = staged.add(target.out.filename());
     work_through(

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/io/byte_reader.hpp"
+#include "core/io/guarded.hpp"
 
 namespace planescope::io {
 
@@ -24,14 +25,7 @@ class MappedFile {
   /// whatever came of zeros is not told.
   template <typename Read>
   auto guarded(const Read& read) const {
-    try {
-      auto result = read();
-      expect_whole();
-      return result;
-    } catch (...) {
-      expect_whole();
-      throw;
-    }
+    return guarded_by(*this, read);
   }
   /// Throws Error where bytes were missing that were looked at, ever.
   void expect_whole() const;

@@ -161,21 +161,24 @@ std::vector<std::string> image_topics(const MessageLog& bag) {
   return topics;
 }
 
+/// The topic's folder, without the transport that stands behind an image.
+std::string image_folder(const std::string& topic) {
+  const std::string image = ros::without_transport(topic);
+  return image.substr(0, image.rfind('/'));
+}
+
 /// The first topic whose last folder is `folder`, such as "depth" in /camera/depth/image_rect_raw.
 std::string image_topic_in(const std::vector<std::string>& topics, const std::string& folder) {
   for (const std::string& topic : topics) {
-    const std::string image = ros::without_transport(topic);
-    if (ends_with(image.substr(0, image.rfind('/')), "/" + folder)) return topic;
+    if (ends_with(image_folder(topic), "/" + folder)) return topic;
   }
   return {};
 }
 
 /// Of the image's own namespace, as some ROS 2 recorders have it, or beside the image.
 std::string info_of(const MessageLog& bag, const std::string& topic) {
-  const std::string image_topic = ros::without_transport(topic);
-  const std::string beside = image_topic.substr(0, image_topic.rfind('/')) + "/camera_info";
-  const std::string own = first_topic(bag, {image_topic + "/camera_info"});
-  return own.empty() ? beside : own;
+  const std::string own = first_topic(bag, {ros::without_transport(topic) + "/camera_info"});
+  return own.empty() ? image_folder(topic) + "/camera_info" : own;
 }
 
 std::string frame_id(const MessageLog& bag, const std::string& topic) {
@@ -220,8 +223,7 @@ std::optional<Pose> static_transform(const MessageLog& bag,
 void use_depth_topic(const MessageLog& bag, const std::string& topic, BagLayout& layout) {
   layout.depth = topic;
   layout.depth_info = info_of(bag, topic);
-  const std::string image = ros::without_transport(topic);
-  const std::string folder = image.substr(0, image.rfind('/'));
+  const std::string folder = image_folder(topic);
   layout.color_aligned = ends_with(folder, "aligned_depth_to_color");
   if (layout.color.empty() || layout.color_aligned) return;
   const std::string camera = folder.substr(0, folder.rfind('/'));
@@ -246,8 +248,7 @@ std::optional<BagLayout> ros_layout(const MessageLog& bag) {
   if (!native.empty() && !aligned.empty() && !layout.color.empty() && !layout.has_extrinsics) {
     use_depth_topic(bag, aligned, layout);
   }
-  const std::string depth = ros::without_transport(layout.depth);
-  const std::string folder = depth.substr(0, depth.rfind('/'));
+  const std::string folder = image_folder(layout.depth);
   const std::string camera = folder.substr(0, folder.rfind('/'));
   layout.accel = first_topic(bag, {camera + "/accel/sample", camera + "/imu"});
   if (!layout.accel.empty()) {

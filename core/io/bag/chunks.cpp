@@ -15,6 +15,13 @@ constexpr std::size_t kCachedBytes = 64 << 20;
 
 }  // namespace
 
+Bytes content_that_is_there(Chunk& chunk, Unpacked& unpacked) {
+  if (chunk.compression == Compression::none) return chunk.stored;
+  unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
+  if (!unpacked.whole) chunk.cut = true;
+  return unpacked.bytes;
+}
+
 std::size_t unpacking_cost(const Chunk& chunk) {
   constexpr std::size_t kBz2Cost = 20;  // times slower than LZ4, measured on depth images
   if (chunk.compression == Compression::none) return 0;

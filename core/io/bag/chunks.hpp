@@ -18,6 +18,14 @@ struct Chunk {
   std::uint32_t crc = 0;  // CRC-32 of the content; 0: not known
 };
 
+/// A walk through a file without an index finds at most so many messages, and one more for each
+/// byte of the file: chunks may unpack to any number of them.
+inline constexpr std::uint64_t kMostMessages = 1 << 20;
+
+/// The content of a chunk as far as it can be unpacked, which is held by `unpacked` where it was
+/// packed; where that is not all, the chunk is `cut`.
+Bytes content_that_is_there(Chunk& chunk, Unpacked& unpacked);
+
 /// What unpacking a chunk costs, in bytes of LZ4.
 std::size_t unpacking_cost(const Chunk& chunk);
 

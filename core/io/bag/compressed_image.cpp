@@ -16,7 +16,6 @@ namespace planescope::io::ros {
 namespace {
 
 constexpr std::string_view kCompressed = "sensor_msgs/CompressedImage";
-constexpr int kMostSide = 1 << 15;
 
 std::span<const unsigned char> as_chars(Bytes bytes) {
   return {reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()};
@@ -28,7 +27,13 @@ bool starts_with(Bytes bytes, std::string_view magic) {
 bool is_png(Bytes bytes) { return starts_with(bytes, "\x89PNG"); }
 bool is_jpeg(Bytes bytes) { return starts_with(bytes, "\xff\xd8\xff"); }
 
-/// Takes the pixels of `decoded` into `image`.
+int read_side(ByteReader& in) {
+  const auto side = in.read<std::uint32_t>();
+  if (side == 0 || side > kMaxSide) throw OutOfBytes{};
+  return static_cast<int>(side);
+}
+
+/// Takes the pixels of `decoded`.
 template <typename T>
 void take_pixels(const planescope::Image<T>& decoded, const char* encoding, HeldImage& to) {
   const auto bytes = std::as_bytes(std::span(decoded.data));
@@ -83,10 +88,9 @@ class RvlReader {
 
 Image16 decode_rvl(Bytes bytes, const std::string& what) {
   ByteReader head(bytes);
-  const auto width = head.read<std::uint32_t>(), height = head.read<std::uint32_t>();
-  if (width == 0 || height == 0 || width > kMostSide || height > kMostSide) throw OutOfBytes{};
+  const int width = read_side(head), height = read_side(head);
   expect_within_read_limit(2.0 * width * height, what + ": its pixels");
-  Image16 depth(static_cast<int>(width), static_cast<int>(height));
+  Image16 depth(width, height);
   RvlReader in(head.take(head.left()));
   std::uint32_t before = 0;
   for (std::size_t at = 0; at < depth.data.size();) {
@@ -119,12 +123,11 @@ void take_depth(Bytes data, const std::string& encoding, const std::string& what
 
 void take_zstd(Bytes data, const std::string& what, HeldImage& to) {
   ByteReader in(data);
-  to.image.height = static_cast<int>(std::min<std::uint32_t>(in.read<std::uint32_t>(), 1 << 30));
-  to.image.width = static_cast<int>(std::min<std::uint32_t>(in.read<std::uint32_t>(), 1 << 30));
+  to.image.height = read_side(in);
+  to.image.width = read_side(in);
   to.image.big_endian = in.read<std::uint8_t>() != 0;
   to.image.step = in.read<std::uint32_t>();
   to.image.encoding = in.read_text();
-  if (to.image.width > kMostSide || to.image.height > kMostSide) throw OutOfBytes{};
   const std::uint64_t bytes = std::uint64_t{to.image.step} * to.image.height;
   expect_within_read_limit(static_cast<double>(bytes), what + ": its pixels");
   Unpacked unpacked = unpack_zstd(in.take(in.left()), bytes);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/io/byte_reader.hpp"
+#include "core/io/guarded.hpp"
 
 namespace planescope::io {
 
@@ -70,14 +71,7 @@ class MessageLog {
   /// What `read` returns or throws, but for what came of a file that was cut meanwhile.
   template <typename Read>
   auto guarded(const Read& read) const {
-    try {
-      auto result = read();
-      expect_whole();
-      return result;
-    } catch (...) {
-      expect_whole();
-      throw;
-    }
+    return guarded_by(*this, read);
   }
 
  protected:

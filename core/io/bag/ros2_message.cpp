@@ -23,6 +23,13 @@ Message cdr_message(std::shared_ptr<const std::vector<std::byte>> held,
   return {held, *held, Wire::cdr};
 }
 
+void warn_of_encodings(const std::map<std::string, int>& topics,
+                       std::vector<std::string>& warnings) {
+  for (const auto& [encoding, count] : topics)
+    warnings.push_back(std::to_string(count) + " topics are serialized as \"" + encoding +
+                       "\", expected cdr; they are left out");
+}
+
 std::string ros_type(std::string type) {
   const std::size_t middle = type.find("/msg/");
   if (middle != std::string::npos) type.erase(middle, 4);

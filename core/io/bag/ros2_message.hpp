@@ -14,6 +14,10 @@ Message cdr_message(std::shared_ptr<const std::vector<std::byte>> held,
                     std::size_t at_most,
                     const std::string& what);
 
+/// Tells of topics that are left out, by how they are serialized.
+void warn_of_encodings(const std::map<std::string, int>& topics,
+                       std::vector<std::string>& warnings);
+
 /// A type as ROS 1 calls it: "sensor_msgs/Image" for "sensor_msgs/msg/Image".
 std::string ros_type(std::string type);
 

@@ -9,8 +9,6 @@
 namespace planescope::io::ros {
 namespace {
 
-constexpr std::uint32_t kMaxSide = 1 << 15;
-
 int read_side(FieldReader& reader) {
   const auto side = reader.read<std::uint32_t>();
   if (side > kMaxSide) throw OutOfBytes{};

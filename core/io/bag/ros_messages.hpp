@@ -14,6 +14,8 @@ namespace planescope::io::ros {
 // The messages of ROS 1 and 2 that recordings of depth cameras use. Every function throws
 // OutOfBytes when the bytes end early.
 
+inline constexpr std::uint32_t kMaxSide = 1 << 15;  // of an image [px]
+
 struct Header {
   std::optional<std::uint32_t> seq;  // ROS 1 alone
   double stamp_s = 0;

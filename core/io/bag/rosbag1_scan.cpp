@@ -5,8 +5,6 @@
 namespace planescope::io::rosbag1 {
 namespace {
 
-constexpr std::uint64_t kMostMessages = 1 << 20;  // and one more for each byte of the file
-
 /// The walk through a bag whose index is missing, cut or damaged.
 struct Scan {
   Bytes file;
@@ -30,13 +28,7 @@ void add_messages(Scan& scan, std::uint32_t connection, const std::vector<Messag
 void walk_chunk(Scan& scan, std::uint32_t number) {
   Chunk& chunk = scan.index.chunks[number];
   Unpacked unpacked;
-  Bytes bytes = chunk.stored;
-  if (chunk.compression != Compression::none) {
-    unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
-    bytes = unpacked.bytes;
-    if (!unpacked.whole) chunk.cut = true;
-  }
-  ByteReader reader(bytes);
+  ByteReader reader(content_that_is_there(chunk, unpacked));
   try {
     while (!reader.done()) {
       const auto offset = static_cast<std::uint32_t>(reader.position());

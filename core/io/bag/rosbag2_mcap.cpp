@@ -23,7 +23,6 @@ enum class Op : std::uint8_t {
 };
 
 constexpr std::uint32_t kNoChunk = 0xffffffff;         // of messages that lie in none
-constexpr std::uint64_t kMostMessages = 1 << 20;       // and one more for each byte of the file
 constexpr std::size_t kMessageHeader = 2 + 4 + 8 + 8;  // channel, sequence, two times
 
 struct Record {
@@ -40,8 +39,7 @@ Record read_record(ByteReader& reader) {
 void add_schema(Bytes content, McapIndex& index) {
   ByteReader in(content);
   const auto id = in.read<std::uint16_t>();
-  const std::string name(in.read_text());
-  index.schemas.try_emplace(id, ros_type(name), std::string(in.read_text()));
+  index.schemas.try_emplace(id, ros_type(std::string(in.read_text())));
 }
 
 void add_channel(Bytes content, McapIndex& index) {
@@ -50,7 +48,7 @@ void add_channel(Bytes content, McapIndex& index) {
   const auto schema = index.schemas.find(in.read<std::uint16_t>());
   const std::string topic(in.read_text());
   index.channels.try_emplace(
-      id, McapIndex::Channel{topic, schema == index.schemas.end() ? "" : schema->second.first,
+      id, McapIndex::Channel{topic, schema == index.schemas.end() ? "" : schema->second,
                              std::string(in.read_text())});
 }
 
@@ -73,12 +71,6 @@ ReadChunk read_chunk(Bytes content) {
   read.missing_bytes = stored_bytes - there;
   read.chunk.cut = read.missing_bytes > 0;
   return read;
-}
-
-MessageRef message_at(Bytes content, std::uint32_t chunk, std::uint64_t offset) {
-  ByteReader in(content);
-  in.take(2 + 4);
-  return {in.read<std::uint64_t>(), 0, chunk, offset};
 }
 
 // --- By the summary ---
@@ -171,9 +163,11 @@ struct Walk {
 
 void add_message(
     Walk& walk, Bytes file, const Record& record, std::uint32_t chunk, std::uint64_t offset) {
-  const auto channel = ByteReader(record.content).read<std::uint16_t>();
   if (record.content.size() < kMessageHeader) throw OutOfBytes{};
-  walk.index.messages[channel].push_back(message_at(record.content, chunk, offset));
+  ByteReader in(record.content);
+  const auto channel = in.read<std::uint16_t>();
+  in.take(4);  // its number in the channel
+  walk.index.messages[channel].push_back({in.read<std::uint64_t>(), 0, chunk, offset});
   // Chunks may unpack to any number of them.
   if (++walk.messages > kMostMessages + file.size()) throw OutOfBytes{};
 }
@@ -185,13 +179,7 @@ void walk_chunk(Walk& walk, Bytes file, const ReadChunk& read) {
   walk.missing_bytes += read.missing_bytes;
   Chunk& chunk = walk.index.chunks.back();
   Unpacked unpacked;
-  Bytes bytes = chunk.stored;
-  if (chunk.compression != Compression::none) {
-    unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
-    bytes = unpacked.bytes;
-    if (!unpacked.whole) chunk.cut = true;
-  }
-  ByteReader reader(bytes);
+  ByteReader reader(content_that_is_there(chunk, unpacked));
   try {
     while (!reader.done()) {
       const std::uint64_t offset = reader.position();
@@ -303,10 +291,7 @@ McapLog::McapLog(const std::filesystem::path& path)
     else
       ++others[channel.encoding];
   }
-  for (const auto& [encoding, count] : others) {
-    warnings_.push_back(std::to_string(count) + " topics are serialized as \"" + encoding +
-                        "\", expected cdr; they are left out");
-  }
+  warn_of_encodings(others, warnings_);
 }
 
 std::vector<MessageRef> McapLog::messages(const std::string& topic) const {

@@ -20,7 +20,7 @@ struct McapIndex {
   struct Channel {
     std::string topic, type, encoding;
   };
-  std::map<std::uint16_t, std::pair<std::string, std::string>> schemas;  // name, encoding
+  std::map<std::uint16_t, std::string> schemas;  // types of messages
   std::map<std::uint16_t, Channel> channels;
   std::map<std::uint16_t, std::vector<MessageRef>> messages;  // by channel, in file order
   std::vector<Chunk> chunks;

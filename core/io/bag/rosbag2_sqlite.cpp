@@ -82,10 +82,7 @@ void SqliteLog::read_topics() {
     throw Error(path_.string() + ": its table of topics is cut or damaged");
   }
   if (!topics.is_whole()) damage_ = "; its table of topics is cut or damaged";
-  for (const auto& [format, count] : others) {
-    warnings_.push_back(std::to_string(count) + " topics are serialized as \"" + format +
-                        "\", expected cdr; they are left out");
-  }
+  warn_of_encodings(others, warnings_);
 }
 
 /// Walks the table from its start, and from its end where it is damaged between.

@@ -61,7 +61,7 @@ class Texts {
 };
 
 int to_side(double value) {
-  if (!(value >= 0 && value <= 1 << 15)) throw OutOfBytes{};
+  if (!(value >= 0 && value <= kMaxSide)) throw OutOfBytes{};
   return static_cast<int>(value);
 }
 

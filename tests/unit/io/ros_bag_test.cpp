@@ -1,5 +1,6 @@
 #include "core/io/image/png.hpp"
 #include "support/jpeg_bytes.hpp"
+#include "unit/io/ros2_writer.hpp"
 #include "unit/io/sample_bags.hpp"
 #include "unit/io/support.hpp"
 
@@ -112,9 +113,7 @@ TEST(RosBag, CompressedDepthIsReadAndTheRawTopicPreferred) {
     const auto time_ns = static_cast<std::uint64_t>(1e9 * stamp_s);
     bag.add(depth + "/camera_info", "sensor_msgs/CameraInfo", time_ns,
             camera_info_message(kWidth, kHeight, {20, 20, 12, 8}, "plumb_bob"));
-    ByteVector data(12, 7);
-    const auto png = encode_png(depth_of(i));
-    data.insert(data.end(), png.begin(), png.end());
+    const ByteVector data = with_config(encode_png(depth_of(i)));
     bag.add(depth + "/image_rect_raw/compressedDepth", "sensor_msgs/CompressedImage", time_ns,
             compressed_image_message(stamp_s, "depth", "16UC1; compressedDepth png", data));
     const std::vector<unsigned char> jpeg = encode_jpeg(kWidth, kHeight, false);
