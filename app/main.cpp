@@ -1,5 +1,6 @@
 // planescope: the product.
 
+#include "app/cli/manual.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/commands.hpp"
 #include "core/io/open3d/install.hpp"
@@ -17,7 +18,7 @@ int main(int argc, char** argv) {
           "given.",
       .commands = {define_view, define_info, define_segment, define_report, define_eval,
                    define_options, define_synth, define_train, define_tune, define_labels,
-                   define_convert},
+                   define_convert, define_man, define_completions},
       .alone = "view"};
   return run_program(program, argc, argv);
 }

@@ -227,6 +227,9 @@ class GlfwContext : public GlContext {
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
     glfwWindowHint(GLFW_RESIZABLE, GLFW_TRUE);
+    // What desktops know its windows by: planescope.desktop has the same name.
+    glfwWindowHintString(GLFW_X11_CLASS_NAME, "planescope");
+    glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "planescope");
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);  // the same apparent size at any density
     window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (window_ == nullptr) {

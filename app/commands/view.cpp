@@ -205,6 +205,12 @@ void define_view(CLI::App& app, Line& line) {
       ->group(window);
   view->add_flag("--actions", args->list_actions, "List every action with its key")->group(window);
   runs(view, line, args, run_view, [view, args] {
+    // A session or a report by its name alone, as a file manager gives it.
+    std::vector<fs::path>& inputs = args->input.inputs;
+    if (args->open.empty() && inputs.size() == 1 && inputs[0].extension() == ".json") {
+      args->open = inputs[0].string();
+      inputs.clear();
+    }
     if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
       throw Error("--screenshot " + args->screenshot.string() +
                   ": expected a name that ends in .png");

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "app/cli/manual.hpp"
 #include "app/cli/program.hpp"
 #include "app/commands/train.hpp"
 #include "app/lab/lab.hpp"
@@ -58,6 +59,7 @@ int main(int argc, char** argv) {
           "planescope-lab measures planescope: its classifier, its planes beside other methods, "
           "its\n"
           "window; and makes the synthetic sets that it is measured on and trained with.",
-      .commands = {define_bench, define_synth_sets, define_recipe_train}};
+      .commands = {define_bench, define_synth_sets, define_recipe_train, define_man,
+                   define_completions}};
   return run_program(program, argc, argv);
 }

@@ -127,9 +127,12 @@ std::string_view header_of(std::span<const unsigned char> bytes, const fs::path&
 }  // namespace
 
 TensorFile read_safetensors(const fs::path& path) {
-  const std::vector<unsigned char> bytes = read_file_bytes(path);
+  return read_safetensors(read_file_bytes(path), path);
+}
+
+TensorFile read_safetensors(std::span<const unsigned char> bytes, const fs::path& path) {
   const std::string_view header = header_of(bytes, path);
-  const std::span data = std::span(bytes).subspan(kLengthBytes + header.size());
+  const std::span data = bytes.subspan(kLengthBytes + header.size());
 
   const std::string what = path.string() + ": header";
   const Json json = parse_json<Json>(header, what);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
 #include "core/planes/classify/safetensors.hpp"
 
@@ -206,7 +207,11 @@ std::vector<float> take(TensorFile& file, const TensorSpec& spec, const std::str
 }  // namespace
 
 NetworkWeights read_weights(const fs::path& path) {
-  TensorFile file = read_safetensors(path);
+  return read_weights(read_file_bytes(path), path);
+}
+
+NetworkWeights read_weights(std::span<const unsigned char> bytes, const fs::path& path) {
+  TensorFile file = read_safetensors(bytes, path);
   expect_metadata(file, "format", kFormat, path);
   expect_metadata(file, "version", kVersion, path);
 

@@ -4,6 +4,7 @@
 // layouts are those of the official PyTorch code's state_dict.
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ struct NetworkWeights {
 /// Throws Error where the file is missing, cut, larger than it says, contradicts itself or its
 /// configuration, or holds values that are not finite.
 NetworkWeights read_weights(const std::filesystem::path& path);
+/// The same of a file's content; `path` is what errors call it.
+NetworkWeights read_weights(std::span<const unsigned char> bytes,
+                            const std::filesystem::path& path);
 /// Replaces the file as a whole or not at all.
 void write_weights(const std::filesystem::path& path, const NetworkWeights& weights);
 

@@ -1,0 +1,100 @@
+#pragma once
+
+// What stands behind the library's objects. Shared by its sources alone.
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <utility>
+
+#include "core/debug/replay/run.hpp"
+#include "core/model/error.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/report/data/frame_planes.hpp"
+#include "planescope/core.hpp"
+
+namespace planescope::v0 {
+
+struct Options::Data {
+  planes::PipelineOptions options;
+};
+
+namespace detail {
+
+using FramePointer = std::shared_ptr<const ::planescope::Frame>;
+
+struct SegmenterData {
+  planes::PipelineOptions options;
+  planes::ChosenClassifier chosen;
+};
+
+struct ResultData {
+  ResultData(v0::Frame of, planes::PipelineOptions by, planes::FrameResult&& found_in)
+      : frame(std::move(of)), options(std::move(by)), result(std::move(found_in)) {}
+
+  v0::Frame frame;
+  planes::PipelineOptions options;
+  planes::FrameResult result;
+  Gravity gravity;
+  std::vector<std::int32_t> plane_of;  // per pixel or point
+  std::vector<v0::Label> label_of;
+
+  // Made when they are first asked for.
+  mutable std::once_flag once;
+  mutable report::FramePlanes found;
+  mutable std::vector<Plane> planes;
+  void find_planes() const;
+};
+
+struct TraceData {
+  v0::Frame frame;
+  std::shared_ptr<const debug::Run> run;
+};
+
+/// The way into the library's objects.
+struct PLANESCOPE_API Access {
+  static v0::Frame frame(::planescope::Frame&& frame);
+  static const ::planescope::Frame& frame(const v0::Frame& frame) {
+    return *static_cast<const ::planescope::Frame*>(frame.data_.get());
+  }
+  static const planes::PipelineOptions& options(const Options& options) {
+    return options.data_->options;
+  }
+  static Result result(std::shared_ptr<const ResultData> data) {
+    Result result;
+    result.data_ = std::move(data);
+    return result;
+  }
+  static const ResultData& result(const Result& result) { return *result.data_; }
+  static Trace trace(std::shared_ptr<const TraceData> data) {
+    Trace trace;
+    trace.data_ = std::move(data);
+    return trace;
+  }
+  static const TraceData& trace(const Trace& trace) { return *trace.data_; }
+};
+
+inline Vec3 vec3(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+inline Vec3d vec3(const Vec3& p) { return {p[0], p[1], p[2]}; }
+Transform transform(const Pose& pose);
+PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
+
+/// What errors say of options that the command line has is of no use to a program's author.
+[[noreturn]] PLANESCOPE_API void throw_for_programs(const std::string& message);
+
+/// Calls what may throw the errors of core.
+template <typename Call>
+auto guarded(const Call& call) {
+  try {
+    return call();
+  } catch (const ::planescope::Error& error) {
+    throw_for_programs(error.what());
+  } catch (const std::bad_alloc&) {
+    throw_for_programs("out of memory");
+  }
+}
+
+}  // namespace detail
+}  // namespace planescope::v0

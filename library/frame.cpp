@@ -1,0 +1,220 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "core/io/recording.hpp"
+#include "library/data.hpp"
+
+namespace planescope::v0 {
+namespace detail {
+namespace {
+
+// What a depth image, or a cloud, may have at most: what core's indices hold, and no typing error.
+constexpr int kMaxSide = 16384;
+constexpr std::size_t kMaxPoints = std::size_t{1} << 25;
+
+Pose pose(const Transform& t, const char* what) {
+  Pose pose = Pose::Identity();
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) pose.matrix()(r, c) = t[static_cast<std::size_t>(r) * 4 + c];
+  const Mat3d r = pose.linear();
+  if (!pose.matrix().allFinite() || (r * r.transpose() - Mat3d::Identity()).norm() > 1e-3 ||
+      r.determinant() < 0)
+    throw Error(fmt::format("{}: it is no rigid transform", what));
+  return pose;
+}
+
+Intrinsics intrinsics(const Camera& camera, const char* what) {
+  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
+    throw Error(fmt::format("{}: it is {}x{} pixels, expected 1 to {} each", what, camera.width,
+                            camera.height, kMaxSide));
+  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
+    throw Error(fmt::format("{}: its focal length is {}, {}, expected pixels above 0", what,
+                            camera.fx, camera.fy));
+  if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
+    throw Error(
+        fmt::format("{}: its centre is {}, {}, expected pixels", what, camera.cx, camera.cy));
+  Intrinsics result;
+  result.width = camera.width;
+  result.height = camera.height;
+  result.fx = camera.fx;
+  result.fy = camera.fy;
+  result.cx = camera.cx;
+  result.cy = camera.cy;
+  result.distortion = static_cast<::planescope::Distortion>(camera.distortion);
+  result.coefficients = camera.coefficients;
+  return result;
+}
+
+std::optional<::planescope::Gravity> given_gravity(const std::optional<Vec3>& direction) {
+  if (!direction) return std::nullopt;
+  const Vec3d d = vec3(*direction);
+  if (!(d.allFinite() && d.norm() > 1e-9))
+    throw Error(fmt::format("gravity: {}, {}, {} is no direction", d.x(), d.y(), d.z()));
+  return ::planescope::Gravity{d.normalized(), GravitySource::option, 1, "given"};
+}
+
+static_assert(static_cast<int>(Distortion::inverse_brown_conrady) ==
+              static_cast<int>(::planescope::Distortion::inverse_brown_conrady));
+
+}  // namespace
+
+Transform transform(const Pose& pose) {
+  Transform t{};
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) t[static_cast<std::size_t>(r) * 4 + c] = pose.matrix()(r, c);
+  return t;
+}
+
+Camera camera(const Intrinsics& intrinsics) {
+  return {intrinsics.width,
+          intrinsics.height,
+          intrinsics.fx,
+          intrinsics.fy,
+          intrinsics.cx,
+          intrinsics.cy,
+          static_cast<Distortion>(intrinsics.distortion),
+          intrinsics.coefficients};
+}
+
+v0::Frame Access::frame(::planescope::Frame&& frame) {
+  v0::Frame result;
+  result.data_ = std::make_shared<const ::planescope::Frame>(std::move(frame));
+  return result;
+}
+
+void throw_for_programs(const std::string& message) {
+  std::string text = message;
+  const auto replace = [&text](std::string_view what, std::string_view by) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what))
+      text.replace(at, what.size(), by);
+  };
+  replace(planes::kHowToGiveGravity,
+          "give the direction in which things fall, in the sensor's frame");
+  replace(io::kHowToGiveIntrinsics, "give them");
+  replace(" --", " ");
+  throw Error(text);
+}
+
+}  // namespace detail
+
+using detail::Access;
+
+Error::~Error() = default;
+
+namespace {
+constexpr const char* kGivenName = "0";  // what messages call a frame that is of no recording
+}
+
+Frame::Frame(const DepthImage& image) {
+  detail::guarded([&] {
+    ::planescope::Frame frame;
+    frame.name = kGivenName;
+    frame.intrinsics = detail::intrinsics(image.camera, "depth image");
+    if (image.counts == nullptr) throw Error("depth image: it has no pixels");
+    if (!(image.unit_m > 0 && image.unit_m <= 1))
+      throw Error(
+          fmt::format("depth image: {} m per count, expected above 0 and at most 1", image.unit_m));
+    const auto width = static_cast<std::size_t>(image.camera.width);
+    const std::size_t stride = image.row_stride == 0 ? width : image.row_stride;
+    if (stride < width)
+      throw Error(fmt::format("depth image: rows of {} pixels stand {} apart", width, stride));
+    frame.depth = Image16(image.camera.width, image.camera.height);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(image.camera.height); ++y)
+      std::copy_n(image.counts + y * stride, width, frame.depth.data.data() + y * width);
+    frame.depth_unit_m = image.unit_m;
+    frame.gravity = detail::given_gravity(image.gravity);
+    if (const ColorImage& color = image.color; color.rgb != nullptr) {
+      frame.color_aligned = color.aligned;
+      if (color.aligned) {
+        frame.color = Image8(image.camera.width, image.camera.height, 3);
+      } else {
+        Camera camera = color.camera;
+        if (camera.fx == 0) camera.fx = camera.fy = 1;  // shown, not projected
+        frame.color_intrinsics = detail::intrinsics(camera, "colour image");
+        if (color.camera.fx == 0) frame.color_intrinsics.fx = frame.color_intrinsics.fy = 0;
+        frame.T_color_depth = detail::pose(color.T_color_depth, "colour image, T_color_depth");
+        frame.color = Image8(camera.width, camera.height, 3);
+      }
+      std::copy_n(color.rgb, frame.color.data.size(), frame.color.data.data());
+    }
+    *this = Access::frame(std::move(frame));
+  });
+}
+
+Frame::Frame(const PointCloud& cloud) {
+  detail::guarded([&] {
+    if (cloud.xyz == nullptr || cloud.size == 0) throw Error("point cloud: it has no points");
+    if (cloud.size > detail::kMaxPoints)
+      throw Error(fmt::format("point cloud: it has {} points, expected at most {}", cloud.size,
+                              detail::kMaxPoints));
+    ::planescope::Frame frame;
+    frame.name = kGivenName;
+    std::vector<Vec3d> points;
+    points.reserve(cloud.size);
+    for (std::size_t i = 0; i < cloud.size; ++i)
+      points.emplace_back(cloud.xyz[3 * i], cloud.xyz[3 * i + 1], cloud.xyz[3 * i + 2]);
+    PointSet set;
+    set.origin = bulk_origin(points);
+    set.points.reserve(points.size());
+    for (const Vec3d& p : points)
+      // (0, 0, 0) says that nothing was measured, but about another origin it would be a place.
+      set.points.push_back(p.isZero(0) && !set.origin.isZero(0)
+                               ? Vec3f::Constant(std::nanf("")).eval()
+                               : Vec3d(p - set.origin).cast<float>().eval());
+    if (cloud.rgb != nullptr) set.rgb.assign(cloud.rgb, cloud.rgb + 3 * cloud.size);
+    frame.cloud = std::move(set);
+    frame.gravity = detail::given_gravity(cloud.gravity);
+    *this = Access::frame(std::move(frame));
+  });
+}
+
+int Frame::index() const { return Access::frame(*this).index; }
+const std::string& Frame::name() const { return Access::frame(*this).name; }
+double Frame::timestamp_s() const { return Access::frame(*this).timestamp_s; }
+bool Frame::is_cloud() const { return Access::frame(*this).is_cloud(); }
+
+std::size_t Frame::size() const {
+  const ::planescope::Frame& frame = Access::frame(*this);
+  return frame.is_cloud() ? frame.cloud->points.size() : frame.depth.pixels();
+}
+
+DepthImage Frame::depth() const {
+  const ::planescope::Frame& frame = Access::frame(*this);
+  DepthImage image;
+  if (frame.is_cloud()) return image;
+  image.counts = frame.depth.data.data();
+  image.camera = detail::camera(frame.intrinsics);
+  image.unit_m = frame.depth_unit_m;
+  if (frame.gravity) image.gravity = detail::vec3(frame.gravity->direction);
+  if (!frame.color.empty()) {
+    image.color.rgb = frame.color.data.data();
+    image.color.camera = detail::camera(frame.color_intrinsics);
+    image.color.camera.width = frame.color.width;
+    image.color.camera.height = frame.color.height;
+    image.color.aligned = frame.color_aligned;
+    image.color.T_color_depth = detail::transform(frame.T_color_depth);
+  }
+  return image;
+}
+
+std::vector<Vec3> Frame::points() const {
+  const ::planescope::Frame& frame = Access::frame(*this);
+  std::vector<Vec3> points;
+  if (!frame.is_cloud()) return points;
+  points.reserve(frame.cloud->points.size());
+  for (const Vec3f& p : frame.cloud->points)
+    points.push_back(detail::vec3(Vec3d(frame.cloud->origin + p.cast<double>())));
+  return points;
+}
+
+std::optional<Gravity> Frame::gravity() const {
+  const ::planescope::Frame& frame = Access::frame(*this);
+  if (!frame.gravity) return std::nullopt;
+  return Gravity{detail::vec3(frame.gravity->direction), to_string(frame.gravity->source),
+                 frame.gravity->confidence};
+}
+
+}  // namespace planescope::v0
