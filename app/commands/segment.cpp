@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
@@ -9,6 +11,7 @@
 #include "core/model/parallel.hpp"
 #include "core/model/text.hpp"
 #include "core/report/data/plane_files.hpp"
+#include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "core/report/data/terrain.hpp"
 
@@ -17,9 +20,9 @@ namespace {
 
 struct SegmentArgs {
   InputArgs input;            // one recording
-  std::filesystem::path out;  // -o
+  std::filesystem::path out;  // -o; empty: nothing is written
   std::vector<std::string> also;
-  bool json = false;
+  bool json = false, ros_json = false;
 };
 
 // The one line that tells what became of a frame.
@@ -58,7 +61,7 @@ nlohmann::ordered_json frame_json(const std::string& folder, const planes::Frame
 
 /// What is told of a frame: empty where it was not begun.
 struct WrittenFrame {
-  std::string line, refused;
+  std::string line, ros, refused;
   nlohmann::ordered_json json;
   bool unknown_gravity = false;
 };
@@ -68,15 +71,17 @@ WrittenFrame write_frame(const OpenInput& input,
                          const planes::PipelineOptions& options,
                          const planes::Classifier* classifier,
                          const SegmentArgs& args,
-                         StagedOutput& output) {
+                         StagedOutput* output) {
   WrittenFrame written;
   const std::filesystem::path& out = args.out;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
     const report::FramePlanes found = report::frame_planes(loaded.frame, loaded.result, options);
-    report::write_segment_files(output.add(folder), loaded.frame, loaded.result, found, options,
-                                args.also);
+    if (output)
+      report::write_segment_files(output->add(folder), loaded.frame, loaded.result, found, options,
+                                  args.also);
+    if (args.ros_json) written.ros = report::ros_json(loaded.frame, loaded.result, found);
     written.unknown_gravity = !loaded.result.gravity.known();
     written.line = line_of((out / folder).string(), loaded.result);
     const bool has_foot = options.foot.radius_m > 0;
@@ -105,7 +110,8 @@ WrittenFrame write_frame(const OpenInput& input,
 int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
-  StagedOutput output(args.out);
+  std::optional<StagedOutput> output;
+  if (!args.out.empty()) output.emplace(args.out);
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;
   const std::vector<OpenInput> inputs = open_inputs(depth_alone);
@@ -128,13 +134,17 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     const auto make = [&](int i) {
       if (!stop.stop_requested())
         written[i] = write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(),
-                                 args, output);
+                                 args, output ? &*output : nullptr);
     };
     const auto take = [&](int i) {
       WrittenFrame& frame = written[i];
       progress.show(i + 1, fmt::format("frame {}", input.frames[i]));
       if (!frame.refused.empty()) refused.push_back(frame.refused);
       if (frame.line.empty()) return;
+      if (args.ros_json) {  // for whoever reads along
+        fmt::print("{}\n", frame.ros);
+        std::fflush(stdout);
+      }
       unknown_gravity |= frame.unknown_gravity;
       lines.push_back(std::move(frame.line));
       json["frames"].push_back(std::move(frame.json));
@@ -142,10 +152,12 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
     work_in_order(count, threads.at_once, make, take);
   }
   if (lines.empty() && !refused.empty()) throw Error(refused.front());
-  output.commit();
+  if (output) output->commit();
   json["refused"] = refused;
   for (const std::string& why : refused) notice("refused: {}", why);
-  if (args.json) {
+  if (args.ros_json) {
+    if (unknown_gravity) notice("to tell h from v, {}", planes::kHowToGiveGravity);
+  } else if (args.json) {
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     for (const std::string& line : lines) fmt::print("{}\n", line);
@@ -164,7 +176,7 @@ void define_segment(CLI::App& app, Line& line) {
       "Planes and cloud.ply are in the world frame: z up, metres.");
   const auto args = std::make_shared<SegmentArgs>();
   add_inputs(segment, args->input, kOneInput);
-  add_out(segment, args->out)->required();
+  add_out(segment, args->out);
   std::vector<std::string> formats;
   std::string holds;
   for (const report::PlaneFormat& format : report::plane_formats()) {
@@ -174,9 +186,17 @@ void define_segment(CLI::App& app, Line& line) {
   add(segment, "--also", args->also, "FORMAT,...", "Also write" + holds.substr(1))
       ->check(some_of(formats, "a format"));
   add_json(segment, args->json);
+  segment->add_flag("--ros-json", args->ros_json,
+                    wrapped("Print each frame's planes as a line of JSON, which has the fields of "
+                            "planescope_msgs/PlaneArray; nothing is written without -o"));
   add_method(segment, args->input.pipeline);
   add_foot(segment, args->input.pipeline);
-  runs(segment, line, args, run_segment);
+  runs(segment, line, args, run_segment, [args] {
+    if (args->ros_json && args->json) throw Error("--ros-json: is instead of --json");
+    if (args->ros_json && args->out.empty() && !args->also.empty())
+      throw Error("--also: writes into the folder of -o DIR, which is not given");
+    if (!args->ros_json && args->out.empty()) throw Error("segment needs -o DIR: Output folder");
+  });
 }
 
 }  // namespace planescope::app

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/labels/model/pixel_sets.hpp"
 #include "core/labels/wand/wand_field.hpp"

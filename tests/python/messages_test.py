@@ -1,0 +1,22 @@
+"""messages_test.py ROOT: the list of messages for the site has those that programs print, by what they are about."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+root = Path(sys.argv[1])
+listed = subprocess.run(
+    [sys.executable, root / "docs/site/messages.py", root], check=True, capture_output=True, text=True
+).stdout
+sections = {part.split("\n")[0]: part for part in listed.split("\n### ")[1:]}
+for section, message in [
+    ("Recordings and clouds", "…: the recording does not say its camera intrinsics; …"),
+    ("Recordings and clouds", "is compressed as a whole, expected it unpacked (zstd -d)"),
+    ("Gravity and cameras", "gravity cannot be told from the scene"),
+    ("The library, and Python", "depth image: it has no pixels"),
+    ("The library, and Python", "K: it has shape …, expected a 3x3 matrix or fx, fy, cx, cy"),
+    ("The command line", "segment needs -o DIR: Output folder"),
+]:
+    assert message in sections[section], f"{section}: {message}"
+assert listed.count("\n- ") > 500, listed.count("\n- ")
+assert "{" not in listed, [line for line in listed.splitlines() if "{" in line]
