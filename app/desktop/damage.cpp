@@ -59,7 +59,7 @@ std::vector<Part> Damage::next(const ImDrawData& frame,
                                const std::function<std::uint64_t(ImTextureID)>& version) {
   render::Tiles tiles(static_cast<int>(frame.DisplaySize.x), static_cast<int>(frame.DisplaySize.y));
   each_command(frame, [&](const ImDrawList& list, const ImDrawCmd& command, const Part& room) {
-    const std::uint64_t texture = reinterpret_cast<std::uintptr_t>(command.GetTexID());
+    const std::uint64_t texture = texture_name(command.GetTexID());
     const std::uint64_t start =
         hashed(hashed(hashed_bytes(1, room), texture), version(command.GetTexID()));
     each_triangle(list, command, [&](const Triangle& triangle) {
@@ -81,7 +81,7 @@ void cut_to_parts(const ImDrawData& frame, std::span<const Part> parts, ImDrawLi
         ImDrawCmd piece;
         piece.ClipRect = ImVec4(static_cast<float>(seen.x0), static_cast<float>(seen.y0),
                                 static_cast<float>(seen.x1), static_cast<float>(seen.y1));
-        piece.TextureId = command.GetTexID();
+        copy_texture(piece, command);
         piece.VtxOffset = static_cast<unsigned>(cut.VtxBuffer.Size);
         piece.IdxOffset = static_cast<unsigned>(cut.IdxBuffer.Size);
         cut.CmdBuffer.push_back(piece);

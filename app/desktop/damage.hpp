@@ -2,13 +2,12 @@
 
 // Which parts of the window a frame changes, from what ImGui is about to draw, without GL.
 
-#include <imgui.h>
-
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "app/desktop/imgui.hpp"
 #include "render/tiles.hpp"
 
 namespace planescope::desktop {

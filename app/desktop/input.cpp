@@ -1,10 +1,10 @@
 #include "app/desktop/input.hpp"
 
-#include <imgui.h>
-
 #include <array>
 #include <cctype>
 #include <set>
+
+#include "app/desktop/imgui.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -24,12 +24,47 @@ constexpr std::array<std::pair<Key, const char*>, 30> kNames = {{
 
 int index_of(Key key) { return static_cast<int>(key); }
 
-bool is_modifier(Key key) { return key == Key::ctrl || key == Key::shift || key == Key::alt; }
+/// The keys that ImGui's own widgets use.
+constexpr std::pair<Key, ImGuiKey> kImguiKeys[] = {
+    {Key::tab, ImGuiKey_Tab},
+    {Key::left, ImGuiKey_LeftArrow},
+    {Key::right, ImGuiKey_RightArrow},
+    {Key::up, ImGuiKey_UpArrow},
+    {Key::down, ImGuiKey_DownArrow},
+    {Key::page_up, ImGuiKey_PageUp},
+    {Key::page_down, ImGuiKey_PageDown},
+    {Key::home, ImGuiKey_Home},
+    {Key::end, ImGuiKey_End},
+    {Key::insert, ImGuiKey_Insert},
+    {Key::del, ImGuiKey_Delete},
+    {Key::backspace, ImGuiKey_Backspace},
+    {Key::space, ImGuiKey_Space},
+    {Key::enter, ImGuiKey_Enter},
+    {Key::escape, ImGuiKey_Escape},
+    {static_cast<Key>('A'), ImGuiKey_A},
+    {static_cast<Key>('C'), ImGuiKey_C},
+    {static_cast<Key>('V'), ImGuiKey_V},
+    {static_cast<Key>('X'), ImGuiKey_X},
+    {static_cast<Key>('Y'), ImGuiKey_Y},
+    {static_cast<Key>('Z'), ImGuiKey_Z},
+};
 
-std::string with_modifiers(const ImGuiIO& io, Key key) {
-  return std::string(io.KeyCtrl ? "Ctrl+" : "") + (io.KeyShift ? "Shift+" : "") +
-         (io.KeyAlt ? "Alt+" : "") + name_of_key(key);
+#if IMGUI_VERSION_NUM >= 18700
+void set_key(ImGuiIO& io, Key key, bool down) {
+  if (key == Key::ctrl) io.AddKeyEvent(ImGuiMod_Ctrl, down);
+  if (key == Key::shift) io.AddKeyEvent(ImGuiMod_Shift, down);
+  if (key == Key::alt) io.AddKeyEvent(ImGuiMod_Alt, down);
+  for (const auto& [ours, theirs] : kImguiKeys)
+    if (ours == key) io.AddKeyEvent(theirs, down);
 }
+#else
+void set_key(ImGuiIO& io, Key key, bool down) {
+  io.KeysDown[index_of(key)] = down;
+  io.KeyCtrl = io.KeysDown[index_of(Key::ctrl)];
+  io.KeyShift = io.KeysDown[index_of(Key::shift)];
+  io.KeyAlt = io.KeysDown[index_of(Key::alt)];
+}
+#endif
 
 }  // namespace
 
@@ -47,32 +82,15 @@ std::string name_of_key(Key key) {
   return std::string(1, static_cast<char>(key));
 }
 
-void map_keys(ImGuiIO& io) {
-  const std::pair<ImGuiKey, Key> map[] = {
-      {ImGuiKey_Tab, Key::tab},
-      {ImGuiKey_LeftArrow, Key::left},
-      {ImGuiKey_RightArrow, Key::right},
-      {ImGuiKey_UpArrow, Key::up},
-      {ImGuiKey_DownArrow, Key::down},
-      {ImGuiKey_PageUp, Key::page_up},
-      {ImGuiKey_PageDown, Key::page_down},
-      {ImGuiKey_Home, Key::home},
-      {ImGuiKey_End, Key::end},
-      {ImGuiKey_Insert, Key::insert},
-      {ImGuiKey_Delete, Key::del},
-      {ImGuiKey_Backspace, Key::backspace},
-      {ImGuiKey_Space, Key::space},
-      {ImGuiKey_Enter, Key::enter},
-      {ImGuiKey_Escape, Key::escape},
-      {ImGuiKey_A, static_cast<Key>('A')},
-      {ImGuiKey_C, static_cast<Key>('C')},
-      {ImGuiKey_V, static_cast<Key>('V')},
-      {ImGuiKey_X, static_cast<Key>('X')},
-      {ImGuiKey_Y, static_cast<Key>('Y')},
-      {ImGuiKey_Z, static_cast<Key>('Z')},
-  };
-  for (const auto& [theirs, ours] : map) io.KeyMap[theirs] = index_of(ours);
+void expect_keys(ImGuiIO& io) {
+#if IMGUI_VERSION_NUM >= 18700
+  io.ConfigInputTrickleEventQueue = false;  // the queue sees to that
+#else
+  for (const auto& [ours, theirs] : kImguiKeys) io.KeyMap[theirs] = index_of(ours);
+#endif
 }
+
+void InputQueue::let_go(ImGuiIO& io, Key key) const { set_key(io, key, false); }
 
 void InputQueue::feed_events(ImGuiIO& io) {
   std::set<int> touched;  // keys and, from 1000 on, buttons
@@ -96,11 +114,16 @@ void InputQueue::feed_events(ImGuiIO& io) {
       if (event.character == U'?') pressed_.push_back("?");  // wherever a keyboard has it
     } else {
       if (!touched.insert(index_of(event.key)).second) return;
-      io.KeysDown[index_of(event.key)] = event.down;
-      io.KeyCtrl = io.KeysDown[index_of(Key::ctrl)];
-      io.KeyShift = io.KeysDown[index_of(Key::shift)];
-      io.KeyAlt = io.KeysDown[index_of(Key::alt)];
-      if (event.down && !is_modifier(event.key)) pressed_.push_back(with_modifiers(io, event.key));
+      set_key(io, event.key, event.down);
+      if (event.key == Key::ctrl)
+        ctrl_ = event.down;
+      else if (event.key == Key::shift)
+        shift_ = event.down;
+      else if (event.key == Key::alt)
+        alt_ = event.down;
+      else if (event.down)
+        pressed_.push_back(std::string(ctrl_ ? "Ctrl+" : "") + (shift_ ? "Shift+" : "") +
+                           (alt_ ? "Alt+" : "") + name_of_key(event.key));
     }
     events_.pop_front();
   }

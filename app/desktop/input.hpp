@@ -1,8 +1,8 @@
 #pragma once
 
-// Mouse and keys, from a window or from a script, in one queue. ImGui 1.86 keeps states, not
-// events, and so loses taps that begin and end within a frame: each frame is handed only as much of
-// the queue as changes no key or button twice.
+// Mouse and keys, from a window or from a script, in one queue. ImGui is told states, and so would
+// lose taps that begin and end within a frame: each frame is handed only as much of the queue as
+// changes no key or button twice.
 
 #include <cstdint>
 #include <deque>
@@ -74,14 +74,17 @@ class InputQueue {
     for (const std::string& pressed : pressed_) shortcut(pressed);
     pressed_.clear();
   }
+  /// ImGui's widgets do not see that the key went down in this frame.
+  void let_go(ImGuiIO& io, Key key) const;
 
  private:
   void feed_events(ImGuiIO& io);
   std::deque<InputEvent> events_;
   std::deque<std::string> pressed_;
+  bool ctrl_ = false, shift_ = false, alt_ = false;
 };
 
-/// Maps our keys to those that ImGui's own widgets use.
-void map_keys(ImGuiIO& io);
+/// Before the first event.
+void expect_keys(ImGuiIO& io);
 
 }  // namespace planescope::desktop

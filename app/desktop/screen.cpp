@@ -1,7 +1,5 @@
 #include "app/desktop/screen.hpp"
 
-#include <backends/imgui_impl_opengl3.h>
-
 namespace planescope::desktop {
 
 Screen::Screen(State state, std::function<void()> wake) {
@@ -31,16 +29,11 @@ void Screen::resize(int width, int height) {
 void Screen::draw(int width, int height, float scale, double seconds) {
   resize(width, height);
   shell_->frame(width, height, scale, seconds);
-  if (shell_->take_fonts_changed()) {
-    ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_CreateFontsTexture();
-    forget();
-  }
-  ImGui_ImplOpenGL3_NewFrame();
   ImDrawData frame = *ImGui::GetDrawData();
-  const std::vector<Part> parts = damage_.next(frame, [this](ImTextureID texture) {
-    return canvas_->version(reinterpret_cast<std::uintptr_t>(texture));
-  });
+  if (update_font_texture(frame, shell_->take_fonts_changed())) forget();
+  ImGui_ImplOpenGL3_NewFrame();
+  const std::vector<Part> parts = damage_.next(
+      frame, [this](ImTextureID texture) { return canvas_->version(texture_name(texture)); });
   pixels_drawn_ = 0;
   if (parts.empty()) return;
 
@@ -56,11 +49,8 @@ void Screen::draw(int width, int height, float scale, double seconds) {
   glDisable(GL_SCISSOR_TEST);
   ImDrawList cut(ImGui::GetDrawListSharedData());
   cut_to_parts(frame, parts, cut);
-  ImDrawList* const lists[] = {&cut};
-  frame.CmdLists = const_cast<ImDrawList**>(lists);
-  frame.CmdListsCount = 1;
-  frame.TotalVtxCount = cut.VtxBuffer.Size;
-  frame.TotalIdxCount = cut.IdxBuffer.Size;
+  OneDrawList all;
+  all.make_all_of(frame, cut);
   ImGui_ImplOpenGL3_RenderDrawData(&frame);
 }
 

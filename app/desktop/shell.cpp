@@ -1,7 +1,6 @@
 #include "app/desktop/shell.hpp"
 
 #include <fmt/format.h>
-#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cfloat>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "app/desktop/arrange.hpp"
+#include "app/desktop/imgui.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/ui.hpp"
 #include "app/desktop/views.hpp"
@@ -220,7 +220,7 @@ Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> 
   io.ConfigWindowsMoveFromTitleBarOnly = true;
   // A huge window has more than 65536 vertices; the OpenGL renderer takes them.
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
-  map_keys(io);
+  expect_keys(io);
 }
 
 Shell::~Shell() {
@@ -249,7 +249,7 @@ void Shell::rebuild_fonts(float scale) {
   add(kTextPx, 1);
   small_ = add(kTextPx * 0.85f, 1);
   bold_ = add(kTextPx * 1.1f, 1.35f);
-  atlas.Build();
+  build_fonts(atlas);
   fonts_changed_ = true;
 }
 
@@ -302,7 +302,7 @@ void Shell::frame(int width, int height, float screen_scale, double seconds) {
     const Action* action = action_of_key(key, state_.view.mode);
     if (!action) return;
     // Where Tab is an action's, it does not type into the next slider as well.
-    if (key.ends_with("Tab")) io.KeysDown[static_cast<int>(Key::tab)] = false;
+    if (key.ends_with("Tab")) input_.let_go(io, Key::tab);
     if (action->can_run(state_)) perform({action->name, action->key_is_argument ? key : ""});
   });
 

@@ -3,9 +3,6 @@
 // What a panel is given: the state to read, a place for the commands it makes, names for its
 // widgets, colours. Panels are free functions; they draw into the ImGui window that is open.
 
-#include <imgui.h>
-#include <imgui_stdlib.h>
-
 #include <map>
 #include <memory>
 #include <set>
@@ -16,6 +13,7 @@
 #include "app/desktop/canvas.hpp"
 #include "app/desktop/debugger/event_rows.hpp"
 #include "app/desktop/debugger/filter_box.hpp"
+#include "app/desktop/imgui.hpp"
 #include "core/debug/explain/provenance.hpp"
 #include "core/labels/review/audit.hpp"
 
@@ -26,11 +24,6 @@ struct WidgetRect {
   ImVec2 min, max;
 };
 using Widgets = std::map<std::string, WidgetRect>;
-
-/// What ImGui's AddImage() takes, which is a pointer by name only.
-inline ImTextureID imgui_texture(TextureId texture) {
-  return reinterpret_cast<ImTextureID>(texture);  // NOLINT(performance-no-int-to-ptr)
-}
 
 /// Colours beside ImGui's own style.
 struct UiColors {

@@ -1,12 +1,12 @@
 #include "app/desktop/widgets.hpp"
 
 #include <fmt/format.h>
-#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
+#include "app/desktop/imgui.hpp"
 #include "core/model/shortened.hpp"
 #include "render/palette.hpp"
 
@@ -46,7 +46,7 @@ void for_parts(const std::string& text, const Part& part) {
 float width_of(
     const Ui& ui, const std::string& text, std::size_t begin, std::size_t end, bool sub) {
   // Not ImGui::CalcTextSize(), which rounds up: parts would stand apart.
-  const ImFont& font = sub ? *ui.small : *ImGui::GetFont();
+  ImFont& font = sub ? *ui.small : *ImGui::GetFont();
   const float size = ImGui::GetFontSize() * (sub ? kSubscriptSize : 1);
   const char* data = text.data();
   return font.CalcTextSizeA(size, 1e6f, 0, data + begin, data + end).x;

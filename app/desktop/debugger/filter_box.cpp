@@ -1,10 +1,8 @@
 #include "app/desktop/debugger/filter_box.hpp"
 
-#include <imgui_internal.h>
-#include <imgui_stdlib.h>
-
 #include <algorithm>
 
+#include "app/desktop/imgui.hpp"
 #include "app/desktop/ui.hpp"
 
 namespace planescope::desktop {
@@ -65,7 +63,7 @@ int on_input(ImGuiInputTextCallbackData* data) {
 void underline(const Ui& ui, const FilterBoxMemory& memory, const debug::FilterProblem& problem) {
   const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
   const ImGuiInputTextState* input = ImGui::GetInputTextState(ImGui::GetItemID());
-  const float scrolled = input ? input->ScrollX : 0;
+  const float scrolled = input ? scrolled_right(*input) : 0;
   const float left = min.x + ImGui::GetStyle().FramePadding.x - scrolled;
   const auto width_until = [&](std::size_t byte) {
     const char* text = memory.text.c_str();
@@ -162,8 +160,7 @@ void draw_filter_box(const Ui& ui, const FilterBox& box, float width) {
                                                on_input, &memory);
   ui.name(box.widget);
   const bool active = ImGui::IsItemActive();
-  const bool entered =
-      ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+  const bool entered = ImGui::IsItemDeactivated() && went_down(ImGuiKey_Enter);
   if (has_problem(box) && memory.text == box.text) underline(ui, memory, *box.problem);
   if (edited) {
     memory.applied = memory.text;

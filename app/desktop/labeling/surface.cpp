@@ -95,7 +95,7 @@ void drag_tool(const Ui& ui, const DrawingSurface& surface) {
     changed = true;
   }
   if (!drag.on || drag.where != surface.where) return;
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
+  if (went_down(ImGuiKey_Escape, false)) {
     drag.on = false;
     return;
   }

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
-#include <imgui_internal.h>
 
 #include <algorithm>
 #include <filesystem>
 
+#include "app/desktop/imgui.hpp"
 #include "app/desktop/panels.hpp"
 #include "app/desktop/widgets.hpp"
 
@@ -50,7 +50,7 @@ std::vector<std::string> completed_paths(const std::string& typed) {
 void draw_paths(const Ui& ui) {
   std::string& text = ui.memory.palette_text;
   const std::vector<std::string> found = completed_paths(text);
-  const bool tab = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab));
+  const bool tab = went_down(ImGuiKey_Tab);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const bool clicked = ImGui::Selectable((found[i] + "##path").c_str(), i == 0);
     ui.name(fmt::format("palette.path.{}", i));
@@ -120,8 +120,7 @@ void draw_palette(const Ui& ui) {
       &memory.palette_text, ImGuiInputTextFlags_EnterReturnsTrue);
   ui.name("palette.text");
   // While one types, Escape belongs to the text box and triggers no action.
-  if (ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)))
-    close(ui);
+  if (ImGui::IsItemDeactivated() && went_down(ImGuiKey_Escape)) close(ui);
   if (asked) {
     draw_question(ui, *asked, entered);
     ImGui::End();
@@ -130,8 +129,8 @@ void draw_palette(const Ui& ui) {
   if (memory.palette_text != before) memory.palette_index = 0;
   const std::vector<Offer> found = palette_offers(ui.state, memory.palette_text);
   const int shown = std::min(kMostShown, static_cast<int>(found.size()));
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow))) ++memory.palette_index;
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow))) --memory.palette_index;
+  if (went_down(ImGuiKey_DownArrow)) ++memory.palette_index;
+  if (went_down(ImGuiKey_UpArrow)) --memory.palette_index;
   memory.palette_index = std::clamp(memory.palette_index, 0, std::max(0, shown - 1));
   const Offer* chosen = nullptr;
   for (int i = 0; i < shown; ++i) {

@@ -167,7 +167,7 @@ debug::Histogram held(const Ui& ui, const debug::Histogram& now) {
 /// Round values below the bars, each with a line where it stands, as many as there is room for.
 void draw_ticks(const Ui& ui, const Plot& plot) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const float size = ui.small->FontSize, gap = ui.px(8);
+  const float size = height_of(*ui.small), gap = ui.px(8);
   float free = plot.min.x;  // from here on nothing is written yet
   for (const double value : axis_ticks(plot.histogram)) {
     const float x = plot.x(HistogramAxis(plot.histogram).share(value));

@@ -118,8 +118,8 @@ void draw_name(const Ui& ui, const debug::Check& check, const Name& name, const 
   ui.name(id);
   if (ImGui::IsItemHovered()) draw_tooltip(check);
   const float beside = name.beside ? ImGui::CalcTextSize(name.criterion.c_str()).x + ui.px(6) : 0;
-  const float drop = ImGui::GetTextLineHeight() - ui.small->FontSize;  // to the same foot
-  ImGui::GetWindowDrawList()->AddText(ui.small, ui.small->FontSize,
+  const float drop = ImGui::GetTextLineHeight() - height_of(*ui.small);  // to the same foot
+  ImGui::GetWindowDrawList()->AddText(ui.small, height_of(*ui.small),
                                       ImVec2(at.x + beside, at.y + drop), ui.colors.muted,
                                       name.equation.c_str());
 }
