@@ -69,16 +69,18 @@ std::size_t take_slot(const std::filesystem::path& path) {
 
 }  // namespace
 
-MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
-  // Not waiting for whoever may write into a pipe: it is refused.
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) throw Error(path.string() + ": cannot be read: " + std::strerror(errno));
+// Not waiting for whoever may write into a pipe: it is refused.
+MappedFile::MappedFile(const std::filesystem::path& path)
+    : MappedFile(path, open_file(path, O_RDONLY | O_NONBLOCK)) {}
+
+MappedFile::MappedFile(const std::filesystem::path& path, const FileDescriptor& file)
+    : path_(path) {
+  if (!file.is_open()) throw Error(path.string() + ": cannot be read: " + std::strerror(errno));
   struct stat status {};
-  const bool regular = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+  const bool regular = ::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode);
   const auto size = static_cast<std::size_t>(regular ? status.st_size : 0);
   void* address = nullptr;
-  if (size > 0) address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
-  ::close(file);
+  if (size > 0) address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
   if (!regular) throw Error(path.string() + ": not a regular file");
   if (address == MAP_FAILED) throw Error(path.string() + ": cannot be mapped into memory");
   if (size == 0) return;

@@ -4,6 +4,7 @@
 
 #include "core/io/byte_reader.hpp"
 #include "core/io/guarded.hpp"
+#include "core/model/file_bytes.hpp"
 
 namespace planescope::io {
 
@@ -15,6 +16,8 @@ class MappedFile {
  public:
   /// Throws Error when the path is missing, no regular file or cannot be read.
   explicit MappedFile(const std::filesystem::path& path);
+  /// Maps another file that stands for this one: `path` is what it is called.
+  MappedFile(const std::filesystem::path& path, const FileDescriptor& file);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <map>
 
+#include "core/io/bag/packed_file.hpp"
 #include "core/io/bag/rosbag2_mcap.hpp"
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/folder/folder_layout.hpp"
@@ -58,7 +59,7 @@ std::string extension(const fs::path& path) { return lower_case(path.extension()
 bool is_ply(const fs::path& path) { return extension(path) == ".ply"; }
 bool is_pcd(const fs::path& path) { return extension(path) == ".pcd"; }
 bool is_bag(const fs::path& path) {
-  const std::string kind = extension(path);
+  const std::string kind = extension(name_within(path));
   return kind == ".bag" || kind == ".db3" || kind == ".mcap";
 }
 bool is_cloud(const fs::path& path) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <string>
 
+#include "core/io/bag/packed_file.hpp"
 #include "core/model/error.hpp"
 #include "core/model/read_limit.hpp"
 
@@ -83,7 +84,8 @@ void MappedSqlite::VfsDeleter::operator()(Vfs* vfs) const {
   delete vfs;
 }
 
-MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(path), vfs_(new Vfs) {
+MappedSqlite::MappedSqlite(const std::filesystem::path& path)
+    : file_(map_content(path)), vfs_(new Vfs) {
   const Bytes bytes = file_.bytes();
   if (bytes.size() < kDatabaseHeaderBytes ||
       std::memcmp(bytes.data(), kSqliteMagic.data(), kSqliteMagic.size()) != 0) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/io/bag/packed_file.hpp"
 #include "core/model/error.hpp"
 
 namespace planescope::io::rosbag1 {
@@ -127,7 +128,7 @@ Index index_of(const MappedFile& mapped, const std::filesystem::path& path) {
 }  // namespace
 
 Bag::Bag(const std::filesystem::path& path)
-    : MessageLog(path), file_(path), index_(index_of(file_, path)) {
+    : MessageLog(path), file_(map_content(path)), index_(index_of(file_, path)) {
   warnings_ = index_.warnings;
   for (const auto& [id, connection] : index_.connections) {
     topics_.emplace(connection.topic, connection.type);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "core/io/bag/packed_file.hpp"
 #include "core/io/bag/ros2_message.hpp"
 #include "core/model/error.hpp"
 
@@ -282,7 +283,7 @@ bool is_readable(const McapIndex::Channel& channel) {
 }  // namespace
 
 McapLog::McapLog(const std::filesystem::path& path)
-    : MessageLog(path), file_(path), index_(index_of(file_, path)) {
+    : MessageLog(path), file_(map_content(path)), index_(index_of(file_, path)) {
   warnings_ = index_.warnings;
   std::map<std::string, int> others;
   for (const auto& [id, channel] : index_.channels) {

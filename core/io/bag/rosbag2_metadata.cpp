@@ -42,8 +42,6 @@ std::vector<fs::path> files_of_metadata(const fs::path& folder) {
       file.replace_extension();  // unpacked since
     if (!fs::is_regular_file(file))
       throw Error(metadata.string() + ": lists " + name + ", which is not there");
-    if (file.extension() == ".zstd")
-      throw Error(file.string() + ": is compressed as a whole, expected it unpacked (zstd -d)");
     files.push_back(file);
   }
   return files;
