@@ -5,7 +5,7 @@
 #include <array>
 #include <memory>
 #include <mutex>
-#include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "core/debug/replay/run.hpp"
@@ -19,6 +19,7 @@ namespace planescope::v0 {
 
 struct Options::Data {
   planes::PipelineOptions options;
+  bool crop_is_set = false;  // of clouds, by its own name
 };
 
 namespace detail {
@@ -84,15 +85,15 @@ PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
 /// What errors say of options that the command line has is of no use to a program's author.
 [[noreturn]] PLANESCOPE_API void throw_for_programs(const std::string& message);
 
-/// Calls what may throw the errors of core.
+/// Calls what may throw the errors of core, or of the standard library.
 template <typename Call>
 auto guarded(const Call& call) {
   try {
     return call();
-  } catch (const ::planescope::Error& error) {
-    throw_for_programs(error.what());
-  } catch (const std::bad_alloc&) {
-    throw_for_programs("out of memory");
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw_for_programs(::planescope::message_of(error));
   }
 }
 

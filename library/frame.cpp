@@ -36,6 +36,12 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
   if (!(std::isfinite(camera.cx) && std::isfinite(camera.cy)))
     throw Error(
         fmt::format("{}: its centre is {}, {}, expected pixels", what, camera.cx, camera.cy));
+  if (static_cast<int>(camera.distortion) > static_cast<int>(Distortion::inverse_brown_conrady))
+    throw Error(fmt::format("{}: distortion {} is none that is known", what,
+                            static_cast<int>(camera.distortion)));
+  for (const double coefficient : camera.coefficients)
+    if (!std::isfinite(coefficient))
+      throw Error(fmt::format("{}: its distortion has a coefficient {}", what, coefficient));
   Intrinsics result;
   result.width = camera.width;
   result.height = camera.height;
@@ -51,9 +57,9 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
 std::optional<::planescope::Gravity> given_gravity(const std::optional<Vec3>& direction) {
   if (!direction) return std::nullopt;
   const Vec3d d = vec3(*direction);
-  if (!(d.allFinite() && d.norm() > 1e-9))
+  if (!d.allFinite() || d.isZero(1e-9))
     throw Error(fmt::format("gravity: {}, {}, {} is no direction", d.x(), d.y(), d.z()));
-  return ::planescope::Gravity{d.normalized(), GravitySource::option, 1, "given"};
+  return ::planescope::Gravity{d.stableNormalized(), GravitySource::option, 1, "given"};
 }
 
 static_assert(static_cast<int>(Distortion::inverse_brown_conrady) ==
@@ -129,6 +135,12 @@ Frame::Frame(const DepthImage& image) {
     if (const ColorImage& color = image.color; color.rgb != nullptr) {
       frame.color_aligned = color.aligned;
       if (color.aligned) {
+        const bool sized = color.camera.width != 0 || color.camera.height != 0;
+        if (sized && (color.camera.width != image.camera.width ||
+                      color.camera.height != image.camera.height))
+          throw Error(fmt::format("colour image: it is {}x{} pixels and aligned, expected {}x{}",
+                                  color.camera.width, color.camera.height, image.camera.width,
+                                  image.camera.height));
         frame.color = Image8(image.camera.width, image.camera.height, 3);
       } else {
         Camera camera = color.camera;
@@ -172,7 +184,8 @@ Frame::Frame(const PointCloud& cloud) {
 }
 
 int Frame::index() const { return Access::frame(*this).index; }
-const std::string& Frame::name() const { return Access::frame(*this).name; }
+std::string Frame::name() && { return Access::frame(*this).name; }
+const std::string& Frame::name() const& { return Access::frame(*this).name; }
 double Frame::timestamp_s() const { return Access::frame(*this).timestamp_s; }
 bool Frame::is_cloud() const { return Access::frame(*this).is_cloud(); }
 
@@ -181,7 +194,7 @@ std::size_t Frame::size() const {
   return frame.is_cloud() ? frame.cloud->points.size() : frame.depth.pixels();
 }
 
-DepthImage Frame::depth() const {
+DepthImage Frame::depth() const& {
   const ::planescope::Frame& frame = Access::frame(*this);
   DepthImage image;
   if (frame.is_cloud()) return image;
@@ -201,13 +214,15 @@ DepthImage Frame::depth() const {
 }
 
 std::vector<Vec3> Frame::points() const {
-  const ::planescope::Frame& frame = Access::frame(*this);
-  std::vector<Vec3> points;
-  if (!frame.is_cloud()) return points;
-  points.reserve(frame.cloud->points.size());
-  for (const Vec3f& p : frame.cloud->points)
-    points.push_back(detail::vec3(Vec3d(frame.cloud->origin + p.cast<double>())));
-  return points;
+  return detail::guarded([&] {
+    const ::planescope::Frame& frame = Access::frame(*this);
+    std::vector<Vec3> points;
+    if (!frame.is_cloud()) return points;
+    points.reserve(frame.cloud->points.size());
+    for (const Vec3f& p : frame.cloud->points)
+      points.push_back(detail::vec3(Vec3d(frame.cloud->origin + p.cast<double>())));
+    return points;
+  });
 }
 
 std::optional<Gravity> Frame::gravity() const {

@@ -22,6 +22,7 @@ void expect_frame(const io::Recording& recording, int i) {
 
 Recording::Recording(const std::string& path, const RecordingOptions& options) {
   detail::guarded([&] {
+    if (path.find('\0') != std::string::npos) throw Error("recording: its path has a NUL in it");
     io::RecordingOptions core;
     core.intrinsics = options.intrinsics;
     core.depth_unit_m = options.depth_unit_m;

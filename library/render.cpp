@@ -57,7 +57,13 @@ Renderer::Renderer() {
   detail::guarded([&] { state_ = std::make_unique<State>(); });
 }
 Renderer::~Renderer() {
-  if (state_) state_->context->make_current();
+  if (!state_) return;
+  try {
+    state_->context->make_current();
+  } catch (const std::exception&) {
+    // Another thread's, which cannot give back what OpenGL holds: better kept than ended by.
+    static_cast<void>(state_.release());
+  }
 }
 
 Image Renderer::draw(const Result& result, Picture picture, int width, int height, Theme theme) {

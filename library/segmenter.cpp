@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "core/planes/classify/gcn.hpp"
 #include "core/planes/classify/weights.hpp"
@@ -34,7 +35,8 @@ Options& Options::set(const std::string& name, const std::string& value) {
   guarded([&] {
     planes::set_option(data_->options, name, value);
     // Clouds are cropped only where that is asked for.
-    if (name == "max_range_m") data_->options.cloud.range_for_clouds = true;
+    if (name == "range_for_clouds") data_->crop_is_set = true;
+    if (name == "max_range_m" && !data_->crop_is_set) data_->options.cloud.range_for_clouds = true;
   });
   return *this;
 }
@@ -180,33 +182,41 @@ Result Trace::result() const {
 
 void ResultData::find_planes() const {
   std::call_once(once, [this] {
-    found = report::frame_planes(Access::frame(frame), result, options);
-    for (std::size_t i = 0; i < found.summaries.size(); ++i) planes.push_back(make_plane(found, i));
+    report::FramePlanes all = report::frame_planes(Access::frame(frame), result, options);
+    std::vector<Plane> made;
+    for (std::size_t i = 0; i < all.summaries.size(); ++i) made.push_back(make_plane(all, i));
+    found = std::move(all);
+    planes = std::move(made);
   });
 }
 
-const Frame& Result::frame() const { return data_->frame; }
+const Frame& Result::frame() const& { return data_->frame; }
+Frame Result::frame() && { return data_->frame; }
 
-const std::vector<Plane>& Result::planes() const {
+std::vector<Plane> Result::planes() && { return std::as_const(*this).planes(); }
+
+const std::vector<Plane>& Result::planes() const& {
   return *guarded([&] {
     data_->find_planes();
     return &data_->planes;
   });
 }
 
-View<std::int32_t> Result::plane_of() const {
+View<std::int32_t> Result::plane_of() const& {
   return {data_->plane_of.data(), data_->plane_of.size()};
 }
 
-View<Label> Result::label_of() const { return {data_->label_of.data(), data_->label_of.size()}; }
+View<Label> Result::label_of() const& { return {data_->label_of.data(), data_->label_of.size()}; }
 
 std::vector<Vec3> Result::points() const {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const planes::Cloud& cloud = data_->result.cloud;
-  std::vector<Vec3> points(data_->plane_of.size(), Vec3{kNan, kNan, kNan});
-  for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    points[cloud.source[i]] = vec3(Vec3d(cloud.origin + cloud.points[i].cast<double>()));
-  return points;
+  return guarded([&] {
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    const planes::Cloud& cloud = data_->result.cloud;
+    std::vector<Vec3> points(data_->plane_of.size(), Vec3{kNan, kNan, kNan});
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      points[cloud.source[i]] = vec3(Vec3d(cloud.origin + cloud.points[i].cast<double>()));
+    return points;
+  });
 }
 
 Mesh Result::mesh(int id) const {
@@ -223,7 +233,8 @@ Mesh Result::mesh(int id) const {
   });
 }
 
-const Gravity& Result::gravity() const { return data_->gravity; }
+const Gravity& Result::gravity() const& { return data_->gravity; }
+Gravity Result::gravity() && { return data_->gravity; }
 
 Transform Result::T_world_sensor() const {
   return detail::transform(data_->result.cloud.T_world_sensor);

@@ -22,7 +22,7 @@ static_assert(offsetof(Event, value) == offsetof(CoreEvent, value));
 static_assert(static_cast<int>(EventType::leave) == static_cast<int>(planes::EventType::leave));
 static_assert(Node::kNever == planes::kNever);
 
-View<Event> Trace::events() const {
+View<Event> Trace::events() const& {
   const std::vector<CoreEvent>& events = data_->run->trace.events;
   return {reinterpret_cast<const Event*>(events.data()), events.size()};
 }

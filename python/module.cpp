@@ -67,6 +67,7 @@ std::optional<ps::Vec3> gravity_of(const py::object& gravity) {
 ps::Frame depth_frame(const py::array& depth,
                       const std::array<double, 4>& intrinsics,
                       const std::optional<std::array<double, 5>>& distortion,
+                      const std::string& distortion_model,
                       double depth_unit,
                       const py::object& gravity,
                       const py::object& color) {
@@ -87,7 +88,12 @@ ps::Frame depth_frame(const py::array& depth,
   std::tie(image.camera.fx, image.camera.fy, image.camera.cx, image.camera.cy) =
       std::tuple_cat(intrinsics);
   if (distortion) {
-    image.camera.distortion = ps::Distortion::brown_conrady;
+    if (distortion_model != "brown_conrady" && distortion_model != "inverse_brown_conrady")
+      throw ps::Error("distortion_model '" + distortion_model +
+                      "': expected brown_conrady or inverse_brown_conrady");
+    image.camera.distortion = distortion_model == "brown_conrady"
+                                  ? ps::Distortion::brown_conrady
+                                  : ps::Distortion::inverse_brown_conrady;
     image.camera.coefficients = *distortion;
   }
   image.unit_m = depth_unit;
@@ -116,6 +122,7 @@ ps::Frame cloud_frame(const py::array& points, const py::object& gravity) {
   cloud.xyz = xyz.data();
   cloud.size = static_cast<std::size_t>(xyz.shape(0));
   cloud.gravity = gravity_of(gravity);
+  const py::gil_scoped_release released;
   return cloud;
 }
 
@@ -202,7 +209,11 @@ py::list planes_of(const ps::Result& result) {
 }
 
 py::tuple mesh_of(const ps::Result& result, int id) {
-  const ps::Mesh mesh = result.mesh(id);
+  ps::Mesh mesh;
+  {
+    const py::gil_scoped_release released;
+    mesh = result.mesh(id);
+  }
   py::array_t<int> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
   if (!mesh.triangles.empty())
     std::copy_n(mesh.triangles[0].data(), mesh.triangles.size() * 3, triangles.mutable_data());
@@ -212,7 +223,11 @@ py::tuple mesh_of(const ps::Result& result, int id) {
 py::array points_of(const ps::Result& result) {
   std::vector<py::ssize_t> shape = shape_of(result.frame());
   shape.push_back(3);
-  auto* kept = new std::vector<ps::Vec3>(result.points());
+  auto* kept = new std::vector<ps::Vec3>();
+  {
+    const py::gil_scoped_release released;
+    *kept = result.points();
+  }
   const py::capsule owner(kept, [](void* p) { delete static_cast<std::vector<ps::Vec3>*>(p); });
   return py::array(py::dtype::of<double>(), shape, kept->data(), owner);
 }
@@ -268,16 +283,37 @@ PYBIND11_MODULE(_core, m) {
   PYBIND11_NUMPY_DTYPE_EX(NodeRecord, parent, "parent", depth, "depth", node_case, "case", voxels,
                           "voxels", voxels_h, "voxels_h", min_corner, "min_corner", edge_m,
                           "edge_m", queued, "queued", visited, "visited", decided, "decided");
-  py::register_exception<ps::Error>(m, "Error", PyExc_ValueError);
+  // A message may name a file whose name is no UTF-8.
+  static py::exception<ps::Error> error_type(m, "Error", PyExc_ValueError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(std::move(thrown));
+    } catch (const ps::Error& error) {
+      const auto text = py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefault(error.what()));
+      PyErr_SetObject(error_type.ptr(), text.ptr());
+    }
+  });
   m.attr("__version__") = PLANESCOPE_VERSION;
 
   py::class_<ps::Frame>(m, "Frame")
-      .def(py::init(&depth_frame), py::arg("depth"), py::arg("intrinsics"),
-           py::arg("distortion") = py::none(), py::arg("depth_unit") = 0.001,
-           py::arg("gravity") = py::none(), py::arg("color") = py::none())
+      .def(py::init(&depth_frame), py::arg("depth"), py::arg("intrinsics"), py::arg("distortion"),
+           py::arg("distortion_model"), py::arg("depth_unit"), py::arg("gravity"), py::arg("color"))
       .def_static("of_points", &cloud_frame, py::arg("points"), py::arg("gravity") = py::none())
       .def_property_readonly("index", &ps::Frame::index)
-      .def_property_readonly("name", &ps::Frame::name)
+      .def_property_readonly("name", [](const ps::Frame& frame) { return py::bytes(frame.name()); })
+      .def_property_readonly("size", &ps::Frame::size)
+      .def_property_readonly(
+          "distortion_model",
+          [](const ps::Frame& frame) {
+            const char* const names[] = {"none", "brown_conrady", "inverse_brown_conrady"};
+            return names[static_cast<int>(frame.depth().camera.distortion)];
+          })
+      .def_property_readonly("distortion",
+                             [](const ps::Frame& frame) -> py::object {
+                               const ps::Camera camera = frame.depth().camera;
+                               if (camera.distortion == ps::Distortion::none) return py::none();
+                               return Vectors(5, camera.coefficients.data());
+                             })
       .def_property_readonly("timestamp_s", &ps::Frame::timestamp_s)
       .def_property_readonly("is_cloud", &ps::Frame::is_cloud)
       .def_property_readonly("depth", &depth_of)
@@ -315,7 +351,7 @@ PYBIND11_MODULE(_core, m) {
       .def("info", [](const ps::Recording& recording) {
         const ps::RecordingInfo info = recording.info();
         py::dict dict;
-        dict["path"] = info.path;
+        dict["path"] = py::bytes(info.path);
         dict["format"] = info.format;
         dict["device"] = info.device;
         dict["width"] = info.camera.width;
@@ -380,7 +416,14 @@ PYBIND11_MODULE(_core, m) {
       .def_static("stages", &ps::Trace::stages)
       .def("describe", &ps::Trace::describe)
       .def("plane_of",
-           [](const ps::Trace& trace, int step) { return array_of(trace.plane_of(step)); })
+           [](const ps::Trace& trace, int step) {
+             std::vector<std::int32_t> planes;
+             {
+               const py::gil_scoped_release released;
+               planes = trace.plane_of(step);
+             }
+             return array_of(std::move(planes));
+           })
       .def("plane_at",
            [](const ps::Trace& trace, int step, std::size_t i) { return trace.plane_of(step, i); })
       .def("id_of", &ps::Trace::id_of)

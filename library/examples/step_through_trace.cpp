@@ -22,8 +22,9 @@ int main(int argc, char** argv) try {
     before = plane;
     shown = step;
   }
+  const planescope::Result result = trace.result();
   std::printf("%d steps, %zu nodes; in the end it is in plane %d\n", trace.steps(),
-              trace.nodes().size(), trace.result().plane_of()[middle]);
+              trace.nodes().size(), result.plane_of()[middle]);
 
   if (argc > 2) planescope::write_png(argv[2], planescope::Renderer().draw(trace, shown));
   return 0;

@@ -128,13 +128,32 @@ class EventType(enum.IntEnum):
     LEAVE = 8  # points go back to the leftovers
 
 
+def _numbers(values: Any, what: str, expected: str) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiu":
+            raise ValueError
+        return array.astype(float)
+    except ValueError:
+        raise Error(f"{what}: it is {values!r}, expected {expected}") from None
+
+
+def _number(value: Any, what: str) -> float:
+    number = _numbers(value, what, "a number")
+    if number.shape != ():
+        raise Error(f"{what}: it has shape {number.shape}, expected a number")
+    return float(number)
+
+
 def _intrinsics(k: ArrayLike) -> tuple[float, float, float, float]:
-    k = np.asarray(k, dtype=float)
+    k = _numbers(k, "K", "a 3x3 matrix or fx, fy, cx, cy")
     if k.shape == (4,):
         return float(k[0]), float(k[1]), float(k[2]), float(k[3])
-    if k.shape == (3, 3):
-        return float(k[0, 0]), float(k[1, 1]), float(k[0, 2]), float(k[1, 2])
-    raise Error(f"K: it has shape {k.shape}, expected a 3x3 matrix or fx, fy, cx, cy")
+    if k.shape != (3, 3):
+        raise Error(f"K: it has shape {k.shape}, expected a 3x3 matrix or fx, fy, cx, cy")
+    if k[0, 1] or k[1, 0] or k[2, 0] or k[2, 1] or k[2, 2] != 1:
+        raise Error(f"K: it is {k.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+    return float(k[0, 0]), float(k[1, 1]), float(k[0, 2]), float(k[1, 2])
 
 
 def _vector(gravity: ArrayLike | Gravity | None) -> list[float] | None:
@@ -142,10 +161,16 @@ def _vector(gravity: ArrayLike | Gravity | None) -> list[float] | None:
         return None
     if isinstance(gravity, Gravity):
         gravity = gravity.direction
-    gravity = np.asarray(gravity, dtype=float)
+    gravity = _numbers(gravity, "gravity", "x, y, z")
     if gravity.shape != (3,):
         raise Error(f"gravity: it has shape {gravity.shape}, expected x, y, z")
-    return gravity.tolist()
+    return [float(part) for part in gravity]
+
+
+def _frame_core(frame: Any) -> Any:
+    if not isinstance(frame, Frame):
+        raise Error(f"frame: it is a {type(frame).__name__}, expected a planescope.Frame")
+    return frame._core
 
 
 class Frame:
@@ -158,18 +183,24 @@ class Frame:
         *,
         depth_unit: float = 0.001,
         gravity: ArrayLike | Gravity | None = None,
-        distortion: Sequence[float] | None = None,
+        distortion: ArrayLike | None = None,
+        distortion_model: str = "brown_conrady",
         color: NDArray[np.uint8] | None = None,
     ):
         """`depth`: counts (height, width), 0 not measured. `K`: (3, 3) or (fx, fy, cx, cy).
 
-        `distortion`: k1, k2, p1, p2, k3 as OpenCV has them. `color`: RGB on the pixels of depth.
+        `distortion`: k1, k2, p1, p2, k3, of the model "brown_conrady", which is OpenCV's, or
+        "inverse_brown_conrady". `color`: RGB on the pixels of depth.
         `gravity`: where things fall, in the sensor's frame; None: it is estimated.
         """
-        if distortion is not None and len(distortion) != 5:
-            raise Error(f"distortion: {len(distortion)} numbers, expected k1, k2, p1, p2, k3")
+        coefficients = None
+        if distortion is not None:
+            coefficients = _numbers(distortion, "distortion", "k1, k2, p1, p2, k3")
+            if coefficients.shape != (5,):
+                raise Error(f"distortion: it has shape {coefficients.shape}, expected k1, k2, p1, p2, k3")
         self._core = _core.Frame(
-            np.asarray(depth), _intrinsics(K), distortion, depth_unit, _vector(gravity), color
+            np.asarray(depth), _intrinsics(K), coefficients, distortion_model,
+            _number(depth_unit, "depth_unit"), _vector(gravity), color,
         )
 
     @classmethod
@@ -180,7 +211,10 @@ class Frame:
 
     @classmethod
     def of_points(cls, points: ArrayLike, *, gravity: ArrayLike | Gravity | None = None) -> Frame:
-        """A cloud of (n, 3) points. `gravity`: in the cloud's frame; None: -z."""
+        """A cloud of (n, 3) points; (0, 0, 0) and nan are no measurement.
+
+        `gravity`: in the cloud's frame; None: -z.
+        """
         return cls._of(_core.Frame.of_points(np.asarray(points), _vector(gravity)))
 
     @property
@@ -189,7 +223,7 @@ class Frame:
 
     @property
     def name(self) -> str:
-        return self._core.name
+        return os.fsdecode(self._core.name)
 
     @property
     def timestamp_s(self) -> float:
@@ -213,6 +247,16 @@ class Frame:
     def K(self) -> NDArray[np.float64] | None:
         """(3, 3) of the depth image; None of a cloud."""
         return self._core.K
+
+    @property
+    def distortion(self) -> NDArray[np.float64] | None:
+        """k1, k2, p1, p2, k3 of the depth image's lens, None: it has none."""
+        return self._core.distortion
+
+    @property
+    def distortion_model(self) -> str:
+        """"brown_conrady", as OpenCV has it, "inverse_brown_conrady", or "none"."""
+        return self._core.distortion_model
 
     @property
     def color(self) -> NDArray[np.uint8] | None:
@@ -247,7 +291,7 @@ class Frame:
 
     def __repr__(self) -> str:
         depth = self.depth
-        shape = f"{len(self.points)} points" if depth is None else "{1}x{0}".format(*depth.shape)
+        shape = f"{self._core.size} points" if depth is None else "{1}x{0}".format(*depth.shape)
         return f"<planescope.Frame {self.index}: {shape}>"
 
 
@@ -264,12 +308,17 @@ class Recording(Sequence):
     ):
         """`K` and `depth_unit` win over what the files say; `color=False` reads depth alone."""
         self._core = _core.Recording(
-            os.fspath(path), None if K is None else _intrinsics(K), depth_unit, color
+            os.fsencode(path),
+            None if K is None else _intrinsics(K),
+            None if depth_unit is None else _number(depth_unit, "depth_unit"),
+            bool(color),
         )
 
     @property
     def info(self) -> RecordingInfo:
-        return RecordingInfo(**self._core.info())
+        info: dict[str, Any] = self._core.info()
+        info["path"] = os.fsdecode(info["path"])
+        return RecordingInfo(**info)
 
     def __len__(self) -> int:
         return self._core.size()
@@ -416,7 +465,11 @@ class Trace:
         shape = self.result.labels.shape
         if at is None:
             return self._core.plane_of(step).reshape(shape)
-        return self._core.plane_at(step, int(np.ravel_multi_index(np.atleast_1d(at).tolist(), shape)))
+        try:
+            i = int(np.ravel_multi_index(np.atleast_1d(at).tolist(), shape))
+        except (TypeError, ValueError):
+            raise Error(f"at: it is {at!r}, expected a place in {shape}") from None
+        return self._core.plane_at(step, i)
 
     def id_of(self, plane: int) -> int:
         """The id at the end of a plane in order of founding; 0: it did not last."""
@@ -436,26 +489,29 @@ class Segmenter:
         for name, value in options.items():
             if isinstance(value, (bool, np.bool_)):
                 value = "on" if value else "off"
-            elif isinstance(value, (list, tuple, np.ndarray)):
-                value = ",".join(str(float(number)) for number in value)
+            elif name == "gravity" and not isinstance(value, str):
+                value = ",".join(repr(part) for part in _vector(value) or [])
             core.set(name, str(value))
+        if not isinstance(threads, (int, np.integer)) or not 1 <= threads < 2**31:
+            raise Error(f"threads: {threads!r}, expected 1 or more")
         self._core = _core.Segmenter(core, threads)
 
     def segment(self, frame: Frame) -> Result:
-        return Result(self._core.segment(frame._core))
+        return Result(self._core.segment(_frame_core(frame)))
 
     def trace(self, frame: Frame) -> Trace:
         """The same with every decision kept."""
-        return Trace(self._core.trace(frame._core))
+        return Trace(self._core.trace(_frame_core(frame)))
 
 
 def segment(
     depth: NDArray[np.uint16] | Frame,
     K: ArrayLike | None = None,
     *,
-    depth_unit: float = 0.001,
+    depth_unit: float | None = None,
     gravity: ArrayLike | Gravity | str | None = None,
-    distortion: Sequence[float] | None = None,
+    distortion: ArrayLike | None = None,
+    distortion_model: str = "brown_conrady",
     color: NDArray[np.uint8] | None = None,
     profile: str = "refined",
     threads: int = 1,
@@ -463,19 +519,20 @@ def segment(
 ) -> Result:
     """planes, labels = segment(depth, K): of one depth image, or of a Frame.
 
-    Arguments as those of Frame and Segmenter; `gravity` may be the option's "none" or "estimate" as
-    well. For many frames make one Segmenter.
+    Arguments as those of Frame and Segmenter; `gravity` goes before what a Frame knows, and may be the
+    option's "none" or "estimate" as well. For many frames make one Segmenter.
     """
-    if isinstance(gravity, str):
+    if gravity is not None and (isinstance(gravity, str) or isinstance(depth, Frame)):
         options["gravity"], gravity = gravity, None
     if not isinstance(depth, Frame):
         if K is None:
             raise Error("K: it is not given, expected a 3x3 matrix or fx, fy, cx, cy")
         depth = Frame(
-            depth, K, depth_unit=depth_unit, gravity=gravity, distortion=distortion, color=color
+            depth, K, depth_unit=0.001 if depth_unit is None else depth_unit, gravity=gravity,
+            distortion=distortion, distortion_model=distortion_model, color=color,
         )
-    elif K is not None or gravity is not None or distortion is not None or color is not None:
-        raise Error("segment: a Frame has its own K, gravity, distortion and color")
+    elif K is not None or depth_unit is not None or distortion is not None or color is not None:
+        raise Error("segment: a Frame has its own K, depth_unit, distortion and color")
     return Segmenter(profile, threads=threads, **options).segment(depth)
 
 

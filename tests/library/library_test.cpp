@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <functional>
+#include <memory>
 #include <planescope/io.hpp>
 #include <planescope/render.hpp>
 #include <thread>
+#include <type_traits>
+#include <utility>
 
 namespace {
 
@@ -119,6 +121,22 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
               i.gravity = ps::Vec3{0, 0, 0};
             }),
             "gravity: 0, 0, 0 is no direction");
+  EXPECT_EQ(with([](auto& i) { i.camera.distortion = static_cast<ps::Distortion>(7); }),
+            "depth image: distortion 7 is none that is known");
+  EXPECT_EQ(with([](auto& i) {
+              i.camera.distortion = ps::Distortion::brown_conrady;
+              i.camera.coefficients[2] = std::nan("");
+            }),
+            "depth image: its distortion has a coefficient nan");
+  const std::vector<std::uint8_t> rgb(300);
+  EXPECT_EQ(with([&](auto& i) {
+              i.color.rgb = rgb.data();
+              i.color.aligned = true;
+              i.color.camera.width = i.color.camera.height = 10;
+            }),
+            "colour image: it is 10x10 pixels and aligned, expected 424x240");
+  EXPECT_EQ(error_of([] { ps::Recording(std::string("a\0b", 3)); }),
+            "recording: its path has a NUL in it");
   EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: it has no points");
   EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0, expected 1 or more");
   EXPECT_EQ(error_of([] { ps::Recording("/nowhere"); }), "/nowhere: no such file or folder");
@@ -136,6 +154,51 @@ TEST(Library, SaysWhatIsWrongInOneLine) {
   const std::string where = error_of([&] { ps::segment(empty); });
   EXPECT_NE(where.find("gravity cannot be told"), std::string::npos) << where;
   EXPECT_EQ(where.find("--"), std::string::npos) << where;
+}
+
+TEST(Library, PlanesOfAResultThatGoesAreCopied) {
+  const Step step;
+  double area = 0;
+  for (const ps::Plane& plane : ps::segment(step.image).planes()) area += plane.outline.area_m2;
+  EXPECT_GT(area, 1);
+  EXPECT_EQ(ps::Segmenter().segment(step.image).frame().size(), 424U * 240);
+  static_assert(!std::is_invocable_v<decltype([](auto r) -> decltype(std::move(r).plane_of()) {
+                                       return std::move(r).plane_of();
+                                     }),
+                                     ps::Result>);
+}
+
+TEST(Library, GravityOfAnyLengthIsADirection) {
+  Step step;
+  step.image.gravity = ps::Vec3{0, 1e200, 0};
+  EXPECT_EQ(ps::segment(step.image).gravity().direction, (ps::Vec3{0, 1, 0}));
+  EXPECT_EQ(ps::segment(step.image).planes().size(), 3U);
+}
+
+TEST(Library, WhatWasSetByItsNameStaysWhateverTheOrder) {
+  const auto cropped = [](bool before) {
+    ps::Options options;
+    if (before) options.set("range_for_clouds", "off");
+    options.set("max_range_m", 1);
+    if (!before) options.set("range_for_clouds", "off");
+    return options.get("range_for_clouds");
+  };
+  EXPECT_EQ(cropped(true), "off");
+  EXPECT_EQ(cropped(false), "off");
+  EXPECT_EQ(ps::Options().set("max_range_m", 1).get("range_for_clouds"), "on");
+}
+
+TEST(Library, ARendererMayGoOnAnotherThread) {
+  auto renderer = std::make_unique<ps::Renderer>();
+  std::thread([&] { renderer.reset(); }).join();
+  EXPECT_FALSE(renderer);
+}
+
+TEST(Library, FramesOfARecordingGoIntoAVector) {
+  const ps::Recording recording(PLANESCOPE_SAMPLE);
+  const std::vector<ps::Frame> frames(recording.begin(), recording.end());
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[2].index(), 2);
 }
 
 TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {

@@ -85,6 +85,22 @@ class Segments(unittest.TestCase):
         self.assertEqual(ps.segment(frame).json(), ps.segment(frame, threads=3).json())
 
 
+    def test_a_lens_with_distortion(self):
+        coefficients = (0.05, -0.1, 0.001, 0.002, 0.03)
+        frame = ps.Frame(step_image(), K, gravity=(0, 1, 0), distortion=coefficients)
+        np.testing.assert_allclose(frame.distortion, coefficients)
+        again = ps.Frame(
+            frame.depth, frame.K, gravity=(0, 1, 0), distortion=frame.distortion, distortion_model=frame.distortion_model
+        )
+        self.assertEqual(ps.segment(again).json(), ps.segment(frame).json())
+        self.assertNotEqual(ps.segment(frame).json(), ps.segment(ps.Frame(step_image(), K, gravity=(0, 1, 0))).json())
+        self.assertIsNone(ps.Recording(SAMPLE)[0].distortion)
+
+    def test_gravity_that_is_given_goes_before_what_a_frame_knows(self):
+        frame = ps.Frame(step_image(), K, gravity=(1, 0, 0))
+        np.testing.assert_allclose(ps.segment(frame, gravity=(0, 1, 0)).gravity.direction, (0, 1, 0))
+
+
 class Results(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -216,6 +232,16 @@ class BadInput(unittest.TestCase):
         self.expect(
             "K: it has shape (2, 2), expected a 3x3 matrix or fx, fy, cx, cy",
             lambda: ps.segment(depth, K[:2, :2]),
+        )
+        self.expect(
+            "K: it is [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [211.5, 119.5, 1.0]], "
+            "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]",
+            lambda: ps.segment(depth, K.T),
+        )
+        self.expect("frame: it is a ndarray, expected a planescope.Frame", lambda: ps.Segmenter().segment(depth))
+        self.expect(
+            "segment: a Frame has its own K, depth_unit, distortion and color",
+            lambda: ps.segment(ps.Frame(depth, K), depth_unit=0.5),
         )
         self.expect("gravity: it has shape (2,), expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
         self.expect(

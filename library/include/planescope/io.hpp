@@ -2,57 +2,72 @@
 
 // Recordings: RealSense and ROS bags (1 and 2), folders of PNGs, RealSense Viewer .raw, clouds.
 
+#include <iterator>
+
 #include "planescope/core.hpp"
 
 namespace planescope {
-PLANESCOPE_INLINE namespace v0 {
-  /// What the caller says about a recording; wins over what its files say.
-  struct RecordingOptions {
-    std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
-    std::optional<double> depth_unit_m;               // metres per count
-    bool color = true;                                // false: depth alone, and quicker
-  };
+#ifdef PLANESCOPE_LIBRARY_SOURCE  // which has types of the same names, in planescope itself
+namespace v0 {
+#else
+inline namespace v0 {
+#endif
+/// What the caller says about a recording; wins over what its files say.
+struct RecordingOptions {
+  std::optional<std::array<double, 4>> intrinsics;  // fx fy cx cy of the depth image [px]
+  std::optional<double> depth_unit_m;               // metres per count
+  bool color = true;                                // false: depth alone, and quicker
+};
 
-  struct RecordingInfo {
-    std::string path;
-    std::string format;       // "RealSense SDK bag", "folder", ...
-    std::string device;       // as the file says, or empty
-    Camera camera;            // of depth images; width 0: clouds
-    double depth_unit_m = 0;  // metres per count
-    bool has_color = false;
-    std::vector<std::string> warnings;  // what was lost or odd, one line each
-  };
+struct RecordingInfo {
+  std::string path;
+  std::string format;       // "RealSense SDK bag", "folder", ...
+  std::string device;       // as the file says, or empty
+  Camera camera;            // of depth images; width 0: clouds
+  double depth_unit_m = 0;  // metres per count
+  bool has_color = false;
+  std::vector<std::string> warnings;  // what was lost or odd, one line each
+};
 
-  /// Opened once, its frames read in any order. Never written to.
-  class PLANESCOPE_API Recording {
+/// Opened once, its frames read in any order. Never written to.
+class PLANESCOPE_API Recording {
+ public:
+  explicit Recording(const std::string& path, const RecordingOptions& options = {});
+  RecordingInfo info() const;
+  int size() const;  // frames
+  Frame operator[](int i) const;
+  /// Frame::timestamp_s() of one, mostly without reading it.
+  double timestamp_s(int i) const;
+
+  /// Of a recording that outlives it.
+  class Iterator {
    public:
-    explicit Recording(const std::string& path, const RecordingOptions& options = {});
-    RecordingInfo info() const;
-    int size() const;  // frames
-    Frame operator[](int i) const;
-    /// Frame::timestamp_s() of one, mostly without reading it.
-    double timestamp_s(int i) const;
+    using iterator_category = std::input_iterator_tag;
+    using value_type = Frame;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const Frame*;
+    using reference = Frame;
 
-    class Iterator {
-     public:
-      Iterator(const Recording* recording, int i) : recording_(recording), i_(i) {}
-      Frame operator*() const { return (*recording_)[i_]; }
-      Iterator& operator++() {
-        ++i_;
-        return *this;
-      }
-      bool operator!=(const Iterator& other) const { return i_ != other.i_; }
-
-     private:
-      const Recording* recording_;
-      int i_;
-    };
-    Iterator begin() const { return {this, 0}; }
-    Iterator end() const { return {this, size()}; }
+    Iterator(const Recording* recording, int i) : recording_(recording), i_(i) {}
+    Frame operator*() const { return (*recording_)[i_]; }
+    Iterator& operator++() {
+      ++i_;
+      return *this;
+    }
+    Iterator operator++(int) { return {recording_, i_++}; }
+    bool operator==(const Iterator& other) const { return i_ == other.i_; }
+    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
 
    private:
-    std::shared_ptr<const void> data_;
+    const Recording* recording_;
+    int i_;
   };
+  Iterator begin() const { return {this, 0}; }
+  Iterator end() const { return {this, size()}; }
+
+ private:
+  std::shared_ptr<const void> data_;
+};
 
 }  // namespace v0
 }  // namespace planescope
