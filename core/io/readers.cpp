@@ -46,7 +46,8 @@ struct Keys {
     if (!usable || !vector.allFinite() || vector.stableNorm() < 1e-9) {
       fail("gravity", "three numbers [x, y, z] that are not all zero");
     }
-    return vector.stableNormalized();
+    // Of a direction that was written by us not a bit changes.
+    return std::abs(vector.squaredNorm() - 1) < 1e-14 ? vector : vector.stableNormalized();
   }
 
   Intrinsics intrinsics(const json& object) const {

@@ -211,6 +211,19 @@ TEST(Folder, AGravityFileAloneIsEnough) {
   EXPECT_NEAR(recording->frame(0).gravity->direction.x(), std::sqrt(0.5), 1e-12);
 }
 
+TEST(Folder, AUnitVectorOfGravityIsReadToTheBit) {
+  const fs::path folder = sample_folder();
+  for (int i = 1; i < 60; ++i) {
+    const Vec3d unit = Vec3d(std::sin(i), 1 + std::cos(3 * i), 0.1 * i).normalized();
+    char text[200];
+    std::snprintf(text, sizeof text, R"({"gravity": [%.17g, %.17g, %.17g]})", unit.x(), unit.y(),
+                  unit.z());
+    write_text(folder / "gravity.json", text);
+    const auto recording = open_recording(folder, with_intrinsics(10, 10, 6, 4));
+    EXPECT_EQ(recording->frame(0).gravity->direction, unit) << text;
+  }
+}
+
 TEST(Folder, GravityMayBeOfAnyLength) {
   for (const char* text : {"{\"gravity\": [3e300, 4e300, 0]}", "{\"gravity\": [3e-6, 4e-6, 0]}"}) {
     const fs::path folder = sample_folder();
