@@ -119,8 +119,8 @@ def main():
     count = sum(map(len, found.values()))
     print("## Every message\n")
     print(
-        f"All {count} of them, from the sources; … is filled in: a file, a number, a name. The search at the left finds a"
-        " message by its words.\n"
+        f"{count} texts from the sources; … is filled in: a file, a number, a name, or another of these texts. What is"
+        " said of unknown commands and options is not among them. `Ctrl+F` finds words.\n"
     )
     for title, told in found.items():
         if not told:

@@ -2,13 +2,12 @@
 
 import doctest
 import sys
-import tempfile
 from pathlib import Path
 
 document = Path(sys.argv[1]).resolve()
 test = doctest.DocTestParser().get_doctest(
     # The end of a block is no output.
-    document.read_text().replace("\n```", "\n\n"), {"out": Path(tempfile.mkdtemp())}, document.name, str(document), 0
+    document.read_text().replace("\n```", "\n\n"), {}, document.name, str(document), 0
 )
 runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
 runner.run(test)
