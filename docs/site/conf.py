@@ -14,7 +14,7 @@ root_doc = "index"
 source_suffix = {".md": "markdown"}
 # Headings have the anchors that they have where the files themselves are read.
 myst_heading_anchors = 4
-myst_enable_extensions = ["html_image"]
+myst_enable_extensions = ["deflist", "html_image"]
 suppress_warnings = ["myst.header"]  # pages that go on where an included part of another begins
 
 html_theme = "furo"
