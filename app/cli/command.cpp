@@ -115,7 +115,8 @@ CLI::Option* add_of_method(CLI::App* command,
 
 void add_clouds(CLI::App* command, planes::PipelineOptions& options) {
   add_of_method(command, options, "--profile", "paper|paper-closest|refined|FILE",
-                "Where the options' values come from; default refined. FILE: docs/formats.md");
+                "Where the options' values come from; default refined. FILE: see File formats in "
+                "the documents");
   command
       ->add_option_function<std::vector<std::string>>(
           "--set",

@@ -226,7 +226,7 @@ void define_eval(CLI::App& app, Line& line) {
   add_method(eval, args->input.pipeline);
   add(eval, "--prediction", args->prediction, "DIR",
       "Score what lies there instead: planescope segment's output, label files, or labels in\n"
-      "another tool's format (docs/labels.md)");
+      "another tool's format (Labels in the documents)");
   runs(eval, line, args, run_eval);
 }
 

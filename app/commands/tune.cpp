@@ -184,7 +184,7 @@ void define_tune(CLI::App& app, Line& line) {
   add(tune, "--time", args->time_s, "SECONDS", "Stop the search after so long; default: no limit")
       ->check(number(0));
   add(tune, "--only", args->options, "NAME,...",
-      "Options to search; default: all of the method, docs/tuning.md");
+      "Options to search; default: all of the method, Tuning in the documents");
   add_method(tune, args->input.pipeline);
   runs(tune, line, args, run_tune);
 }

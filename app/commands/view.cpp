@@ -192,7 +192,8 @@ void define_view(CLI::App& app, Line& line) {
          "Of the report that is opened, whose options become run A; default: the one it names");
   option("--compare", args->compare, "NAME|FILE",
          "A profile that becomes run B beside what is typed, which is A");
-  option("--script", args->script, "FILE.json", "Actions and input to begin with, docs/desktop.md");
+  option("--script", args->script, "FILE.json",
+         "Actions and input to begin with: The desktop in the documents");
   option("--screenshot", args->screenshot, "FILE.png", "Draw the window into a picture, and end");
   option("--state", args->state, "FILE.json", "Write what the window shows as plain facts");
   add_size(view, args->width, args->height, "Of the picture in pixels, default 1440x900", 640, 400);
