@@ -101,12 +101,16 @@ struct JunitSuite {
   }
 };
 
-std::string failure(const std::vector<const Breach*>& breaches, const ReportFrame* frame) {
+/// `anchor`: of the frame on the page.
+std::string failure(const std::vector<const Breach*>& breaches,
+                    const ReportFrame* frame,
+                    const std::string& anchor) {
   std::string text;
   for (const Breach* breach : breaches) text += xml_text(breach->text()) + "\n";
   if (frame)
     for (const ReportPicture& picture : frame->pictures) text += xml_text(picture.file) + "\n";
   text += "index.html\n";
+  if (frame) text += fmt::format("planescope view --open report.json#{}\n", anchor);
   return fmt::format("   <failure message=\"{}\" type=\"{}\">{}</failure>\n",
                      xml_text(breaches[0]->text()), xml_text(breaches[0]->rule.metric), text);
 }
@@ -123,7 +127,10 @@ Broken broken_by_frame(const Report& report) {
   return broken;
 }
 
-void add_frame(JunitSuite& suite, const ReportFrame& frame, Broken& broken) {
+void add_frame(JunitSuite& suite,
+               const ReportFrame& frame,
+               const std::string& anchor,
+               Broken& broken) {
   const auto found = broken.find({suite.name, frame.index});
   std::string outcome;
   if (!frame.refused.empty()) {
@@ -131,7 +138,7 @@ void add_frame(JunitSuite& suite, const ReportFrame& frame, Broken& broken) {
     outcome = fmt::format("   <error message=\"{}\" type=\"refused\"/>\n", xml_text(frame.refused));
   } else if (found != broken.end()) {
     ++suite.failures;
-    outcome = failure(found->second, &frame);
+    outcome = failure(found->second, &frame, anchor);
   }
   suite.add(fmt::format("frame {}", frame.index), planes::total_ms(frame.timings) / 1000, outcome);
   if (found != broken.end()) broken.erase(found);
@@ -146,7 +153,7 @@ void add_rest(JunitSuite& suite, Broken& broken, bool of_any) {
     }
     ++suite.failures;
     suite.add(at->first.second < 0 ? "all frames" : fmt::format("frame {}", at->first.second), 0,
-              failure(at->second, nullptr));
+              failure(at->second, nullptr, {}));
     at = broken.erase(at);
   }
 }
@@ -185,10 +192,12 @@ std::string junit_xml(const Report& report) {
   std::string suites;
   int id = 0;
   const auto take = [&](const JunitSuite& suite) { suites += suite.xml(id++, report.created_utc); };
-  for (const ReportRecording& recording : report.recordings) {
+  for (std::size_t r = 0; r < report.recordings.size(); ++r) {
+    const ReportRecording& recording = report.recordings[r];
     JunitSuite suite;
     suite.name = recording.name;
-    for (const ReportFrame& frame : recording.frames) add_frame(suite, frame, broken);
+    for (const ReportFrame& frame : recording.frames)
+      add_frame(suite, frame, html::frame_anchor(report.recordings.size(), r, frame.index), broken);
     add_rest(suite, broken, false);
     take(suite);
   }
