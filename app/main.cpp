@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
           "given.",
       .commands = {define_view, define_info, define_segment, define_report, define_eval,
                    define_options, define_synth, define_train, define_tune, define_labels,
-                   define_convert, define_man, define_completions},
+                   define_convert, define_map, define_man, define_completions},
       .alone = "view"};
   return run_program(program, argc, argv);
 }

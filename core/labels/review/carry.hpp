@@ -56,14 +56,19 @@ struct Registration {
   bool used_color = false;
   double fitness = 0;  // share of points with a partner
   double rms_m = 0;    // of partners, across the surface
+  /// What the partners say of a turn about the axes of `to` and a shift along them, rotation first,
+  /// as if each were independent of the others.
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  double partners = 0;
 };
 
 /// Point-to-plane from coarse to fine, each point against what is seen where it falls in the other
-/// image; where both frames have aligned colour, brightness counts as well. Starts from no motion.
-/// Throws Cancelled when stopped. Sums run in one order: the same bits on every run.
+/// image; where both frames have aligned colour, brightness counts as well. Starts from
+/// `T_to_from`. Throws Cancelled when stopped. Sums run in one order: the same bits on every run.
 Registration register_frames(const LabelGrid& from,
                              const LabelGrid& to,
                              std::stop_token stop,
-                             const std::function<void(double)>& progress);
+                             const std::function<void(double)>& progress,
+                             const Pose& T_to_from = Pose::Identity());
 
 }  // namespace planescope::labels

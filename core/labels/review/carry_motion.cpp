@@ -122,8 +122,8 @@ double sigma_of(const LabelGrid& from, std::size_t i, const LabelGrid& to, std::
 
 class Registering {
  public:
-  Registering(const LabelGrid& from, const LabelGrid& to, bool use_color)
-      : from_(from), to_(to), use_color_(use_color) {}
+  Registering(const LabelGrid& from, const LabelGrid& to, bool use_color, const Pose& start)
+      : from_(from), to_(to), use_color_(use_color), pose_(start) {}
 
   void start_level(const Level& level) {
     level_ = level;
@@ -148,6 +148,7 @@ class Registering {
       step.add(jacobian, partner->distance_m, sigma_of(from_, i, to_, partner->pixel));
       if (use_color_) add_color(step, i, point, partner->pixel);
     });
+    information_ = step.a;
     const Vec6d move = step.solved();
     pose_ = motion_of(move) * pose_;
     return move.norm();
@@ -172,6 +173,8 @@ class Registering {
     });
     registration.fitness = points > 0 ? partners / points : 0;
     registration.rms_m = partners > 0 ? std::sqrt(squares / partners) : 0;
+    registration.information = information_;
+    registration.partners = partners;
     return registration;
   }
 
@@ -202,7 +205,8 @@ class Registering {
   bool use_color_;
   Level level_{};
   std::vector<float> from_gray_, to_gray_;
-  Pose pose_ = Pose::Identity();
+  Pose pose_;
+  Mat6d information_ = Mat6d::Zero();  // of the last round
 };
 
 }  // namespace
@@ -210,8 +214,9 @@ class Registering {
 Registration register_frames(const LabelGrid& from,
                              const LabelGrid& to,
                              std::stop_token stop,
-                             const std::function<void(double)>& progress) {
-  Registering registering(from, to, !from.color.empty() && !to.color.empty());
+                             const std::function<void(double)>& progress,
+                             const Pose& T_to_from) {
+  Registering registering(from, to, !from.color.empty() && !to.color.empty(), T_to_from);
   double done = 0;
   for (const Level& level : kLevels) {
     registering.start_level(level);

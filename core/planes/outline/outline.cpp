@@ -397,6 +397,16 @@ std::vector<Outline> outlines_of(const Frame& frame,
   return outlines;
 }
 
+Outline outline_of_points(const Vec3d& origin,
+                          const PlaneBasis& basis,
+                          std::span<const Vec2d> points,
+                          double cell_m,
+                          const OutlineOptions& options) {
+  Outline outline{.origin = origin, .basis = basis, .parts = {}};
+  add_cells(points, cell_m, options, outline);
+  return outline;
+}
+
 std::vector<Outline> minor_outlines_of(const FrameResult& result,
                                        double cell_m,
                                        const OutlineOptions& options) {

@@ -3,6 +3,7 @@
 // What a plane covers: its pixels seen from the sensor, laid onto the plane, with the holes in
 // which something else was seen, and those where nothing was measured.
 
+#include <span>
 #include <vector>
 
 #include "core/model/frame.hpp"
@@ -46,6 +47,13 @@ std::vector<Outline> outlines_of(const Frame& frame,
                                  const FrameResult& result,
                                  double cell_m,
                                  const OutlineOptions& options = {});
+
+/// Of what these places on a plane cover, from a grid as above.
+Outline outline_of_points(const Vec3d& origin,
+                          const PlaneBasis& basis,
+                          std::span<const Vec2d> points,
+                          double cell_m,
+                          const OutlineOptions& options = {});
 
 /// Of the planes that are minor, by their cells: they have no pixels. `cell_m` as above.
 std::vector<Outline> minor_outlines_of(const FrameResult& result,

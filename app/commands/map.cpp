@@ -1,0 +1,90 @@
+// planescope map: from frames to a world.
+
+#include <fmt/format.h>
+
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
+#include "app/commands/commands.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
+#include "core/world/files/map_files.hpp"
+
+namespace planescope::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MapArgs {
+  InputArgs input;  // one recording
+  fs::path out;     // -o
+  std::optional<fs::path> poses;
+  world::TrackOptions tracks;
+};
+
+/// DIR/map.json, tracks.json, poses.tum: all or none of them.
+void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
+  make_output_dir(dir);
+  write_file_text(dir / "poses.tum", world::tum_text(map.poses));
+  write_file_text(dir / "tracks.json", world::tracks_json(map, recording));
+  write_file_text(dir / "map.json", world::map_json(map, recording));
+}
+
+int run_map(const MapArgs& args, std::stop_token stop) {
+  if (args.input.inputs.size() > 1)
+    throw Error(fmt::format("map takes one recording, {} are given", args.input.inputs.size()));
+  if (args.input.pipeline.classifier == "truth")
+    throw Error("map: does not take --classifier truth, which knows frames that have labels alone");
+  check_output_dir(args.out);
+  world::MapJob job;
+  if (args.poses) job.trajectory = world::read_trajectory(*args.poses);
+  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  const OpenInput& input = inputs.front();
+  const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
+  job.recording = input.recording.get();
+  job.frames = input.frames;
+  job.pipeline = args.input.pipeline;
+  job.classifier = chosen.classifier.get();
+  job.tracks = args.tracks;
+  job.threads = args.input.pipeline.threads;
+  job.stop = stop;
+  std::unique_ptr<Progress> bar;
+  std::string shown;
+  job.progress = [&](const char* what, int done, int all) {
+    if (shown != what) {
+      bar.reset();
+      bar = std::make_unique<Progress>(fmt::format("map: {}", what), all);
+      shown = what;
+    }
+    bar->show(done, "");
+  };
+  const world::WorldMap map = world::map_recording(job);
+  bar.reset();
+  write_map(args.out, map, input.path.filename().string());
+  for (const std::string& line : map.told) notice("{}", line);
+  const std::size_t planes = world::planes_of_map(map.tracker).size();
+  fmt::print("{}: {} from {}, poses of {}\n", args.out.string(), counted(planes, "plane"),
+             counted(input.frames.size(), "frame"), map.poses.source);
+  if (const std::string text = world::stability_text(map.stability); !text.empty())
+    fmt::print("  {}\n", text);
+  return 0;
+}
+
+}  // namespace
+
+void define_map(CLI::App& app, Line& line) {
+  CLI::App* map = app.add_subcommand(
+      "map",
+      "One map of the planes of a recording, and which plane of which frame is which:\n"
+      "map.json, tracks.json, poses.tum. World frame: z up, metres.");
+  const auto args = std::make_shared<MapArgs>();
+  add_inputs(map, args->input, kOneInput);
+  add_out(map, args->out)->required();
+  add(map, "--poses", args->poses, "FILE",
+      "Where the camera was: TUM, KITTI, or Open3D's .log or .json; else as the recording says, "
+      "else from its images");
+  add_method(map, args->input.pipeline);
+  runs(map, line, args, run_map);
+}
+
+}  // namespace planescope::app

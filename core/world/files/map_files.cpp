@@ -1,0 +1,223 @@
+#include "core/world/files/map_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/model/text.hpp"
+
+namespace planescope::world {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// To a hundredth of a millimetre, which is below what any of it is known to; never minus zero.
+double rounded(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
+
+Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
+
+Json vector(const Vec3d& v) { return {rounded(v.x()), rounded(v.y()), rounded(v.z())}; }
+
+Json ring_json(const planes::Outline& outline, const planes::PolygonRing& ring) {
+  Json json = Json::array();
+  for (const Vec2d& p : ring) json.push_back(vector(outline.world(p)));
+  return json;
+}
+
+Json outline_json(const planes::Outline& outline) {
+  Json parts = Json::array();
+  for (const planes::Outline::Part& part : outline.parts) {
+    Json holes = Json::array();
+    for (const auto& hole : part.holes) holes.push_back(ring_json(outline, hole));
+    for (const auto& hole : part.unknown) holes.push_back(ring_json(outline, hole));
+    parts.push_back({{"outer", ring_json(outline, part.outer)}, {"holes", std::move(holes)}});
+  }
+  return parts;
+}
+
+Json frames_json(const Track& track) {
+  return {{"first", track.born},
+          {"last", track.sightings.back().frame},
+          {"seen", track.frames_seen},
+          {"missed", track.frames_missed}};
+}
+
+Json plane_json(const Track& track) {
+  const planes::Outline outline = outline_of(track);
+  Json json;
+  json["track"] = track.id;
+  json["label"] = to_string(track.label);
+  json["segment"] = track.segment;
+  json["state"] = to_string(track.state);
+  if (track.state == TrackState::gone) json["gone_at"] = track.ended;
+  json["normal"] = vector(track.fit.normal);
+  json["centroid"] = vector(track.centroid());
+  json["offset_m"] = rounded(track.fit.normal.dot(track.centroid()));
+  json["sigma_offset_m"] = rounded(track.sigma_m(track.on_grid(track.centroid())));
+  json["sigma_tilt_deg"] = rounded(track.sigma_tilt_deg());
+  json["rms_m"] = rounded(track.fit.rms_m());
+  json["area_m2"] = rounded(outline.area_m2);
+  json["frames"] = frames_json(track);
+  json["outline"] = outline_json(outline);
+  return json;
+}
+
+Json stability_json(const Stability& s) {
+  return {{"frames", s.frames},
+          {"kept_share", number(s.kept_share)},
+          {"breaks_per_100_frames", number(s.breaks)},
+          {"swaps_per_100_frames", number(s.swaps)},
+          {"still_pairs", s.still_pairs},
+          {"normal_jitter_deg", number(s.normal_jitter_deg)},
+          {"offset_jitter_m", number(s.offset_jitter_m)},
+          {"returns", s.returns},
+          {"drift_m", number(s.drift_m)}};
+}
+
+Json gap_json(const Gap& gap) {
+  Json json = {{"first", gap.first}, {"last", gap.last}, {"why", to_string(gap.why)}};
+  if (gap.plane > 0) json["plane"] = gap.plane;
+  if (gap.term.failed == Term::none) return json;
+  json["term"] = to_string(gap.term.failed);
+  if (gap.term.failed == Term::taken) {
+    json["track"] = static_cast<int>(gap.term.value);
+  } else if (gap.term.failed != Term::label) {
+    json["value"] = rounded(gap.term.value);
+    json["op"] = gap.term.failed == Term::overlap ? "<" : ">";
+    json["threshold"] = rounded(gap.term.threshold);
+  }
+  return json;
+}
+
+/// Frames in which the track was seen, as first and last of each unbroken row of frames.
+Json seen_json(const Track& track, const Tracker& tracker) {
+  Json runs = Json::array();
+  const auto& frames = tracker.frames();
+  std::size_t at = 0;
+  int last = -1;
+  for (const Sighting& sighting : track.sightings) {
+    if (sighting.part) continue;
+    while (at < frames.size() && frames[at].frame != sighting.frame) ++at;
+    const bool goes_on = !runs.empty() && at > 0 && frames[at - 1].frame == last;
+    if (goes_on)
+      runs.back()[1] = sighting.frame;
+    else
+      runs.push_back({sighting.frame, sighting.frame});
+    last = sighting.frame;
+  }
+  return runs;
+}
+
+std::string text_of(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::vector<const Track*> planes_of_map(const Tracker& tracker) {
+  struct Sized {
+    const Track* track;
+    double area_m2;
+  };
+  std::vector<Sized> sized;
+  for (const Track& track : tracker.tracks())
+    if (track.is_sure(tracker.options())) sized.push_back({&track, track.sure_area_m2()});
+  std::ranges::stable_sort(sized, [](const Sized& a, const Sized& b) {
+    const bool a_gone = a.track->state == TrackState::gone,
+               b_gone = b.track->state == TrackState::gone;
+    return a_gone != b_gone ? b_gone : a.area_m2 > b.area_m2;
+  });
+  std::vector<const Track*> planes;
+  for (const Sized& s : sized) planes.push_back(s.track);
+  return planes;
+}
+
+std::string map_json(const WorldMap& map, const std::string& recording) {
+  Json json;
+  json["schema"] = "planescope.map/1";
+  json["recording"] = recording;
+  json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
+  json["gravity"] = Json::array();
+  for (std::size_t i = 0; i < map.gravity.size(); ++i) {
+    const SharedGravity& g = map.gravity[i];
+    json["gravity"].push_back({{"segment", i},
+                               {"source", to_string(g.source)},
+                               {"spread_deg", rounded(g.spread_deg)},
+                               {"frames", g.samples},
+                               {"strays", g.strays}});
+  }
+  const TrackOptions& o = map.tracker.options();
+  json["options"] = {{"cell_m", o.cell_m},
+                     {"max_angle_deg", o.max_angle_deg},
+                     {"max_offset_m", o.max_offset_m},
+                     {"sigmas", o.sigmas},
+                     {"least_overlap", o.least_overlap},
+                     {"join_gap_m", o.join_gap_m},
+                     {"confirm_frames", o.confirm_frames},
+                     {"confirm_share", o.confirm_share},
+                     {"least_area_m2", o.least_area_m2}};
+  json["stability"] = stability_json(map.stability);
+  json["told"] = map.told;
+  json["planes"] = Json::array();
+  for (const Track* track : planes_of_map(map.tracker))
+    json["planes"].push_back(plane_json(*track));
+  return text_of(json);
+}
+
+std::string tracks_json(const WorldMap& map, const std::string& recording) {
+  const Tracker& tracker = map.tracker;
+  Json json;
+  json["schema"] = "planescope.tracks/1";
+  json["recording"] = recording;
+  json["frames"] = Json::array();
+  for (const FrameOfTracks& frame : tracker.frames()) {
+    Json told = {
+        {"frame", frame.frame}, {"timestamp_s", frame.timestamp_s}, {"segment", frame.segment}};
+    if (!frame.has_pose) told["without_pose"] = true;
+    if (frame.set_aside) told["set_aside"] = true;
+    told["agreement"] = rounded(frame.agreement);
+    std::vector<int> ids;
+    for (const int id : frame.track_of) ids.push_back(final_track(tracker.tracks(), id));
+    told["track_of_plane"] = ids;
+    json["frames"].push_back(std::move(told));
+  }
+  json["tracks"] = Json::array();
+  for (const Track& track : tracker.tracks()) {
+    Json told = {{"id", track.id},
+                 {"label", to_string(track.label)},
+                 {"segment", track.segment},
+                 {"state", to_string(track.state)},
+                 {"born", track.born}};
+    if (track.ended >= 0) told["ended"] = track.ended;
+    if (track.merged_into > 0) told["merged_into"] = track.merged_into;
+    if (track.state != TrackState::merged) {
+      told["in_map"] = track.is_sure(tracker.options());
+      told["frames_seen"] = track.frames_seen;
+      told["frames_missed"] = track.frames_missed;
+      told["seen"] = seen_json(track, tracker);
+      told["gaps"] = Json::array();
+      for (const Gap& gap : track.gaps) told["gaps"].push_back(gap_json(gap));
+    }
+    json["tracks"].push_back(std::move(told));
+  }
+  return text_of(json);
+}
+
+std::string stability_text(const Stability& s) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  if (std::isfinite(s.kept_share))
+    add(fmt::format("{:.1f} % of pixels on planes go on in the next frame", 100 * s.kept_share));
+  if (std::isfinite(s.breaks))
+    add(fmt::format("{:.1f} breaks and {:.1f} swaps per 100 frames", s.breaks, s.swaps));
+  if (s.still_pairs > 0)
+    add(fmt::format("standing still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
+                    s.normal_jitter_deg, 1000 * s.offset_jitter_m));
+  if (s.returns > 0)
+    add(fmt::format("{} came back {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
+  return text;
+}
+
+}  // namespace planescope::world

@@ -1,0 +1,23 @@
+#pragma once
+
+// map.json and tracks.json. All in the map's world: z up, metres.
+
+#include <string>
+
+#include "core/world/map_recording.hpp"
+
+namespace planescope::world {
+
+/// The tracks that the map holds, by area, the largest first; those that are gone after the others.
+std::vector<const Track*> planes_of_map(const Tracker& tracker);
+
+/// schema "planescope.map/1". `recording`: its name, as the file tells it.
+std::string map_json(const WorldMap& map, const std::string& recording);
+/// schema "planescope.tracks/1": which plane of which frame is which track, and why a track is
+/// missing where it is.
+std::string tracks_json(const WorldMap& map, const std::string& recording);
+
+/// For people, a few lines.
+std::string stability_text(const Stability& stability);
+
+}  // namespace planescope::world

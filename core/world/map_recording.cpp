@@ -1,0 +1,179 @@
+#include "core/world/map_recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
+#include "core/model/text.hpp"
+#include "core/world/poses/odometry.hpp"
+
+namespace planescope::world {
+namespace {
+
+constexpr int kGravityFrames = 60;  // looked at, spread over the recording
+
+void check_stop(const MapJob& job) {
+  if (job.stop.stop_requested()) throw Cancelled();
+}
+
+void tell(const MapJob& job, const char* what, int done, int all) {
+  if (job.progress) job.progress(what, done, all);
+}
+
+/// The poses that the frames carry; empty where none does.
+Trajectory own_trajectory(const MapJob& job) {
+  Trajectory own{"the recording", {}};
+  for (const int index : job.frames) {
+    const std::optional<Pose> pose = job.recording->T_world_camera(index);
+    if (pose)
+      own.poses.push_back({.frame = index,
+                           .timestamp_s = job.recording->timestamp_s(index),
+                           .T_world_camera = *pose});
+  }
+  return own;
+}
+
+/// One pose each for frames of this job, in their order.
+Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
+  if (job.trajectory) {
+    std::vector<FrameTime> times;
+    for (const int index : job.frames) times.push_back({index, job.recording->timestamp_s(index)});
+    Trajectory given{job.trajectory->source, {}};
+    for (const auto& pose : poses_of_frames(*job.trajectory, times))
+      if (pose) given.poses.push_back(*pose);
+    return given;
+  }
+  if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
+  OdometryJob odometry;
+  odometry.recording = job.recording;
+  odometry.frames = job.frames;
+  odometry.threads = job.threads;
+  odometry.stop = job.stop;
+  odometry.progress = [&](int done, int all) { tell(job, "odometry", done, all); };
+  Trajectory found = estimate_trajectory(odometry);
+  const int segments = found.poses.empty() ? 0 : found.poses.back().segment + 1;
+  if (segments > 1)
+    told.push_back(fmt::format("odometry lost its way: {}, each with a world of its own",
+                               counted(segments, "segment")));
+  return found;
+}
+
+/// Gravity of frames spread over each segment.
+std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
+  const std::vector<CameraPose>& poses = trajectory.poses;
+  const auto count = static_cast<int>(poses.size());
+  const int looked = std::min(count, kGravityFrames);
+  std::vector<GravitySample> samples(looked);
+  std::vector<int> segments(looked);
+  planes::GravityOptions options = job.pipeline.gravity;
+  options.none_where_unknown = true;
+  work_through(
+      looked, job.threads,
+      [&](int i) {
+        const CameraPose& pose = poses[static_cast<std::size_t>(i) * count / looked];
+        segments[i] = pose.segment;
+        samples[i].T_world_camera = pose.T_world_camera;
+        samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
+        try {
+          const Frame frame = job.recording->frame(pose.frame);
+          samples[i].gravity = planes::resolve_gravity(frame, options);
+        } catch (const Error&) {  // told where the frame's turn comes
+        }
+      },
+      [&](int done, int all) {
+        check_stop(job);
+        tell(job, "gravity", done, all);
+      });
+  return turn_upright(trajectory, samples, segments);
+}
+
+void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
+  int aside = 0, first = -1;
+  for (const FrameOfTracks& frame : tracker.frames())
+    if (frame.set_aside) {
+      if (aside++ == 0) first = frame.frame;
+    }
+  if (aside > 0)
+    told.push_back(fmt::format(
+        "{} set aside, from frame {} on: at their poses, their depth does not fit what was seen "
+        "before",
+        counted(aside, "frame"), first));
+  const auto& frames = tracker.frames();
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    if (frames[i].segment != frames[i - 1].segment)
+      told.push_back(fmt::format("a new segment of the map begins at frame {}", frames[i].frame));
+}
+
+}  // namespace
+
+WorldMap map_recording(const MapJob& job) {
+  if (job.recording->info().width == 0)
+    throw Error(job.recording->info().path.string() +
+                ": holds clouds, expected depth images: a map follows a camera");
+  WorldMap map;
+  map.tracker = Tracker(job.tracks);
+  map.poses = trajectory_of(job, map.told);
+  if (map.poses.poses.empty())
+    throw Error(job.recording->info().path.string() + ": no frame has a pose");
+  for (std::size_t i = 1; i < map.poses.poses.size(); ++i)
+    if (map.poses.poses[i].timestamp_s < map.poses.poses[i - 1].timestamp_s) {
+      map.told.push_back(fmt::format("time goes back at frame {}: frames are taken in their order",
+                                     map.poses.poses[i].frame));
+      break;
+    }
+  map.gravity = turn_upright_by_frames(job, map.poses);
+
+  // Frames side by side, taken in one after the other.
+  const auto count = static_cast<int>(job.frames.size());
+  const int at_once = std::clamp(job.threads, 1, std::max(1, count));
+  planes::PipelineOptions pipeline = job.pipeline;
+  pipeline.threads = std::max(1, job.threads / at_once);
+  std::vector<const CameraPose*> pose_of(count, nullptr);
+  for (int i = 0, p = 0; i < count && p < std::ssize(map.poses.poses); ++i)
+    if (map.poses.poses[p].frame == job.frames[i]) pose_of[i] = &map.poses.poses[p++];
+
+  std::vector<std::optional<ObservedFrame>> observed(count);
+  std::vector<std::string> refused(count);
+  const auto make = [&](int i) {
+    if (job.stop.stop_requested() || !pose_of[i]) return;
+    const SharedGravity& gravity = map.gravity[pose_of[i]->segment];
+    try {
+      Frame frame = job.recording->frame(job.frames[i]);
+      if (gravity.known && pipeline.gravity.mode != planes::GravityMode::none)
+        frame.gravity = gravity_at(pose_of[i]->T_world_camera, gravity);
+      planes::PipelineOptions options = pipeline;
+      options.gravity.mode = frame.gravity ? planes::GravityMode::automatic : pipeline.gravity.mode;
+      options.gravity.none_where_unknown = true;
+      const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
+      observed[i] =
+          observe(frame, result, options, pose_of[i]->T_world_camera, pose_of[i]->segment);
+    } catch (const Error& error) {
+      refused[i] = fmt::format("frame {}: {}", job.frames[i], error.what());
+    }
+  };
+  int without_pose = 0;
+  const auto take = [&](int i) {
+    check_stop(job);
+    if (observed[i]) {
+      map.tracker.add(*observed[i]);
+      observed[i].reset();
+    } else {
+      map.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);
+      without_pose += !pose_of[i];
+    }
+    if (!refused[i].empty()) map.told.push_back(refused[i]);
+    tell(job, "map", i + 1, count);
+  };
+  work_in_order(count, at_once, make, take);
+  if (without_pose > 0)
+    map.told.push_back(fmt::format("{} of {} have no pose and are left out", without_pose,
+                                   counted(count, "frame")));
+  tell_of_aside(map.tracker, map.told);
+  map.stability = stability_of(map.tracker, map.poses.poses);
+  return map;
+}
+
+}  // namespace planescope::world

@@ -1,0 +1,46 @@
+#pragma once
+
+// A recording becomes a map: poses, one direction of gravity, tracks.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/io/recording.hpp"
+#include "core/planes/classify/classifier.hpp"
+#include "core/planes/pipeline/pipeline.hpp"
+#include "core/world/poses/upright.hpp"
+#include "core/world/tracks/stability.hpp"
+#include "core/world/tracks/tracker.hpp"
+
+namespace planescope::world {
+
+struct MapJob {
+  const io::Recording* recording = nullptr;
+  std::vector<int> frames;
+  planes::PipelineOptions pipeline;
+  const planes::Classifier* classifier = nullptr;  // none where points are not labelled
+  TrackOptions tracks;
+  std::optional<Trajectory> trajectory;  // else the recording's own, else odometry
+  int threads = 1;
+  std::function<void(const char* what, int done, int all)> progress = {};
+  std::stop_token stop = {};
+};
+
+struct WorldMap {
+  Trajectory poses;                    // of the frames that have one, upright
+  std::vector<SharedGravity> gravity;  // by segment of the poses
+  Tracker tracker;
+  Stability stability;
+  std::vector<std::string> told;  // what was odd, a line each
+};
+
+/// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
+/// After the poses, everything is a function of them and the frames, to the bit, for any number of
+/// threads.
+WorldMap map_recording(const MapJob& job);
+
+}  // namespace planescope::world

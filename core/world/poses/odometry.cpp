@@ -1,0 +1,237 @@
+// Frames are registered with key frames (projective ICP with brightness, as labels are carried), so
+// that error grows with the way and not with the number of frames; key frames that meet again close
+// loops, and a pose graph shares out what does not agree.
+
+#include "core/world/poses/odometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numbers>
+
+#include "core/labels/review/carry.hpp"
+#include "core/model/error.hpp"
+#include "core/model/parallel.hpp"
+#include "core/world/poses/pose_graph.hpp"
+
+namespace planescope::world {
+namespace {
+
+using labels::LabelGrid;
+using labels::Registration;
+using Grid = std::shared_ptr<const LabelGrid>;
+
+constexpr double kLeastMeasured = 0.02;  // of a frame's pixels
+constexpr int kMostLost = 10;            // frames in a row, before a new segment begins
+constexpr double kEffective = 200;       // so many of the partners are worth one of their own
+
+double angle_deg(const Pose& motion) {
+  const double cosine = std::clamp((motion.linear().trace() - 1) / 2, -1.0, 1.0);
+  return std::acos(cosine) * 180 / std::numbers::pi;
+}
+
+Grid grid_of(const OdometryJob& job, int index) {
+  try {
+    const Frame frame = job.recording->frame(index);
+    auto grid = std::make_shared<LabelGrid>(labels::make_label_grid(frame, Gravity{}));
+    if (static_cast<double>(grid->measured_count) <
+        kLeastMeasured * static_cast<double>(grid->pixels()))
+      return nullptr;
+    return grid;
+  } catch (const Error&) {  // told where the frame's turn comes
+    return nullptr;
+  }
+}
+
+struct Key {
+  int frame = 0;
+  int segment = 0;
+  Pose T_segment_key = Pose::Identity();
+};
+
+struct Followed {
+  CameraPose pose;
+  int key = 0;
+  Pose T_key_frame = Pose::Identity();
+};
+
+/// The edge from a key frame's registration with an earlier one: see PoseEdge.
+PoseEdge edge_of(int source, int target, const Registration& registration, bool loop) {
+  PoseEdge edge;
+  edge.from = source;
+  edge.to = target;
+  edge.T_from_to = registration.T_to_from.inverse();
+  edge.information =
+      registration.information * (kEffective / std::max(kEffective, registration.partners));
+  edge.loop = loop;
+  return edge;
+}
+
+class Following {
+ public:
+  explicit Following(const OdometryJob& job) : job_(job), options_(job.options) {}
+
+  void take(int frame, const Grid& grid) {
+    if (!grid) {
+      ++lost_;
+      return;
+    }
+    if (keys_.empty()) return begin_segment(frame, grid);
+    const double frames = 1 + lost_;
+    Registration found = labels::register_frames(
+        *grid, *key_grid_, job_.stop, {}, T_key_last_ * (lost_ == 0 ? step_ : Pose::Identity()));
+    if (!is_credible(found, frames) && lost_ == 0) {
+      const Registration still =
+          labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
+      if (still.fitness > found.fitness) found = still;
+    }
+    if (!is_credible(found, frames)) {
+      if (++lost_ > kMostLost) begin_segment(frame, grid);
+      return;
+    }
+    lost_ = 0;
+    step_ = T_key_last_.inverse() * found.T_to_from;
+    T_key_last_ = found.T_to_from;
+    follow(frame, found);
+    if (found.fitness < options_.key_fitness ||
+        found.T_to_from.translation().norm() > options_.key_distance_m ||
+        angle_deg(found.T_to_from) > options_.key_angle_deg)
+      make_key(frame, grid, found);
+  }
+
+  Trajectory result() {
+    if (options_.loops) close_loops();
+    Trajectory trajectory{"odometry", {}};
+    for (Followed& followed : followed_) {
+      followed.pose.T_world_camera = keys_[followed.key].T_segment_key * followed.T_key_frame;
+      trajectory.poses.push_back(followed.pose);
+    }
+    return trajectory;
+  }
+
+ private:
+  bool is_credible(const Registration& found, double frames) const {
+    const Pose step = T_key_last_.inverse() * found.T_to_from;
+    return found.fitness >= options_.least_fitness &&
+           step.translation().norm() <= options_.most_step_m * frames &&
+           angle_deg(step) <= options_.most_step_deg * frames;
+  }
+
+  void begin_segment(int frame, const Grid& grid) {
+    keys_.push_back({frame, keys_.empty() ? 0 : keys_.back().segment + 1, Pose::Identity()});
+    key_grid_ = grid;
+    T_key_last_ = step_ = Pose::Identity();
+    lost_ = 0;
+    Registration none;
+    none.fitness = none.rms_m = std::nan("");
+    follow(frame, none);
+  }
+
+  void follow(int frame, const Registration& found) {
+    Followed followed;
+    followed.pose.frame = frame;
+    followed.pose.timestamp_s = job_.recording->timestamp_s(frame);
+    followed.pose.segment = keys_.back().segment;
+    followed.pose.fitness = found.fitness;
+    followed.pose.rms_m = found.rms_m;
+    followed.key = static_cast<int>(keys_.size()) - 1;
+    followed.T_key_frame = found.T_to_from;
+    followed_.push_back(followed);
+  }
+
+  void make_key(int frame, const Grid& grid, const Registration& found) {
+    const int number = static_cast<int>(keys_.size());
+    edges_.push_back(edge_of(number, number - 1, found, false));
+    keys_.push_back({frame, keys_.back().segment, keys_.back().T_segment_key * found.T_to_from});
+    followed_.back().key = number;
+    followed_.back().T_key_frame = Pose::Identity();
+    key_grid_ = grid;
+    T_key_last_ = Pose::Identity();
+  }
+
+  /// Of each key frame, the earlier one that is nearest by what is known so far, not counting those
+  /// just before it.
+  void close_loops() {
+    std::vector<std::pair<int, int>> pairs;
+    for (int i = 0; i < std::ssize(keys_); ++i) {
+      int best = -1;
+      double nearest = 1;
+      for (int j = 0; j + options_.loop_gap <= i; ++j) {
+        if (keys_[j].segment != keys_[i].segment) continue;
+        const Pose motion = keys_[j].T_segment_key.inverse() * keys_[i].T_segment_key;
+        const double off = std::max(motion.translation().norm() / options_.loop_distance_m,
+                                    angle_deg(motion) / options_.loop_angle_deg);
+        if (off < nearest) nearest = off, best = j;
+      }
+      if (best >= 0) pairs.emplace_back(i, best);
+    }
+    std::vector<Registration> found(pairs.size());
+    work_through(
+        static_cast<int>(pairs.size()), job_.threads,
+        [&](int p) {
+          const auto [i, j] = pairs[p];
+          const Grid source = grid_of(job_, keys_[i].frame), target = grid_of(job_, keys_[j].frame);
+          if (!source || !target) return;
+          found[p] =
+              labels::register_frames(*source, *target, job_.stop, {},
+                                      keys_[j].T_segment_key.inverse() * keys_[i].T_segment_key);
+        },
+        [&](int, int) {
+          if (job_.stop.stop_requested()) throw Cancelled();
+        });
+    for (std::size_t p = 0; p < pairs.size(); ++p)
+      if (found[p].fitness >= options_.loop_fitness)
+        edges_.push_back(edge_of(pairs[p].first, pairs[p].second, found[p], true));
+    // Each segment has a graph of its own, and a first pose that stays.
+    for (std::size_t first = 0, end = 0; first < keys_.size(); first = end) {
+      end = first;
+      while (end < keys_.size() && keys_[end].segment == keys_[first].segment) ++end;
+      std::vector<Pose> poses;
+      for (std::size_t k = first; k < end; ++k) poses.push_back(keys_[k].T_segment_key);
+      std::vector<PoseEdge> edges;
+      bool any_loop = false;
+      for (PoseEdge edge : edges_)
+        if (edge.from >= static_cast<int>(first) && edge.from < static_cast<int>(end)) {
+          any_loop |= edge.loop;
+          edge.from -= static_cast<int>(first);
+          edge.to -= static_cast<int>(first);
+          edges.push_back(edge);
+        }
+      if (!any_loop) continue;
+      optimise_poses(poses, edges);
+      for (std::size_t k = first; k < end; ++k) keys_[k].T_segment_key = poses[k - first];
+    }
+  }
+
+  const OdometryJob& job_;
+  const OdometryOptions& options_;
+  std::vector<Key> keys_;
+  std::vector<PoseEdge> edges_;
+  std::vector<Followed> followed_;
+  Grid key_grid_;
+  Pose T_key_last_ = Pose::Identity();
+  Pose step_ = Pose::Identity();  // of the last frame
+  int lost_ = 0;                  // frames in a row
+};
+
+}  // namespace
+
+Trajectory estimate_trajectory(const OdometryJob& job) {
+  const auto count = static_cast<int>(job.frames.size());
+  std::vector<Grid> grids(count);
+  Following following(job);
+  const auto make = [&](int i) {
+    if (!job.stop.stop_requested()) grids[i] = grid_of(job, job.frames[i]);
+  };
+  const auto take = [&](int i) {
+    if (job.stop.stop_requested()) throw Cancelled();
+    following.take(job.frames[i], grids[i]);
+    grids[i].reset();
+    if (job.progress) job.progress(i + 1, count);
+  };
+  work_in_order(count, job.threads, make, take);
+  return following.result();
+}
+
+}  // namespace planescope::world

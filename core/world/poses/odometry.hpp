@@ -1,0 +1,42 @@
+#pragma once
+
+// Where the camera went, from depth and colour alone.
+
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include "core/io/recording.hpp"
+#include "core/world/poses/trajectory.hpp"
+
+namespace planescope::world {
+
+struct OdometryOptions {
+  // A frame is registered with the last key frame; it becomes one where it overlaps less than
+  // this, or is farther off.
+  double key_fitness = 0.75;
+  double key_distance_m = 0.25, key_angle_deg = 12;
+  // A motion is believed where so many points found partners, and it is none that a camera makes
+  // from one frame to the next.
+  double least_fitness = 0.4;
+  double most_step_m = 0.4, most_step_deg = 25;
+  // Key frames that came near each other again are registered as well.
+  bool loops = true;
+  double loop_distance_m = 0.5, loop_angle_deg = 30, loop_fitness = 0.6;
+  int loop_gap = 5;  // key frames between them, at least
+};
+
+struct OdometryJob {
+  const io::Recording* recording = nullptr;
+  std::vector<int> frames;
+  OdometryOptions options;
+  int threads = 1;
+  std::function<void(int done, int all)> progress = {};
+  std::stop_token stop = {};
+};
+
+/// The first frame of each segment is at its origin, its camera's axes those of the world. Frames
+/// that cannot be read have no pose. The same bits for any number of threads.
+Trajectory estimate_trajectory(const OdometryJob& job);
+
+}  // namespace planescope::world

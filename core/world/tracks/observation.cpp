@@ -1,0 +1,83 @@
+#include "core/world/tracks/observation.hpp"
+
+namespace planescope::world {
+namespace {
+
+Mat3d second_moments(const Moments& m) {
+  Mat3d s;
+  s << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
+  return s;
+}
+
+}  // namespace
+
+Moments moments_of(const PlaneFit& fit, const Vec3d axes[2], const Vec3d& origin) {
+  const Vec3d mean = fit.centroid - origin;
+  const auto square = [](const Vec3d& v) -> Mat3d { return v * v.transpose(); };
+  const Mat3d s = fit.eigenvalues[0] * square(fit.normal) + fit.eigenvalues[1] * square(axes[1]) +
+                  fit.eigenvalues[2] * square(axes[0]) + fit.count * square(mean);
+  return {fit.count, fit.count * mean, s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)};
+}
+
+Moments moved(const Moments& m, const Pose& T) {
+  const Mat3d& R = T.linear();
+  const Vec3d t = T.translation(), turned = R * m.sum;
+  const Mat3d s = R * second_moments(m) * R.transpose() + turned * t.transpose() +
+                  t * turned.transpose() + m.count * t * t.transpose();
+  return {m.count, turned + m.count * t, s(0, 0), s(0, 1), s(0, 2), s(1, 1), s(1, 2), s(2, 2)};
+}
+
+Moments scaled(const Moments& m, double weight) {
+  return {m.count * weight, m.sum * weight, m.xx * weight, m.xy * weight,
+          m.xz * weight,    m.yy * weight,  m.yz * weight, m.zz * weight};
+}
+
+ObservedFrame observe(const Frame& frame,
+                      const planes::FrameResult& result,
+                      const planes::PipelineOptions& options,
+                      const Pose& T_world_camera,
+                      int segment) {
+  ObservedFrame seen;
+  seen.frame = frame.index;
+  seen.timestamp_s = frame.timestamp_s;
+  seen.segment = segment;
+  seen.T_world_camera = T_world_camera;
+  seen.intrinsics = frame.intrinsics;
+  seen.depth = frame.depth;
+  seen.depth_unit_m = frame.depth_unit_m;
+  seen.max_range_m = options.cloud.max_range_m;
+  seen.noise = result.segmentation.noise;
+
+  // A frame's own world is upright about the camera: a turn about z and a shift lead to ours.
+  const Pose T_world_local = T_world_camera * result.cloud.T_world_sensor.inverse();
+  std::vector<planes::Outline> outlines =
+      planes::outlines_of(frame, result, options.cloud.voxel_size_m);
+  const std::vector<planes::Certainty> certainties = planes::certainties_of(result);
+  for (const planes::PlaneRegion& region : result.segmentation.planes) {
+    ObservedPlane& plane = seen.planes.emplace_back();
+    plane.id = region.id;
+    plane.label = region.label;
+    plane.normal = T_world_local.linear() * region.fit.normal;
+    plane.centroid = T_world_local * (result.cloud.origin + region.fit.centroid);
+    plane.rms_m = region.fit.rms_m();
+    plane.certainty = certainties[region.id - 1];
+    for (Vec3d& axis : plane.certainty.axes) axis = T_world_local.linear() * axis;
+    PlaneFit fit = region.fit;
+    fit.normal = plane.normal;
+    fit.centroid = plane.centroid;
+    plane.moments = moments_of(fit, plane.certainty.axes, seen.camera());
+    plane.outline = std::move(outlines[region.id - 1]);
+    plane.outline.origin = T_world_local * plane.outline.origin;
+    plane.outline.basis.u = T_world_local.linear() * plane.outline.basis.u;
+    plane.outline.basis.v = T_world_local.linear() * plane.outline.basis.v;
+  }
+  seen.plane_of = Image16(frame.depth.width, frame.depth.height);
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i)
+    if (const std::int32_t id = result.plane_of[i]; id > 0) {
+      seen.plane_of.data[result.cloud.source[i]] = static_cast<std::uint16_t>(id);
+      ++seen.planes[id - 1].pixels;
+    }
+  return seen;
+}
+
+}  // namespace planescope::world

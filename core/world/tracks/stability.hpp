@@ -1,0 +1,32 @@
+#pragma once
+
+// How steady the planes of a recording are over time.
+
+#include <limits>
+#include <span>
+
+#include "core/world/poses/trajectory.hpp"
+#include "core/world/tracks/tracker.hpp"
+
+namespace planescope::world {
+
+struct Stability {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  int frames = 0;             // with a pose, not set aside
+  double kept_share = kNone;  // of the pixels on planes: their track is in the next frame too
+  // Of tracks that the map holds, a frame in which one is in sight but missing, and was there
+  // before, per 100 frames; of these, swaps: its place was taken for another track's.
+  double breaks = kNone, swaps = kNone;
+  // Over still stretches, of a track's planes from frame to frame, each frame's share (RMS):
+  int still_pairs = 0;
+  double normal_jitter_deg = kNone, offset_jitter_m = kNone;
+  // Tracks that come back after kAway frames out of sight: how far from where they were (RMS).
+  static constexpr int kAway = 10;
+  int returns = 0;
+  double drift_m = kNone;
+};
+
+Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses);
+
+}  // namespace planescope::world

@@ -1,0 +1,157 @@
+#include "core/world/tracks/track.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+namespace planescope::world {
+namespace {
+
+constexpr double kUnitSigma_m = 1e-3;   // a measurement with it weighs 1
+constexpr double kLeastSigma_m = 1e-4;  // exact depth is rounded to counts all the same
+constexpr double kLeastTilt_rad = 1e-5;
+// What all observations of a plane have in common does not average away: the camera's calibration.
+constexpr double kCommonOffset_m = 1e-3;
+constexpr double kCommonTilt_rad = 1e-3;
+
+Mat3d covariance_of(const Mat3d& information) {
+  return (information + 1e-6 * Mat3d::Identity()).inverse();
+}
+
+}  // namespace
+
+const char* to_string(Absence absence) {
+  switch (absence) {
+    case Absence::out_of_view:
+      return "out of view";
+    case Absence::beyond_range:
+      return "beyond range";
+    case Absence::occluded:
+      return "occluded";
+    case Absence::not_measured:
+      return "not measured";
+    case Absence::seen_through:
+      return "seen through";
+    case Absence::not_detected:
+      return "not detected";
+    case Absence::not_matched:
+      return "not matched";
+    case Absence::set_aside:
+      return "frame set aside";
+  }
+  return "";
+}
+
+const char* to_string(Term term) {
+  switch (term) {
+    case Term::none:
+      return "none";
+    case Term::label:
+      return "label";
+    case Term::angle_deg:
+      return "angle_deg";
+    case Term::offset_m:
+      return "offset_m";
+    case Term::overlap:
+      return "overlap";
+    case Term::taken:
+      return "taken";
+  }
+  return "";
+}
+
+const char* to_string(TrackState state) {
+  switch (state) {
+    case TrackState::alive:
+      return "alive";
+    case TrackState::gone:
+      return "gone";
+    case TrackState::merged:
+      return "merged";
+  }
+  return "";
+}
+
+std::string TermResult::text() const {
+  switch (failed) {
+    case Term::none:
+      return {};
+    case Term::label:
+      return "label is the other one";
+    case Term::angle_deg:
+      return fmt::format("angle {:.2f} > {:.2f} deg", value, threshold);
+    case Term::offset_m:
+      return fmt::format("offset {:.1f} > {:.1f} mm", 1000 * value, 1000 * threshold);
+    case Term::overlap:
+      return fmt::format("overlap {:.3f} < {:.3f}", value, threshold);
+    case Term::taken:
+      return fmt::format("taken for track {:.0f}", value);
+  }
+  return {};
+}
+
+Vec3d Track::on_plane(const Vec2d& place) const {
+  const Vec3d p = anchor + place.x() * basis.u + place.y() * basis.v;
+  const Vec3d along = basis.u.cross(basis.v);
+  return p - along * (distance_m(p) / fit.normal.dot(along));
+}
+
+double Track::sigma_m(const Vec2d& place) const {
+  const Vec3d g(place.x(), place.y(), 1);
+  return std::sqrt(std::max(0.0, g.dot(covariance_of(information) * g)) + squared(kCommonOffset_m) +
+                   squared(kCommonTilt_rad) * place.squaredNorm());
+}
+
+double Track::sigma_tilt_deg() const {
+  const Mat3d covariance = covariance_of(information);
+  const double a = covariance(0, 0), b = covariance(0, 1), c = covariance(1, 1);
+  const double worse = (a + c) / 2 + std::hypot((a - c) / 2, b);
+  return std::sqrt(std::max(0.0, worse) + squared(kCommonTilt_rad)) * 180 / std::numbers::pi;
+}
+
+void Track::fuse(const ObservedPlane& plane, const Vec3d& camera) {
+  const double sigma = std::max(kLeastSigma_m, plane.certainty.sigma_m);
+  Pose shift = Pose::Identity();
+  shift.translation() = camera - anchor;
+  moments += scaled(moved(plane.moments, shift), squared(kUnitSigma_m / sigma));
+  fit = fit_plane(moments);
+  if (fit.normal.dot(basis.u.cross(basis.v)) < 0) fit.normal = -fit.normal;
+
+  // The observation tells the height at its centroid and the slopes along its axes.
+  const Vec2d at = on_grid(plane.centroid);
+  const auto add = [&](const Vec3d& row, double sigma_of_row) {
+    information += row * row.transpose() / squared(sigma_of_row);
+  };
+  add({at.x(), at.y(), 1}, std::max(kLeastSigma_m, plane.certainty.sigma_offset_m));
+  for (int i = 0; i < 2; ++i) {
+    const Vec3d& axis = plane.certainty.axes[i];
+    add({axis.dot(basis.u), axis.dot(basis.v), 0},
+        std::max(kLeastTilt_rad, plane.certainty.sigma_tilt_rad[i]));
+  }
+}
+
+double Track::sure_area_m2() const {
+  return static_cast<double>(cells.sure_places().size()) * squared(cells.cell_m());
+}
+
+bool Track::is_sure(const TrackOptions& options) const {
+  return state != TrackState::merged && frames_seen >= options.confirm_frames &&
+         frames_seen >= options.confirm_share * (frames_seen + frames_missed) &&
+         (state == TrackState::gone || sure_area_m2() >= options.least_area_m2);
+}
+
+planes::Outline outline_of(const Track& track) {
+  const bool is_gone = track.state == TrackState::gone;
+  std::vector<Vec2d> places;
+  const PlaneBasis basis = plane_basis(track.fit.normal);
+  const Vec3d origin = track.centroid();
+  for (const Vec2d& place : is_gone ? track.cells.gone_places() : track.cells.sure_places()) {
+    const Vec3d d = track.on_plane(place) - origin;
+    places.emplace_back(basis.u.dot(d), basis.v.dot(d));
+  }
+  return planes::outline_of_points(origin, basis, places, track.cells.cell_m());
+}
+
+}  // namespace planescope::world

@@ -1,0 +1,128 @@
+#pragma once
+
+// A plane of the world, and when it was seen.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/label.hpp"
+#include "core/model/plane.hpp"
+#include "core/world/tracks/cells.hpp"
+#include "core/world/tracks/observation.hpp"
+
+namespace planescope::world {
+
+struct TrackOptions {
+  double cell_m = 0.02;  // of the grids on planes
+  // Two planes are the same where they differ by no more than this and so many sigmas of both:
+  double max_angle_deg = 3;
+  double max_offset_m = 0.015;  // where they overlap
+  double sigmas = 3;
+  double least_overlap = 0.1;  // share of the smaller of both; nothing in common but an edge is
+                               // enough where the gap is no wider than
+  double join_gap_m = 0.06;
+  int least_cells = 25;  // of a track must be in sight before it is said to be missed
+  // What the map holds:
+  int confirm_frames = 3;
+  double confirm_share = 0.25;  // of the frames in which it was in sight
+  double least_area_m2 = 0.01;
+  // A frame whose depth fits less of what is known is set aside; so many in a row, and a new
+  // segment begins:
+  double least_agreement = 0.35;
+  int most_aside = 10;
+};
+
+/// Why a track is not in a frame.
+enum class Absence : std::uint8_t {
+  out_of_view,
+  beyond_range,
+  occluded,
+  not_measured,
+  seen_through,
+  not_detected,  // its place is on no plane
+  not_matched,   // its place is on a plane that is not taken for it
+  set_aside,     // the frame as a whole does not fit the map
+};
+const char* to_string(Absence absence);
+/// It was in sight.
+inline bool is_miss(Absence absence) { return absence >= Absence::seen_through; }
+
+/// A test of whether two planes are the same: `value op threshold`.
+enum class Term : std::uint8_t { none, label, angle_deg, offset_m, overlap, taken };
+const char* to_string(Term term);
+struct TermResult {
+  Term failed = Term::none;
+  double value = 0, threshold = 0;
+  /// "angle 7.2 > 3.4 deg"; empty where nothing failed.
+  std::string text() const;
+};
+
+struct Sighting {
+  int frame = 0;
+  int plane = 0;  // id in the frame
+  float pixels = 0;
+  float offset_m = 0;   // of the observation from the track before, where they overlap
+  float angle_deg = 0;  // between their normals
+  Vec3f normal = Vec3f::Zero(), centroid = Vec3f::Zero();  // observed, world
+  bool part = false;  // another plane of the frame stands for the track, this one too
+};
+
+/// Frames first to last in a row in which the track is missing for one reason.
+struct Gap {
+  int first = 0, last = 0;
+  Absence why = Absence::out_of_view;
+  int plane = 0;    // of frame `first`, on which its place lies; 0 none
+  TermResult term;  // in frame `first`
+};
+
+enum class TrackState : std::uint8_t { alive, gone, merged };
+const char* to_string(TrackState state);
+
+struct Track {
+  int id = 0;  // from 1, in order of birth
+  int segment = 0;
+  Label label = Label::unknown;
+  TrackState state = TrackState::alive;
+  int born = 0;    // frame
+  int ended = -1;  // frame; -1: not
+  int merged_into = 0;
+
+  // The grid's frame, which stays as it was at birth: anchor + x u + y v.
+  Vec3d anchor = Vec3d::Zero();
+  PlaneBasis basis;
+  Moments moments;  // about the anchor; each measurement weighs 1 / sigma^2, 1 mm is 1
+  PlaneFit fit;     // of the moments, about the anchor; the normal on the seen side
+  Mat3d information =
+      Mat3d::Zero();  // of the slopes along u and v, and of the height at the anchor
+  CellMap cells;
+
+  std::vector<Sighting> sightings;
+  std::vector<Gap> gaps;
+  int frames_seen = 0, frames_missed = 0;
+
+  explicit Track(double cell_m) : cells(cell_m) {}
+
+  Vec3d centroid() const { return anchor + fit.centroid; }
+  double distance_m(const Vec3d& p) const { return fit.normal.dot(p - centroid()); }
+  Vec2d on_grid(const Vec3d& p) const {
+    const Vec3d d = p - anchor;
+    return {basis.u.dot(d), basis.v.dot(d)};
+  }
+  /// The point of the plane above a place of the grid, along the grid's normal.
+  Vec3d on_plane(const Vec2d& place) const;
+  /// Of the plane's height at a place of the grid [m].
+  double sigma_m(const Vec2d& place) const;
+  /// Of the normal, its worse direction.
+  double sigma_tilt_deg() const;
+  void fuse(const ObservedPlane& plane, const Vec3d& camera);
+  /// Whether the map holds it.
+  bool is_sure(const TrackOptions& options) const;
+  double sure_area_m2() const;
+};
+
+/// What the track covers, in the world.
+planes::Outline outline_of(const Track& track);
+
+}  // namespace planescope::world

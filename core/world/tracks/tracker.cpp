@@ -1,0 +1,360 @@
+#include "core/world/tracks/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/planes/evaluate/plane_match.hpp"
+
+namespace planescope::world {
+namespace {
+
+constexpr int kEnoughToCompare = 200;  // cells, before a frame is judged by them
+constexpr double kHidden = 0.5;        // share of the cells in view that hides the rest
+
+std::vector<planes::PolygonRing> rings_on_grid(const planes::Outline& outline, const Track& track) {
+  std::vector<planes::PolygonRing> rings;
+  const auto add = [&](const planes::PolygonRing& ring) {
+    planes::PolygonRing& on_grid = rings.emplace_back();
+    for (const Vec2d& p : ring) on_grid.push_back(track.on_grid(outline.world(p)));
+  };
+  for (const planes::Outline::Part& part : outline.parts) {
+    add(part.outer);
+    for (const auto& hole : part.holes) add(hole);
+    for (const auto& hole : part.unknown) add(hole);
+  }
+  return rings;
+}
+
+double sigma_tilt_deg(const ObservedPlane& plane) {
+  const auto& sigmas = plane.certainty.sigma_tilt_rad;
+  return std::max(sigmas[0], sigmas[1]) * 180 / std::numbers::pi;
+}
+
+double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
+  const planes::Certainty& c = plane.certainty;
+  const Vec3d d = p - plane.centroid;
+  return std::sqrt(squared(c.sigma_offset_m) + squared(c.sigma_tilt_rad[0] * c.axes[0].dot(d)) +
+                   squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
+}
+
+/// The absence that a sight speaks for, where its place is not on a plane.
+Absence absence_of(const Sight& sight, int least_cells) {
+  const int least = std::min(least_cells, sight.cells);
+  if (sight.in_view < least)
+    return sight.beyond_range > sight.in_view ? Absence::beyond_range : Absence::out_of_view;
+  if (sight.visible() < std::max(least, static_cast<int>((1 - kHidden) * sight.in_view)))
+    return sight.unmeasured > sight.hidden ? Absence::not_measured : Absence::occluded;
+  if (2 * sight.through > sight.visible()) return Absence::seen_through;
+  return Absence::not_detected;
+}
+
+}  // namespace
+
+int final_track(const std::deque<Track>& tracks, int id) {
+  while (id > 0 && tracks[id - 1].state == TrackState::merged) id = tracks[id - 1].merged_into;
+  return id;
+}
+
+/// A track, and what a frame shows of it.
+struct Tracker::Judged {
+  Track* track;
+  Sight sight;
+  bool seen = false;
+};
+
+std::vector<Track*> Tracker::alive() {
+  std::vector<Track*> alive;
+  for (Track& track : tracks_)
+    if (track.state == TrackState::alive && track.segment == segment_) alive.push_back(&track);
+  return alive;
+}
+
+TermResult Tracker::compare(const Track& track,
+                            const ObservedPlane& plane,
+                            const Vec3d& where) const {
+  if (track.label != plane.label && track.label != Label::unknown && plane.label != Label::unknown)
+    return {Term::label, 0, 0};
+  const double angle = planes::plane_angle_deg(track.fit.normal, plane.normal);
+  const double most_angle =
+      options_.max_angle_deg +
+      options_.sigmas * std::hypot(sigma_tilt_deg(plane), track.sigma_tilt_deg());
+  if (angle > most_angle) return {Term::angle_deg, angle, most_angle};
+  const double offset =
+      std::max(std::abs(plane.distance_m(where)), std::abs(track.distance_m(where)));
+  const double most_offset =
+      options_.max_offset_m +
+      options_.sigmas * std::hypot(sigma_m_at(plane, where), track.sigma_m(track.on_grid(where)));
+  if (offset > most_offset) return {Term::offset_m, offset, most_offset};
+  return {};
+}
+
+const FrameOfTracks& Tracker::skip(int frame, double timestamp_s) {
+  FrameOfTracks& told = frames_.emplace_back();
+  told.frame = frame;
+  told.timestamp_s = timestamp_s;
+  told.segment = segment_;
+  told.has_pose = false;
+  return told;
+}
+
+const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
+  segment_ = frame.segment + begun_;
+  FrameOfTracks told;
+  told.frame = frame.frame;
+  told.timestamp_s = frame.timestamp_s;
+  told.track_of.assign(frame.planes.size(), 0);
+
+  std::vector<Judged> judged;
+  int there = 0;
+  for (Track* track : alive()) {
+    judged.push_back({track, sight_of(*track, frame, options_, false)});
+    const Sight& sight = judged.back().sight;
+    there += sight.there;
+    told.compared_cells += sight.there + sight.through + sight.hidden;
+  }
+  if (told.compared_cells > 0) told.agreement = static_cast<double>(there) / told.compared_cells;
+  told.set_aside =
+      told.compared_cells >= kEnoughToCompare && told.agreement < options_.least_agreement;
+  if (told.set_aside && ++aside_ > options_.most_aside) {
+    ++begun_, ++segment_;
+    told.set_aside = false;
+    judged.clear();
+  }
+  told.segment = segment_;
+  if (told.set_aside) {
+    for (Judged& j : judged) note_absence(frame, j, told);
+    return frames_.emplace_back(std::move(told));
+  }
+  aside_ = 0;
+  for (Judged& j : judged) sight_of(*j.track, frame, options_, true);
+
+  assign(frame, judged, told);
+  for (Judged& j : judged)
+    if (!j.seen) note_absence(frame, j, told);
+  merge_equal(frame, told);
+  end_those_gone(frame.frame);
+  return frames_.emplace_back(std::move(told));
+}
+
+void Tracker::assign(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told) {
+  const auto planes = static_cast<int>(frame.planes.size());
+  const auto tracks = static_cast<int>(judged.size());
+  struct Pair {
+    double value = 0;
+    Vec3d where = Vec3d::Zero();
+  };
+  std::vector<Pair> pairs(static_cast<std::size_t>(tracks) * planes);
+  std::vector<double> values(pairs.size(), 0);
+  for (int t = 0; t < tracks; ++t)
+    for (int p = 0; p < planes; ++p) {
+      const ObservedPlane& plane = frame.planes[p];
+      const Judged& j = judged[t];
+      const Sight::On& on = j.sight.on[plane.id];
+      Pair& pair = pairs[static_cast<std::size_t>(t) * planes + p];
+      if (on.cells > 0) {
+        pair.where = on.sum / on.cells;
+        const double covered = std::max(1.0, plane.outline.area_m2 / squared(options_.cell_m));
+        const double overlap =
+            on.cells / std::max(1.0, std::min<double>(j.sight.visible(), covered));
+        if (overlap < options_.least_overlap) continue;
+        if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
+        pair.value = on.cells / std::max(1.0, j.sight.visible() + covered - on.cells);
+      } else {
+        pair.where = plane.centroid;
+        if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
+        if (!touch(*j.track, plane.outline)) continue;
+        pair.value = 1e-6;  // any overlap wins
+      }
+      values[&pair - pairs.data()] = pair.value;
+    }
+
+  const std::vector<int> plane_of = planes::best_assignment(values, tracks, planes);
+  for (int t = 0; t < tracks; ++t)
+    if (const int p = plane_of[t]; p >= 0) {
+      told.track_of[p] = judged[t].track->id;
+      judged[t].seen = true;
+      take(*judged[t].track, frame, frame.planes[p],
+           pairs[static_cast<std::size_t>(t) * planes + p].where);
+    }
+  // What is left over goes to the track it fits best, as one more part of it.
+  for (int p = 0; p < planes; ++p) {
+    if (told.track_of[p] != 0) continue;
+    int best = -1;
+    for (int t = 0; t < tracks; ++t) {
+      const double value = values[static_cast<std::size_t>(t) * planes + p];
+      if (value > 0 && (best < 0 || value > values[static_cast<std::size_t>(best) * planes + p]))
+        best = t;
+    }
+    if (best >= 0) {
+      told.track_of[p] = judged[best].track->id;
+      take(*judged[best].track, frame, frame.planes[p],
+           pairs[static_cast<std::size_t>(best) * planes + p].where);
+    } else {
+      found(frame, frame.planes[p], told);
+    }
+  }
+}
+
+void Tracker::take(Track& track,
+                   const ObservedFrame& frame,
+                   const ObservedPlane& plane,
+                   const Vec3d& where) {
+  Sighting sighting;
+  sighting.frame = frame.frame;
+  sighting.plane = plane.id;
+  sighting.pixels = static_cast<float>(plane.pixels);
+  sighting.normal = plane.normal.cast<float>();
+  sighting.centroid = plane.centroid.cast<float>();
+  if (!track.sightings.empty()) {
+    sighting.part = track.sightings.back().frame == frame.frame;
+    sighting.offset_m = static_cast<float>(plane.distance_m(where) - track.distance_m(where));
+    sighting.angle_deg =
+        static_cast<float>(planes::plane_angle_deg(plane.normal, track.fit.normal));
+  }
+  if (!sighting.part) ++track.frames_seen;
+  track.sightings.push_back(sighting);
+  track.fuse(plane, frame.camera());
+  if (track.label == Label::unknown) track.label = plane.label;
+  track.cells.fill(rings_on_grid(plane.outline, track),
+                   [&](int x, int y) { track.cells.at(x, y).see(); });
+}
+
+void Tracker::found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told) {
+  Track& track = tracks_.emplace_back(options_.cell_m);
+  track.id = static_cast<int>(tracks_.size());
+  track.segment = segment_;
+  track.label = plane.label;
+  track.born = frame.frame;
+  track.anchor = plane.centroid;
+  track.basis = plane_basis(plane.normal);
+  take(track, frame, plane, plane.centroid);
+  told.track_of[plane.id - 1] = track.id;
+}
+
+bool Tracker::touch(const Track& track, const planes::Outline& outline) const {
+  const int radius = track.cells.index_of(options_.join_gap_m);
+  bool near = false;
+  int count = 0;
+  track.cells.fill(rings_on_grid(outline, track), [&](int x, int y) {
+    if (!near && ++count % 3 == 0) near = track.cells.is_near(x, y, radius);
+  });
+  return near;
+}
+
+void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told) {
+  Track& track = *judged.track;
+  Gap gap{frame.frame, frame.frame, absence_of(judged.sight, options_.least_cells), 0, {}};
+  if (told.set_aside) gap.why = Absence::set_aside;
+  if (gap.why == Absence::not_detected) {
+    const int id = judged.sight.most_on();
+    if (id > 0 && 2 * judged.sight.on[id].cells > judged.sight.there) {
+      gap.why = Absence::not_matched;
+      gap.plane = id;
+      const Sight::On& on = judged.sight.on[id];
+      gap.term = compare(track, frame.planes[id - 1], on.sum / on.cells);
+      if (gap.term.failed == Term::none) {
+        gap.term = {Term::taken, static_cast<double>(told.track_of[id - 1]), 0};
+      }
+    }
+  }
+  if (is_miss(gap.why)) ++track.frames_missed;
+  // Frames in a row: the one before is the last that was told of.
+  const int before = frames_.empty() ? -1 : frames_.back().frame;
+  if (!track.gaps.empty() && track.gaps.back().last == before && track.gaps.back().why == gap.why)
+    track.gaps.back().last = frame.frame;
+  else
+    track.gaps.push_back(gap);
+}
+
+void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
+  const std::vector<Track*> tracks = alive();
+  for (Track* small : tracks) {
+    // Only what grew in this frame has come to touch anything.
+    if (small->sightings.back().frame != frame.frame) continue;
+    for (Track* large : tracks) {
+      if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
+        continue;
+      if (small->label != large->label) continue;
+      const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
+      if (angle > options_.max_angle_deg + options_.sigmas * std::hypot(small->sigma_tilt_deg(),
+                                                                        large->sigma_tilt_deg()))
+        continue;
+      const Vec3d where = small->centroid();
+      const double offset = std::abs(large->distance_m(where));
+      const double most = options_.max_offset_m +
+                          options_.sigmas * std::hypot(small->sigma_m(small->on_grid(where)),
+                                                       large->sigma_m(large->on_grid(where)));
+      if (offset > most) continue;
+      const int radius = large->cells.index_of(options_.join_gap_m);
+      bool near = false;
+      int count = 0;
+      for (const CellMap::Tile& tile : small->cells.tiles()) {
+        for (int i = 0; i < CellMap::kSide * CellMap::kSide && !near; ++i) {
+          if (!tile.cells[i].present() || ++count % 3 != 0) continue;
+          const Vec2d at = large->on_grid(small->on_plane(small->cells.middle(tile, i)));
+          near = large->cells.is_near(large->cells.index_of(at.x()), large->cells.index_of(at.y()),
+                                      radius);
+        }
+        if (near) break;
+      }
+      if (!near) continue;
+      Track& into = small->id < large->id ? *small : *large;
+      Track& from = small->id < large->id ? *large : *small;
+      merge(from, into, frame.frame);
+      for (int& id : told.track_of)
+        if (id == from.id) id = into.id;
+    }
+  }
+}
+
+void Tracker::merge(Track& from, Track& into, int frame) {
+  for (const CellMap::Tile& tile : from.cells.tiles())
+    for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i) {
+      const Cell& cell = tile.cells[i];
+      if (!cell.present()) continue;
+      const Vec2d at = into.on_grid(from.on_plane(from.cells.middle(tile, i)));
+      Cell& target = into.cells.at(into.cells.index_of(at.x()), into.cells.index_of(at.y()));
+      if (cell.seen > target.seen) target = cell;
+    }
+  Pose shift = Pose::Identity();
+  shift.translation() = from.anchor - into.anchor;
+  into.moments += moved(from.moments, shift);
+  const Vec3d side = into.fit.normal;
+  into.fit = fit_plane(into.moments);
+  if (into.fit.normal.dot(side) < 0) into.fit.normal = -into.fit.normal;
+  // (slope u, slope v, height at from's anchor) as functions of into's.
+  const Vec2d at = into.on_grid(from.anchor);
+  Mat3d j;
+  j << from.basis.u.dot(into.basis.u), from.basis.u.dot(into.basis.v), 0,
+      from.basis.v.dot(into.basis.u), from.basis.v.dot(into.basis.v), 0, at.x(), at.y(), 1;
+  into.information += j.transpose() * from.information * j;
+
+  // A frame in which both were seen counts once.
+  std::vector<Sighting> sightings;
+  std::merge(into.sightings.begin(), into.sightings.end(), from.sightings.begin(),
+             from.sightings.end(), std::back_inserter(sightings),
+             [](const Sighting& a, const Sighting& b) { return a.frame < b.frame; });
+  into.frames_seen = 0;
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    sightings[i].part = i > 0 && sightings[i - 1].frame == sightings[i].frame;
+    into.frames_seen += !sightings[i].part;
+  }
+  into.sightings = std::move(sightings);
+  into.born = std::min(into.born, from.born);
+  from.state = TrackState::merged;
+  from.merged_into = into.id;
+  from.ended = frame;
+  from.cells = CellMap(options_.cell_m);
+}
+
+void Tracker::end_those_gone(int frame) {
+  for (Track* track : alive())
+    if (track->cells.present() == 0) {
+      track->state = TrackState::gone;
+      track->ended = frame;
+    }
+}
+
+}  // namespace planescope::world

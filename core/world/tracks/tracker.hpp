@@ -1,0 +1,68 @@
+#pragma once
+
+// Planes of the frames become planes of the world: which is which, and what they come to.
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "core/world/tracks/sight.hpp"
+#include "core/world/tracks/track.hpp"
+
+namespace planescope::world {
+
+/// What became of a frame.
+struct FrameOfTracks {
+  int frame = 0;
+  double timestamp_s = 0;
+  int segment = 0;
+  bool has_pose = true;
+  bool set_aside = false;  // its depth does not fit what is known
+  double agreement = 1;    // share of what was in sight that was where it should be
+  int compared_cells = 0;
+  std::vector<int> track_of;  // by plane id - 1; 0: none
+};
+
+/// Tracks of one camera's frames, taken in one after the other; poses stay as they are given.
+/// Deterministic.
+class Tracker {
+ public:
+  explicit Tracker(TrackOptions options = {}) : options_(options) {}
+
+  /// Frames of a segment come together, in the order of time.
+  const FrameOfTracks& add(const ObservedFrame& frame);
+  /// A frame whose pose nobody knows, or that could not be segmented.
+  const FrameOfTracks& skip(int frame, double timestamp_s);
+
+  const TrackOptions& options() const { return options_; }
+  const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
+  const std::vector<FrameOfTracks>& frames() const { return frames_; }
+
+ private:
+  struct Judged;
+  std::vector<Track*> alive();
+  TermResult compare(const Track& track, const ObservedPlane& plane, const Vec3d& where) const;
+  void assign(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told);
+  void take(Track& track,
+            const ObservedFrame& frame,
+            const ObservedPlane& plane,
+            const Vec3d& where);
+  void found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told);
+  bool touch(const Track& track, const planes::Outline& outline) const;
+  void note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told);
+  void merge_equal(const ObservedFrame& frame, FrameOfTracks& told);
+  void merge(Track& from, Track& into, int frame);
+  void end_those_gone(int frame);
+
+  TrackOptions options_;
+  std::deque<Track> tracks_;
+  std::vector<FrameOfTracks> frames_;
+  int segment_ = 0;  // of the last frame, with those that were begun here
+  int begun_ = 0;    // segments that began because frames did not fit
+  int aside_ = 0;    // frames in a row
+};
+
+/// The track that a merged one has become.
+int final_track(const std::deque<Track>& tracks, int id);
+
+}  // namespace planescope::world
