@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "core/lab/synthetic/sample.hpp"
 #include "core/lab/synthetic/scenes.hpp"
+#include "core/lab/synthetic/sequence.hpp"
 #include "core/labels/model/label_files.hpp"
 
 namespace planescope::app {
@@ -24,6 +26,48 @@ int run_synth_sample(const SynthSampleArgs& args, std::stop_token) {
   fmt::print("{}: {} frames, their ground truth in {}\n", args.out.string(),
              args.sample.scenes.size(), labels::default_label_dir(args.out).string());
   return 0;
+}
+
+struct SynthSequenceArgs {
+  std::filesystem::path out;  // -o
+  lab::SequenceOptions sequence;
+  int threads = all_cores();
+};
+
+int run_synth_sequence(const SynthSequenceArgs& args, std::stop_token stop) {
+  check_output_dir(args.out);
+  lab::write_sequence(args.out, args.sequence, args.threads, Bar("synth sequence", stop));
+  fmt::print("{}: {} frames of a walk with their poses, their ground truth in {}\n",
+             args.out.string(), args.sequence.frames, labels::default_label_dir(args.out).string());
+  return 0;
+}
+
+void define_sequence(CLI::App* synth, Line& line) {
+  CLI::App* sequence = synth->add_subcommand(
+      "sequence",
+      "A walk past boxes, up a stair and down again, with exact poses, and its ground truth in "
+      "DIR.labels");
+  const auto args = std::make_shared<SynthSequenceArgs>();
+  lab::SequenceOptions& options = args->sequence;
+  add_out(sequence, args->out)->required();
+  add(sequence, "--frames", options.frames, "N", "Of the whole walk, default 300")
+      ->transform(whole(2, 100000));
+  add(sequence, "--rate", options.rate_hz, "HZ", "Frames a second, default 15")
+      ->check(number(0.01, 1000));
+  add_size(sequence, options.width, options.height, "Of the pictures in pixels, default 640x480",
+           16, 16);
+  add(sequence, "--seed", options.seed, "N", "Another seed makes other noise, default 1")
+      ->transform(whole(0));
+  sequence->add_flag_callback(
+      "--exact", [&options] { options.noise = false; }, "Depth without noise and holes");
+  sequence->add_flag_callback(
+      "--depth-only", [&options] { options.color = false; }, "No colour");
+  sequence->add_flag_callback(
+      "--no-imu", [&options] { options.imu = false; }, "No gravity in the recording");
+  sequence->add_flag("--covered", options.covered, "Ten frames in the middle measure nothing");
+  sequence->add_flag("--moved", options.moved, "A box is taken away on the way");
+  add_threads(sequence, args->threads);
+  runs(sequence, line, args, run_synth_sequence);
 }
 
 }  // namespace
@@ -47,6 +91,7 @@ void define_synth(CLI::App& app, Line& line) {
       "--depth-only", [&options] { options.color = false; }, "No colour");
   sample->add_flag("--with-gravity", options.gravity, "State the true gravity in the recording");
   runs(sample, line, args, run_synth_sample);
+  define_sequence(synth, line);
 }
 
 }  // namespace planescope::app

@@ -11,6 +11,7 @@ namespace planescope::app {
 void define_bench_paper(CLI::App* bench, Line& line);
 void define_bench_real(CLI::App* bench, Line& line);
 void define_bench_outlines(CLI::App* bench, Line& line);
+void define_bench_map(CLI::App* bench, Line& line);
 void define_bench_classifier(CLI::App* bench, Line& line);
 void define_bench_desktop(CLI::App* bench, Line& line);
 void define_bench_speed(CLI::App* bench, Line& line);

@@ -90,6 +90,7 @@ class PickedRecording : public Recording {
     return frame;
   }
   double timestamp_s(int i) const override { return recording_->timestamp_s(i); }
+  std::optional<Pose> T_world_camera(int i) const override { return recording_->T_world_camera(i); }
   std::string frame_hash(int i) const override { return recording_->frame_hash(i); }
 
  private:

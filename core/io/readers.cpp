@@ -71,6 +71,25 @@ struct Keys {
     return result;
   }
 
+  std::optional<Pose> placed(const json& object) const {
+    constexpr double kUnit = 1e-3;
+    const auto found = object.find("T_world_camera");
+    if (found == object.end() || found->is_null()) return std::nullopt;
+    double n[7] = {};
+    bool usable = found->is_array() && found->size() == 7;
+    for (std::size_t i = 0; usable && i < 7; ++i) {
+      usable = (*found)[i].is_number();
+      if (usable) n[i] = (*found)[i].get<double>();
+    }
+    const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
+    Pose pose = Pose::Identity();
+    pose.linear() = q.normalized().toRotationMatrix();
+    pose.translation() = Vec3d(n[0], n[1], n[2]);
+    if (!usable || !(std::abs(q.norm() - 1) < kUnit) || !pose.matrix().allFinite())
+      fail("T_world_camera", "tx ty tz and a quaternion qx qy qz qw of length 1");
+    return pose;
+  }
+
   Pose pose(const json& object, const std::string& key) const {
     const auto found = object.find(key);
     Pose pose = Pose::Identity();
@@ -142,18 +161,30 @@ Sidecar read_sidecar(const std::filesystem::path& recording) {
     frame.name = entry["name"].get<std::string>();
     if (entry.contains("timestamp_s")) frame.timestamp_s = keys.number(entry, "timestamp_s");
     frame.gravity = keys.direction(entry);
+    frame.T_world_camera = keys.placed(entry);
+    sidecar.frame_of.emplace(frame.name, sidecar.frames.size());
     sidecar.frames.push_back(std::move(frame));
   }
   return sidecar;
 }
 
+const Sidecar::FrameFacts* facts_of(const Sidecar& sidecar, const std::string& name) {
+  const auto at = sidecar.frame_of.find(name);
+  return at == sidecar.frame_of.end() ? nullptr : &sidecar.frames[at->second];
+}
+
+std::array<double, 7> pose_numbers(const Pose& pose) {
+  const Vec3d t = pose.translation();
+  Eigen::Quaterniond q(pose.linear());
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
 void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
   std::optional<Vec3d> direction = sidecar.gravity;
-  for (const Sidecar::FrameFacts& facts : sidecar.frames) {
-    if (facts.name != frame.name) continue;
-    if (facts.gravity) direction = facts.gravity;
-    if (facts.timestamp_s) frame.timestamp_s = *facts.timestamp_s;
-    break;
+  if (const Sidecar::FrameFacts* facts = facts_of(sidecar, frame.name)) {
+    if (facts->gravity) direction = facts->gravity;
+    if (facts->timestamp_s) frame.timestamp_s = *facts->timestamp_s;
   }
   if (direction) {
     frame.gravity =

@@ -2,10 +2,12 @@
 
 // What the readers of the single formats share. Internal to core/io.
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/io/recording.hpp"
@@ -18,12 +20,14 @@ namespace planescope::io {
 ///    "intrinsics": {"width", "height", "fx", "fy", "cx", "cy", "distortion": [k1,k2,p1,p2,k3]},
 ///    "depth_unit_m": 0.001, "gravity": [x, y, z], "color_aligned": true,
 ///    "color": {"intrinsics": {...}, "T_color_depth": [16 numbers, row by row]},
-///    "frames": [{"name": "000000", "timestamp_s": 0.0, "gravity": [x, y, z]}]}
+///    "frames": [{"name": "000000", "timestamp_s": 0.0, "gravity": [x, y, z],
+///                "T_world_camera": [tx, ty, tz, qx, qy, qz, qw]}]}
 struct Sidecar {
   struct FrameFacts {
     std::string name;  // file stem of the depth image
     std::optional<double> timestamp_s;
     std::optional<Vec3d> gravity;  // unit vector
+    std::optional<Pose> T_world_camera;
   };
   std::filesystem::path path;  // empty where there is none
   std::optional<Intrinsics> intrinsics;
@@ -33,7 +37,14 @@ struct Sidecar {
   std::optional<Intrinsics> color_intrinsics;  // of colour on pixels of its own, with ...
   Pose T_color_depth = Pose::Identity();       // ... where its camera stands
   std::vector<FrameFacts> frames;
+  std::unordered_map<std::string, std::size_t> frame_of;  // by name; of equal ones the first
 };
+
+/// What the sidecar says of the frame with this name; null: nothing.
+const Sidecar::FrameFacts* facts_of(const Sidecar& sidecar, const std::string& name);
+
+/// A pose as sidecars have it: tx ty tz qx qy qz qw.
+std::array<double, 7> pose_numbers(const Pose& pose);
 
 /// Reads the sidecar of a recording, an empty one where there is none. Throws Error naming the
 /// sidecar and the key when a value cannot be used.

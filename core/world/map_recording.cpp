@@ -158,7 +158,8 @@ WorldMap map_recording(const MapJob& job) {
   const auto take = [&](int i) {
     check_stop(job);
     if (observed[i]) {
-      map.tracker.add(*observed[i]);
+      const FrameOfTracks& told = map.tracker.add(*observed[i]);
+      if (job.on_frame) job.on_frame(*observed[i], told);
       observed[i].reset();
     } else {
       map.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);

@@ -27,6 +27,8 @@ struct MapJob {
   std::optional<Trajectory> trajectory;  // else the recording's own, else odometry
   int threads = 1;
   std::function<void(const char* what, int done, int all)> progress = {};
+  /// After each frame, in their order.
+  std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
   std::stop_token stop = {};
 };
 

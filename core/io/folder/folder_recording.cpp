@@ -29,6 +29,7 @@ class FolderRecording : public Recording {
   int frame_count() const override { return static_cast<int>(layout_.depth.size()); }
   Frame frame(int i) const override;
   double timestamp_s(int i) const override;
+  std::optional<Pose> T_world_camera(int i) const override;
   std::string frame_hash(int i) const override { return sha256_of_depth(read_depth(i)); }
 
  private:
@@ -191,6 +192,11 @@ double FolderRecording::timestamp_s(int i) const {
   facts.timestamp_s = timestamp_in_name(layout_.depth[i]).value_or(0);
   apply_sidecar(sidecar_, facts);
   return facts.timestamp_s;
+}
+
+std::optional<Pose> FolderRecording::T_world_camera(int i) const {
+  const Sidecar::FrameFacts* facts = facts_of(sidecar_, layout_.depth.at(i).stem().string());
+  return facts ? facts->T_world_camera : std::nullopt;
 }
 
 Frame FolderRecording::frame(int i) const {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/io/image/png.hpp"
+#include "core/io/readers.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
 #include "core/lab/synthetic/repeatable.hpp"
 #include "core/lab/synthetic/scenes.hpp"
@@ -95,17 +96,22 @@ void write_sample_folder(const fs::path& dir,
   Json json;
   for (std::size_t i = 0; i < folder.frames; ++i) {
     const std::string name = frame_name(i);
-    const auto [frame, truth, scene] = make_frame(i);
+    const SampleFrame sample = make_frame(i);
+    const Frame& frame = sample.frame;
+    const FrameLabels& truth = sample.truth;
     if (i == 0) json = sidecar_of(folder, frame);
     io::write_png(dir / "depth" / (name + ".png"), frame.depth);
     if (folder.color) io::write_png(dir / "color" / (name + ".png"), frame.color);
     labels::write_frame_labels(labels::default_label_dir(dir), static_cast<int>(i), truth);
 
-    Json entry = {{"name", name}, {"scene", scene}, {"timestamp_s", static_cast<double>(i)}};
-    if (folder.gravity) {
-      const Vec3d& down = truth.gravity.direction;
+    Json entry = {{"name", name},
+                  {"scene", sample.scene},
+                  {"timestamp_s", sample.timestamp_s.value_or(static_cast<double>(i))}};
+    if (folder.gravity || sample.gravity) {
+      const Vec3d down = sample.gravity.value_or(truth.gravity.direction);
       entry["gravity"] = {down.x(), down.y(), down.z()};
     }
+    if (sample.T_world_camera) entry["T_world_camera"] = io::pose_numbers(*sample.T_world_camera);
     json["frames"].push_back(entry);
   }
   const std::string text = json.dump(1) + "\n";

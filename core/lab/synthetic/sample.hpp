@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct SampleFrame {
   Frame frame;
   FrameLabels truth;
   std::string scene;  // what it shows
+  // What the recording says of it:
+  std::optional<Pose> T_world_camera = {};
+  std::optional<double> timestamp_s = {};  // else its number
+  std::optional<Vec3d> gravity = {};       // else the true one, where the folder states it
 };
 
 /// A synthetic folder recording, and what it says of itself in planescope.json.

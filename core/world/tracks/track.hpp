@@ -72,6 +72,7 @@ struct Sighting {
 /// Frames first to last in a row in which the track is missing for one reason.
 struct Gap {
   int first = 0, last = 0;
+  int frames = 1;
   Absence why = Absence::out_of_view;
   int plane = 0;    // of frame `first`, on which its place lies; 0 none
   TermResult term;  // in frame `first`

@@ -39,6 +39,21 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
 }
 
+/// A track that was merged has been seen where one of the two was: gaps begin and end anew there.
+void drop_gaps_of_sightings(Track& track) {
+  std::vector<Gap> gaps;
+  track.frames_missed = 0;
+  for (Gap gap : track.gaps) {
+    const auto first = std::ranges::lower_bound(track.sightings, gap.first, {}, &Sighting::frame);
+    const auto end = std::ranges::upper_bound(track.sightings, gap.last, {}, &Sighting::frame);
+    // Told shortly: what is left of a gap is kept where nothing of it was seen.
+    if (first != end) continue;
+    if (is_miss(gap.why)) track.frames_missed += gap.frames;
+    gaps.push_back(gap);
+  }
+  track.gaps = std::move(gaps);
+}
+
 /// The absence that a sight speaks for, where its place is not on a plane.
 Absence absence_of(const Sight& sight, int least_cells) {
   const int least = std::min(least_cells, sight.cells);
@@ -245,7 +260,9 @@ bool Tracker::touch(const Track& track, const planes::Outline& outline) const {
 
 void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told) {
   Track& track = *judged.track;
-  Gap gap{frame.frame, frame.frame, absence_of(judged.sight, options_.least_cells), 0, {}};
+  Gap gap;
+  gap.first = gap.last = frame.frame;
+  gap.why = absence_of(judged.sight, options_.least_cells);
   if (told.set_aside) gap.why = Absence::set_aside;
   if (gap.why == Absence::not_detected) {
     const int id = judged.sight.most_on();
@@ -262,10 +279,12 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
   if (is_miss(gap.why)) ++track.frames_missed;
   // Frames in a row: the one before is the last that was told of.
   const int before = frames_.empty() ? -1 : frames_.back().frame;
-  if (!track.gaps.empty() && track.gaps.back().last == before && track.gaps.back().why == gap.why)
+  if (!track.gaps.empty() && track.gaps.back().last == before && track.gaps.back().why == gap.why) {
     track.gaps.back().last = frame.frame;
-  else
+    ++track.gaps.back().frames;
+  } else {
     track.gaps.push_back(gap);
+  }
 }
 
 void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
@@ -342,6 +361,7 @@ void Tracker::merge(Track& from, Track& into, int frame) {
     into.frames_seen += !sightings[i].part;
   }
   into.sightings = std::move(sightings);
+  drop_gaps_of_sightings(into);
   into.born = std::min(into.born, from.born);
   from.state = TrackState::merged;
   from.merged_into = into.id;
