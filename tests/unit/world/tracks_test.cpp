@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/io/recording.hpp"
+#include "core/lab/synthetic/render_scene.hpp"
+#include "core/lab/synthetic/sequence.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/world/files/map_files.hpp"
+#include "support/temp_dir.hpp"
+
+namespace planescope::world {
+namespace {
+
+planes::PipelineOptions pca_options() {
+  planes::PipelineOptions options;
+  options.classifier = "pca";
+  return options;
+}
+
+/// A box on a floor before a wall, and what a camera sees of them.
+class Room : public ::testing::Test {
+ protected:
+  Room() {
+    lab::add_ground(scene_, {{-2, 4}, {-3, 3}});
+    lab::add_polygon(scene_, lab::upright({1.6, 3}, {1.6, -3}, {0, 2}), {});
+    empty_ = scene_;
+    lab::add_box(scene_, {0.9, 0, 0}, {0.3, 0.4, 0.3}, 10, {});
+    camera_.pitch_deg = 35;
+  }
+
+  ObservedFrame look(const lab::Scene& scene, bool covered = false) {
+    lab::D435Model model;
+    model.intrinsics = lab::d435_intrinsics(160, 120);
+    model.noise = model.color = false;
+    Frame frame = lab::render_scene(scene, camera_, model, 1);
+    if (covered) std::ranges::fill(frame.depth.data, std::uint16_t{0});
+    frame.index = next_++;
+    const Pose pose = lab::pose_of(camera_);
+    frame.gravity =
+        Gravity{pose.linear().transpose() * -Vec3d::UnitZ(), GravitySource::sidecar, 1, ""};
+    const auto result = planes::run_frame(frame, options_, chosen_.classifier.get());
+    return observe(frame, result, options_, pose, 0);
+  }
+  const Track& track_of(const Vec3d& place, const Vec3d& normal) {
+    for (const Track& track : tracker_.tracks())
+      if (track.state != TrackState::merged && std::abs(track.distance_m(place)) < 0.02 &&
+          track.fit.normal.dot(normal) > 0.98)
+        return track;
+    ADD_FAILURE() << "no track";
+    return tracker_.tracks().front();
+  }
+  const Track& floor() { return track_of(Vec3d::Zero(), Vec3d::UnitZ()); }
+  const Track& lid() { return track_of({0.9, 0, 0.3}, Vec3d::UnitZ()); }
+
+  lab::Scene scene_, empty_;
+  lab::CameraPose camera_;
+  planes::PipelineOptions options_ = pca_options();
+  planes::ChosenClassifier chosen_ = planes::make_classifier(options_, {});
+  Tracker tracker_;
+  int next_ = 0;
+};
+
+TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
+  for (int i = 0; i < 6; ++i) {
+    camera_.position.x() = 0.02 * i;
+    camera_.yaw_deg = i;
+    tracker_.add(look(scene_));
+  }
+  EXPECT_EQ(floor().frames_seen, 6);
+  EXPECT_EQ(lid().frames_seen, 6);
+  EXPECT_TRUE(lid().gaps.empty());
+  EXPECT_LT(std::abs(floor().distance_m(Vec3d::Zero())), 0.002);
+  // Of the lid as much as it is: 0.3 m by 0.4 m.
+  EXPECT_NEAR(outline_of(lid()).area_m2, 0.12, 0.015);
+  for (const Track& track : tracker_.tracks())
+    EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
+}
+
+TEST_F(Room, ACoveredCameraLosesNothing) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  const int before = lid().id;
+  for (int i = 0; i < 10; ++i) tracker_.add(look(scene_, true));
+  tracker_.add(look(scene_));
+  EXPECT_EQ(lid().id, before);
+  EXPECT_EQ(lid().frames_seen, 5);
+  ASSERT_EQ(lid().gaps.size(), 1u);
+  EXPECT_EQ(lid().gaps[0].why, Absence::not_measured);
+  EXPECT_EQ(lid().gaps[0].frames, 10);
+  EXPECT_EQ(lid().frames_missed, 0);
+}
+
+TEST_F(Room, WhatIsTakenAwayIsGoneAndItsPlaceIsKept) {
+  for (int i = 0; i < 5; ++i) tracker_.add(look(scene_));
+  const int id = lid().id;
+  for (int i = 0; i < 8; ++i) tracker_.add(look(empty_));
+  const Track& gone = tracker_.tracks()[id - 1];
+  EXPECT_EQ(gone.state, TrackState::gone);
+  ASSERT_FALSE(gone.gaps.empty());
+  EXPECT_EQ(gone.gaps[0].why, Absence::seen_through);
+  EXPECT_TRUE(gone.is_sure({}));
+  EXPECT_NEAR(outline_of(gone).area_m2, 0.12, 0.02);
+  EXPECT_EQ(floor().state, TrackState::alive);
+}
+
+TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  const std::size_t tracks = tracker_.tracks().size();
+  ObservedFrame wrong = look(scene_);
+  Pose off = Pose::Identity();
+  off.translation() = Vec3d(0, 0, 0.3);
+  wrong.T_world_camera = off * wrong.T_world_camera;
+  for (ObservedPlane& plane : wrong.planes) plane.centroid += off.translation();
+  const FrameOfTracks& told = tracker_.add(wrong);
+  EXPECT_TRUE(told.set_aside);
+  EXPECT_LT(told.agreement, 0.35);
+  EXPECT_EQ(tracker_.tracks().size(), tracks);
+  EXPECT_EQ(floor().gaps.back().why, Absence::set_aside);
+  EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
+}
+
+TEST_F(Room, AMissNamesTheTermThatFailed) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  ObservedFrame tilted = look(scene_);
+  const int floor_plane = floor().sightings.back().plane;
+  ObservedPlane& plane = tilted.planes[floor_plane - 1];
+  const Mat3d turn = Eigen::AngleAxisd(0.4, Vec3d::UnitY()).toRotationMatrix();
+  const Vec3d from_camera = plane.centroid - tilted.camera();
+  Pose about_centroid = Pose::Identity();
+  about_centroid.linear() = turn;
+  about_centroid.translation() = from_camera - turn * from_camera;
+  plane.normal = turn * plane.normal;
+  plane.moments = moved(plane.moments, about_centroid);
+  const int id = floor().id;
+  tracker_.add(tilted);
+  const Track& track = tracker_.tracks()[id - 1];
+  ASSERT_FALSE(track.gaps.empty());
+  EXPECT_EQ(track.gaps.back().why, Absence::not_matched);
+  EXPECT_EQ(track.gaps.back().plane, floor_plane);
+  EXPECT_EQ(track.gaps.back().term.failed, Term::angle_deg);
+  EXPECT_NEAR(track.gaps.back().term.value, 22.9, 0.5);
+  EXPECT_LT(track.gaps.back().term.threshold, track.gaps.back().term.value);
+}
+
+TEST(Fusion, OfMomentsIsTheFitOfAllPointsAtOnce) {
+  // Points seen from two places, each set about its own camera.
+  Moments all, parts;
+  for (int k = 0; k < 2; ++k) {
+    const Vec3d camera(k, 0.5 * k, 1);
+    Moments own;
+    for (int i = 0; i < 100; ++i) {
+      const Vec3d p(0.1 * (i % 10) + k, 0.1 * (i / 10), 0.2 + 0.001 * ((7 * i + k) % 5));
+      all.add(p);
+      own.add(p - camera);
+    }
+    const PlaneFit fit = fit_plane(own);
+    EXPECT_EQ(fit.count, 100);
+    Pose to_world = Pose::Identity();
+    to_world.translation() = camera;
+    parts += moved(own, to_world);
+  }
+  const PlaneFit at_once = fit_plane(all), added = fit_plane(parts);
+  EXPECT_TRUE(added.normal.isApprox(at_once.normal, 1e-9));
+  EXPECT_TRUE(added.centroid.isApprox(at_once.centroid, 1e-12));
+  EXPECT_NEAR(added.eigenvalues[0], at_once.eigenvalues[0], 1e-10);
+}
+
+TEST(Fusion, ShrinksTheUncertainty) {
+  Track track(0.02);
+  track.basis = plane_basis(Vec3d::UnitZ());
+  ObservedPlane plane;
+  for (int i = 0; i < 50; ++i) plane.moments.add(Vec3d(0.1 * (i % 7), 0.1 * (i / 7), -1));
+  plane.certainty.sigma_m = 0.002;
+  plane.certainty.sigma_offset_m = 0.004;
+  plane.certainty.sigma_tilt_rad[0] = plane.certainty.sigma_tilt_rad[1] = 0.01;
+  track.fuse(plane, Vec3d(0, 0, 1));
+  const double once_m = track.sigma_m(Vec2d::Zero()), once_deg = track.sigma_tilt_deg();
+  for (int i = 0; i < 15; ++i) track.fuse(plane, Vec3d(0, 0, 1));
+  // A quarter, and what all frames have in common.
+  EXPECT_NEAR(track.sigma_m(Vec2d::Zero()), std::hypot(0.001, 0.001), 1e-4);
+  EXPECT_LT(track.sigma_m(Vec2d::Zero()), once_m / 2);
+  EXPECT_LT(track.sigma_tilt_deg(), once_deg / 2);
+}
+
+TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
+  lab::SequenceOptions walk;
+  walk.width = 160;
+  walk.height = 120;
+  walk.frames = 60;
+  walk.color = false;
+  const auto dir = temp_dir() / "walk";
+  lab::write_sequence(dir, walk, 2);
+  const auto recording = io::open_recording(dir);
+  MapJob job;
+  job.recording = recording.get();
+  job.pipeline = pca_options();
+  for (int i = 0; i < 24; ++i) job.frames.push_back(i);
+  const auto chosen = planes::make_classifier(job.pipeline, {});
+  job.classifier = chosen.classifier.get();
+  const WorldMap one = map_recording(job);
+  job.threads = 3;
+  const WorldMap three = map_recording(job);
+  EXPECT_EQ(map_json(one, "walk"), map_json(three, "walk"));
+  EXPECT_EQ(tracks_json(one, "walk"), tracks_json(three, "walk"));
+  EXPECT_EQ(one.poses.source, "the recording");
+  EXPECT_GT(planes_of_map(one.tracker).size(), 4u);
+  // The same poses from a file give the same map.
+  job.trajectory = one.poses;
+  const auto planes = nlohmann::json::parse(map_json(map_recording(job), "walk"))["planes"];
+  EXPECT_EQ(planes, nlohmann::json::parse(map_json(one, "walk"))["planes"]);
+}
+
+TEST(Odometry, FollowsAWalk) {
+  lab::SequenceOptions walk;
+  walk.width = 160;
+  walk.height = 120;
+  walk.frames = 300;
+  const auto dir = temp_dir() / "steps";
+  const lab::Sequence sequence = lab::make_sequence(walk);
+  lab::SampleFolder folder{"test", 1, 12, true, false};
+  lab::write_sample_folder(dir, folder, [&](std::size_t i) {
+    lab::SampleFrame frame = lab::make_sequence_frame(walk, sequence, i);
+    frame.T_world_camera.reset();
+    return frame;
+  });
+  const auto recording = io::open_recording(dir);
+  MapJob job;
+  job.recording = recording.get();
+  job.pipeline = pca_options();
+  for (int i = 0; i < recording->frame_count(); ++i) job.frames.push_back(i);
+  const auto chosen = planes::make_classifier(job.pipeline, {});
+  job.classifier = chosen.classifier.get();
+  const WorldMap map = map_recording(job);
+  EXPECT_EQ(map.poses.source, "odometry");
+  ASSERT_EQ(map.poses.poses.size(), 12u);
+  const auto place = [&](std::size_t i) -> Vec3d {
+    return lab::pose_of(sequence.cameras[i]).translation();
+  };
+  const double way = (place(11) - place(0)).norm();
+  const double told = (map.poses.poses[11].T_world_camera.translation() -
+                       map.poses.poses[0].T_world_camera.translation())
+                          .norm();
+  EXPECT_NEAR(told, way, 0.25 * way);
+  // z is up, whatever the first camera's axes.
+  EXPECT_GT(map.poses.poses[0].T_world_camera.linear().col(1).dot(-Vec3d::UnitZ()), 0.7);
+}
+
+}  // namespace
+}  // namespace planescope::world
