@@ -13,6 +13,7 @@ struct BenchMapArgs {
   lab::MapBenchOptions bench;
   std::filesystem::path out;  // -o; empty: nothing is written
   int count = 1;
+  bool true_poses = false;
 };
 
 /// Prints a table, and writes it as map.md. Returns the exit code.
@@ -23,6 +24,7 @@ int run_bench_map(const BenchMapArgs& args, std::stop_token stop) {
   std::vector<std::string> names;
   for (int i = 0; i < args.count; ++i)
     for (const bool odometry : {false, true}) {
+      if (odometry && args.true_poses) continue;
       lab::MapBenchOptions options = args.bench;
       options.sequence.seed += i;
       options.odometry = odometry;
@@ -56,6 +58,7 @@ void define_bench_map(CLI::App* bench, Line& line) {
       ->transform(whole(2, 2000));
   add_size(map, args->bench.sequence.width, args->bench.sequence.height,
            "Of the pictures in pixels, default 640x480", 16, 16);
+  map->add_flag("--true-poses", args->true_poses, "Without odometry, which takes longest");
   add_method(map, args->bench.pipeline);
   runs(map, line, args, run_bench_map, [args] {
     expect_gravity(args->bench.pipeline, "bench map");

@@ -185,6 +185,7 @@ void apply_sidecar(const Sidecar& sidecar, Frame& frame) {
   if (const Sidecar::FrameFacts* facts = facts_of(sidecar, frame.name)) {
     if (facts->gravity) direction = facts->gravity;
     if (facts->timestamp_s) frame.timestamp_s = *facts->timestamp_s;
+    if (facts->T_world_camera) frame.T_world_camera = facts->T_world_camera;
   }
   if (direction) {
     frame.gravity =

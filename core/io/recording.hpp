@@ -55,7 +55,8 @@ class Recording {
   virtual Frame frame(int i) const = 0;
   /// Frame::timestamp_s of frame i; readers that know it without reading the frame say so.
   virtual double timestamp_s(int i) const { return frame(i).timestamp_s; }
-  /// Where the camera was in frame i, where the recording says so itself.
+  /// Frame::T_world_camera of frame i; readers that know it without reading the frame say so, and
+  /// others have none.
   virtual std::optional<Pose> T_world_camera(int /*i*/) const { return std::nullopt; }
   /// SHA-256 of the raw bytes that make frame i: its depth image as little-endian counts, or the
   /// cloud's coordinates. Ties labels to the data they were drawn on.

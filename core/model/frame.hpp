@@ -74,8 +74,9 @@ struct Frame {
   Pose T_color_depth = Pose::Identity();
   bool color_aligned = false;  // colour is registered pixel by pixel to depth
 
-  std::optional<PointSet> cloud;   // set for cloud recordings; then depth is empty
-  std::optional<Gravity> gravity;  // from the recording itself (IMU, sidecar), sensor frame
+  std::optional<PointSet> cloud;       // set for cloud recordings; then depth is empty
+  std::optional<Gravity> gravity;      // from the recording itself (IMU, sidecar), sensor frame
+  std::optional<Pose> T_world_camera;  // likewise; the world's z is up
 
   bool is_cloud() const { return cloud.has_value(); }
 };

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/image/png.hpp"
+#include "core/io/readers.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 
@@ -45,6 +46,8 @@ Json frames_json(const std::vector<WrittenFrame>& frames) {
     Json entry = {{"name", frame.name}, {"timestamp_s", frame.facts.timestamp_s}};
     if (const auto& gravity = frame.facts.gravity; gravity && gravity->known())
       entry["gravity"] = {gravity->direction.x(), gravity->direction.y(), gravity->direction.z()};
+    if (frame.facts.T_world_camera)
+      entry["T_world_camera"] = pose_numbers(*frame.facts.T_world_camera);
     list.push_back(std::move(entry));
   }
   return list;

@@ -92,6 +92,10 @@ std::string TermResult::text() const {
   return {};
 }
 
+double width_of(const PlaneFit& fit) {
+  return std::sqrt(12 * std::max(0.0, fit.eigenvalues[1]) / std::max(1.0, fit.count));
+}
+
 Vec3d Track::on_plane(const Vec2d& place) const {
   const Vec3d p = anchor + place.x() * basis.u + place.y() * basis.v;
   const Vec3d along = basis.u.cross(basis.v);

@@ -49,6 +49,9 @@ const char* to_string(Absence absence);
 /// It was in sight.
 inline bool is_miss(Absence absence) { return absence >= Absence::seen_through; }
 
+/// Across a plane's shorter side [m]: of a full rectangle, as wide as it is.
+double width_of(const PlaneFit& fit);
+
 /// A test of whether two planes are the same: `value op threshold`.
 enum class Term : std::uint8_t { none, label, angle_deg, offset_m, overlap, taken };
 const char* to_string(Term term);
@@ -115,6 +118,7 @@ struct Track {
   Vec3d on_plane(const Vec2d& place) const;
   /// Of the plane's height at a place of the grid [m].
   double sigma_m(const Vec2d& place) const;
+  double width_m() const { return width_of(fit); }
   /// Of the normal, its worse direction.
   double sigma_tilt_deg() const;
   void fuse(const ObservedPlane& plane, const Vec3d& camera);

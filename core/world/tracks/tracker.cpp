@@ -32,6 +32,16 @@ double sigma_tilt_deg(const ObservedPlane& plane) {
   return std::max(sigmas[0], sigmas[1]) * 180 / std::numbers::pi;
 }
 
+double width_m(const ObservedPlane& plane) { return width_of(fit_plane(plane.moments)); }
+
+/// The first that is seen of a plane is a strip at the image's border, and tells little of its
+/// tilt: one that moves no point of it by more than the offset allows is free.
+double free_tilt_deg(double width_m, const TrackOptions& options) {
+  constexpr double kMost_deg = 25;
+  const double tilt = std::atan2(options.max_offset_m, std::max(width_m, 1e-3) / 2);
+  return std::min(kMost_deg, tilt * 180 / std::numbers::pi);
+}
+
 double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
   const planes::Certainty& c = plane.certainty;
   const Vec3d d = p - plane.centroid;
@@ -94,7 +104,8 @@ TermResult Tracker::compare(const Track& track,
   const double angle = planes::plane_angle_deg(track.fit.normal, plane.normal);
   const double most_angle =
       options_.max_angle_deg +
-      options_.sigmas * std::hypot(sigma_tilt_deg(plane), track.sigma_tilt_deg());
+      options_.sigmas * std::hypot(sigma_tilt_deg(plane), track.sigma_tilt_deg()) +
+      free_tilt_deg(std::min(track.width_m(), width_m(plane)), options_);
   if (angle > most_angle) return {Term::angle_deg, angle, most_angle};
   const double offset =
       std::max(std::abs(plane.distance_m(where)), std::abs(track.distance_m(where)));
@@ -297,8 +308,10 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
         continue;
       if (small->label != large->label) continue;
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
-      if (angle > options_.max_angle_deg + options_.sigmas * std::hypot(small->sigma_tilt_deg(),
-                                                                        large->sigma_tilt_deg()))
+      if (angle >
+          options_.max_angle_deg +
+              options_.sigmas * std::hypot(small->sigma_tilt_deg(), large->sigma_tilt_deg()) +
+              free_tilt_deg(std::min(small->width_m(), large->width_m()), options_))
         continue;
       const Vec3d where = small->centroid();
       const double offset = std::abs(large->distance_m(where));
