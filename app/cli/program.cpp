@@ -294,6 +294,8 @@ int run_program(const Program& program, int argc, char** argv) {
   } catch (const Error& error) {
     return fail(error.what(), 2);
   } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again)  // of a thread's stack
+      return fail("out of memory: no thread could be started, fewer --threads need less", 2);
     if (std::ferror(stdout) != 0)
       return fail(std::string("standard output cannot be written to: ") + error.code().message(),
                   2);

@@ -125,6 +125,7 @@ WorldMap map_recording(const MapJob& job) {
       break;
     }
   map.gravity = turn_upright_by_frames(job, map.poses);
+  for (CameraPose& pose : map.poses.poses) settle(pose);
 
   // Frames side by side, taken in one after the other.
   const auto count = static_cast<int>(job.frames.size());

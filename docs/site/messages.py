@@ -22,6 +22,7 @@ LITERALS = re.compile(r'(?:"(?:\\.|[^"\\])*"\s*)+')
 SECTIONS = [
     ("core/io", "Recordings and clouds"),
     ("core/labels", "Labels"),
+    ("core/world", "Tracks and maps"),
     ("app/commands/labels", "Labels"),
     ("app/commands/train", "Training and tuning"),
     ("app/commands/tun", "Training and tuning"),

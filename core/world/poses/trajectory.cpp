@@ -55,16 +55,16 @@ std::optional<Pose> pose_of_matrix(std::span<const double> m) {
   return pose;
 }
 
-/// tx ty tz qx qy qz qw. Empty: the quaternion is not of unit length.
-std::optional<Pose> pose_of_quaternion(std::span<const double> n) {
+/// tx ty tz qx qy qz qw. False: the quaternion is not of unit length.
+bool place(std::span<const double> n, CameraPose& pose) {
   Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
-  if (!(std::abs(q.norm() - 1) < kUnit)) return std::nullopt;
+  if (!(std::abs(q.norm() - 1) < kUnit)) return false;
   // What is a unit to the last bits stays as it is: a file that was read and written is the same.
   if (std::abs(q.norm() - 1) > 1e-12) q.normalize();
-  Pose pose = Pose::Identity();
-  pose.linear() = q.toRotationMatrix();
-  pose.translation() = Vec3d(n[0], n[1], n[2]);
-  return pose;
+  pose.quaternion = {q.x(), q.y(), q.z(), q.w()};
+  pose.T_world_camera.translation() = Vec3d(n[0], n[1], n[2]);
+  settle(pose);
+  return true;
 }
 
 /// "# frame 12 segment 0 fitness 0.93 rms_m 0.0031": of the pose that follows.
@@ -94,10 +94,9 @@ std::vector<CameraPose> read_tum(const std::filesystem::path& path,
     if (!numbers || numbers->size() != 8)
       fail(path, line.number,
            "expected the eight numbers of a TUM trajectory, timestamp tx ty tz qx qy qz qw");
-    const auto pose = pose_of_quaternion(std::span(*numbers).subspan(1));
-    if (!pose) fail(path, line.number, "the quaternion qx qy qz qw is not of length 1");
+    if (!place(std::span(*numbers).subspan(1), next))
+      fail(path, line.number, "the quaternion qx qy qz qw is not of length 1");
     next.timestamp_s = (*numbers)[0];
-    next.T_world_camera = *pose;
     poses.push_back(next);
     next = {};
   }
@@ -191,6 +190,17 @@ double usual_gap_s(std::vector<double> times) {
 
 }  // namespace
 
+void settle(CameraPose& pose) {
+  auto& [x, y, z, w] = pose.quaternion;
+  if (x == 0 && y == 0 && z == 0 && w == 0) {
+    Eigen::Quaterniond q(pose.T_world_camera.linear());
+    q.normalize();
+    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    pose.quaternion = {q.x(), q.y(), q.z(), q.w()};
+  }
+  pose.T_world_camera.linear() = Eigen::Quaterniond(w, x, y, z).toRotationMatrix();
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path) {
   Trajectory trajectory{path.string(), {}};
   const std::vector<unsigned char> bytes = read_file_bytes(path, kMostBytes);
@@ -223,11 +233,10 @@ std::string tum_text(const Trajectory& trajectory) {
     text += fmt::format("# frame {} segment {}", pose.frame, pose.segment);
     if (std::isfinite(pose.fitness)) text += fmt::format(" fitness {:.4f}", pose.fitness);
     if (std::isfinite(pose.rms_m)) text += fmt::format(" rms_m {:.5f}", pose.rms_m);
-    Eigen::Quaterniond q(pose.T_world_camera.linear());
-    if (q.w() < 0) q.coeffs() = -q.coeffs();
+    const auto& [x, y, z, w] = pose.quaternion;
     const Vec3d t = pose.T_world_camera.translation();
-    text += fmt::format("\n{} {} {} {} {} {} {} {}\n", pose.timestamp_s, t.x(), t.y(), t.z(), q.x(),
-                        q.y(), q.z(), q.w());
+    text += fmt::format("\n{} {} {} {} {} {} {} {}\n", pose.timestamp_s, t.x(), t.y(), t.z(), x, y,
+                        z, w);
   }
   return text;
 }

@@ -2,6 +2,7 @@
 
 // Where the camera was: trajectories, and the files that other tools keep them in.
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -17,6 +18,9 @@ struct CameraPose {
   int frame = -1;          // number in the recording; -1: the file tells a time instead
   double timestamp_s = 0;  // as the recording has it; NaN: the file tells an order alone
   Pose T_world_camera = Pose::Identity();
+  /// Its rotation, as files have it (x y z w); all zero: not settled yet. What is written and read
+  /// again is the same to the bit, as the matrix then follows from it.
+  std::array<double, 4> quaternion{};
   /// Poses of different segments have worlds of their own: nobody knows the motion between them.
   int segment = 0;
   // What odometry says of the motion that led here; NaN: nothing.
@@ -29,12 +33,16 @@ struct Trajectory {
   std::vector<CameraPose> poses;
 };
 
+/// Takes the quaternion of the pose, where it has none yet, and the pose's rotation from it.
+void settle(CameraPose& pose);
+
 /// TUM (`timestamp tx ty tz qx qy qz qw`), KITTI (twelve numbers a line), Open3D's .log and .json
 /// (PinholeCameraTrajectory), told apart by content. Throws Error naming the file and the line.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
 /// TUM. What TUM has no place for (frame, segment, quality) stands in comments, which
-/// read_trajectory() reads again; numbers as they are, to the bit.
+/// read_trajectory() reads again; numbers as they are, to the bit. The
+/// poses are settled.
 std::string tum_text(const Trajectory& trajectory);
 
 /// Of each of the frames its pose, none where the trajectory has none for it: by the frame's

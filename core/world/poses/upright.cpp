@@ -102,6 +102,7 @@ std::vector<SharedGravity> turn_upright(Trajectory& trajectory,
         turned.linear() = turn * pose.T_world_camera.linear();
         turned.translation() = turn * pose.T_world_camera.translation();
         pose.T_world_camera = turned;
+        pose.quaternion = {};
       }
     shared.direction = -Vec3d::UnitZ();
   }

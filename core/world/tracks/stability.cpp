@@ -60,7 +60,7 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
       const auto last = order.find(before.frame);
       if (last == order.end()) continue;
       const int gap = at->second - last->second;
-      if (gap > Stability::kAway) returns.add(static_cast<double>(now.offset_m));
+      if (gap > Stability::kAway && !now.founding) returns.add(static_cast<double>(now.offset_m));
       const CameraPose *a = pose_of[last->second], *b = pose_of[at->second];
       if (gap != 1 || before.part || !a || !b || !is_still(a->T_world_camera, b->T_world_camera))
         continue;

@@ -69,7 +69,8 @@ struct Sighting {
   float offset_m = 0;   // of the observation from the track before, where they overlap
   float angle_deg = 0;  // between their normals
   Vec3f normal = Vec3f::Zero(), centroid = Vec3f::Zero();  // observed, world
-  bool part = false;  // another plane of the frame stands for the track, this one too
+  bool founding = false;  // of a track, of this one or of one that was merged into it
+  bool part = false;      // another plane of the frame stands for the track, this one too
 };
 
 /// Frames first to last in a row in which the track is missing for one reason.

@@ -233,7 +233,8 @@ void Tracker::take(Track& track,
   sighting.pixels = static_cast<float>(plane.pixels);
   sighting.normal = plane.normal.cast<float>();
   sighting.centroid = plane.centroid.cast<float>();
-  if (!track.sightings.empty()) {
+  sighting.founding = track.sightings.empty();
+  if (!sighting.founding) {
     sighting.part = track.sightings.back().frame == frame.frame;
     sighting.offset_m = static_cast<float>(plane.distance_m(where) - track.distance_m(where));
     sighting.angle_deg =
