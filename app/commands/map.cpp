@@ -22,7 +22,7 @@ struct MapArgs {
   world::TrackOptions tracks;
 };
 
-/// DIR/map.json, tracks.json, poses.tum: all or none of them.
+/// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
 void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
   make_output_dir(dir);
   write_file_text(dir / "poses.tum", world::tum_text(map.poses));

@@ -85,7 +85,7 @@ Json gap_json(const Gap& gap) {
     json["track"] = static_cast<int>(gap.term.value);
   } else if (gap.term.failed != Term::label) {
     json["value"] = rounded(gap.term.value);
-    json["op"] = gap.term.failed == Term::overlap ? "<" : ">";
+    json["op"] = ">";
     json["threshold"] = rounded(gap.term.threshold);
   }
   return json;

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
-#include <numbers>
 
 #include "core/labels/review/carry.hpp"
 #include "core/model/error.hpp"
@@ -25,11 +23,6 @@ using Grid = std::shared_ptr<const LabelGrid>;
 constexpr double kLeastMeasured = 0.02;  // of a frame's pixels
 constexpr int kMostLost = 10;            // frames in a row, before a new segment begins
 constexpr double kEffective = 200;       // so many of the partners are worth one of their own
-
-double angle_deg(const Pose& motion) {
-  const double cosine = std::clamp((motion.linear().trace() - 1) / 2, -1.0, 1.0);
-  return std::acos(cosine) * 180 / std::numbers::pi;
-}
 
 Grid grid_of(const OdometryJob& job, int index) {
   try {
@@ -96,7 +89,7 @@ class Following {
     follow(frame, found);
     if (found.fitness < options_.key_fitness ||
         found.T_to_from.translation().norm() > options_.key_distance_m ||
-        angle_deg(found.T_to_from) > options_.key_angle_deg)
+        turn_deg(found.T_to_from) > options_.key_angle_deg)
       make_key(frame, grid, found);
   }
 
@@ -115,7 +108,7 @@ class Following {
     const Pose step = T_key_last_.inverse() * found.T_to_from;
     return found.fitness >= options_.least_fitness &&
            step.translation().norm() <= options_.most_step_m * frames &&
-           angle_deg(step) <= options_.most_step_deg * frames;
+           turn_deg(step) <= options_.most_step_deg * frames;
   }
 
   void begin_segment(int frame, const Grid& grid) {
@@ -161,7 +154,7 @@ class Following {
         if (keys_[j].segment != keys_[i].segment) continue;
         const Pose motion = keys_[j].T_segment_key.inverse() * keys_[i].T_segment_key;
         const double off = std::max(motion.translation().norm() / options_.loop_distance_m,
-                                    angle_deg(motion) / options_.loop_angle_deg);
+                                    turn_deg(motion) / options_.loop_angle_deg);
         if (off < nearest) nearest = off, best = j;
       }
       if (best >= 0) pairs.emplace_back(i, best);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <span>
 #include <sstream>
 #include <unordered_map>
@@ -189,6 +190,11 @@ double usual_gap_s(std::vector<double> times) {
 }
 
 }  // namespace
+
+double turn_deg(const Pose& motion) {
+  const double cosine = std::clamp((motion.linear().trace() - 1) / 2, -1.0, 1.0);
+  return std::acos(cosine) * 180 / std::numbers::pi;
+}
 
 void settle(CameraPose& pose) {
   auto& [x, y, z, w] = pose.quaternion;

@@ -33,6 +33,9 @@ struct Trajectory {
   std::vector<CameraPose> poses;
 };
 
+/// By how much a motion turns, 0 to 180.
+double turn_deg(const Pose& motion);
+
 /// Takes the quaternion of the pose, where it has none yet, and the pose's rotation from it.
 void settle(CameraPose& pose);
 

@@ -22,7 +22,7 @@ int Sight::most_on() const {
   return best;
 }
 
-Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options, bool look) {
+Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options) {
   Sight sight;
   sight.on.resize(frame.planes.size() + 1);
   const Pose T_camera_world = frame.T_world_camera.inverse();
@@ -62,7 +62,7 @@ Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& opt
         ++sight.hidden;
         continue;
       }
-      if (look) cell.look(is_through);
+      sight.looks.push_back({&cell, is_through});
       if (is_through) {
         ++sight.through;
         continue;
@@ -73,6 +73,10 @@ Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& opt
       on.sum += place;
     }
   return sight;
+}
+
+void remember(const Sight& sight) {
+  for (const Sight::Look& look : sight.looks) look.cell->look(look.through);
 }
 
 }  // namespace planescope::world

@@ -24,6 +24,12 @@ struct Sight {
     int cells = 0;
     Vec3d sum = Vec3d::Zero();  // of their places in the world
   };
+  struct Look {
+    Cell* cell = nullptr;
+    bool through = false;
+  };
+  std::vector<Look> looks;  // at cells in view that are measured and not hidden
+
   std::vector<On> on;  // by plane id of the frame, 0 none: what the measurements there belong to
 
   int visible() const { return through + there; }
@@ -31,8 +37,10 @@ struct Sight {
   int most_on() const;
 };
 
-/// Looks at every present cell. Where `look`, the cells remember it, and those that were seen
-/// through too often are gone.
-Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options, bool look);
+/// Looks at every present cell. Valid until the track gets cells.
+Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options);
+
+/// The cells remember it; those that were seen through too often are gone.
+void remember(const Sight& sight);
 
 }  // namespace planescope::world

@@ -12,9 +12,7 @@ constexpr double kStill_m = 0.003, kStill_deg = 0.15;  // from frame to frame
 
 bool is_still(const Pose& a, const Pose& b) {
   const Pose motion = a.inverse() * b;
-  const double cosine = std::clamp((motion.linear().trace() - 1) / 2, -1.0, 1.0);
-  return motion.translation().norm() < kStill_m &&
-         std::acos(cosine) * 180 / std::numbers::pi < kStill_deg;
+  return motion.translation().norm() < kStill_m && turn_deg(motion) < kStill_deg;
 }
 
 /// A mean of squares, as it comes together.

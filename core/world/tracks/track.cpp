@@ -1,7 +1,5 @@
 #include "core/world/tracks/track.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
@@ -54,8 +52,6 @@ const char* to_string(Term term) {
       return "angle_deg";
     case Term::offset_m:
       return "offset_m";
-    case Term::overlap:
-      return "overlap";
     case Term::taken:
       return "taken";
   }
@@ -72,24 +68,6 @@ const char* to_string(TrackState state) {
       return "merged";
   }
   return "";
-}
-
-std::string TermResult::text() const {
-  switch (failed) {
-    case Term::none:
-      return {};
-    case Term::label:
-      return "label is the other one";
-    case Term::angle_deg:
-      return fmt::format("angle {:.2f} > {:.2f} deg", value, threshold);
-    case Term::offset_m:
-      return fmt::format("offset {:.1f} > {:.1f} mm", 1000 * value, 1000 * threshold);
-    case Term::overlap:
-      return fmt::format("overlap {:.3f} < {:.3f}", value, threshold);
-    case Term::taken:
-      return fmt::format("taken for track {:.0f}", value);
-  }
-  return {};
 }
 
 double width_of(const PlaneFit& fit) {
@@ -115,13 +93,17 @@ double Track::sigma_tilt_deg() const {
   return std::sqrt(std::max(0.0, worse) + squared(kCommonTilt_rad)) * 180 / std::numbers::pi;
 }
 
+void Track::refit() {
+  fit = fit_plane(moments);
+  if (fit.normal.dot(basis.u.cross(basis.v)) < 0) fit.normal = -fit.normal;
+}
+
 void Track::fuse(const ObservedPlane& plane, const Vec3d& camera) {
   const double sigma = std::max(kLeastSigma_m, plane.certainty.sigma_m);
   Pose shift = Pose::Identity();
   shift.translation() = camera - anchor;
   moments += scaled(moved(plane.moments, shift), squared(kUnitSigma_m / sigma));
-  fit = fit_plane(moments);
-  if (fit.normal.dot(basis.u.cross(basis.v)) < 0) fit.normal = -fit.normal;
+  refit();
 
   // The observation tells the height at its centroid and the slopes along its axes.
   const Vec2d at = on_grid(plane.centroid);

@@ -53,13 +53,11 @@ inline bool is_miss(Absence absence) { return absence >= Absence::seen_through; 
 double width_of(const PlaneFit& fit);
 
 /// A test of whether two planes are the same: `value op threshold`.
-enum class Term : std::uint8_t { none, label, angle_deg, offset_m, overlap, taken };
+enum class Term : std::uint8_t { none, label, angle_deg, offset_m, taken };
 const char* to_string(Term term);
 struct TermResult {
   Term failed = Term::none;
   double value = 0, threshold = 0;
-  /// "angle 7.2 > 3.4 deg"; empty where nothing failed.
-  std::string text() const;
 };
 
 struct Sighting {
@@ -122,6 +120,7 @@ struct Track {
   double width_m() const { return width_of(fit); }
   /// Of the normal, its worse direction.
   double sigma_tilt_deg() const;
+  void refit();  // to the moments, the normal on the side that was seen
   void fuse(const ObservedPlane& plane, const Vec3d& camera);
   /// Whether the map holds it.
   bool is_sure(const TrackOptions& options) const;

@@ -42,6 +42,18 @@ double free_tilt_deg(double width_m, const TrackOptions& options) {
   return std::min(kMost_deg, tilt * 180 / std::numbers::pi);
 }
 
+/// How far two planes may differ and be the same; `width_m`: of the narrower one.
+double most_angle_deg(const TrackOptions& options,
+                      double sigma_deg,
+                      double other_sigma_deg,
+                      double width_m) {
+  return options.max_angle_deg + options.sigmas * std::hypot(sigma_deg, other_sigma_deg) +
+         free_tilt_deg(width_m, options);
+}
+double most_offset_m(const TrackOptions& options, double sigma_m, double other_sigma_m) {
+  return options.max_offset_m + options.sigmas * std::hypot(sigma_m, other_sigma_m);
+}
+
 double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
   const planes::Certainty& c = plane.certainty;
   const Vec3d d = p - plane.centroid;
@@ -49,14 +61,13 @@ double sigma_m_at(const ObservedPlane& plane, const Vec3d& p) {
                    squared(c.sigma_tilt_rad[1] * c.axes[1].dot(d)));
 }
 
-/// A track that was merged has been seen where one of the two was: gaps begin and end anew there.
+/// After a merge: a gap in which the other one was seen is none, nor is what is left of it told.
 void drop_gaps_of_sightings(Track& track) {
   std::vector<Gap> gaps;
   track.frames_missed = 0;
-  for (Gap gap : track.gaps) {
+  for (const Gap& gap : track.gaps) {
     const auto first = std::ranges::lower_bound(track.sightings, gap.first, {}, &Sighting::frame);
     const auto end = std::ranges::upper_bound(track.sightings, gap.last, {}, &Sighting::frame);
-    // Told shortly: what is left of a gap is kept where nothing of it was seen.
     if (first != end) continue;
     if (is_miss(gap.why)) track.frames_missed += gap.frames;
     gaps.push_back(gap);
@@ -102,16 +113,13 @@ TermResult Tracker::compare(const Track& track,
   if (track.label != plane.label && track.label != Label::unknown && plane.label != Label::unknown)
     return {Term::label, 0, 0};
   const double angle = planes::plane_angle_deg(track.fit.normal, plane.normal);
-  const double most_angle =
-      options_.max_angle_deg +
-      options_.sigmas * std::hypot(sigma_tilt_deg(plane), track.sigma_tilt_deg()) +
-      free_tilt_deg(std::min(track.width_m(), width_m(plane)), options_);
+  const double most_angle = most_angle_deg(options_, sigma_tilt_deg(plane), track.sigma_tilt_deg(),
+                                           std::min(track.width_m(), width_m(plane)));
   if (angle > most_angle) return {Term::angle_deg, angle, most_angle};
   const double offset =
       std::max(std::abs(plane.distance_m(where)), std::abs(track.distance_m(where)));
   const double most_offset =
-      options_.max_offset_m +
-      options_.sigmas * std::hypot(sigma_m_at(plane, where), track.sigma_m(track.on_grid(where)));
+      most_offset_m(options_, sigma_m_at(plane, where), track.sigma_m(track.on_grid(where)));
   if (offset > most_offset) return {Term::offset_m, offset, most_offset};
   return {};
 }
@@ -135,7 +143,7 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   std::vector<Judged> judged;
   int there = 0;
   for (Track* track : alive()) {
-    judged.push_back({track, sight_of(*track, frame, options_, false)});
+    judged.push_back({track, sight_of(*track, frame, options_)});
     const Sight& sight = judged.back().sight;
     there += sight.there;
     told.compared_cells += sight.there + sight.through + sight.hidden;
@@ -154,7 +162,7 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
     return frames_.emplace_back(std::move(told));
   }
   aside_ = 0;
-  for (Judged& j : judged) sight_of(*j.track, frame, options_, true);
+  for (const Judged& j : judged) remember(j.sight);
 
   assign(frame, judged, told);
   for (Judged& j : judged)
@@ -309,17 +317,14 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
         continue;
       if (small->label != large->label) continue;
       const double angle = planes::plane_angle_deg(small->fit.normal, large->fit.normal);
-      if (angle >
-          options_.max_angle_deg +
-              options_.sigmas * std::hypot(small->sigma_tilt_deg(), large->sigma_tilt_deg()) +
-              free_tilt_deg(std::min(small->width_m(), large->width_m()), options_))
+      if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
+                                 std::min(small->width_m(), large->width_m())))
         continue;
       const Vec3d where = small->centroid();
       const double offset = std::abs(large->distance_m(where));
-      const double most = options_.max_offset_m +
-                          options_.sigmas * std::hypot(small->sigma_m(small->on_grid(where)),
-                                                       large->sigma_m(large->on_grid(where)));
-      if (offset > most) continue;
+      if (offset > most_offset_m(options_, small->sigma_m(small->on_grid(where)),
+                                 large->sigma_m(large->on_grid(where))))
+        continue;
       const int radius = large->cells.index_of(options_.join_gap_m);
       bool near = false;
       int count = 0;
@@ -354,9 +359,7 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   Pose shift = Pose::Identity();
   shift.translation() = from.anchor - into.anchor;
   into.moments += moved(from.moments, shift);
-  const Vec3d side = into.fit.normal;
-  into.fit = fit_plane(into.moments);
-  if (into.fit.normal.dot(side) < 0) into.fit.normal = -into.fit.normal;
+  into.refit();
   // (slope u, slope v, height at from's anchor) as functions of into's.
   const Vec2d at = into.on_grid(from.anchor);
   Mat3d j;
