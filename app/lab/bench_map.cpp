@@ -14,6 +14,7 @@ struct BenchMapArgs {
   std::filesystem::path out;  // -o; empty: nothing is written
   int count = 1;
   bool true_poses = false;
+  bool planes = false;  // of each walk, too
 };
 
 /// Prints a table, and writes it as map.md. Returns the exit code.
@@ -32,12 +33,17 @@ int run_bench_map(const BenchMapArgs& args, std::stop_token stop) {
       names.push_back(
           fmt::format("seed {}, {}", options.sequence.seed, odometry ? "odometry" : "true poses"));
     }
-  const lab::Table table = lab::map_table(scores, names);
+  std::vector<lab::Table> tables{lab::map_table(scores, names)};
+  for (std::size_t i = 0; args.planes && i < scores.size(); ++i)
+    for (lab::Table table : {lab::map_planes_table(scores[i]), lab::track_changes_table(scores[i])}) {
+      table.title += fmt::format(", {}", names[i]);
+      tables.push_back(std::move(table));
+    }
   if (!args.out.empty()) {
     make_output_dir(args.out);
-    write_file_text(args.out / "map.md", lab::to_markdown(table));
+    write_file_text(args.out / "map.md", lab::joined(tables, lab::to_markdown));
   }
-  fmt::print("{}", lab::to_text(table));
+  fmt::print("{}", lab::joined(tables, lab::to_text));
   return 0;
 }
 
@@ -58,6 +64,8 @@ void define_bench_map(CLI::App* bench, Line& line) {
       ->transform(whole(2, 2000));
   add_size(map, args->bench.sequence.width, args->bench.sequence.height,
            "Of the pictures in pixels, default 640x480", 16, 16);
+  map->add_flag("--planes", args->planes,
+                "Also each plane of the maps, and each change of a track");
   map->add_flag("--true-poses", args->true_poses, "Without odometry, which takes longest");
   add_method(map, args->bench.pipeline);
   runs(map, line, args, run_bench_map, [args] {

@@ -1,5 +1,7 @@
 #include "core/lab/experiments/measure_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -117,7 +119,9 @@ class Scoring {
     }
     for (const auto& [id, f] : found) {
       TrueTrack& track = true_[id];
-      if (track.track > 0) pairs_.push_back({track.track, f.track, order_ == track.last_seen + 1});
+      if (track.track > 0)
+        pairs_.push_back(
+            {id, frame.frame, track.track, f.track, order_ == track.last_seen + 1});
       score_.breaks += track.missed && track.last_seen >= 0;
       track.missed = false;
       track.last_seen = order_;
@@ -134,9 +138,13 @@ class Scoring {
 
   void finish(const world::WorldMap& map, const Pose& T_truth_map) {
     const auto& tracks = map.tracker.tracks();
-    for (const auto& [before, now, in_a_row] : pairs_)
-      if (world::final_track(tracks, before) != world::final_track(tracks, now))
-        ++(in_a_row ? score_.switches : score_.not_known_again);
+    for (MapScore::Change change : pairs_) {
+      change.before = world::final_track(tracks, change.before);
+      change.now = world::final_track(tracks, change.now);
+      if (change.before == change.now) continue;
+      ++(change.in_a_row ? score_.switches : score_.not_known_again);
+      score_.changes.push_back(change);
+    }
     score_map(map, T_truth_map);
   }
 
@@ -174,6 +182,7 @@ class Scoring {
       const int id = best->first;
       if (id == 0 || 2 * best->second < static_cast<int>(keys.size())) {
         score_.ghosts += track->sure_area_m2() > kGhost_m2;
+        score_.planes.push_back({track->id, 0, track->sure_area_m2(), 0, 0});
         continue;
       }
       std::ranges::sort(keys);
@@ -189,8 +198,7 @@ class Scoring {
       const double offset =
           std::abs(surface->normal.dot(T_truth_map * track->centroid() - surface->corners[0]));
       const double angle = planes::plane_angle_deg(surface->normal, normal);
-      score_.offset_m.push_back(offset);
-      score_.angle_deg.push_back(angle);
+      score_.planes.push_back({track->id, id, track->sure_area_m2(), offset, angle});
       score_.within += offset <= kWithin_m && angle <= kWithin_deg;
     }
     for (const auto& [id, track] : true_) {
@@ -202,14 +210,10 @@ class Scoring {
     }
   }
 
-  struct Pair {
-    int before, now;
-    bool in_a_row;
-  };
   const Walk& walk_;
   MapScore& score_;
   std::map<int, TrueTrack> true_;
-  std::vector<Pair> pairs_;
+  std::vector<MapScore::Change> pairs_;
   int order_ = 0;
 };
 
@@ -250,7 +254,6 @@ MapScore measure_map(const MapBenchOptions& options,
   score.drift_m =
       (T_truth_map * last.T_world_camera.translation() - true_pose(last.frame).translation())
           .norm();
-  score.stability = map.stability;
   return score;
 }
 
@@ -270,7 +273,10 @@ Table map_table(const std::vector<MapScore>& scores, const std::vector<std::stri
     cells.push_back(name);
     for (const MapScore& score : scores) cells.push_back(text(score));
   };
-  const auto worst = [](std::vector<double> values) {
+  const auto worst = [](const MapScore& score, double MapScore::Plane::*error) {
+    std::vector<double> values;
+    for (const MapScore::Plane& plane : score.planes)
+      if (plane.truth > 0) values.push_back(plane.*error);
     if (values.empty()) return std::nan("");
     std::ranges::sort(values);
     return values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1) + 0.5)];
@@ -287,12 +293,37 @@ Table map_table(const std::vector<MapScore>& scores, const std::vector<std::stri
   row("missing", [](const S& s) { return fmt::format("{}", s.missing); });
   row("covered twice", [](const S& s) { return fmt::format("{}", s.twice); });
   row("ghosts", [](const S& s) { return fmt::format("{}", s.ghosts); });
-  row("offset p95 [mm]", [&](const S& s) { return fixed(1000 * worst(s.offset_m), 1); });
-  row("angle p95 [deg]", [&](const S& s) { return fixed(worst(s.angle_deg), 2); });
+  row("offset p95 [mm]", [&](const S& s) { return fixed(1000 * worst(s, &MapScore::Plane::offset_m), 1); });
+  row("angle p95 [deg]", [&](const S& s) { return fixed(worst(s, &MapScore::Plane::angle_deg), 2); });
   row("within 5 mm, 0.5 deg [%]",
-      [](const S& s) { return fixed(percent(s.within, static_cast<int>(s.offset_m.size())), 0); });
+      [](const S& s) { return fixed(percent(s.within, static_cast<int>(s.planes.size())), 0); });
   row("drift [% of the way]",
       [](const S& s) { return fixed(s.way_m > 0 ? 100 * s.drift_m / s.way_m : 0, 2); });
+  return table;
+}
+
+Table map_planes_table(const MapScore& score) {
+  Table table;
+  table.title = "Planes of the map";
+  table.note = "The true plane that most of each is on; none: a ghost.";
+  table.columns = {"track", "true plane", "area [m2]", "offset [mm]", "angle [deg]"};
+  for (const MapScore::Plane& plane : score.planes)
+    table.rows.push_back({fmt::format("{}", plane.track),
+                          plane.truth > 0 ? fmt::format("{}", plane.truth) : "none",
+                          fixed(plane.area_m2, 3), fixed(1000 * plane.offset_m, 1),
+                          fixed(plane.angle_deg, 2)});
+  return table;
+}
+
+Table track_changes_table(const MapScore& score) {
+  Table table;
+  table.title = "Changes of tracks";
+  table.note = "Frames in which a true plane is found as another track than before.";
+  table.columns = {"true plane", "frame", "track before", "track now", "in a row"};
+  for (const MapScore::Change& change : score.changes)
+    table.rows.push_back({fmt::format("{}", change.truth), fmt::format("{}", change.frame),
+                          fmt::format("{}", change.before), fmt::format("{}", change.now),
+                          change.in_a_row ? "yes" : "no"});
   return table;
 }
 

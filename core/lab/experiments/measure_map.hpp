@@ -24,10 +24,18 @@ struct MapScore {
   int true_planes = 0, missing = 0;
   int twice = 0;                            // map planes that cover again what a larger one covers
   int ghosts = 0;                           // map planes over 100 cm2 that are on no true plane
-  std::vector<double> offset_m, angle_deg;  // of map planes from the true ones, at their centroids
+  struct Plane {
+    int track = 0, truth = 0;  // ids; truth 0: a ghost
+    double area_m2 = 0, offset_m = 0, angle_deg = 0;  // from the true one, at its centroid
+  };
+  std::vector<Plane> planes;  // of the map, those that are there at the end
+  struct Change {
+    int truth = 0, frame = 0, before = 0, now = 0;
+    bool in_a_row = false;
+  };
+  std::vector<Change> changes;  // of tracks, what `switches` and `not_known_again` count
   int within = 0;                           // 5 mm and 0.5 degrees
   double way_m = 0, drift_m = 0;            // of the camera; where it was thought to be at the end
-  world::Stability stability;
 };
 
 struct MapBenchOptions {
@@ -44,5 +52,8 @@ MapScore measure_map(const MapBenchOptions& options,
 
 /// `names`: of the scores, a column each.
 Table map_table(const std::vector<MapScore>& scores, const std::vector<std::string>& names);
+/// One walk's: planes of the map beside the true ones; where a true plane changed its track.
+Table map_planes_table(const MapScore& score);
+Table track_changes_table(const MapScore& score);
 
 }  // namespace planescope::lab

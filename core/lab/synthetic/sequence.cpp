@@ -64,9 +64,8 @@ double varied(std::uint64_t seed, std::uint64_t stream, double value) {
   return value * (1 + 0.04 * (2 * random_uniform(seed, stream, 0) - 1));
 }
 
-/// `moved_top`: where given, becomes the plane of the top of the box that can go, which then is
-/// there.
-Scene make_world(std::uint64_t seed, const Walkway& way, int* moved_top) {
+/// `with_box`: the one that can go.
+Scene make_world(std::uint64_t seed, const Walkway& way, bool with_box) {
   Scene scene;
   scene.name = "walk";
   const Range x{-1.5, way.end() + 3}, y{-2.2, 2.2};
@@ -82,10 +81,7 @@ Scene make_world(std::uint64_t seed, const Walkway& way, int* moved_top) {
   add_polygon(scene, upright({x.low, y.high}, {x.high, y.high}, {0, 2.2}), brick);
   add_polygon(scene, upright({x.high, y.high}, {x.high, y.low}, {0, 2.2}), brick);
   // The last, so that all others keep their ids without it.
-  if (moved_top) {
-    add_box(scene, {3.1, 0.55, 0}, {0.4, 0.35, varied(seed, 5, 0.3)}, 35, board);
-    *moved_top = scene.planes;
-  }
+  if (with_box) add_box(scene, {3.1, 0.55, 0}, {0.4, 0.35, varied(seed, 5, 0.3)}, 35, board);
   return scene;
 }
 
@@ -175,11 +171,11 @@ Sequence make_sequence(const SequenceOptions& options) {
   way.rise = varied(options.seed, 10, way.rise);
   way.going = varied(options.seed, 11, way.going);
   Sequence sequence;
-  sequence.scene = make_world(options.seed, way, &sequence.moved_top);
+  sequence.scene = make_world(options.seed, way, true);
   sequence.change = static_cast<std::size_t>(options.frames);
   if (options.moved) {
     // Where it is gone the camera still sees its place.
-    sequence.later = make_world(options.seed, way, nullptr);
+    sequence.later = make_world(options.seed, way, false);
     sequence.later.planes = sequence.scene.planes;
     sequence.change = static_cast<std::size_t>(options.frames) * 22 / 100;
   }

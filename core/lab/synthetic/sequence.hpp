@@ -28,7 +28,6 @@ struct Sequence {
   Scene scene;
   Scene later;  // from frame `change` on
   std::size_t change = 0;
-  int moved_top = 0;  // plane of the top of the box that goes
   std::vector<CameraPose> cameras;
 
   const Scene& scene_of(std::size_t frame) const { return frame < change ? scene : later; }
