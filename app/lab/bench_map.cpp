@@ -35,7 +35,8 @@ int run_bench_map(const BenchMapArgs& args, std::stop_token stop) {
     }
   std::vector<lab::Table> tables{lab::map_table(scores, names)};
   for (std::size_t i = 0; args.planes && i < scores.size(); ++i)
-    for (lab::Table table : {lab::map_planes_table(scores[i]), lab::track_changes_table(scores[i])}) {
+    for (lab::Table table :
+         {lab::map_planes_table(scores[i]), lab::track_changes_table(scores[i])}) {
       table.title += fmt::format(", {}", names[i]);
       tables.push_back(std::move(table));
     }

@@ -120,8 +120,7 @@ class Scoring {
     for (const auto& [id, f] : found) {
       TrueTrack& track = true_[id];
       if (track.track > 0)
-        pairs_.push_back(
-            {id, frame.frame, track.track, f.track, order_ == track.last_seen + 1});
+        pairs_.push_back({id, frame.frame, track.track, f.track, order_ == track.last_seen + 1});
       score_.breaks += track.missed && track.last_seen >= 0;
       track.missed = false;
       track.last_seen = order_;
@@ -293,8 +292,10 @@ Table map_table(const std::vector<MapScore>& scores, const std::vector<std::stri
   row("missing", [](const S& s) { return fmt::format("{}", s.missing); });
   row("covered twice", [](const S& s) { return fmt::format("{}", s.twice); });
   row("ghosts", [](const S& s) { return fmt::format("{}", s.ghosts); });
-  row("offset p95 [mm]", [&](const S& s) { return fixed(1000 * worst(s, &MapScore::Plane::offset_m), 1); });
-  row("angle p95 [deg]", [&](const S& s) { return fixed(worst(s, &MapScore::Plane::angle_deg), 2); });
+  row("offset p95 [mm]",
+      [&](const S& s) { return fixed(1000 * worst(s, &MapScore::Plane::offset_m), 1); });
+  row("angle p95 [deg]",
+      [&](const S& s) { return fixed(worst(s, &MapScore::Plane::angle_deg), 2); });
   row("within 5 mm, 0.5 deg [%]",
       [](const S& s) { return fixed(percent(s.within, static_cast<int>(s.planes.size())), 0); });
   row("drift [% of the way]",
@@ -308,10 +309,9 @@ Table map_planes_table(const MapScore& score) {
   table.note = "The true plane that most of each is on; none: a ghost.";
   table.columns = {"track", "true plane", "area [m2]", "offset [mm]", "angle [deg]"};
   for (const MapScore::Plane& plane : score.planes)
-    table.rows.push_back({fmt::format("{}", plane.track),
-                          plane.truth > 0 ? fmt::format("{}", plane.truth) : "none",
-                          fixed(plane.area_m2, 3), fixed(1000 * plane.offset_m, 1),
-                          fixed(plane.angle_deg, 2)});
+    table.rows.push_back(
+        {fmt::format("{}", plane.track), plane.truth > 0 ? fmt::format("{}", plane.truth) : "none",
+         fixed(plane.area_m2, 3), fixed(1000 * plane.offset_m, 1), fixed(plane.angle_deg, 2)});
   return table;
 }
 

@@ -22,10 +22,10 @@ struct MapScore {
   // The map. A true plane counts where more than kLeastSeen of it was in sight.
   static constexpr double kLeastSeen_m2 = 0.04;
   int true_planes = 0, missing = 0;
-  int twice = 0;                            // map planes that cover again what a larger one covers
-  int ghosts = 0;                           // map planes over 100 cm2 that are on no true plane
+  int twice = 0;   // map planes that cover again what a larger one covers
+  int ghosts = 0;  // map planes over 100 cm2 that are on no true plane
   struct Plane {
-    int track = 0, truth = 0;  // ids; truth 0: a ghost
+    int track = 0, truth = 0;                         // ids; truth 0: a ghost
     double area_m2 = 0, offset_m = 0, angle_deg = 0;  // from the true one, at its centroid
   };
   std::vector<Plane> planes;  // of the map, those that are there at the end
@@ -33,9 +33,9 @@ struct MapScore {
     int truth = 0, frame = 0, before = 0, now = 0;
     bool in_a_row = false;
   };
-  std::vector<Change> changes;  // of tracks, what `switches` and `not_known_again` count
-  int within = 0;                           // 5 mm and 0.5 degrees
-  double way_m = 0, drift_m = 0;            // of the camera; where it was thought to be at the end
+  std::vector<Change> changes;    // of tracks, what `switches` and `not_known_again` count
+  int within = 0;                 // 5 mm and 0.5 degrees
+  double way_m = 0, drift_m = 0;  // of the camera; where it was thought to be at the end
 };
 
 struct MapBenchOptions {

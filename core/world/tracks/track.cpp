@@ -7,7 +7,8 @@
 namespace planescope::world {
 namespace {
 
-constexpr double kUnitSigma_m = 1e-3;   // a measurement with it weighs 1
+// A measurement with it weighs 1: so much that a plane of few, noisy ones still counts as three.
+constexpr double kUnitSigma_m = 0.1;
 constexpr double kLeastSigma_m = 1e-4;  // exact depth is rounded to counts all the same
 constexpr double kLeastTilt_rad = 1e-5;
 // What all observations of a plane have in common does not average away: the camera's calibration.

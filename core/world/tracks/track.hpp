@@ -95,7 +95,7 @@ struct Track {
   // The grid's frame, which stays as it was at birth: anchor + x u + y v.
   Vec3d anchor = Vec3d::Zero();
   PlaneBasis basis;
-  Moments moments;  // about the anchor; each measurement weighs 1 / sigma^2, 1 mm is 1
+  Moments moments;  // about the anchor; each measurement weighs 1 / sigma^2
   PlaneFit fit;     // of the moments, about the anchor; the normal on the seen side
   Mat3d information =
       Mat3d::Zero();  // of the slopes along u and v, and of the height at the anchor

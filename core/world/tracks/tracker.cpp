@@ -320,8 +320,10 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
       if (angle > most_angle_deg(options_, small->sigma_tilt_deg(), large->sigma_tilt_deg(),
                                  std::min(small->width_m(), large->width_m())))
         continue;
-      const Vec3d where = small->centroid();
-      const double offset = std::abs(large->distance_m(where));
+      // Where the narrower one is known best: elsewhere its tilt leaves it free.
+      const bool is_narrower = small->width_m() < large->width_m();
+      const Vec3d where = (is_narrower ? small : large)->centroid();
+      const double offset = std::abs((is_narrower ? large : small)->distance_m(where));
       if (offset > most_offset_m(options_, small->sigma_m(small->on_grid(where)),
                                  large->sigma_m(large->on_grid(where))))
         continue;

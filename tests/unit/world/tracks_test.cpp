@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/io/recording.hpp"
 #include "core/lab/synthetic/render_scene.hpp"
@@ -181,6 +182,76 @@ TEST(Fusion, ShrinksTheUncertainty) {
   EXPECT_NEAR(track.sigma_m(Vec2d::Zero()), std::hypot(0.001, 0.001), 1e-4);
   EXPECT_LT(track.sigma_m(Vec2d::Zero()), once_m / 2);
   EXPECT_LT(track.sigma_tilt_deg(), once_deg / 2);
+}
+
+TEST(Fusion, OfFewNoisyMeasurementsHasTheirNormal) {
+  Track track(0.02);
+  track.basis = plane_basis(Vec3d::UnitX());
+  ObservedPlane plane;
+  for (int i = 0; i < 50; ++i) plane.moments.add(Vec3d(-1, 0.02 * (i % 7), 0.02 * (i / 7)));
+  plane.certainty.sigma_m = 0.02;
+  track.fuse(plane, Vec3d(1, 0, 0));
+  EXPECT_TRUE(track.fit.normal.isApprox(Vec3d::UnitX(), 1e-6));
+  EXPECT_GT(track.width_m(), 0.1);
+}
+
+/// A level rectangle about `centroid`, whose tilt about y is known to `sigma_tilt_rad`.
+ObservedPlane level_plane(int id, const Vec3d& centroid, const Vec2d& size, double sigma_tilt_rad) {
+  ObservedPlane plane;
+  plane.id = id;
+  plane.label = Label::h;
+  plane.centroid = centroid;
+  std::vector<Vec2d> places;
+  for (double x = -size.x() / 2; x <= size.x() / 2; x += 0.02)
+    for (double y = -size.y() / 2; y <= size.y() / 2; y += 0.02) {
+      places.emplace_back(x, y);
+      plane.moments.add(centroid + Vec3d(x, y, 0));
+    }
+  plane.certainty.axes[0] = Vec3d::UnitY();
+  plane.certainty.axes[1] = Vec3d::UnitX();
+  plane.certainty.sigma_m = 0.005;
+  plane.certainty.sigma_offset_m = 0.001;
+  plane.certainty.sigma_tilt_rad[1] = sigma_tilt_rad;
+  plane.outline =
+      planes::outline_of_points(centroid, {Vec3d::UnitX(), Vec3d::UnitY()}, places, 0.02);
+  return plane;
+}
+
+TEST(Tracker, AStripWhoseTiltIsNotKnownStaysApartFromAFloorBelowIt) {
+  // As of the first sight of a tread: at the floor's middle it could be anywhere.
+  ObservedFrame frame;
+  frame.planes = {level_plane(1, {0, 0, 0}, {1, 1}, 0.001),
+                  level_plane(2, {0.56, 0, 0.1}, {0.06, 0.5}, 0.1)};
+  frame.plane_of = frame.depth = Image16(1, 1);
+  Tracker tracker;
+  EXPECT_EQ(tracker.add(frame).track_of, (std::vector{1, 2}));
+  EXPECT_EQ(tracker.tracks()[1].state, TrackState::alive);
+}
+
+TEST(Observation, OfALowBoardDoesNotLean) {
+  // Seen from above, with errors along the rays: of all its points in space, the fit leans by 0.7.
+  lab::Scene scene;
+  lab::add_polygon(scene, lab::upright({1.1, 0.6}, {1.1, -0.6}, {0.05, 0.2}), {});
+  lab::CameraPose camera;
+  camera.pitch_deg = 30;
+  lab::D435Model model;
+  model.color = false;
+  const planes::PipelineOptions options = pca_options();
+  const auto chosen = planes::make_classifier(options, {});
+  const Pose pose = lab::pose_of(camera);
+  Tracker tracker;
+  for (int i = 0; i < 8; ++i) {
+    Frame frame = lab::render_scene(scene, camera, model, 1 + i);
+    frame.index = i;
+    frame.gravity =
+        Gravity{pose.linear().transpose() * -Vec3d::UnitZ(), GravitySource::sidecar, 1, ""};
+    tracker.add(observe(frame, planes::run_frame(frame, options, chosen.classifier.get()), options,
+                        pose, 0));
+  }
+  ASSERT_EQ(tracker.tracks().size(), 1u);
+  const Track& board = tracker.tracks().front();
+  EXPECT_EQ(board.frames_seen, 8);
+  EXPECT_NEAR(std::asin(board.fit.normal.z()) * 180 / std::numbers::pi, 0, 0.4);
 }
 
 TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
