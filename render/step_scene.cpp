@@ -434,6 +434,7 @@ DrawList scene_step(const debug::Run& run, const StepLook& look) {
     if (look.show_foot && !alone) add_foot_space(*planes, look.theme, list);
     if (look.show_stairs && !alone) add_stairs(*planes, look.theme, list);
   }
+  if (look.map && !alone) list.lines.insert(list.lines.end(), look.map->begin(), look.map->end());
   if (state.voxel != look.voxel) add_voxel(run, state.voxel, marks.current, kCurrentLabel, list);
   add_voxel(run, look.voxel, marks.selected, kSelectedLabel, list);
   add_step_legend(run, look, state, list);

@@ -58,6 +58,8 @@ struct StepLook {
   // plane that still grows as well, is drawn as the convex hull of its voxels, fainter.
   std::shared_ptr<const PlaneScene> planes = {};
   std::vector<int> color_of_plane = {};  // colour ids of the trace's planes; empty: their own
+  // Planes of the world about it, in the scene; null: none.
+  std::shared_ptr<const std::vector<DrawLines>> map = {};
 
   Rgba plane_color(std::int32_t of) const;  // a plane of the trace
 };

@@ -48,7 +48,7 @@ void set_input_option(InputArgs& args, const std::string& name, const std::strin
 /// A recording that was opened, and what of it is asked for.
 struct OpenInput {
   std::filesystem::path path;
-  std::unique_ptr<io::Recording> recording;
+  std::shared_ptr<const io::Recording> recording;
   std::vector<int> frames;          // at least one; frame numbers of the recording
   std::filesystem::path label_dir;  // may not exist
 };

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
+#include "app/desktop/tracks/map_view.hpp"
 #include "render/palette.hpp"
 #include "render/step_values.hpp"
 
@@ -204,6 +205,7 @@ render::StepLook look_of(const State& state) {
   look.show_foot = view.show_foot;
   look.show_stairs = view.show_stairs;
   look.planes = state.plane_scene(state.run_view());
+  if (view.show_map) look.map = state.run_view()->map_lines;
   look.node = view.selected.node;
   look.plane = view.selected.plane;
   look.voxel = view.selected.voxel;
@@ -246,7 +248,8 @@ std::vector<int> colors_of_planes(const State& state, const RunView& of) {
   const Results& results = state.results;
   const debug::Comparison* comparison = comparison_with_a(results);
   if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
-    return {};
+    return of.map && is_fresh(*of.map, state.document) ? colors_by_track(*of.map, *of.run)
+                                                       : std::vector<int>();
   return colors_like(*results.pinned->run, *of.run, *comparison);
 }
 

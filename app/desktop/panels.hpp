@@ -24,6 +24,7 @@ void draw_image(const Ui& ui);      // colour or depth image at the cursor
 void draw_timeline(const Ui& ui);   // scrubber
 void draw_octree(const Ui& ui);     // tree of nodes
 void draw_events(const Ui& ui);     // event list, filter, breakpoints
+void draw_tracks(const Ui& ui);     // planes over all frames, and why one is missing
 void draw_inspector(const Ui& ui);  // criteria of a node, terms of a merge, distances of a point
 void draw_point(const Ui& ui);      // a point's life, why not
 void draw_bookmarks(const Ui& ui);
@@ -78,6 +79,8 @@ inline constexpr Tab kInspectorTabs[] = {{"inspector", "Inspector", draw_inspect
                                          {"point", "Point", draw_point},
                                          {"stairs", "Stairs", draw_stairs},
                                          {"bookmarks", "Bookmarks", draw_bookmarks}};
+inline constexpr Tab kListTabs[] = {{"events", "Events", draw_events},
+                                    {"tracks", "Tracks", draw_tracks}};
 inline constexpr Tab kToolTabs[] = {{"criteria", "Criteria", draw_criteria},
                                     {"histograms", "Histograms", draw_histograms},
                                     {"compare", "A/B", draw_compare},

@@ -154,7 +154,7 @@ void draw_debugger(const Ui& ui, const Places& at) {
   panel(ui, "timeline", {x1, y1, middle, timeline}, kStill, [&] { draw_timeline(ui); });
   panel(ui, "octree", {x1, y2, octree, bottom}, kStill, [&] { draw_octree(ui); });
   panel(ui, "events", {x1 + octree + grip, y2, middle - octree - grip, bottom}, kStill,
-        [&] { draw_events(ui); });
+        [&] { tabs(ui, "##list_tabs", view.list_tab, "tab.list", kListTabs); });
   panel(ui, "inspector", {x3, at.top, at.right, at.body - tools - grip}, kStill,
         [&] { tabs(ui, "##inspector_tabs", view.inspector_tab, "tab.inspector", kInspectorTabs); });
   panel(ui, "tools", {x3, y3, at.right, tools}, kStill,

@@ -79,7 +79,7 @@ PickedGravity gravity_from(const nlohmann::json& json) {
 
 class PickedRecording : public Recording {
  public:
-  PickedRecording(std::unique_ptr<Recording> recording, PickedGravity picked)
+  PickedRecording(std::shared_ptr<const Recording> recording, PickedGravity picked)
       : recording_(std::move(recording)), picked_(std::move(picked)) {}
 
   const RecordingInfo& info() const override { return recording_->info(); }
@@ -94,7 +94,7 @@ class PickedRecording : public Recording {
   std::string frame_hash(int i) const override { return recording_->frame_hash(i); }
 
  private:
-  std::unique_ptr<Recording> recording_;
+  std::shared_ptr<const Recording> recording_;
   PickedGravity picked_;
 };
 
@@ -150,10 +150,10 @@ void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {
     frame.gravity = Gravity{direction->direction, GravitySource::picked, 1, direction->note};
 }
 
-std::unique_ptr<Recording> with_picked_gravity(std::unique_ptr<Recording> recording,
+std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
                                                PickedGravity picked) {
   if (picked.empty()) return recording;
-  return std::make_unique<PickedRecording>(std::move(recording), std::move(picked));
+  return std::make_shared<const PickedRecording>(std::move(recording), std::move(picked));
 }
 
 }  // namespace planescope::io

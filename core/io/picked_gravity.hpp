@@ -45,7 +45,7 @@ void write_picked_gravity(const std::filesystem::path& label_dir, const PickedGr
 void apply_picked_gravity(const PickedGravity& picked, Frame& frame);
 
 /// The same recording, its frames with what was picked.
-std::unique_ptr<Recording> with_picked_gravity(std::unique_ptr<Recording> recording,
+std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
                                                PickedGravity picked);
 
 }  // namespace planescope::io

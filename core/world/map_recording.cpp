@@ -109,6 +109,17 @@ void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
 
 }  // namespace
 
+planes::PipelineOptions turn_to_map(Frame& frame,
+                                    planes::PipelineOptions options,
+                                    const Pose& T_world_camera,
+                                    const SharedGravity& gravity) {
+  if (gravity.known && options.gravity.mode != planes::GravityMode::none)
+    frame.gravity = gravity_at(T_world_camera, gravity);
+  if (frame.gravity) options.gravity.mode = planes::GravityMode::automatic;
+  options.gravity.none_where_unknown = true;
+  return options;
+}
+
 WorldMap map_recording(const MapJob& job) {
   if (job.recording->info().width == 0)
     throw Error(job.recording->info().path.string() +
@@ -140,14 +151,10 @@ WorldMap map_recording(const MapJob& job) {
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
     if (job.stop.stop_requested() || !pose_of[i]) return;
-    const SharedGravity& gravity = map.gravity[pose_of[i]->segment];
     try {
       Frame frame = job.recording->frame(job.frames[i]);
-      if (gravity.known && pipeline.gravity.mode != planes::GravityMode::none)
-        frame.gravity = gravity_at(pose_of[i]->T_world_camera, gravity);
-      planes::PipelineOptions options = pipeline;
-      options.gravity.mode = frame.gravity ? planes::GravityMode::automatic : pipeline.gravity.mode;
-      options.gravity.none_where_unknown = true;
+      const planes::PipelineOptions options = turn_to_map(
+          frame, pipeline, pose_of[i]->T_world_camera, map.gravity[pose_of[i]->segment]);
       const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
       observed[i] =
           observe(frame, result, options, pose_of[i]->T_world_camera, pose_of[i]->segment);

@@ -40,6 +40,13 @@ struct WorldMap {
   std::vector<std::string> told;  // what was odd, a line each
 };
 
+/// Gives the frame the map's gravity where it is known and asked for. Returns the options with
+/// which its planes are those that the map knows.
+planes::PipelineOptions turn_to_map(Frame& frame,
+                                    planes::PipelineOptions options,
+                                    const Pose& T_world_camera,
+                                    const SharedGravity& gravity);
+
 /// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
 /// After the poses, everything is a function of them and the frames, to the bit, for any number of
 /// threads.

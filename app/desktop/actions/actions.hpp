@@ -11,6 +11,8 @@
 
 namespace planescope::desktop {
 
+struct RunArrival;
+
 /// "step.next", or "filter.set" with "case==III".
 struct Command {
   std::string action;
@@ -79,6 +81,7 @@ std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
 std::vector<Action> plane_table_actions();   // the table of planes
 std::vector<Action> measure_actions();       // between points and planes that are clicked
+std::vector<Action> track_actions();         // planes over all frames
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand
@@ -138,6 +141,10 @@ void move_camera(State& state,
                  Facing facing = Facing::home);
 /// Back to the frame's own view where the world is another one.
 void forget_cameras(State& state);
+/// Goes to where a run's story begins, and selects what it is about.
+void show_arrival(State& state, const RunArrival& arrival);
+/// Selects a track's plane in the run looked at, or goes to the decision that lost it.
+void go_to_track(State& state, const TrackPlace& place);
 /// Shows B again where A is flashed.
 void unflash(State& state);
 /// Goes on to the next frame once this one has been looked at; stops at the last.

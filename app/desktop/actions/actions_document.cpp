@@ -27,6 +27,7 @@ void leave_frame(State& state) {
   state.results.sensitivity.clear();
   state.view.arrival.reset();
   state.view.report_place.reset();
+  state.view.tracks.place.reset();
   state.view.truth_plane = 0;
   state.view.playing.direction = 0;
   state.view.click = Click::selects;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/desktop/actions/actions.hpp"
+#include "app/desktop/jobs/report_arrival.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
@@ -93,6 +94,20 @@ void show_point(State& state) {
 }
 
 }  // namespace
+
+void show_arrival(State& state, const RunArrival& arrival) {
+  state.view.flash = arrival.in_a;
+  if (arrival.step >= 0) go_to_step(state, arrival.step);
+  Selection& selected = state.view.selected;
+  if (arrival.plane >= 0) selected.plane = arrival.plane;
+  if (arrival.voxel >= 0) {
+    selected.voxel = arrival.voxel;
+    if (selected.node < 0)
+      selected.node = state.run()->timeline.node_of_point(arrival.voxel, state.view.step);
+  }
+  state.document.marked = arrival.marked;
+  if (!arrival.message.empty()) say(state, arrival.message);
+}
 
 std::vector<Action> selection_actions() {
   const std::string menu = "Select";

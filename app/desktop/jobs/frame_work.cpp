@@ -8,6 +8,7 @@
 #include "app/commands/inputs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/look.hpp"
+#include "app/desktop/tracks/map_view.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
@@ -126,14 +127,18 @@ std::shared_ptr<const planes::Classifier> Classifiers::get(const planes::Pipelin
 
 Wanted wanted_of(const Document& document, int frame) {
   const OpenRecording& open = *document.current();
-  return {open.recording,
-          open.label_dir,
-          frame,
-          document.options,
-          open.picked,
-          document.labels_version,
-          options_key(document.options, true),
-          options_key(document.options, false)};
+  return {.recording = open.recording,
+          .label_dir = open.label_dir,
+          .frame = frame,
+          .options = document.options,
+          .picked = open.picked,
+          .labels_version = document.labels_version,
+          .prepare_key = options_key(document.options, true),
+          .segment_key = options_key(document.options, false)};
+}
+
+std::string run_key(const planes::PipelineOptions& options) {
+  return options_key(options, true) + options_key(options, false);
 }
 
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options) {
@@ -151,6 +156,10 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
   io::apply_picked_gravity(wanted.picked, frame);
   planes::PipelineOptions options = wanted.options;
   options.gravity.none_where_unknown = true;
+  const world::CameraPose* pose = wanted.map ? wanted.map->pose(wanted.frame) : nullptr;
+  if (pose)
+    options = world::turn_to_map(frame, options, pose->T_world_camera,
+                                 wanted.map->map.gravity[static_cast<std::size_t>(pose->segment)]);
   const std::string hash = wanted.recording->frame_hash(wanted.frame);
   std::optional<planes::SourceTruth> truth;
   try {
@@ -163,12 +172,16 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 }
 
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
-                                        const render::Home& home) {
+                                        const render::Home& home,
+                                        const std::shared_ptr<const MapView>& map) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
   view->home = home;
   view->outlines = outlines_of_run(*run);
+  view->map = map;
+  if (map)
+    view->map_lines = std::make_shared<const std::vector<render::DrawLines>>(map_lines(*map, *run));
   view->run = std::move(run);
   return view;
 }
@@ -186,6 +199,7 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers, const deb
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
+    if (wanted.map) look.color_of_plane = colors_by_track(*wanted.map, *run);
     if (a) look.color_of_plane = colors_like(*a, *run, debug::compare_runs(*a, *run));
     thumbnail.image =
         run->subject->frame.depth.empty()

@@ -31,13 +31,14 @@ struct Wanted {
   int frame = 0;
   planes::PipelineOptions options;
   io::PickedGravity picked = {};
-  int labels_version = 0;                // truth is read from label files
-  std::string prepare_key, segment_key;  // of the options: equal texts, equal results
+  int labels_version = 0;                   // truth is read from label files
+  std::shared_ptr<const MapView> map = {};  // whose gravity the frame is to have
+  std::string prepare_key, segment_key;     // of the options: equal texts, equal results
 
   bool same_subject(const Wanted& other) const {
     return recording == other.recording && frame == other.frame &&
            labels_version == other.labels_version && prepare_key == other.prepare_key &&
-           picked == other.picked;
+           picked == other.picked && map == other.map;
   }
   bool operator==(const Wanted& other) const {
     return same_subject(other) && segment_key == other.segment_key;
@@ -49,6 +50,8 @@ struct Wanted {
   }
 };
 Wanted wanted_of(const Document& document, int frame);
+/// Of the options that runs go by: equal texts, equal runs.
+std::string run_key(const planes::PipelineOptions& options);
 Wanted with_options(Wanted wanted, const planes::PipelineOptions& options);
 
 // All throw what reading and preparing throw.
@@ -59,7 +62,8 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    Classifiers& classifiers,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
-                                        const render::Home& home);
+                                        const render::Home& home,
+                                        const std::shared_ptr<const MapView>& map = {});
 render::Home home_of(const debug::Run& run);
 /// A frame that cannot be run says why. `a`: whose colours matching planes have; null: their own.
 Thumbnail thumbnail_of(const Wanted& wanted,

@@ -14,9 +14,11 @@
 #include "app/desktop/jobs/frame_work.hpp"
 #include "app/desktop/jobs/label_jobs.hpp"
 #include "app/desktop/jobs/learn_jobs.hpp"
+#include "app/desktop/jobs/map_jobs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
 #include "app/desktop/jobs/worker.hpp"
+#include "app/desktop/tracks/map_view.hpp"
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
@@ -35,24 +37,17 @@ bool same_world(const debug::Subject& a, const debug::Subject& b) {
   return a.prepared.cloud.T_world_sensor.isApprox(b.prepared.cloud.T_world_sensor);
 }
 
+/// The planes are those that were followed, once they were.
+Wanted wanted_in(const State& state, int frame) {
+  Wanted wanted = wanted_of(state.document, frame);
+  if (state.map()) wanted.map = state.results.map.made;
+  return wanted;
+}
+
 /// A slider is held, and not one of a foot or of stairs.
 bool drags_a_run(const State& state) {
   const std::string gesture = state.undo.empty() ? "" : state.undo.back().gesture;
   return !gesture.empty() && !is_about_planes(planes::find_option(gesture));
-}
-
-void show_arrival(State& state, const ReportArrival& arrival) {
-  state.view.flash = arrival.in_a;
-  if (arrival.step >= 0) go_to_step(state, arrival.step);
-  Selection& selected = state.view.selected;
-  if (arrival.plane >= 0) selected.plane = arrival.plane;
-  if (arrival.voxel >= 0) {
-    selected.voxel = arrival.voxel;
-    if (selected.node < 0)
-      selected.node = state.run()->timeline.node_of_point(arrival.voxel, state.view.step);
-  }
-  state.document.marked = arrival.marked;
-  if (!arrival.message.empty()) say(state, arrival.message);
 }
 
 }  // namespace
@@ -98,6 +93,7 @@ struct Jobs::Impl {
   Worker runs{rested, failed}, covers{rested, failed}, compares{rested, failed},
       strip{rested, failed}, analysis{rested, failed};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
+  MapJobs maps{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
   LearnJobs learning{[this](Delivery delivery) { deliver(std::move(delivery)); },
                      [this] { wake(); }};
 
@@ -135,7 +131,7 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   }
   auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
-  return view_run(std::move(run), home);
+  return view_run(std::move(run), home, wanted.map);
 }
 
 /// Null where the frame cannot be run with these options, and `problems` says why; B is shown all
@@ -160,7 +156,7 @@ void Jobs::Impl::run_frame(const Wanted& wanted, const std::shared_ptr<const Rep
     std::shared_ptr<const RunView> a;
     if (place && place->options_a) a = run_a(with_options(wanted, *place->options_a), problems);
     const auto view = view_of(wanted, problems);
-    std::optional<ReportArrival> arrival;
+    std::optional<RunArrival> arrival;
     if (place) arrival = arrival_at(*place, a ? a->run.get() : nullptr, *view->run);
     deliver([this, wanted, view, arrival, problems](State& state) {
       if (!wanted.is_shown(state.document)) return;
@@ -206,11 +202,15 @@ void Jobs::Impl::show_run(State& state, const std::shared_ptr<const RunView>& vi
   } else if (!state.view.flash) {
     follow_run(state, *before->run);
   }
+  if (const std::optional<TrackPlace>& place = state.view.tracks.place;
+      place && place->frame == state.document.frame && view->map) {
+    go_to_track(state, *std::exchange(state.view.tracks.place, std::nullopt));
+  }
 }
 
 void Jobs::Impl::pursue_run(State& state) {
   if (!state.document.current()) return;
-  const Wanted wanted = wanted_of(state.document, state.document.frame);
+  const Wanted wanted = wanted_in(state, state.document.frame);
   if (run_wanted && *run_wanted == wanted) return;
   if (!run_wanted || run_wanted->recording != wanted.recording ||
       run_wanted->frame != wanted.frame) {
@@ -279,7 +279,7 @@ void Jobs::Impl::stop_strip() {
 void Jobs::Impl::pursue_strip(State& state) {
   strip_waits = false;
   if (!state.document.current() || state.results.loading || runs.busy()) return;
-  Wanted wanted = wanted_of(state.document, 0);
+  Wanted wanted = wanted_in(state, 0);
   const auto count = static_cast<std::size_t>(wanted.recording->frame_count());
   const bool same_recording = strip_of == wanted.recording && state.results.strip.size() == count;
   const bool plain = state.view.mode == Mode::labels;
@@ -397,8 +397,8 @@ void Jobs::Impl::pursue_fix(State& state) {
   if (fix.finished && fix.checked >= 0 && !fix.check_begun && state.document.current()) {
     fix.check_begun = true;
     const debug::Fix chosen = fix.fixes[static_cast<std::size_t>(fix.checked)];
-    analyse(Analysis::check, [this, wanted = wanted_of(state.document, 0), chosen](
-                                 std::stop_token stop, int number) mutable {
+    analyse(Analysis::check, [this, wanted = wanted_in(state, 0), chosen](std::stop_token stop,
+                                                                          int number) mutable {
       planes::PipelineOptions after = wanted.options;
       planes::set_option(after, chosen.option, chosen.after);
       for (int i = 0; i < wanted.recording->frame_count() && !stop.stop_requested(); ++i) {
@@ -467,6 +467,7 @@ void Jobs::pursue(State& state) {
   impl_->pursue_sensitivity(state);
   impl_->labels.pursue(state);
   impl_->learning.pursue(state);
+  impl_->maps.pursue(state);
 }
 
 bool Jobs::collect(State& state) {
@@ -484,7 +485,7 @@ bool Jobs::busy(bool background) const {
   if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
   const bool sweeps = impl_->analysing == Analysis::sensitivity;
   if (impl_->analysis.busy() && (background || !sweeps)) return true;
-  if (impl_->labels.busy() || impl_->learning.busy()) return true;
+  if (impl_->labels.busy() || impl_->learning.busy() || impl_->maps.busy()) return true;
   const std::lock_guard lock(impl_->mutex);
   return !impl_->deliveries.empty();
 }

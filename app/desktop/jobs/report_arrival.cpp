@@ -64,7 +64,7 @@ Voxels voxels_of(const Region& region, const debug::Subject& subject, bool whole
 std::string name_of(std::int32_t plane) { return fmt::format("P{}", plane); }
 
 /// To where the plane of the result was founded.
-void go_to_founding(const debug::Run& run, std::int32_t plane, ReportArrival& arrival) {
+void go_to_founding(const debug::Run& run, std::int32_t plane, RunArrival& arrival) {
   arrival.plane = run.segmentation.planes[static_cast<std::size_t>(plane) - 1].founded;
   arrival.step = run.timeline.changes_of_plane(arrival.plane).front().step;
 }
@@ -74,11 +74,11 @@ class Guide {
   Guide(const ReportPlace& place, const debug::Run* a, const debug::Run& b)
       : place_(place), a_(a), b_(b) {}
 
-  ReportArrival to_plane_of_now() const {
+  RunArrival to_plane_of_now() const {
     Region region{place_.now, {place_.plane}};
     region.voxels = voxels_of(region, *b_.subject);
     const std::int32_t plane = debug::plane_of_region(b_, region.voxels);
-    ReportArrival arrival;
+    RunArrival arrival;
     if (plane == 0) {
       arrive_at_loss(region, fmt::format("plane {}", place_.plane), arrival);
       arrival.message += ": this version does not find it";
@@ -94,13 +94,13 @@ class Guide {
     return arrival;
   }
 
-  ReportArrival to_plane_of_baseline() const {
+  RunArrival to_plane_of_baseline() const {
     const debug::Subject& subject = *b_.subject;
     Region region{*place_.baseline, {place_.plane}};
     region.voxels = voxels_of(region, subject);
     const std::int32_t plane = debug::plane_of_region(b_, region.voxels);
     const std::string name = fmt::format("the baseline's plane {}", place_.plane);
-    ReportArrival arrival;
+    RunArrival arrival;
     arrival.marked = voxels_of(region, subject, true);
     if (is(report::PlaneFate::merged) && plane > 0) {
       go_to_founding(b_, plane, arrival);
@@ -126,7 +126,7 @@ class Guide {
  private:
   bool is(report::PlaneFate fate) const { return place_.fate && place_.fate->fate == fate; }
 
-  void arrive_at_loss(const Region& region, const std::string& what, ReportArrival& arrival) const {
+  void arrive_at_loss(const Region& region, const std::string& what, RunArrival& arrival) const {
     arrival.message = what;
     const Voxels& voxels = region.voxels;
     if (!voxels.empty()) arrival.voxel = static_cast<std::int32_t>(voxels[voxels.size() / 2]);
@@ -138,7 +138,7 @@ class Guide {
   }
 
   /// Where the planes that are one now became one.
-  void arrive_at_merge(ReportArrival& arrival) const {
+  void arrive_at_merge(RunArrival& arrival) const {
     Region region{*place_.baseline, place_.fate->others};
     region.planes.push_back(place_.fate->baseline);
     region.voxels = voxels_of(region, *b_.subject);
@@ -150,7 +150,7 @@ class Guide {
   void arrive_at(const Region& region,
                  const debug::RegionDecision& otherwise,
                  const char* verb,
-                 ReportArrival& arrival) const {
+                 RunArrival& arrival) const {
     const auto counts = [](const debug::RegionDecision& decision, const Voxels& voxels) {
       return 10 * decision.points > voxels.size();
     };
@@ -171,7 +171,7 @@ class Guide {
   static void stand_at(const debug::RegionDecision& decision,
                        const Voxels& voxels,
                        const char* verb,
-                       ReportArrival& arrival) {
+                       RunArrival& arrival) {
     arrival.step = decision.step;
     arrival.voxel = decision.voxel;
     arrival.plane = -1;
@@ -188,9 +188,9 @@ class Guide {
 
 }  // namespace
 
-ReportArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b) {
+RunArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b) {
   const Guide guide(place, a, b);
-  ReportArrival arrival;
+  RunArrival arrival;
   if (place.plane > 0)
     arrival = place.of_baseline ? guide.to_plane_of_baseline() : guide.to_plane_of_now();
   const std::string between = arrival.message.empty() || place.note.empty() ? "" : "; ";

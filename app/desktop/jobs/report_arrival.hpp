@@ -27,7 +27,7 @@ struct ReportPlace {
   std::string note;  // what is not as it was, one line
 };
 
-struct ReportArrival {
+struct RunArrival {
   std::int32_t step = -1;  // -1: the last
   std::int32_t plane = -1, voxel = -1;
   bool in_a = false;                  // all of this is of run A
@@ -36,6 +36,6 @@ struct ReportArrival {
 };
 
 /// The decision that made the plane what it is, or that lost it. `a` null: there is no such run.
-ReportArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b);
+RunArrival arrival_at(const ReportPlace& place, const debug::Run* a, const debug::Run& b);
 
 }  // namespace planescope::desktop

@@ -156,6 +156,8 @@ Json view_json(const ViewState& view) {
           {"zoom", view.zoom},
           {"inspector_tab", view.inspector_tab},
           {"tool_tab", view.tool_tab},
+          {"list_tab", view.list_tab},
+          {"show_map", view.show_map},
           {"octree_search", view.octree_search},
           {"only_matches", view.only_matches},
           {"rate", view.playing.steps_per_s},
@@ -196,6 +198,8 @@ void view_of(const Json& json, ViewState& view) {
   view.zoom = std::clamp(view.zoom, 0.6, 3.0);
   value_of(json, "inspector_tab", view.inspector_tab);
   value_of(json, "tool_tab", view.tool_tab);
+  value_of(json, "list_tab", view.list_tab);
+  value_of(json, "show_map", view.show_map);
   value_of(json, "octree_search", view.octree_search);
   value_of(json, "only_matches", view.only_matches);
   value_of(json, "rate", view.playing.steps_per_s);

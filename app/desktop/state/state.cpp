@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/desktop/tracks/map_view.hpp"
 #include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::desktop {
@@ -61,6 +62,12 @@ const RunPlanes* State::planes(const RunView* of) const {
 const RunView* State::other_view() const {
   if (!view.wiper || !results.pinned || !results.current) return nullptr;
   return view.flash ? results.current.get() : results.pinned.get();
+}
+
+const MapView* State::map() const {
+  const OpenRecording* open = document.current();
+  const MapView* made = results.map.made.get();
+  return made && open && made->recording == open->recording ? made : nullptr;
 }
 
 std::string State::shown_side() const {
@@ -171,6 +178,10 @@ nlohmann::ordered_json state_facts(const State& state, bool idle) {
   json["theme"] = view.theme == render::Theme::dark ? "dark" : "light";
   json["tab"] = view.inspector_tab;
   json["tool"] = view.tool_tab;
+  json["list"] = view.list_tab;
+  json["tracks"] = state.map() ? track_rows(state).size() : 0;
+  json["track"] = view.tracks.track;
+  json["track_text"] = track_text(state);
   json["message"] = view.message;
   json["undo"] = state.undo.size();
   add_label_facts(state, json);

@@ -34,6 +34,7 @@
 
 namespace planescope::desktop {
 
+struct MapView;
 struct ReportPlace;
 struct State;
 
@@ -115,6 +116,8 @@ struct RunView {
   std::optional<debug::QuickScore> score;
   render::Home home;  // the frame's own, the same for all runs on it
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
+  std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
+  std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
 };
 
 /// What is found out about a run's planes a little later, and by options that leave the run as it
@@ -138,6 +141,15 @@ struct FixSearch {
   std::vector<debug::FixEffect> effects;  // of it, on the labelled frames of the recording
 };
 
+/// Planes that are followed over all frames of a recording.
+struct MapResults {
+  bool running = false;
+  bool begun = false;  // the job knows of it
+  std::string stage;   // "odometry", "map"
+  int done = 0, total = 0;
+  std::shared_ptr<const MapView> made;  // the latest; it may be another recording's
+};
+
 struct Results {
   std::shared_ptr<const RunView> current;  // B, what the options give; null before the first
   std::shared_ptr<const RunView> pinned;   // A
@@ -151,6 +163,7 @@ struct Results {
   int strip_done = 0;
   std::map<std::string, debug::Sensitivity> sensitivity;  // by option; of `current`
   FixSearch fix;
+  MapResults map;
   LabelResults label;
 };
 
@@ -207,6 +220,22 @@ struct CameraHistory {
   bool zooms = false;  // the latest step is of the wheel, whose next notch is part of it
 };
 
+enum class TrackColor : std::uint8_t { track, area, rms };
+/// A track's place in a frame, to go to once its run is there. `camera`: in the map's world;
+/// nothing: as it stands.
+struct TrackPlace {
+  int track = 0, frame = 0;
+  std::optional<render::Camera> camera = {};
+};
+/// The timeline of tracks.
+struct TracksView {
+  int track = 0;               // selected; 0: none
+  std::string filter;          // of rows ...
+  std::string filter_problem;  // ... why it is none
+  TrackColor color_by = TrackColor::track;
+  std::optional<TrackPlace> place;
+};
+
 /// Pictures of steps that are being written into one file.
 struct StepsSaving {
   std::filesystem::path path;
@@ -239,6 +268,7 @@ struct ViewState {
   Selection selected;
   Search search;
   PlanesView planes;
+  TracksView tracks;
   Playing playing;
   bool playing_frames =
       false;             // of the recording, one after the other, each once it has its planes
@@ -255,6 +285,7 @@ struct ViewState {
   bool show_points = true, show_planes = true, show_names = true, show_normals = false;
   bool show_queue = false, show_settled = false, show_numerals = true;
   bool show_foot = false, show_stairs = false;
+  bool show_map = false;  // of the planes that were seen up to this frame
   bool isolated = false;  // what is selected or current is shown alone
   double point_size = 1;  // of voxels, in edges of one
   render::Backdrop backdrop = render::Backdrop::color;
@@ -269,6 +300,7 @@ struct ViewState {
   Views views = Views::both;
   std::string inspector_tab = "inspector";  // inspector | planes | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
+  std::string list_tab = "events";          // events | tracks
   std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
   bool only_matches = false;  // the event list shows what the filter finds
@@ -327,6 +359,8 @@ struct State {
   const RunPlanes* planes() const { return planes(run_view()); }
   /// What is drawn of a run's planes; null: nothing is known yet.
   std::shared_ptr<const render::PlaneScene> plane_scene(const RunView* of) const;
+  /// Of the recording looked at; null: its planes were not followed.
+  const MapView* map() const;
   /// "A", "B", both as "A | B"; empty where there is no A to tell apart.
   std::string shown_side() const;
   /// The frame looked at as labels are drawn on it; null while it is made, or cannot be.

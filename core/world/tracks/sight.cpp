@@ -22,7 +22,10 @@ int Sight::most_on() const {
   return best;
 }
 
-Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options) {
+Sight sight_of(Track& track,
+               const ObservedFrame& frame,
+               const TrackOptions& options,
+               std::vector<std::uint32_t>* there) {
   Sight sight;
   sight.on.resize(frame.planes.size() + 1);
   const Pose T_camera_world = frame.T_world_camera.inverse();
@@ -68,6 +71,7 @@ Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& opt
         continue;
       }
       ++sight.there;
+      if (there) there->push_back(static_cast<std::uint32_t>(y * k.width + x));
       Sight::On& on = sight.on[frame.plane_of.at(x, y)];
       ++on.cells;
       on.sum += place;

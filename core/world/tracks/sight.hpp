@@ -37,8 +37,12 @@ struct Sight {
   int most_on() const;
 };
 
-/// Looks at every present cell. Valid until the track gets cells.
-Sight sight_of(Track& track, const ObservedFrame& frame, const TrackOptions& options);
+/// Looks at every present cell. Valid until the track gets cells. `there`: takes the pixels
+/// v * width + u that measure it, one for each cell; may be null.
+Sight sight_of(Track& track,
+               const ObservedFrame& frame,
+               const TrackOptions& options,
+               std::vector<std::uint32_t>* there = nullptr);
 
 /// The cells remember it; those that were seen through too often are gone.
 void remember(const Sight& sight);

@@ -1,0 +1,233 @@
+// The timeline of tracks: a row each, frames from left to right, gaps to click on.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/desktop/panels.hpp"
+#include "app/desktop/tracks/map_view.hpp"
+#include "app/desktop/widgets.hpp"
+#include "core/world/files/map_files.hpp"
+#include "render/palette.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+using world::Absence;
+using world::Moment;
+using world::Track;
+
+/// Frames on the screen.
+struct Axis {
+  float x = 0, width = 0;
+  int first = 0, last = 0;
+
+  float frame_width() const { return width / static_cast<float>(std::max(1, last - first + 1)); }
+  float begin(int frame) const { return x + frame_width() * static_cast<float>(frame - first); }
+  int frame_at(float screen_x) const {
+    return std::clamp(first + static_cast<int>((screen_x - x) / frame_width()), first, last);
+  }
+};
+
+ImU32 track_color(const Ui& ui, const MapView& view, const Track& track) {
+  const auto i = static_cast<std::size_t>(track.id) - 1;
+  constexpr double kMostArea_m2 = 2, kMostRms_m = 0.01;
+  switch (ui.state.view.tracks.color_by) {
+    case TrackColor::area:
+      return to_imgui(render::ramp_color(std::sqrt(std::min(1.0, view.area_m2[i] / kMostArea_m2))));
+    case TrackColor::rms:
+      return to_imgui(render::ramp_color(std::min(1.0, track.fit.rms_m() / kMostRms_m)));
+    case TrackColor::track:
+      break;
+  }
+  return to_imgui(render::plane_color(track.id));
+}
+
+/// What a miss looks like: a lost plane, one that is not taken for it, or one that is not there.
+ImU32 gap_color(const Ui& ui, Absence why) {
+  return why == Absence::not_detected  ? ui.colors.bad
+         : why == Absence::not_matched ? ui.colors.warning
+                                       : ui.colors.muted;
+}
+
+void draw_row(const Ui& ui,
+              const MapView& view,
+              const Track& track,
+              const Axis& axis,
+              ImVec2 at,
+              float height) {
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float middle = at.y + height / 2, thin = std::max(1.0f, ui.px(1)), half = height / 2 - thin;
+  const auto span = [&](int from, int to) {
+    const float begin = axis.begin(from);
+    return std::pair{begin, std::max(axis.begin(to + 1), begin + 1)};
+  };
+  for (const world::Gap& gap : track.gaps) {
+    const auto [begin, end] = span(gap.first, gap.last);
+    if (is_miss(gap.why))
+      draw->AddRectFilled(ImVec2(begin, middle - half),
+                          ImVec2(std::max(end, begin + ui.px(2)), middle + half),
+                          gap_color(ui, gap.why));
+    else
+      draw->AddLine(ImVec2(begin, middle), ImVec2(end, middle), ui.colors.grid, thin);
+  }
+  const ImU32 color = track_color(ui, view, track);
+  // Frames in a row are one bar.
+  for (std::size_t i = 0; i < track.sightings.size();) {
+    std::size_t end = i + 1;
+    while (end < track.sightings.size() &&
+           track.sightings[end].frame <= track.sightings[end - 1].frame + 1)
+      ++end;
+    const auto [from, to] = span(track.sightings[i].frame, track.sightings[end - 1].frame);
+    draw->AddRectFilled(ImVec2(from, middle - half), ImVec2(to, middle + half), color);
+    i = end;
+  }
+}
+
+std::string name_of(const MapView& view, const Track& track) {
+  const double area = view.area_m2[static_cast<std::size_t>(track.id) - 1];
+  const std::string label =
+      track.label == Label::unknown ? "" : fmt::format(" {}", to_string(track.label));
+  return area > 0 ? fmt::format("T{}{}  {:.2f} m²", track.id, label, area)
+                  : fmt::format("T{}{}", track.id, label);
+}
+
+void draw_timeline_of(const Ui& ui, const MapView& view, const std::vector<const Track*>& rows) {
+  ImGui::BeginChild("rows");
+  const float names = ui.px(118), height = ui.px(17);
+  Axis axis;
+  axis.x = ImGui::GetCursorScreenPos().x + names;
+  axis.width = std::max(ui.px(40), ImGui::GetContentRegionAvail().x - names);
+  std::tie(axis.first, axis.last) = view.frames();
+  const int selected = ui.state.view.tracks.track, frame = ui.state.document.frame;
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0, 0));
+  // The selected track is brought into view when it changes.
+  double& scrolled_to = ui.memory.numbers["tracks.scrolled_to"];
+  if (scrolled_to != selected) {
+    const auto row = std::ranges::find(rows, selected, &Track::id);
+    if (row != rows.end()) scroll_to_row(static_cast<int>(row - rows.begin()), height);
+    scrolled_to = selected;
+  }
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()), height);
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const Track& track = *rows[static_cast<std::size_t>(i)];
+      const ImVec2 at = ImGui::GetCursorScreenPos();
+      ImGui::PushID(track.id);
+      const bool clicked = ImGui::InvisibleButton("track", ImVec2(names + axis.width, height));
+      ImGui::PopID();
+      ui.name(fmt::format("tracks.{}", track.id), ImVec2(axis.x, at.y),
+              ImVec2(axis.x + axis.width, at.y + height));
+      const float mouse = ImGui::GetIO().MousePos.x;
+      const bool on_axis = mouse >= axis.x;
+      if (clicked)
+        ui.emit("track.show", on_axis ? fmt::format("{},{}", track.id, axis.frame_at(mouse))
+                                      : std::to_string(track.id));
+      if (ImGui::IsItemHovered() && on_axis)
+        ImGui::SetTooltip("%s",
+                          world::moment_text(view.tracker(), track, axis.frame_at(mouse)).c_str());
+      ImDrawList* draw = ImGui::GetWindowDrawList();
+      if (track.id == selected)
+        draw->AddRectFilled(at, ImVec2(axis.x + axis.width, at.y + height),
+                            ImGui::GetColorU32(ImGuiCol_Header));
+      const bool held = view.area_m2[static_cast<std::size_t>(track.id) - 1] > 0;
+      draw->AddText(ImVec2(at.x + ui.px(2), at.y), held ? ui.colors.text : ui.colors.muted,
+                    name_of(view, track).c_str());
+      draw_row(ui, view, track, axis, at, height);
+    }
+  ImGui::PopStyleVar();
+  const float x = axis.begin(frame) + axis.frame_width() / 2;
+  const ImVec2 min = ImGui::GetWindowPos();
+  ImGui::GetWindowDrawList()->AddLine(ImVec2(x, min.y), ImVec2(x, min.y + ImGui::GetWindowHeight()),
+                                      ui.colors.accent, ui.px(1.5f));
+  ImGui::EndChild();
+}
+
+void draw_filter(const Ui& ui) {
+  static constexpr std::size_t kRoom = 256;
+  const TracksView& view = ui.state.view.tracks;
+  std::string text = view.filter.substr(0, kRoom - 1);
+  text.resize(kRoom);
+  ImGui::SetNextItemWidth(ui.px(230));
+  if (ImGui::InputTextWithHint("##filter", "filter: gap && length>5", text.data(), kRoom))
+    ui.emit("track.filter", text.c_str());
+  ui.name("tracks.filter");
+  if (!view.filter_problem.empty()) tooltip(view.filter_problem);
+}
+
+void draw_colors(const Ui& ui) {
+  static constexpr const char* kNames[] = {"track", "area", "rms"};
+  static constexpr const char* kTitles[] = {"by track", "by area", "by RMS"};
+  const auto now = static_cast<std::size_t>(ui.state.view.tracks.color_by);
+  ImGui::SetNextItemWidth(ui.px(88));
+  if (ImGui::BeginCombo("##color", kTitles[now])) {
+    for (std::size_t i = 0; i < std::size(kNames); ++i)
+      if (ImGui::Selectable(kTitles[i], i == now)) ui.emit("track.color", kNames[i]);
+    ImGui::EndCombo();
+  }
+  ui.name("tracks.color");
+}
+
+/// True where there is something to show.
+bool draw_state(const Ui& ui, const MapView* view) {
+  const MapResults& results = ui.state.results.map;
+  if (results.running) {
+    const auto total = static_cast<float>(std::max(1, results.total));
+    ImGui::ProgressBar(
+        static_cast<float>(results.done) / total, ImVec2(ui.px(260), 0),
+        results.total > 0
+            ? fmt::format("{} {} of {}", results.stage, results.done, results.total).c_str()
+            : "begins …");
+    ui.name("tracks.progress");
+    ImGui::SameLine();
+    action_button(ui, "map.stop", "stop");
+    return view != nullptr;
+  }
+  if (!view) {
+    paragraph(ui.colors.muted,
+              "Which plane of this frame is which of the next? Poses are the recording's, or found "
+              "by its images.");
+    action_button(ui, "map.make", "Follow the planes");
+    return false;
+  }
+  if (!is_fresh(*view, ui.state.document)) {
+    colored(ui.colors.warning, "Options have changed since.");
+    ImGui::SameLine();
+    action_button(ui, "map.make", "Follow again");
+  }
+  return true;
+}
+
+}  // namespace
+
+void draw_tracks(const Ui& ui) {
+  const MapView* view = ui.state.map();
+  if (!draw_state(ui, view)) return;
+  draw_filter(ui);
+  ImGui::SameLine();
+  draw_colors(ui);
+  ImGui::SameLine();
+  action_button(ui, "show.map", "map");
+  ImGui::SameLine();
+  action_button(ui, "track.previous", "←");
+  ImGui::SameLine();
+  action_button(ui, "track.next", "→");
+  ImGui::SameLine();
+  action_button(ui, "track.gap.next", "gap");
+  const TracksView& shown = ui.state.view.tracks;
+  const std::string about = track_text(ui.state);
+  const std::vector<const Track*> rows = track_rows(ui.state);
+  if (!shown.filter_problem.empty())
+    paragraph(ui.colors.bad, shown.filter_problem);
+  else if (!about.empty())
+    paragraph(ui.colors.text, about);
+  else
+    paragraph(ui.colors.muted, fmt::format("{}: {}", counted(rows.size(), "track"),
+                                           world::stability_text(view->map.stability)));
+  ui.name("tracks.about");
+  draw_timeline_of(ui, *view, rows);
+}
+
+}  // namespace planescope::desktop

@@ -1,0 +1,189 @@
+#include "core/world/tracks/history.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include "core/model/error.hpp"
+
+namespace planescope::world {
+namespace {
+
+std::string term_text(const Tracker& tracker, const TermResult& term) {
+  if (term.failed == Term::label) return "of the other class";
+  if (term.failed == Term::taken) {
+    const int id = final_track(tracker.tracks(), static_cast<int>(term.value));
+    return id > 0 ? fmt::format("which is T{}", id) : "which fits as well";
+  }
+  return fmt::format("{} {:.4g} > {:.4g}", to_string(term.failed), term.value, term.threshold);
+}
+
+std::string absent_text(const Tracker& tracker, const Gap& gap, int frame) {
+  std::string text = to_string(gap.why);
+  if (gap.why == Absence::not_matched && frame == gap.first)
+    text += fmt::format(", its place is on P{}, {}", gap.plane, term_text(tracker, gap.term));
+  if (gap.why == Absence::not_matched && frame != gap.first)
+    text += fmt::format(", as since frame {}", gap.first);
+  if (gap.why == Absence::not_detected) text += ", most of its place is on no plane";
+  return text;
+}
+
+// ---- Filters ----
+
+int misses_of(const Track& track) {
+  return static_cast<int>(
+      std::ranges::count_if(track.gaps, [](const Gap& gap) { return is_miss(gap.why); }));
+}
+
+bool is_merged(const Tracker& tracker, const Track& track) {
+  return std::ranges::any_of(tracker.tracks(),
+                             [&](const Track& other) { return other.merged_into == track.id; });
+}
+
+struct NumberWord {
+  std::string_view name;
+  double (*value)(const Track&);
+};
+constexpr NumberWord kNumbers[] = {
+    {"track", [](const Track& t) -> double { return t.id; }},
+    {"length", [](const Track& t) -> double { return t.frames_seen; }},
+    {"missed", [](const Track& t) -> double { return t.frames_missed; }},
+    {"gaps", [](const Track& t) -> double { return misses_of(t); }},
+    {"born", [](const Track& t) -> double { return t.born; }},
+    {"segment", [](const Track& t) -> double { return t.segment; }},
+    {"area_m2", [](const Track& t) { return t.sure_area_m2(); }},
+    {"rms_mm", [](const Track& t) { return 1000 * t.fit.rms_m(); }}};
+
+struct FlagWord {
+  std::string_view name;
+  bool (*holds)(const Tracker&, const Track&);
+};
+constexpr FlagWord kFlags[] = {
+    {"h", [](const Tracker&, const Track& t) { return t.label == Label::h; }},
+    {"v", [](const Tracker&, const Track& t) { return t.label == Label::v; }},
+    {"map", [](const Tracker& all, const Track& t) { return t.is_sure(all.options()); }},
+    {"gap", [](const Tracker&, const Track& t) { return misses_of(t) > 0; }},
+    {"gone", [](const Tracker&, const Track& t) { return t.state == TrackState::gone; }},
+    {"merged", is_merged}};
+
+struct Comparison {
+  std::string_view sign;
+  bool (*holds)(double, double);
+};
+constexpr Comparison kComparisons[] = {{"==", [](double a, double b) { return a == b; }},
+                                       {"!=", [](double a, double b) { return a != b; }},
+                                       {"<=", [](double a, double b) { return a <= b; }},
+                                       {">=", [](double a, double b) { return a >= b; }},
+                                       {"<", [](double a, double b) { return a < b; }},
+                                       {">", [](double a, double b) { return a > b; }}};
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(' ');
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+template <typename Word, std::size_t kCount>
+const Word* find_word(const Word (&words)[kCount], std::string_view name) {
+  const Word* at = std::ranges::find(words, name, &Word::name);
+  return at == std::end(words) ? nullptr : at;
+}
+
+[[noreturn]] void fail(std::string_view what, const char* expected) {
+  throw Error(fmt::format("filter of tracks: '{}', expected {}", what, expected));
+}
+
+double number_of(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) fail(text, "a number");
+  return value;
+}
+
+}  // namespace
+
+Moment moment_of(const Track& track, int frame) {
+  const auto sighting = std::ranges::lower_bound(track.sightings, frame, {}, &Sighting::frame);
+  if (sighting != track.sightings.end() && sighting->frame == frame)
+    return {Moment::Kind::seen, &*sighting, nullptr};
+  if (frame < track.born) return {Moment::Kind::unborn, nullptr, nullptr};
+  if (track.ended >= 0 && frame > track.ended) return {Moment::Kind::ended, nullptr, nullptr};
+  for (const Gap& gap : track.gaps)
+    if (gap.first <= frame && frame <= gap.last) return {Moment::Kind::absent, nullptr, &gap};
+  return {};
+}
+
+std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
+  const Moment moment = moment_of(track, frame);
+  switch (moment.kind) {
+    case Moment::Kind::unborn:
+      return fmt::format("T{} is not in frame {}: first seen in frame {}", track.id, frame,
+                         track.born);
+    case Moment::Kind::ended:
+      return fmt::format("T{} is not in frame {}: gone since frame {}", track.id, frame,
+                         track.ended);
+    case Moment::Kind::absent:
+      return fmt::format("T{} is not in frame {}: {}", track.id, frame,
+                         absent_text(tracker, *moment.gap, frame));
+    case Moment::Kind::unknown:
+      return fmt::format("T{}: frame {} is not part of the map", track.id, frame);
+    case Moment::Kind::seen:
+      break;
+  }
+  const Sighting& seen = *moment.sighting;
+  const std::string name =
+      fmt::format("T{} is P{} of frame {}, {:.0f} px", track.id, seen.plane, frame, seen.pixels);
+  if (seen.founding) return name + ": seen for the first time";
+  return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from what was known", name, seen.angle_deg,
+                     1000 * seen.offset_m);
+}
+
+TrackFilter::TrackFilter(const std::string& text) {
+  std::string_view rest = trimmed(text);
+  while (!rest.empty()) {
+    const std::size_t joint = rest.find("&&");
+    std::string_view part = trimmed(rest.substr(0, joint));
+    rest = joint == std::string_view::npos ? std::string_view() : rest.substr(joint + 2);
+    if (joint != std::string_view::npos && trimmed(rest).empty())
+      fail(text, "a condition after &&");
+    const std::size_t sign_at = part.find_first_of("=<>!", 1);
+    if (sign_at == std::string_view::npos) {
+      const bool wanted = !part.starts_with('!');
+      if (!wanted) part = trimmed(part.substr(1));
+      const FlagWord* flag = find_word(kFlags, part);
+      if (!flag) fail(part, "h, v, map, gap, gone, merged or a comparison");
+      conditions_.push_back([=](const Tracker& tracker, const Track& track) {
+        return flag->holds(tracker, track) == wanted;
+      });
+      continue;
+    }
+    const std::string_view name = trimmed(part.substr(0, sign_at));
+    const Comparison* comparison = nullptr;
+    for (const Comparison& candidate : kComparisons)
+      if (!comparison && part.substr(sign_at).starts_with(candidate.sign)) comparison = &candidate;
+    if (!comparison) fail(part, "==, !=, <, <=, > or >=");
+    const double value = number_of(trimmed(part.substr(sign_at + comparison->sign.size())));
+    if (name == "frame") {
+      if (comparison->sign != "==") fail(part, "frame==N");
+      conditions_.push_back([frame = static_cast<int>(value)](const Tracker&, const Track& track) {
+        const Moment moment = moment_of(track, frame);
+        return moment.kind == Moment::Kind::seen || moment.kind == Moment::Kind::absent;
+      });
+      continue;
+    }
+    const NumberWord* number = find_word(kNumbers, name);
+    if (!number) fail(name, "track, frame, length, missed, gaps, born, segment, area_m2 or rms_mm");
+    conditions_.push_back([=](const Tracker&, const Track& track) {
+      return comparison->holds(number->value(track), value);
+    });
+  }
+}
+
+bool TrackFilter::matches(const Tracker& tracker, const Track& track) const {
+  return std::ranges::all_of(conditions_,
+                             [&](const Condition& condition) { return condition(tracker, track); });
+}
+
+}  // namespace planescope::world
