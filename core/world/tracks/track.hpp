@@ -77,7 +77,7 @@ struct Gap {
   int frames = 1;
   Absence why = Absence::out_of_view;
   int plane = 0;    // of frame `first`, on which its place lies; 0 none
-  TermResult term;  // in frame `first`
+  TermResult term = {};  // in frame `first`
 };
 
 enum class TrackState : std::uint8_t { alive, gone, merged };

@@ -1,0 +1,161 @@
+// Planes that are followed over the frames of a walk: the timeline, where a gap leads, colours.
+
+#include <set>
+
+#include "app/desktop/look.hpp"
+#include "app/desktop/tracks/map_view.hpp"
+#include "core/lab/synthetic/sequence.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "desktop_fixture.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// A walk past a kerb and boxes; a camera that is covered for a while.
+std::filesystem::path walk() {
+  static const std::filesystem::path dir = [] {
+    const auto made = std::filesystem::path(testing::TempDir()) /
+                      ("planescope_walk." + std::to_string(::getpid()));
+    lab::SequenceOptions options;
+    options.width = 160;
+    options.height = 120;
+    options.frames = 60;
+    options.noise = options.covered = true;
+    options.color = false;
+    lab::write_sequence(made, options, 2);
+    return made;
+  }();
+  return dir;
+}
+
+struct Tracks : OpenDesktop {
+  Tracks() : OpenDesktop(opened()) {}
+  static State opened() {
+    State state = open_state(planes::Profile::refined);
+    state.document.recordings[0] = {walk(), io::open_recording(walk(), {}), walk() / "none"};
+    state.view.strip_stopped = true;
+    state.view.tool_tab = "histograms";
+    return state;
+  }
+  void follow() { play(R"({"do": "map.make"})"); }
+  const MapView& map() const { return *state().map(); }
+  /// A track that is in the map, and was missed in a frame.
+  const world::Track& missed() const {
+    const auto& all = map().tracker().tracks();
+    const auto at = std::ranges::find_if(all, [](const world::Track& track) {
+      return track.state != world::TrackState::merged && track.frames_seen > 3 &&
+             std::ranges::any_of(track.gaps, [](const world::Gap& gap) {
+               return gap.why == world::Absence::not_detected;
+             });
+    });
+    EXPECT_NE(at, all.end());
+    return *at;
+  }
+};
+
+TEST_F(Tracks, AreFollowedFromTheButtonAndShownARowEach) {
+  play(R"({"click": "tab.tracks"})");
+  EXPECT_FALSE(state().map());
+  play(R"({"click": "button.map.make"})");
+  ASSERT_TRUE(state().map());
+  EXPECT_TRUE(is_fresh(map(), state().document));
+  EXPECT_GT(track_rows(state()).size(), 5u);
+  EXPECT_TRUE(shown("tracks.1"));
+  // The window's own run has the planes of the map.
+  EXPECT_EQ(map().told(0)->track_of.size(), state().run()->segmentation.planes.size());
+}
+
+TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
+  follow();
+  const auto color_of = [&](int track) {
+    const auto& told = map().told(state().document.frame)->track_of;
+    const std::vector<int> colors = colors_of_planes(state(), *state().run_view());
+    for (std::int32_t p = 0; p < state().run()->timeline.plane_count(); ++p)
+      if (const auto id = state().run()->timeline.result_of_plane(p);
+          id > 0 && told[static_cast<std::size_t>(id) - 1] == track)
+        return colors[static_cast<std::size_t>(p)];
+    return -1;
+  };
+  const int before = color_of(1);
+  play(R"({"do": "frame.show", "with": "7"})");
+  EXPECT_EQ(before, 1);
+  EXPECT_EQ(color_of(1), 1);
+  // Other options, other planes: the map's colours no longer fit them.
+  play(R"({"do": "option.set", "with": "voxel_size_m=0.03"})");
+  EXPECT_FALSE(is_fresh(map(), state().document));
+  EXPECT_TRUE(colors_of_planes(state(), *state().run_view()).empty());
+}
+
+TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
+  follow();
+  const world::Track& track = missed();
+  const int frame = frame_missed(map(), track, -1, 1);
+  shell.perform({"track.show", fmt::format("T{},{}", track.id, frame)}, true);
+  settle(shell, stage, {});
+  EXPECT_EQ(state().document.frame, frame);
+  EXPECT_EQ(state().view.tracks.track, track.id);
+  EXPECT_NE(state().view.message.find(
+                fmt::format("T{} is not in frame {}: not detected", track.id, frame)),
+            std::string::npos)
+      << state().view.message;
+  EXPECT_NE(state().view.message.find("left over at step"), std::string::npos);
+  EXPECT_LT(state().view.step, state().run()->steps());
+  EXPECT_FALSE(state().document.marked.empty()) << "its place";
+  // The same place in the frame before, where the plane was seen.
+  play(R"({"key": "Alt+PageUp"})");
+  EXPECT_LT(state().document.frame, frame);
+  EXPECT_GE(state().view.selected.plane, 0);
+  EXPECT_NE(track_text(state()).find(fmt::format("T{} is P", track.id)), std::string::npos);
+  play(R"({"key": "Shift+PageDown"})");
+  EXPECT_EQ(state().document.frame, frame);
+}
+
+TEST_F(Tracks, AClickOnTheTimelineGoesToTheFrame) {
+  follow();
+  play(R"({"click": "tracks.1", "at": [0.26, 0.5]})");
+  EXPECT_EQ(state().document.frame, 15);
+  EXPECT_EQ(state().view.tracks.track, 1);
+}
+
+TEST_F(Tracks, TheSceneIsSeenFromTheSamePlaceOfTheWorld) {
+  follow();
+  play(
+      R"({"do": "camera.top"}, {"do": "camera.zoom", "with": "2"}, {"do": "track.show", "with": "1"})");
+  const auto eye = [&] { return *T_map_scene(map(), *state().run()) * state().view.camera->eye; };
+  const Vec3d before = eye();
+  play(R"({"do": "track.show", "with": "1,6"})");
+  EXPECT_TRUE(eye().isApprox(before, 1e-6));
+}
+
+TEST_F(Tracks, TheMapGrowsWithTheFrames) {
+  follow();
+  play(R"({"do": "show.map"})");
+  const std::size_t at_first = look_of(state()).map->size();
+  play(R"({"do": "frame.show", "with": "59"})");
+  EXPECT_GT(look_of(state()).map->size(), at_first);
+}
+
+TEST_F(Tracks, AreFiltered) {
+  follow();
+  const std::size_t all = track_rows(state()).size();
+  play(R"({"do": "track.filter", "with": "gap && length>3"})");
+  const auto rows = track_rows(state());
+  EXPECT_LT(rows.size(), all);
+  EXPECT_FALSE(rows.empty());
+  for (const world::Track* track : rows) EXPECT_GT(track->frames_seen, 3);
+  play(R"({"do": "track.filter", "with": "lenght<5"})");
+  EXPECT_NE(state().view.tracks.filter_problem.find("'lenght'"), std::string::npos);
+  EXPECT_EQ(track_rows(state()).size(), all) << "a filter that is none hides nothing";
+}
+
+TEST_F(Tracks, FollowingCanBeStoppedAndCloudsAreRefused) {
+  shell.perform({"map.make", ""}, true);
+  stage.draw_frame();
+  shell.perform({"map.stop", ""}, true);
+  settle(shell, stage, {});
+  EXPECT_FALSE(state().map());
+  EXPECT_FALSE(state().results.map.running);
+}
+
+}  // namespace
+}  // namespace planescope::desktop
