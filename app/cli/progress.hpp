@@ -42,4 +42,22 @@ class Bar {
   std::shared_ptr<Progress> bar_;
 };
 
+/// Likewise of work in stages, a bar each. Does not stop anything.
+class StageBar {
+ public:
+  explicit StageBar(std::string what) : what_(std::move(what)) {}
+  void operator()(const char* stage, int done, int all) {
+    if (!bar_ || shown_ != stage) {
+      bar_.reset();  // before the next one is there
+      bar_ = std::make_shared<Progress>(what_ + ": " + stage, all);
+    }
+    shown_ = stage;
+    bar_->show(done, "");
+  }
+
+ private:
+  std::string what_, shown_;
+  std::shared_ptr<Progress> bar_;
+};
+
 }  // namespace planescope::app

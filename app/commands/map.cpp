@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
@@ -20,6 +22,7 @@ struct MapArgs {
   fs::path out;     // -o
   std::optional<fs::path> poses;
   world::TrackOptions tracks;
+  bool follow = false;
 };
 
 /// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
@@ -28,7 +31,30 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   write_file_text(dir / "poses.tum", world::tum_text(map.poses));
   write_file_text(dir / "tracks.json", world::tracks_json(map, recording));
   write_file_text(dir / "map.json", world::map_json(map, recording));
+  if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
 }
+
+/// DIR/left.jsonl, written as pieces leave; none where nothing did.
+class LeftFile {
+ public:
+  explicit LeftFile(fs::path file) : file_(std::move(file)) {
+    std::error_code absent;
+    fs::remove(file_, absent);  // of an earlier run
+  }
+  void operator()(const world::LeftPiece& piece) {
+    if (piece.outline.parts.empty()) return;
+    if (!out_.is_open()) {
+      make_output_dir(file_.parent_path());
+      out_.open(file_, std::ios::binary);
+    }
+    out_ << world::left_json(piece);
+    if (!out_.flush()) throw Error(file_.string() + ": cannot be written");
+  }
+
+ private:
+  fs::path file_;
+  std::ofstream out_;
+};
 
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
@@ -48,23 +74,23 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.tracks = args.tracks;
   job.threads = args.input.pipeline.threads;
   job.stop = stop;
-  std::unique_ptr<Progress> bar;
-  std::string shown;
-  job.progress = [&](const char* what, int done, int all) {
-    if (shown != what) {
-      bar.reset();
-      bar = std::make_unique<Progress>(fmt::format("map: {}", what), all);
-      shown = what;
-    }
-    bar->show(done, "");
-  };
+  job.at_own_rate = args.follow;
+  LeftFile left(args.out / "left.jsonl");
+  job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
+  job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
-  bar.reset();
+  job.progress = {};
   write_map(args.out, map, input.path.filename().string());
   for (const std::string& line : map.told) notice("{}", line);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
   fmt::print("{}: {} from {}, poses of {}\n", args.out.string(), counted(planes, "plane"),
              counted(input.frames.size(), "frame"), map.poses.source);
+  if (map.pace)
+    fmt::print(
+        "  {} of {} frames at {:.1f} a second, in the map {:.0f} ms after they came, {:.0f} "
+        "at most\n",
+        map.pace->taken, map.pace->frames, map.pace->rate_hz, 1000 * map.pace->behind_s_median,
+        1000 * map.pace->behind_s_most);
   if (const std::string text = world::stability_text(map.stability); !text.empty())
     fmt::print("  {}\n", text);
   return 0;
@@ -83,6 +109,13 @@ void define_map(CLI::App& app, Line& line) {
   add(map, "--poses", args->poses, "FILE",
       "Where the camera was: TUM, KITTI, or Open3D's .log or .json; else as the recording says, "
       "else from its images");
+  add(map, "--window", args->tracks.window_m, "M",
+      "Edge of the cube about the camera that the map is held in; what leaves it goes to "
+      "left.jsonl. Default 0: no limit")
+      ->check(number(0));
+  map->add_flag("--follow", args->follow,
+                "At the recording's own rate, as a camera would hand frames over; says whether it "
+                "kept up, and writes pace.json. Needs poses");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map);
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/report_pictures.hpp"
 #include "core/model/error.hpp"
@@ -19,6 +20,7 @@
 #include "core/report/data/build_info.hpp"
 #include "core/report/data/report_files.hpp"
 #include "core/report/data/report_json.hpp"
+#include "core/world/map_recording.hpp"
 #include "render/palette.hpp"
 
 namespace planescope::app {
@@ -192,10 +194,39 @@ std::string build_key(const report::Report& report, int copies) {
   return key;
 }
 
+/// Follows the planes of a recording, and tells each frame how they fare in it.
+void follow_planes(const OpenInput& input,
+                   const planes::PipelineOptions& options,
+                   const planes::Classifier* classifier,
+                   std::stop_token stop,
+                   report::ReportRecording& recording) {
+  world::MapJob job;
+  job.recording = input.recording.get();
+  job.frames = input.frames;
+  job.pipeline = options;
+  job.classifier = classifier;
+  job.threads = options.threads;
+  job.stop = std::move(stop);
+  job.progress = StageBar("tracks of " + recording.name);
+  const world::WorldMap map = world::map_recording(job);
+  for (const world::FrameStability& s : world::stability_by_frame(map.tracker, map.poses.poses)) {
+    const auto frame = std::ranges::find(recording.frames, s.frame, &report::ReportFrame::index);
+    if (frame == recording.frames.end() || !frame->refused.empty()) continue;
+    frame->tracks = {s.breaks, s.swaps, 100 * s.kept_share(), s.normal_jitter_deg(),
+                     s.offset_jitter_m()};
+  }
+}
+
 }  // namespace
 
 int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& runner) {
   if (args.init) return run_report_init();
+  if (args.tracks && args.shard.count > 1)
+    throw Error("report: --tracks needs all frames of a recording, not --shard");
+  if (args.tracks && args.input.pipeline.classifier == "truth")
+    throw Error(
+        "report: --tracks does not go with --classifier truth, which knows frames that "
+        "have labels alone");
   report::ReportGuard guard = open_guard(args.guard);
   if (guard.is_on() && args.shard.count > 1)
     throw Error("--shard: give --baseline and --rules to planescope report merge");
@@ -238,6 +269,10 @@ int run_report(const ReportArgs& args, std::stop_token stop, const FrameRunner& 
     folder.give_up();
     throw_first_refusal(report);
   }
+  for (std::size_t i = 0; args.tracks && !report.partial && i < inputs.size(); ++i)
+    if (inputs[i].recording->info().width > 0)
+      follow_planes(inputs[i], args.input.pipeline, chosen.classifier.get(), stop,
+                    report.recordings[i]);
   folder.commit(!report.partial, frames);
   if (args.resume) notice("{} of {} frames were finished before", resumed, frames.size());
   return finish_report(args.out, report, guard, args.guard, args.json);
@@ -382,6 +417,9 @@ void define_report(CLI::App& app, Line& line) {
   add_read(
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
       "I/N", "Only the I-th of N parts of the frames, to be joined by planescope report merge");
+  report->add_flag("--tracks", args->tracks,
+                   "Also follow planes over the frames of each recording: those that are lost from "
+                   "one frame to the next, and how they jitter");
   report->add_flag_callback(
       "--no-pictures", [args] { args->pictures = false; },
       "Figures alone: some ten times quicker, for a check before each commit");

@@ -27,6 +27,7 @@ struct ReportArgs {
   Shard shard;          // which part of the frames
   bool resume = false;  // frames that an earlier run finished are taken as they are
   bool pictures = true;
+  bool tracks = false;  // planes are followed over the frames of each recording
 };
 
 /// Writes the report, or with `init` the rules. Returns the exit code: 0; 1 where a rule of level

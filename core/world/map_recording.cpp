@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
@@ -47,6 +49,10 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
     return given;
   }
   if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
+  if (job.at_own_rate)
+    throw Error(job.recording->info().path.string() +
+                ": has no poses, expected them where frames are taken at their own rate: odometry "
+                "does not keep up");
   OdometryJob odometry;
   odometry.recording = job.recording;
   odometry.frames = job.frames;
@@ -107,6 +113,45 @@ void tell_of_aside(const Tracker& tracker, std::vector<std::string>& told) {
       told.push_back(fmt::format("a new segment of the map begins at frame {}", frames[i].frame));
 }
 
+/// When frames come, in seconds after the first.
+std::vector<double> arrivals_of(const MapJob& job) {
+  constexpr double kRate_hz = 30;
+  std::vector<double> due;
+  for (const int index : job.frames)
+    due.push_back(job.recording->timestamp_s(index) -
+                  job.recording->timestamp_s(job.frames.front()));
+  if (!std::ranges::is_sorted(due) || (due.size() > 1 && due.back() <= 0))
+    for (std::size_t i = 0; i < due.size(); ++i) due[i] = static_cast<double>(i) / kRate_hz;
+  return due;
+}
+
+/// work(i) for each frame when it comes, but for those that pass while another one is worked on.
+Pace keep_pace(const MapJob& job, const std::function<void(int)>& work) {
+  using Clock = std::chrono::steady_clock;
+  const std::vector<double> due = arrivals_of(job);
+  const auto count = static_cast<int>(due.size());
+  const Clock::time_point start = Clock::now();
+  const auto now_s = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  std::vector<double> behind;
+  for (int i = 0; i < count; ++i) {
+    while (i + 1 < count && due[i + 1] <= now_s()) ++i;
+    while (now_s() < due[i]) {
+      check_stop(job);
+      constexpr double kLongest_s = 0.05;  // until it is looked whether to stop
+      std::this_thread::sleep_for(
+          std::chrono::duration<double>(std::min(kLongest_s, due[i] - now_s())));
+    }
+    work(i);
+    behind.push_back(now_s() - due[i]);
+  }
+  Pace pace{count, static_cast<int>(behind.size())};
+  if (count > 1) pace.rate_hz = (count - 1) / std::max(1e-9, due.back());
+  std::ranges::sort(behind);
+  pace.behind_s_median = behind[behind.size() / 2];
+  pace.behind_s_most = behind.back();
+  return pace;
+}
+
 }  // namespace
 
 planes::PipelineOptions turn_to_map(Frame& frame,
@@ -126,6 +171,7 @@ WorldMap map_recording(const MapJob& job) {
                 ": holds clouds, expected depth images: a map follows a camera");
   WorldMap map;
   map.tracker = Tracker(job.tracks);
+  map.tracker.on_left(job.on_left);
   map.poses = trajectory_of(job, map.told);
   if (map.poses.poses.empty())
     throw Error(job.recording->info().path.string() + ": no frame has a pose");
@@ -140,14 +186,14 @@ WorldMap map_recording(const MapJob& job) {
 
   // Frames side by side, taken in one after the other.
   const auto count = static_cast<int>(job.frames.size());
-  const int at_once = std::clamp(job.threads, 1, std::max(1, count));
+  const int at_once = job.at_own_rate ? 1 : std::clamp(job.threads, 1, std::max(1, count));
   planes::PipelineOptions pipeline = job.pipeline;
   pipeline.threads = std::max(1, job.threads / at_once);
   std::vector<const CameraPose*> pose_of(count, nullptr);
   for (int i = 0, p = 0; i < count && p < std::ssize(map.poses.poses); ++i)
     if (map.poses.poses[p].frame == job.frames[i]) pose_of[i] = &map.poses.poses[p++];
 
-  std::vector<std::optional<ObservedFrame>> observed(count);
+  std::vector<std::unique_ptr<const ObservedFrame>> observed(count);
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
     if (job.stop.stop_requested() || !pose_of[i]) return;
@@ -156,8 +202,8 @@ WorldMap map_recording(const MapJob& job) {
       const planes::PipelineOptions options = turn_to_map(
           frame, pipeline, pose_of[i]->T_world_camera, map.gravity[pose_of[i]->segment]);
       const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
-      observed[i] =
-          observe(frame, result, options, pose_of[i]->T_world_camera, pose_of[i]->segment);
+      observed[i] = std::make_unique<const ObservedFrame>(
+          observe(frame, result, options, pose_of[i]->T_world_camera, pose_of[i]->segment));
     } catch (const Error& error) {
       refused[i] = fmt::format("frame {}: {}", job.frames[i], error.what());
     }
@@ -176,7 +222,11 @@ WorldMap map_recording(const MapJob& job) {
     if (!refused[i].empty()) map.told.push_back(refused[i]);
     tell(job, "map", i + 1, count);
   };
-  work_in_order(count, at_once, make, take);
+  if (job.at_own_rate)
+    map.pace = keep_pace(job, [&](int i) { make(i), take(i); });
+  else
+    work_in_order(count, at_once, make, take);
+  map.tracker.on_left({});
   if (without_pose > 0)
     map.told.push_back(fmt::format("{} of {} have no pose and are left out", without_pose,
                                    counted(count, "frame")));

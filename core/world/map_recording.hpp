@@ -29,7 +29,19 @@ struct MapJob {
   std::function<void(const char* what, int done, int all)> progress = {};
   /// After each frame, in their order.
   std::function<void(const ObservedFrame&, const FrameOfTracks&)> on_frame = {};
+  /// What leaves the window (TrackOptions::window_m).
+  std::function<void(const LeftPiece&)> on_left = {};
+  /// Frames come as a camera would hand them over, by their times, or 30 a second where those do
+  /// not ascend; what passes while a frame is worked on is left out. Needs poses.
+  bool at_own_rate = false;
   std::stop_token stop = {};
+};
+
+/// How a job at the recording's own rate kept up.
+struct Pace {
+  int frames = 0, taken = 0;
+  double rate_hz = 0;                             // of the recording
+  double behind_s_median = 0, behind_s_most = 0;  // a frame is in the map so long after it came
 };
 
 struct WorldMap {
@@ -37,6 +49,7 @@ struct WorldMap {
   std::vector<SharedGravity> gravity;  // by segment of the poses
   Tracker tracker;
   Stability stability;
+  std::optional<Pace> pace;       // where it was made at the recording's own rate
   std::vector<std::string> told;  // what was odd, a line each
 };
 

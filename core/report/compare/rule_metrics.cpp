@@ -82,6 +82,17 @@ std::optional<double> rise_mm(const ReportFrame* frame) {
   return 1000 * frame->terrain->flights.front().rise_m;
 }
 
+template <auto kField>
+std::optional<double> of_tracks(const ReportFrame* frame) {
+  if (!done(frame) || !frame->tracks) return std::nullopt;
+  const auto value = static_cast<double>((*frame->tracks).*kField);
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+std::optional<double> offset_jitter_mm(const ReportFrame* frame) {
+  const auto jitter_m = of_tracks<&FrameTracks::offset_jitter_m>(frame);
+  return jitter_m ? std::optional(1000 * *jitter_m) : std::nullopt;
+}
+
 template <std::optional<double> (*kValue)(const ReportFrame*)>
 std::optional<double> now(const FrameComparison& frame) {
   return kValue(frame.now);
@@ -215,6 +226,29 @@ const std::vector<MeasuredMetric>& measured_metrics() {
         "rise_mm, now less the baseline", true, false, mean, false, RuleNeed::stairs},
        change<rise_mm>,
        flights_change},
+      {{"track_breaks", "planes", "{n} {are} lost from one frame to the next",
+        "planes that are in sight, were there before, and are not found", false, false, sum, false,
+        RuleNeed::tracks},
+       now<of_tracks<&FrameTracks::breaks>>},
+      {{"track_breaks_change", "planes",
+        "the planes that are lost from one frame to the next changed by {n}",
+        "track_breaks, now less the baseline", true, false, sum, false, RuleNeed::tracks},
+       change<of_tracks<&FrameTracks::breaks>>},
+      {{"track_swaps", "planes", "the place of {n} was taken for another plane's",
+        "planes whose place is taken for another track's", false, false, sum, false,
+        RuleNeed::tracks},
+       now<of_tracks<&FrameTracks::swaps>>},
+      {{"tracks_kept_percent", "%", "{n} of the pixels on planes go on in the next frame",
+        "pixels on planes whose plane is in the next frame too", false, false, mean, false,
+        RuleNeed::tracks},
+       now<of_tracks<&FrameTracks::kept_percent>>},
+      {{"normal_jitter_deg", "degrees", "while the camera stands still, normals jitter by {n}",
+        "RMS of normals from frame to frame, each frame's share, while the camera stands still",
+        false, false, mean, false, RuleNeed::tracks},
+       now<of_tracks<&FrameTracks::normal_jitter_deg>>},
+      {{"offset_jitter_mm", "mm", "while the camera stands still, planes jitter by {n}",
+        "likewise of offsets", false, false, mean, false, RuleNeed::tracks},
+       now<offset_jitter_mm>},
       {{"time_ratio", "",
         "the time from voxel grid to planes is {n} times that of the work timed beside it",
         "time from voxel grid to planes, of that of work timed beside it", false, false, mean,

@@ -114,6 +114,7 @@ double excess_of(const Breach& breach) {
 /// Why no frame has a value of it; empty: there may be one another time.
 std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared, bool told_before) {
   if (metric.needs_baseline && compared) {
+    if (metric.need == RuleNeed::tracks) return "planes are not followed in both, as by --tracks";
     if (metric.need != RuleNeed::nothing && !told_before)
       return "the baseline is of a version that does not tell of it";
     if (metric.need == RuleNeed::foot) return "a foot is not given to both, as by --foot 0.08";
@@ -123,6 +124,7 @@ std::string why_no_value(const RuleMetric& metric, bool by_name, bool compared, 
   if (metric.needs_truth) return "no such frame has labels";
   if (metric.need == RuleNeed::foot) return "no foot is given, as by --foot 0.08";
   if (metric.need == RuleNeed::stairs) return "no such frame has stairs";
+  if (metric.need == RuleNeed::tracks) return "planes are not followed, as by --tracks";
   return "no such frame has a value of it";
 }
 

@@ -37,7 +37,7 @@ struct Rule {
 enum class RuleFold : std::uint8_t { mean, sum, largest };
 
 /// What a frame must tell of, apart from its planes; reports before schema 3 do not.
-enum class RuleNeed : std::uint8_t { nothing, foot, stairs };
+enum class RuleNeed : std::uint8_t { nothing, foot, stairs, tracks };
 
 struct RuleMetric {
   std::string_view name, unit;

@@ -205,6 +205,15 @@ bool status_fields(Fields& fields, auto& frame) {
   }
 }
 
+template <typename Fields>
+void tracks_fields(Fields& fields, auto& tracks) {
+  fields("track_breaks", tracks.breaks, kCompared);
+  fields("track_swaps", tracks.swaps, kCompared);
+  fields("tracks_kept_percent", tracks.kept_percent, kCompared | kRounded | kOrNull);
+  fields("normal_jitter_deg", tracks.normal_jitter_deg, kCompared | kRounded | kOrNull);
+  fields("offset_jitter_m", tracks.offset_jitter_m, kCompared | kRounded | kOrNull);
+}
+
 /// `ours`: whether to write what the octree's traversal tells.
 template <typename Fields>
 void frame_fields(Fields& fields, auto& frame, bool ours) {
@@ -223,6 +232,8 @@ void frame_fields(Fields& fields, auto& frame, bool ours) {
               [&](auto& of, auto& plane) { plane_fields(of, plane, ++id); });
   fields.maybe_fields("flights", frame.terrain, kCompared,
                       [&](auto& of, auto& terrain) { terrain_fields(of, terrain); });
+  fields.maybe_fields("track_breaks", frame.tracks, kCompared,
+                      [&](auto& of, auto& tracks) { tracks_fields(of, tracks); });
   fields.object("regions", kCompared | kLate,
                 [&](auto& of) { regions_fields(of, frame.regions, frame.planes.size()); });
   fields.list("histograms", frame.histograms, kLate,

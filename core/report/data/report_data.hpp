@@ -73,6 +73,13 @@ struct ValueHistogram {
   bool operator==(const ValueHistogram&) const = default;
 };
 
+/// How planes that are followed over frames fare in one of them. NaN: nothing is told of it.
+struct FrameTracks {
+  int breaks = 0, swaps = 0;  // that begin in it
+  double kept_percent = 0;    // of the pixels on planes: their planes are in the next frame too
+  double normal_jitter_deg = 0, offset_jitter_m = 0;  // while the camera stands still
+};
+
 /// One frame: its results, or why there are none.
 struct ReportFrame {
   int index = 0;
@@ -92,6 +99,7 @@ struct ReportFrame {
   std::vector<ReportPlane> planes;
   RegionSample regions;
   std::optional<Terrain> terrain;          // reports before schema 3 have none
+  std::optional<FrameTracks> tracks;       // where planes were followed
   std::vector<ValueHistogram> histograms;  // of our own method's decisions
   std::vector<ReportPicture> pictures;
   std::optional<planes::Metrics> metrics;  // where there is ground truth

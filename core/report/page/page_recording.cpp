@@ -136,6 +136,15 @@ class Trends {
         name, [](const ReportFrame& f) { return f.metrics ? (*f.metrics).*kField : std::nan(""); },
         false);
   }
+  template <auto kField>
+  std::string tracks_chart(const std::string& name, bool from_zero) const {
+    return chart(
+        name,
+        [](const ReportFrame& f) {
+          return f.tracks ? static_cast<double>((*f.tracks).*kField) : std::nan("");
+        },
+        from_zero);
+  }
 
  private:
   const PageSource& page_;
@@ -171,6 +180,10 @@ Data trends_data(const PageSource& page, std::size_t recording) {
                                                          : std::nan("");
                                       },
                                       true));
+  add("Planes lost from the frame before",
+      trends.tracks_chart<&FrameTracks::breaks>("Planes lost", true));
+  add("Pixels on planes that go on [%]",
+      trends.tracks_chart<&FrameTracks::kept_percent>("Pixels that go on", false));
   const auto has_stairs = [](const ReportFrame& f) { return f.terrain && f.terrain->steps() > 0; };
   if (std::ranges::any_of(page.report.recordings[recording].frames, has_stairs))
     add("Steps of stairs",

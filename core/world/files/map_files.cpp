@@ -52,6 +52,7 @@ Json plane_json(const Track& track) {
   json["segment"] = track.segment;
   json["state"] = to_string(track.state);
   if (track.state == TrackState::gone) json["gone_at"] = track.ended;
+  if (track.left_m2 > 0) json["left_m2"] = rounded(track.left_m2);
   json["normal"] = vector(track.fit.normal);
   json["centroid"] = vector(track.centroid());
   json["offset_m"] = rounded(track.fit.normal.dot(track.centroid()));
@@ -157,13 +158,31 @@ std::string map_json(const WorldMap& map, const std::string& recording) {
                      {"join_gap_m", o.join_gap_m},
                      {"confirm_frames", o.confirm_frames},
                      {"confirm_share", o.confirm_share},
-                     {"least_area_m2", o.least_area_m2}};
+                     {"least_area_m2", o.least_area_m2},
+                     {"window_m", o.window_m}};
   json["stability"] = stability_json(map.stability);
   json["told"] = map.told;
   json["planes"] = Json::array();
   for (const Track* track : planes_of_map(map.tracker))
     json["planes"].push_back(plane_json(*track));
   return text_of(json);
+}
+
+std::string left_json(const LeftPiece& piece) {
+  const Json json = {{"track", piece.track},
+                     {"frame", piece.frame},
+                     {"area_m2", rounded(piece.outline.area_m2)},
+                     {"outline", outline_json(piece.outline)}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string pace_json(const Pace& pace) {
+  return text_of({{"schema", "planescope.pace/1"},
+                  {"frames", pace.frames},
+                  {"taken", pace.taken},
+                  {"rate_hz", number(pace.rate_hz)},
+                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
+                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
 }
 
 std::string tracks_json(const WorldMap& map, const std::string& recording) {

@@ -17,6 +17,11 @@ std::string map_json(const WorldMap& map, const std::string& recording);
 /// missing where it is.
 std::string tracks_json(const WorldMap& map, const std::string& recording);
 
+/// A line of left.jsonl: a piece of a plane that left the window, as map.json has planes.
+std::string left_json(const LeftPiece& piece);
+/// schema "planescope.pace/1".
+std::string pace_json(const Pace& pace);
+
 /// For people, a few lines.
 std::string stability_text(const Stability& stability);
 

@@ -43,6 +43,17 @@ const Cell* CellMap::find(int x, int y) const {
   return &tiles_[at->second].cells[(y - tile_y * kSide) * kSide + (x - tile_x * kSide)];
 }
 
+std::vector<CellMap::Tile> CellMap::take_out(const std::function<bool(const Tile&)>& leaves) {
+  std::vector<Tile> left, stay;
+  for (Tile& tile : tiles_) (leaves(tile) ? left : stay).push_back(tile);
+  if (left.empty()) return left;
+  tiles_ = std::move(stay);
+  index_.clear();
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    index_[key_of(tiles_[i].x, tiles_[i].y)] = static_cast<std::uint32_t>(i);
+  return left;
+}
+
 bool CellMap::is_near(int x, int y, int radius) const {
   for (int dy = -radius; dy <= radius; ++dy)
     for (int dx = -radius; dx <= radius; ++dx)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -52,6 +53,13 @@ class CellMap {
   }
   std::vector<Tile>& tiles() { return tiles_; }  // in order of first appearance
   const std::vector<Tile>& tiles() const { return tiles_; }
+
+  /// Takes out the tiles for which `leaves` holds, in their order.
+  std::vector<Tile> take_out(const std::function<bool(const Tile&)>& leaves);
+  static constexpr double kTileRadius = 0.7072 * kSide;  // [cells], about a tile's middle
+  Vec2d middle(const Tile& tile) const {
+    return cell_m_ * kSide * Vec2d(tile.x + 0.5, tile.y + 0.5);
+  }
 
   Cell& at(int x, int y);                // made where it is missing
   const Cell* find(int x, int y) const;  // null where it is missing

@@ -122,7 +122,8 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
       return fmt::format("T{} is not in frame {}: first seen in frame {}", track.id, frame,
                          track.born);
     case Moment::Kind::ended:
-      return fmt::format("T{} is not in frame {}: gone since frame {}", track.id, frame,
+      return fmt::format("T{} is not in frame {}: {} in frame {}", track.id, frame,
+                         track.state == TrackState::left ? "left the window" : "gone, noticed",
                          track.ended);
     case Moment::Kind::absent:
       return fmt::format("T{} is not in frame {}: {}", track.id, frame,

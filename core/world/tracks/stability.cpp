@@ -15,78 +15,138 @@ bool is_still(const Pose& a, const Pose& b) {
   return motion.translation().norm() < kStill_m && turn_deg(motion) < kStill_deg;
 }
 
-/// A mean of squares, as it comes together.
-struct Squares {
-  int count = 0;
-  double sum = 0;
-  void add(double value) { ++count, sum += value * value; }
-  double rms(double none) const { return count > 0 ? std::sqrt(sum / count) : none; }
+/// The frames that count, and where each stands among them.
+struct Frames {
+  std::vector<FrameStability> all;
+  std::unordered_map<int, std::size_t> order;
+  std::vector<std::set<int>> present;    // their tracks
+  std::vector<const CameraPose*> poses;  // null: none
+
+  Frames(const Tracker& tracker, std::span<const CameraPose> given) {
+    for (const FrameOfTracks& frame : tracker.frames()) {
+      if (!frame.has_pose || frame.set_aside) continue;
+      order[frame.frame] = all.size();
+      all.emplace_back().frame = frame.frame;
+      std::set<int>& tracks = present.emplace_back();
+      for (const int id : frame.track_of)
+        if (id > 0) tracks.insert(final_track(tracker.tracks(), id));
+    }
+    if (!all.empty()) all.back().is_last = true;
+    poses.assign(all.size(), nullptr);
+    for (const CameraPose& pose : given)
+      if (const std::size_t* at = find(pose.frame)) poses[*at] = &pose;
+  }
+  const std::size_t* find(int frame) const {
+    const auto at = order.find(frame);
+    return at == order.end() ? nullptr : &at->second;
+  }
+  bool are_still(std::size_t before, std::size_t now) const {
+    return now == before + 1 && poses[before] && poses[now] &&
+           is_still(poses[before]->T_world_camera, poses[now]->T_world_camera);
+  }
 };
+
+/// How two sightings in a row differ.
+void add_still(const Sighting& before, const Sighting& now, FrameStability& of) {
+  const Vec3d n0 = before.normal.cast<double>(), n1 = now.normal.cast<double>();
+  const Vec3d middle = (before.centroid + now.centroid).cast<double>() / 2;
+  const double angle = std::atan2(n0.cross(n1).norm(), n0.dot(n1)) * 180 / std::numbers::pi;
+  const double offset = n1.dot(middle - now.centroid.cast<double>()) -
+                        n0.dot(middle - before.centroid.cast<double>());
+  ++of.still_planes;
+  of.angle2_deg2 += squared(angle);
+  of.offset2_m2 += squared(offset);
+}
+
+void add_sightings(const Track& track, Frames& frames) {
+  for (std::size_t i = 0; i < track.sightings.size(); ++i) {
+    const Sighting& now = track.sightings[i];
+    const std::size_t* at = frames.find(now.frame);
+    if (!at) continue;
+    FrameStability& frame = frames.all[*at];
+    if (!frame.is_last) {
+      frame.pixels += static_cast<double>(now.pixels);
+      if (frames.present[*at + 1].contains(track.id)) frame.kept += static_cast<double>(now.pixels);
+    }
+    if (now.part || i == 0 || track.sightings[i - 1].part) continue;
+    const std::size_t* before = frames.find(track.sightings[i - 1].frame);
+    if (before && frames.are_still(*before, *at)) add_still(track.sightings[i - 1], now, frame);
+  }
+}
+
+void add_gaps(const Track& track, const Tracker& tracker, Frames& frames) {
+  for (const Gap& gap : track.gaps) {
+    if (gap.why != Absence::not_detected && gap.why != Absence::not_matched) continue;
+    const std::size_t* at = frames.find(gap.first);
+    if (!at) continue;
+    ++frames.all[*at].breaks;
+    frames.all[*at].swaps +=
+        gap.term.failed == Term::taken &&
+        final_track(tracker.tracks(), static_cast<int>(gap.term.value)) != track.id;
+  }
+}
+
+Frames measured(const Tracker& tracker, std::span<const CameraPose> poses) {
+  Frames frames(tracker, poses);
+  for (const Track& track : tracker.tracks()) {
+    if (track.state == TrackState::merged) continue;
+    add_sightings(track, frames);
+    if (track.is_sure(tracker.options())) add_gaps(track, tracker, frames);
+  }
+  return frames;
+}
+
+/// Both frames err: each one's share of the difference.
+double jitter(double sum_of_squares, int count) {
+  return count > 0 ? std::sqrt(sum_of_squares / count / 2) : Stability::kNone;
+}
 
 }  // namespace
 
-Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses) {
-  Stability s;
-  std::unordered_map<int, int> order;  // of frames that count
-  std::vector<std::set<int>> present;  // their tracks
-  for (const FrameOfTracks& frame : tracker.frames()) {
-    if (!frame.has_pose || frame.set_aside) continue;
-    order[frame.frame] = s.frames++;
-    std::set<int>& tracks = present.emplace_back();
-    for (const int id : frame.track_of)
-      if (id > 0) tracks.insert(final_track(tracker.tracks(), id));
-  }
-  std::vector<const CameraPose*> pose_of(s.frames, nullptr);
-  for (const CameraPose& pose : poses)
-    if (const auto at = order.find(pose.frame); at != order.end()) pose_of[at->second] = &pose;
+double FrameStability::kept_share() const { return pixels > 0 ? kept / pixels : Stability::kNone; }
+double FrameStability::normal_jitter_deg() const { return jitter(angle2_deg2, still_planes); }
+double FrameStability::offset_jitter_m() const { return jitter(offset2_m2, still_planes); }
 
-  double pixels = 0, kept = 0;
-  int breaks = 0, swaps = 0;
-  Squares angles, offsets, returns;
+std::vector<FrameStability> stability_by_frame(const Tracker& tracker,
+                                               std::span<const CameraPose> poses) {
+  return measured(tracker, poses).all;
+}
+
+Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses) {
+  const Frames frames = measured(tracker, poses);
+  FrameStability sum;
+  for (const FrameStability& frame : frames.all) {
+    sum.pixels += frame.pixels;
+    sum.kept += frame.kept;
+    sum.breaks += frame.breaks;
+    sum.swaps += frame.swaps;
+    sum.still_planes += frame.still_planes;
+    sum.angle2_deg2 += frame.angle2_deg2;
+    sum.offset2_m2 += frame.offset2_m2;
+  }
+  Stability s;
+  s.frames = static_cast<int>(frames.all.size());
+  s.kept_share = sum.kept_share();
+  if (s.frames > 0) {
+    s.breaks = 100.0 * sum.breaks / s.frames;
+    s.swaps = 100.0 * sum.swaps / s.frames;
+  }
+  s.still_pairs = sum.still_planes;
+  s.normal_jitter_deg = sum.normal_jitter_deg();
+  s.offset_jitter_m = sum.offset_jitter_m();
+  double returned2 = 0;
   for (const Track& track : tracker.tracks()) {
     if (track.state == TrackState::merged) continue;
-    for (std::size_t i = 0; i < track.sightings.size(); ++i) {
+    for (std::size_t i = 1; i < track.sightings.size(); ++i) {
       const Sighting& now = track.sightings[i];
-      const auto at = order.find(now.frame);
-      if (at == order.end()) continue;
-      if (at->second + 1 < s.frames) {
-        pixels += static_cast<double>(now.pixels);
-        if (present[at->second + 1].contains(track.id)) kept += static_cast<double>(now.pixels);
-      }
-      if (now.part || i == 0) continue;
-      const Sighting& before = track.sightings[i - 1];
-      const auto last = order.find(before.frame);
-      if (last == order.end()) continue;
-      const int gap = at->second - last->second;
-      if (gap > Stability::kAway && !now.founding) returns.add(static_cast<double>(now.offset_m));
-      const CameraPose *a = pose_of[last->second], *b = pose_of[at->second];
-      if (gap != 1 || before.part || !a || !b || !is_still(a->T_world_camera, b->T_world_camera))
-        continue;
-      const Vec3d n0 = before.normal.cast<double>(), n1 = now.normal.cast<double>();
-      const Vec3d middle = (before.centroid + now.centroid).cast<double>() / 2;
-      angles.add(std::atan2(n0.cross(n1).norm(), n0.dot(n1)) * 180 / std::numbers::pi);
-      offsets.add(n1.dot(middle - now.centroid.cast<double>()) -
-                  n0.dot(middle - before.centroid.cast<double>()));
-    }
-    if (!track.is_sure(tracker.options())) continue;
-    for (const Gap& gap : track.gaps) {
-      if (gap.why != Absence::not_detected && gap.why != Absence::not_matched) continue;
-      ++breaks;
-      swaps += gap.term.failed == Term::taken &&
-               final_track(tracker.tracks(), static_cast<int>(gap.term.value)) != track.id;
+      const std::size_t* at = frames.find(now.frame);
+      const std::size_t* before = frames.find(track.sightings[i - 1].frame);
+      if (!at || !before || now.part || now.founding || *at <= *before + Stability::kAway) continue;
+      ++s.returns;
+      returned2 += squared(static_cast<double>(now.offset_m));
     }
   }
-  if (pixels > 0) s.kept_share = kept / pixels;
-  if (s.frames > 0) {
-    s.breaks = 100.0 * breaks / s.frames;
-    s.swaps = 100.0 * swaps / s.frames;
-  }
-  s.still_pairs = angles.count;
-  // Both frames err: each one's share of the difference.
-  s.normal_jitter_deg = angles.rms(Stability::kNone) / std::numbers::sqrt2;
-  s.offset_jitter_m = offsets.rms(Stability::kNone) / std::numbers::sqrt2;
-  s.returns = returns.count;
-  s.drift_m = returns.rms(Stability::kNone);
+  if (s.returns > 0) s.drift_m = std::sqrt(returned2 / s.returns);
   return s;
 }
 

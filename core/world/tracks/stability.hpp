@@ -4,11 +4,29 @@
 
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "core/world/poses/trajectory.hpp"
 #include "core/world/tracks/tracker.hpp"
 
 namespace planescope::world {
+
+/// Of one frame that has a pose and was not set aside. Breaks and swaps begin in it; still planes
+/// are seen in it and in the frame before, while the camera stands still.
+struct FrameStability {
+  int frame = 0;
+  double pixels = 0, kept = 0;  // on planes; of these, of tracks that are in the next frame too
+  bool is_last = false;         // there is no next frame
+  int breaks = 0, swaps = 0;
+  int still_planes = 0;
+  double angle2_deg2 = 0, offset2_m2 = 0;  // sums of squares of their differences
+
+  double kept_share() const;         // NaN where nothing could be kept
+  double normal_jitter_deg() const;  // NaN where there is no still plane
+  double offset_jitter_m() const;
+};
+std::vector<FrameStability> stability_by_frame(const Tracker& tracker,
+                                               std::span<const CameraPose> poses);
 
 struct Stability {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

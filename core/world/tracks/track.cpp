@@ -67,6 +67,8 @@ const char* to_string(TrackState state) {
       return "gone";
     case TrackState::merged:
       return "merged";
+    case TrackState::left:
+      return "left";
   }
   return "";
 }
@@ -126,19 +128,35 @@ double Track::sure_area_m2() const {
 bool Track::is_sure(const TrackOptions& options) const {
   return state != TrackState::merged && frames_seen >= options.confirm_frames &&
          frames_seen >= options.confirm_share * (frames_seen + frames_missed) &&
-         (state == TrackState::gone || sure_area_m2() >= options.least_area_m2);
+         (state == TrackState::gone || sure_area_m2() + left_m2 >= options.least_area_m2);
 }
 
-planes::Outline outline_of(const Track& track) {
-  const bool is_gone = track.state == TrackState::gone;
+namespace {
+
+planes::Outline outline_of_places(const Track& track, std::span<const Vec2d> on_grid) {
   std::vector<Vec2d> places;
   const PlaneBasis basis = plane_basis(track.fit.normal);
   const Vec3d origin = track.centroid();
-  for (const Vec2d& place : is_gone ? track.cells.gone_places() : track.cells.sure_places()) {
+  for (const Vec2d& place : on_grid) {
     const Vec3d d = track.on_plane(place) - origin;
     places.emplace_back(basis.u.dot(d), basis.v.dot(d));
   }
   return planes::outline_of_points(origin, basis, places, track.cells.cell_m());
+}
+
+}  // namespace
+
+planes::Outline outline_of(const Track& track) {
+  const bool is_gone = track.state == TrackState::gone;
+  return outline_of_places(track, is_gone ? track.cells.gone_places() : track.cells.sure_places());
+}
+
+planes::Outline outline_of(const Track& track, std::span<const CellMap::Tile> tiles) {
+  std::vector<Vec2d> places;
+  for (const CellMap::Tile& tile : tiles)
+    for (int i = 0; i < CellMap::kSide * CellMap::kSide; ++i)
+      if (tile.cells[i].sure()) places.push_back(track.cells.middle(tile, i));
+  return outline_of_places(track, places);
 }
 
 }  // namespace planescope::world

@@ -32,6 +32,8 @@ struct TrackOptions {
   // segment begins:
   double least_agreement = 0.35;
   int most_aside = 10;
+  // The map is held in a cube about the camera with this edge, and forgotten beyond; 0: everywhere.
+  double window_m = 0;
 };
 
 /// Why a track is not in a frame.
@@ -76,11 +78,12 @@ struct Gap {
   int first = 0, last = 0;
   int frames = 1;
   Absence why = Absence::out_of_view;
-  int plane = 0;    // of frame `first`, on which its place lies; 0 none
+  int plane = 0;         // of frame `first`, on which its place lies; 0 none
   TermResult term = {};  // in frame `first`
 };
 
-enum class TrackState : std::uint8_t { alive, gone, merged };
+/// `left`: all of it is beyond the window.
+enum class TrackState : std::uint8_t { alive, gone, merged, left };
 const char* to_string(TrackState state);
 
 struct Track {
@@ -104,6 +107,7 @@ struct Track {
   std::vector<Sighting> sightings;
   std::vector<Gap> gaps;
   int frames_seen = 0, frames_missed = 0;
+  double left_m2 = 0;  // of what was sure, the area that is beyond the window
 
   explicit Track(double cell_m) : cells(cell_m) {}
 
@@ -129,5 +133,7 @@ struct Track {
 
 /// What the track covers, in the world.
 planes::Outline outline_of(const Track& track);
+/// The same of cells that were taken out of it.
+planes::Outline outline_of(const Track& track, std::span<const CellMap::Tile> tiles);
 
 }  // namespace planescope::world

@@ -169,6 +169,7 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
     if (!j.seen) note_absence(frame, j, told);
   merge_equal(frame, told);
   end_those_gone(frame.frame);
+  leave_window(frame);
   return frames_.emplace_back(std::move(told));
 }
 
@@ -386,6 +387,24 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   from.merged_into = into.id;
   from.ended = frame;
   from.cells = CellMap(options_.cell_m);
+}
+
+void Tracker::leave_window(const ObservedFrame& frame) {
+  if (!(options_.window_m > 0)) return;
+  const double reach = options_.window_m / 2 + CellMap::kTileRadius * options_.cell_m;
+  for (Track* track : alive()) {
+    const std::vector<CellMap::Tile> left = track->cells.take_out([&](const CellMap::Tile& tile) {
+      const Vec3d away = track->on_plane(track->cells.middle(tile)) - frame.camera();
+      return away.cwiseAbs().maxCoeff() > reach;
+    });
+    if (left.empty()) continue;
+    for (const CellMap::Tile& tile : left)
+      for (const Cell& cell : tile.cells) track->left_m2 += cell.sure() * squared(options_.cell_m);
+    if (take_left_) take_left_({track->id, frame.frame, outline_of(*track, left)});
+    if (track->cells.present() > 0) continue;
+    track->state = TrackState::left;
+    track->ended = frame.frame;
+  }
 }
 
 void Tracker::end_those_gone(int frame) {

@@ -3,6 +3,7 @@
 // Planes of the frames become planes of the world: which is which, and what they come to.
 
 #include <deque>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct FrameOfTracks {
   std::vector<int> track_of;  // by plane id - 1; 0: none
 };
 
+/// A piece of a track that is beyond the window now.
+struct LeftPiece {
+  int track = 0, frame = 0;
+  planes::Outline outline;  // of what was sure, in the world
+};
+
 /// Tracks of one camera's frames, taken in one after the other; poses stay as they are given.
 /// Deterministic.
 class Tracker {
@@ -33,6 +40,9 @@ class Tracker {
   const FrameOfTracks& add(const ObservedFrame& frame);
   /// A frame whose pose nobody knows, or that could not be segmented.
   const FrameOfTracks& skip(int frame, double timestamp_s);
+
+  /// What leaves the window is handed over, once; where nothing takes it, it is lost.
+  void on_left(std::function<void(const LeftPiece&)> take) { take_left_ = std::move(take); }
 
   const TrackOptions& options() const { return options_; }
   const std::deque<Track>& tracks() const { return tracks_; }  // by id - 1
@@ -53,6 +63,7 @@ class Tracker {
   void merge_equal(const ObservedFrame& frame, FrameOfTracks& told);
   void merge(Track& from, Track& into, int frame);
   void end_those_gone(int frame);
+  void leave_window(const ObservedFrame& frame);
 
   TrackOptions options_;
   std::deque<Track> tracks_;
@@ -60,6 +71,7 @@ class Tracker {
   int segment_ = 0;  // of the last frame, with those that were begun here
   int begun_ = 0;    // segments that began because frames did not fit
   int aside_ = 0;    // frames in a row
+  std::function<void(const LeftPiece&)> take_left_;
 };
 
 /// The track that a merged one has become.
