@@ -7,6 +7,8 @@
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
+#include "app/commands/map_picture.hpp"
+#include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -31,6 +33,12 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   write_file_text(dir / "poses.tum", world::tum_text(map.poses));
   write_file_text(dir / "tracks.json", world::tracks_json(map, recording));
   write_file_text(dir / "map.json", world::map_json(map, recording));
+  const int last = map.poses.poses.back().segment;
+  for (int segment = 0; segment <= last; ++segment) {
+    const Image8 picture = map_from_above(map, segment);
+    if (!picture.empty())
+      io::write_png(dir / (segment == 0 ? "map.png" : fmt::format("map_{}.png", segment)), picture);
+  }
   if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
 }
 

@@ -1,0 +1,182 @@
+#include "app/commands/map_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/world/files/map_files.hpp"
+#include "render/overlay.hpp"
+#include "render/paint.hpp"
+#include "render/palette.hpp"
+
+namespace planescope::app {
+namespace {
+
+using world::Track;
+
+constexpr render::Rgba kGround = {250, 250, 251, 255};
+constexpr render::Rgba kInk = {28, 32, 38, 255};
+constexpr render::Rgba kWay = {28, 32, 38, 200};
+constexpr double kMargin_m = 0.3, kMost_px = 1600, kMost_px_per_m = 150;
+constexpr double kText_px = 15;
+
+render::Rgba darker(render::Rgba color) {
+  const auto half = [](std::uint8_t c) { return static_cast<std::uint8_t>(c * 0.55); };
+  return {half(color.r), half(color.g), half(color.b), 255};
+}
+
+bool is_upright(const Track& track) { return std::abs(track.fit.normal.z()) < 0.5; }
+
+/// World to picture.
+struct Sheet {
+  Vec2d low = Vec2d::Constant(std::numeric_limits<double>::infinity());
+  Vec2d high = -low;
+  double px_per_m = 0;
+
+  void add(const Vec3d& p) {
+    low = low.cwiseMin(p.head<2>());
+    high = high.cwiseMax(p.head<2>());
+  }
+  bool empty() const { return !(low.x() <= high.x()); }
+  void settle() {
+    low -= Vec2d::Constant(kMargin_m);
+    high += Vec2d::Constant(kMargin_m);
+    px_per_m = std::min(kMost_px_per_m, kMost_px / (high - low).maxCoeff());
+  }
+  int width() const { return static_cast<int>(std::ceil(px_per_m * (high.x() - low.x()))); }
+  int height() const { return static_cast<int>(std::ceil(px_per_m * (high.y() - low.y()))); }
+  Vec2d at(const Vec3d& p) const {
+    return {px_per_m * (p.x() - low.x()), px_per_m * (high.y() - p.y())};
+  }
+};
+
+/// A plane's cells, each a square of the picture; higher ones hide what is below.
+class CellPainter {
+ public:
+  CellPainter(Image8& image, const Sheet& sheet)
+      : image_(image),
+        sheet_(sheet),
+        top_(static_cast<std::size_t>(image.width) * image.height,
+             -std::numeric_limits<double>::infinity()) {}
+
+  void add(const Track& track) {
+    const bool gone = track.state == world::TrackState::gone;
+    const render::Rgba color = render::plane_color(track.id);
+    const double side = sheet_.px_per_m * track.cells.cell_m();
+    const int size = std::max(1, static_cast<int>(std::ceil(side)));
+    for (const Vec2d& place : gone ? track.cells.gone_places() : track.cells.sure_places()) {
+      const Vec3d p = track.on_plane(place);
+      const Vec2d at = sheet_.at(p);
+      const auto x0 = static_cast<int>(std::floor(at.x() - side / 2)),
+                 y0 = static_cast<int>(std::floor(at.y() - side / 2));
+      for (int y = y0; y < y0 + size; ++y)
+        for (int x = x0; x < x0 + size; ++x)
+          paint(x, y, p.z(), is_upright(track) ? darker(color) : color, gone);
+    }
+  }
+
+ private:
+  void paint(int x, int y, double z, render::Rgba color, bool gone) {
+    if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return;
+    double& top = top_[static_cast<std::size_t>(y) * image_.width + x];
+    if (z < top || (gone && !render::on_hatch(x, y, 5))) return;
+    top = z;
+    render::fill_rect(image_, x, y, 1, 1, color);
+  }
+
+  Image8& image_;
+  const Sheet& sheet_;
+  std::vector<double> top_;
+};
+
+void draw_way(const world::WorldMap& map, int segment, const Sheet& sheet, Image8& image) {
+  const world::CameraPose* before = nullptr;
+  for (const world::CameraPose& pose : map.poses.poses) {
+    if (pose.segment != segment) continue;
+    const Vec2d to = sheet.at(pose.T_world_camera.translation());
+    const Vec2d from = before ? sheet.at(before->T_world_camera.translation()) : to;
+    const int steps = std::max(1, static_cast<int>((to - from).norm()));
+    for (int i = 0; i < steps; ++i) {
+      const Vec2d at = from + (to - from) * i / steps;
+      render::fill_disc(image, at.x(), at.y(), 1.2, kWay);
+    }
+    if (!before) render::fill_disc(image, to.x(), to.y(), 5, kWay);
+    before = &pose;
+  }
+}
+
+/// Names of planes, and below them how high level ones are. One that has no room is left out.
+class NamePainter {
+ public:
+  NamePainter(Image8& image, const Sheet& sheet) : image_(image), sheet_(sheet) {}
+
+  void add(const Track& track) {
+    std::vector<std::string> lines = {fmt::format("T{}", track.id)};
+    if (!is_upright(track)) lines.push_back(fmt::format("{:+.2f} m", track.centroid().z()));
+    double width = 0;
+    for (const std::string& line : lines)
+      width = std::max(width, render::text_width(line, kText_px));
+    const Vec2d half(width / 2 + 2, kText_px * static_cast<double>(lines.size()) / 2 + 1);
+    const Eigen::AlignedBox2d box(sheet_.at(track.centroid()) - half,
+                                  sheet_.at(track.centroid()) + half);
+    for (const Eigen::AlignedBox2d& other : taken_)
+      if (box.intersects(other)) return;
+    taken_.push_back(box);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const double left = box.center().x() - render::text_width(lines[i], kText_px) / 2;
+      const double line = box.min().y() + kText_px * (static_cast<double>(i) + 0.8);
+      for (const int dx : {-1, 1})
+        for (const int dy : {-1, 1})
+          render::draw_text(image_, left + dx, line + dy, lines[i], kText_px, kGround);
+      render::draw_text(image_, left, line, lines[i], kText_px, kInk);
+    }
+  }
+
+ private:
+  Image8& image_;
+  const Sheet& sheet_;
+  std::vector<Eigen::AlignedBox2d> taken_;
+};
+
+void draw_scale(const Sheet& sheet, Image8& image) {
+  const double length_m = sheet.px_per_m > 40 ? 1 : sheet.px_per_m > 8 ? 5 : 20;
+  const auto length = static_cast<int>(length_m * sheet.px_per_m);
+  const int x = 12, y = image.height - 14;
+  render::fill_rect(image, x, y, length, 3, kInk);
+  render::draw_text(image, x, y - 5, render::length_text(length_m), kText_px, kInk);
+}
+
+}  // namespace
+
+Image8 map_from_above(const world::WorldMap& map, int segment) {
+  std::vector<const Track*> planes;
+  Sheet sheet;
+  for (const Track* track : world::planes_of_map(map.tracker)) {
+    if (track->segment != segment) continue;
+    const bool gone = track->state == world::TrackState::gone;
+    const auto places = gone ? track->cells.gone_places() : track->cells.sure_places();
+    for (const Vec2d& place : places) sheet.add(track->on_plane(place));
+    if (!places.empty()) planes.push_back(track);
+  }
+  if (sheet.empty()) return {};
+  for (const world::CameraPose& pose : map.poses.poses)
+    if (pose.segment == segment) sheet.add(pose.T_world_camera.translation());
+  sheet.settle();
+  Image8 image(sheet.width(), sheet.height(), 3);
+  render::fill_rect(image, 0, 0, image.width, image.height, kGround);
+  CellPainter painter(image, sheet);
+  for (const Track* track : planes) painter.add(*track);
+  draw_way(map, segment, sheet, image);
+  NamePainter names(image, sheet);
+  // The largest first, and risers after what they lead to.
+  for (const bool upright : {false, true})
+    for (const Track* track : planes)
+      if (is_upright(*track) == upright) names.add(*track);
+  draw_scale(sheet, image);
+  return image;
+}
+
+}  // namespace planescope::app
