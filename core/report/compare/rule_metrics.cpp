@@ -243,7 +243,7 @@ const std::vector<MeasuredMetric>& measured_metrics() {
         RuleNeed::tracks},
        now<of_tracks<&FrameTracks::kept_percent>>},
       {{"normal_jitter_deg", "degrees", "while the camera stands still, normals jitter by {n}",
-        "RMS of normals from frame to frame, each frame's share, while the camera stands still",
+        "median of normals from frame to frame, each frame's share, while the camera stands still",
         false, false, mean, false, RuleNeed::tracks},
        now<of_tracks<&FrameTracks::normal_jitter_deg>>},
       {{"offset_jitter_mm", "mm", "while the camera stands still, planes jitter by {n}",

@@ -8,7 +8,7 @@
 namespace planescope::world {
 namespace {
 
-constexpr double kStill_m = 0.003, kStill_deg = 0.15;  // from frame to frame
+constexpr double kStill_m = 0.006, kStill_deg = 0.7;  // from frame to frame
 
 bool is_still(const Pose& a, const Pose& b) {
   const Pose motion = a.inverse() * b;
@@ -53,9 +53,8 @@ void add_still(const Sighting& before, const Sighting& now, FrameStability& of) 
   const double angle = std::atan2(n0.cross(n1).norm(), n0.dot(n1)) * 180 / std::numbers::pi;
   const double offset = n1.dot(middle - now.centroid.cast<double>()) -
                         n0.dot(middle - before.centroid.cast<double>());
-  ++of.still_planes;
-  of.angle2_deg2 += squared(angle);
-  of.offset2_m2 += squared(offset);
+  of.still.push_back(
+      {static_cast<double>(std::min(before.pixels, now.pixels)), angle, std::abs(offset)});
 }
 
 void add_sightings(const Track& track, Frames& frames) {
@@ -96,16 +95,23 @@ Frames measured(const Tracker& tracker, std::span<const CameraPose> poses) {
   return frames;
 }
 
-/// Both frames err: each one's share of the difference.
-double jitter(double sum_of_squares, int count) {
-  return count > 0 ? std::sqrt(sum_of_squares / count / 2) : Stability::kNone;
+/// The median by pixels: of means, specks would have all the say. Both frames err: each one's share
+/// of the difference.
+double jitter(std::vector<StillPlane> planes, double StillPlane::*value) {
+  if (planes.empty()) return Stability::kNone;
+  std::ranges::sort(planes, {}, value);
+  double all = 0, below = 0;
+  for (const StillPlane& plane : planes) all += plane.pixels;
+  std::size_t i = 0;
+  while (i + 1 < planes.size() && 2 * (below + planes[i].pixels) < all) below += planes[i++].pixels;
+  return planes[i].*value / std::numbers::sqrt2;
 }
 
 }  // namespace
 
 double FrameStability::kept_share() const { return pixels > 0 ? kept / pixels : Stability::kNone; }
-double FrameStability::normal_jitter_deg() const { return jitter(angle2_deg2, still_planes); }
-double FrameStability::offset_jitter_m() const { return jitter(offset2_m2, still_planes); }
+double FrameStability::normal_jitter_deg() const { return jitter(still, &StillPlane::angle_deg); }
+double FrameStability::offset_jitter_m() const { return jitter(still, &StillPlane::offset_m); }
 
 std::vector<FrameStability> stability_by_frame(const Tracker& tracker,
                                                std::span<const CameraPose> poses) {
@@ -120,9 +126,7 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
     sum.kept += frame.kept;
     sum.breaks += frame.breaks;
     sum.swaps += frame.swaps;
-    sum.still_planes += frame.still_planes;
-    sum.angle2_deg2 += frame.angle2_deg2;
-    sum.offset2_m2 += frame.offset2_m2;
+    sum.still.insert(sum.still.end(), frame.still.begin(), frame.still.end());
   }
   Stability s;
   s.frames = static_cast<int>(frames.all.size());
@@ -131,7 +135,7 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
     s.breaks = 100.0 * sum.breaks / s.frames;
     s.swaps = 100.0 * sum.swaps / s.frames;
   }
-  s.still_pairs = sum.still_planes;
+  s.still_pairs = static_cast<int>(sum.still.size());
   s.normal_jitter_deg = sum.normal_jitter_deg();
   s.offset_jitter_m = sum.offset_jitter_m();
   double returned2 = 0;

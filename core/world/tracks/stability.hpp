@@ -11,15 +11,19 @@
 
 namespace planescope::world {
 
+/// A plane that is seen in two frames in a row while the camera stands still: how it differs.
+struct StillPlane {
+  double pixels = 0, angle_deg = 0, offset_m = 0;
+};
+
 /// Of one frame that has a pose and was not set aside. Breaks and swaps begin in it; still planes
-/// are seen in it and in the frame before, while the camera stands still.
+/// are seen in it and in the frame before.
 struct FrameStability {
   int frame = 0;
   double pixels = 0, kept = 0;  // on planes; of these, of tracks that are in the next frame too
   bool is_last = false;         // there is no next frame
   int breaks = 0, swaps = 0;
-  int still_planes = 0;
-  double angle2_deg2 = 0, offset2_m2 = 0;  // sums of squares of their differences
+  std::vector<StillPlane> still;
 
   double kept_share() const;         // NaN where nothing could be kept
   double normal_jitter_deg() const;  // NaN where there is no still plane
@@ -36,7 +40,8 @@ struct Stability {
   // Of tracks that the map holds, a frame in which one is in sight but missing, and was there
   // before, per 100 frames; of these, swaps: its place was taken for another track's.
   double breaks = kNone, swaps = kNone;
-  // Over still stretches, of a track's planes from frame to frame, each frame's share (RMS):
+  // Over still stretches, of a track's planes from frame to frame, each frame's share: the median
+  // by pixels.
   int still_pairs = 0;
   double normal_jitter_deg = kNone, offset_jitter_m = kNone;
   // Tracks that come back after kAway frames out of sight: how far from where they were (RMS).
