@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
@@ -42,10 +44,66 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   const auto written = read_json<nlohmann::json>(dir / "out" / "map.json");
   EXPECT_EQ(written["schema"], "planescope.map/1");
   EXPECT_EQ(written["poses"]["count"], 12);
+  EXPECT_GT(io::read_png_rgb(dir / "out" / "map.png").width, 100);
+  EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
+  EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
   // poses.tum is a trajectory like any other, and gives the same map.
   fs::copy_file(dir / "out" / "poses.tum", dir / "poses.tum");
   ASSERT_EQ(map({"--poses", (dir / "poses.tum").string()}).code, 0);
   EXPECT_EQ(read_json<nlohmann::json>(dir / "out" / "map.json")["planes"], written["planes"]);
+}
+
+TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
+  const Ran ran = map({"--follow", "--window", "3"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const auto pace = read_json<nlohmann::json>(dir / "out" / "pace.json");
+  EXPECT_EQ(pace["schema"], "planescope.pace/1");
+  EXPECT_EQ(pace["frames"], 12);
+  EXPECT_GE(pace["taken"], 1);
+  EXPECT_NE(ran.out.find(" of 12 frames at 15.0 a second"), std::string::npos) << ran.out;
+  // What is behind the camera by the end has left, with what it covered.
+  std::ifstream left(dir / "out" / "left.jsonl");
+  std::string line;
+  ASSERT_TRUE(std::getline(left, line));
+  const auto piece = nlohmann::json::parse(line);
+  EXPECT_GE(piece["track"], 1);
+  EXPECT_FALSE(piece["outline"].empty());
+}
+
+TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
+  const fs::path report = dir / "report";
+  const auto run_report = [&](std::vector<std::string> more) {
+    std::vector<std::string> args = {"report",        walk.string(), "-o",
+                                     report.string(), "--tracks",    "--no-pictures"};
+    args.insert(args.end(), more.begin(), more.end());
+    return run(args);
+  };
+  ASSERT_EQ(run_report({}).code, 0);
+  const auto json = read_json<nlohmann::json>(report / "report.json");
+  int breaks = 0;
+  for (const auto& frame : json["recordings"][0]["frames"]) {
+    ASSERT_TRUE(frame.contains("track_breaks")) << frame["index"];
+    breaks += frame["track_breaks"].get<int>();
+  }
+  // They are held to rules, over the recording.
+  const std::string rule =
+      R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks", "scope": "recording", "at_most": )";
+  write_file_text(dir / "rules.json", rule + std::to_string(breaks) + "}]}");
+  EXPECT_EQ(run_report({"--rules", (dir / "rules.json").string()}).code, 0);
+  write_file_text(dir / "rules.json", rule + std::to_string(breaks - 1) + "}]}");
+  EXPECT_EQ(run_report({"--rules", (dir / "rules.json").string()}).code, 1);
+  // Against a baseline: the same again.
+  fs::copy_file(report / "report.json", dir / "baseline.json");
+  write_file_text(
+      dir / "rules.json",
+      R"({"schema": "planescope.rules/1", "rules": [{"metric": "track_breaks_change", "at_most": 0}]})");
+  const Ran again = run_report(
+      {"--rules", (dir / "rules.json").string(), "--baseline", (dir / "baseline.json").string()});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.err.find("holds nothing"), std::string::npos) << again.err;
+  const Ran shard = run_report({"--shard", "1/2"});
+  EXPECT_EQ(shard.code, 2);
+  EXPECT_NE(shard.err.find("--tracks needs all frames"), std::string::npos) << shard.err;
 }
 
 TEST_F(Map, PosesOfARecordingComeAlongWhenItIsConverted) {
@@ -68,6 +126,7 @@ TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   expect_refused(map({"--poses", (dir / "bad.tum").string()}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");
   expect_refused(map({"--poses", (dir / "later.tum").string()}), "no pose is of any of the frames");
+  expect_refused(map({"--window", "-1"}), "--window");
   expect_refused(map({"--classifier", "truth"}), "--classifier truth");
   EXPECT_FALSE(fs::exists(dir / "out"));
   std::string sidecar;
@@ -76,6 +135,9 @@ TEST_F(Map, WhatCannotBeMappedIsRefusedInOneLine) {
   sidecar.replace(sidecar.find("\"T_world_camera\": ["), 19, "\"T_world_camera\": [7,");
   write_file_text(walk / "planescope.json", sidecar);
   expect_refused(map({}), "\"T_world_camera\" is not usable");
+  const fs::path cloudy = fs::path(PLANESCOPE_SOURCE_DIR) / "assets" / "sample";
+  expect_refused(run({"map", cloudy.string(), "-o", (dir / "out").string(), "--follow"}),
+                 "has no poses");
 }
 
 }  // namespace planescope

@@ -121,6 +121,29 @@ TEST_F(Room, AFrameAtAWrongPoseIsSetAside) {
   EXPECT_FALSE(tracker_.add(look(scene_)).set_aside);
 }
 
+TEST_F(Room, WhatLeavesTheWindowIsHandedOverAndForgotten) {
+  TrackOptions options;
+  options.window_m = 3;
+  tracker_ = Tracker(options);
+  std::vector<LeftPiece> left;
+  tracker_.on_left([&](const LeftPiece& piece) { left.push_back(piece); });
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  EXPECT_TRUE(left.empty());
+  const double lid_m2 = lid().sure_area_m2();
+  const int id = lid().id;
+  camera_.position.x() -= 3;
+  ObservedFrame away = look(scene_);
+  tracker_.add(away);
+  const Track& track = tracker_.tracks()[id - 1];
+  EXPECT_EQ(track.state, TrackState::left);
+  EXPECT_EQ(track.cells.present(), 0u);
+  EXPECT_NEAR(track.left_m2, lid_m2, 1e-9);
+  EXPECT_TRUE(track.is_sure(options)) << "the map still knows of it";
+  const auto piece = std::ranges::find(left, id, &LeftPiece::track);
+  ASSERT_NE(piece, left.end());
+  EXPECT_NEAR(piece->outline.area_m2, lid_m2, 0.01);
+}
+
 TEST_F(Room, AMissNamesTheTermThatFailed) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   ObservedFrame tilted = look(scene_);

@@ -1,0 +1,52 @@
+// Tracks over a real recording ($PLANESCOPE_DATA): the slow pan through a lab, poses by odometry.
+// What was reached there is held here.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/io/recording.hpp"
+#include "core/model/json.hpp"
+#include "core/planes/pipeline/classifiers.hpp"
+#include "core/world/files/map_files.hpp"
+
+namespace planescope::world {
+namespace {
+
+TEST(RealMap, FloorAndWallOfAPanAreATrackEach) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (!data) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  io::RecordingOptions options;
+  options.intrinsics = {383.8, 383.8, 321.7, 236.8};
+  const auto recording =
+      io::open_recording(std::filesystem::path(data) / "aims_slam_realsense_640x480", options);
+  MapJob job;
+  job.recording = recording.get();
+  const auto chosen =
+      planes::make_classifier(job.pipeline, std::filesystem::path(PLANESCOPE_SOURCE_DIR) /
+                                                "assets" / "classifier.safetensors");
+  job.classifier = chosen.classifier.get();
+  job.threads = 2;
+  for (int i = 0; i < recording->frame_count(); ++i) job.frames.push_back(i);
+  const WorldMap map = map_recording(job);
+
+  const auto planes = planes_of_map(map.tracker);
+  ASSERT_GE(planes.size(), 2u);
+  const Track &floor = *planes[0], &wall = *planes[1];
+  EXPECT_EQ(floor.label, Label::h);
+  EXPECT_EQ(floor.frames_seen, 40);
+  EXPECT_EQ(floor.frames_missed, 0);
+  EXPECT_EQ(wall.label, Label::v);
+  EXPECT_GE(wall.frames_seen, 21);
+  EXPECT_LE(wall.frames_missed, 2);
+  EXPECT_GE(map.stability.kept_share, 0.93);
+  // The slow stretch, frames 29 to 33.
+  EXPECT_GE(map.stability.still_pairs, 8);
+  EXPECT_LE(map.stability.normal_jitter_deg, 0.15);
+  EXPECT_LE(map.stability.offset_jitter_m, 0.002);
+}
+
+}  // namespace
+}  // namespace planescope::world
