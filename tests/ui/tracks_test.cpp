@@ -157,5 +157,48 @@ TEST_F(Tracks, FollowingCanBeStoppedAndCloudsAreRefused) {
   EXPECT_FALSE(state().results.map.running);
 }
 
+struct LabelOnce : testing::Test {
+  const std::filesystem::path dir = scratch_dir();
+  LabelWindow window{dir / "labels", walk()};
+  const State& state() const { return window.state(); }
+  std::size_t labelled() const {
+    std::size_t count = 0;
+    for (int i = 0; i < 60; ++i) {
+      const auto labels = window.store().labels(i);
+      count += labels && !labels->planes.empty();
+    }
+    return count;
+  }
+};
+
+TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
+  window.run("label.wand", "80,100");
+  window.run("label.accept");
+  ASSERT_EQ(labelled(), 1u);
+  EXPECT_NE(window.refusal("label.spread").find("planes were not followed yet"), std::string::npos);
+  window.run("map.make");
+  ASSERT_TRUE(state().map());
+  window.run("label.spread");
+  const std::size_t proposed = labelled();
+  EXPECT_GT(proposed, 8u) << state().view.message;
+  EXPECT_NE(state().view.message.find(fmt::format("proposed in {} frames", proposed - 1)),
+            std::string::npos)
+      << state().view.message;
+  // Its confidence is kept with it.
+  const auto next = window.store().labels(1);
+  ASSERT_TRUE(next);
+  ASSERT_FALSE(next->planes.empty());
+  EXPECT_EQ(next->planes[0].origin, LabelOrigin::carried);
+  EXPECT_GT(next->planes[0].confidence, 0.8);
+  // The frames are gone through, the most doubtful first.
+  window.run("label.spread.next");
+  EXPECT_EQ(state().document.frame, state().results.label.spread.doubtful.front().first);
+  // One step of undo takes all of it back, wherever one is.
+  window.run("label.undo");
+  EXPECT_EQ(labelled(), 1u) << state().view.message;
+  window.run("label.redo");
+  EXPECT_EQ(labelled(), proposed);
+}
+
 }  // namespace
 }  // namespace planescope::desktop

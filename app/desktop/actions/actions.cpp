@@ -71,6 +71,7 @@ const std::vector<Action>& action_table() {
     add(gravity_actions(), KeyMode::anywhere);
     add(measure_actions(), KeyMode::debugger);
     add(plane_table_actions(), KeyMode::debugger);
+    add(map_actions(), KeyMode::anywhere);
     add(track_actions(), KeyMode::debugger);
     return all;
   }();

@@ -81,7 +81,8 @@ std::vector<Action> document_actions();
 std::vector<Action> gravity_actions();       // floors and walls that are clicked
 std::vector<Action> plane_table_actions();   // the table of planes
 std::vector<Action> measure_actions();       // between points and planes that are clicked
-std::vector<Action> track_actions();         // planes over all frames
+std::vector<Action> map_actions();           // following planes over all frames
+std::vector<Action> track_actions();         // what came of it
 std::vector<Action> label_mode_actions();    // in and out, history, saving
 std::vector<Action> label_tool_actions();    // what is in hand: tool, plane, sizes
 std::vector<Action> label_draw_actions();    // strokes, areas, cuts, the wand

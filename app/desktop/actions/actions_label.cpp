@@ -4,7 +4,9 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/gesture.hpp"
+#include "app/desktop/labeling/work.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -26,26 +28,32 @@ void leave(State& state) {
   save_labels_if_possible(state);
   let_go(state.view.label);
   state.results.label.carry = {};
+  state.results.label.spread = {};
   state.view.mode = Mode::debugger;
   if (state.document.labels_written) ++state.document.labels_version;
   state.document.labels_written = false;
 }
 
-/// One step of the history, on the frame where it was made.
+/// One step of the history, on the frame where it was made; a step on several frames from anywhere.
 void travel(State& state, bool back) {
   labels::LabelStore& store = *store_of(state);
-  const std::optional<int> frame = back ? store.undo_frame() : store.redo_frame();
-  if (!frame) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
-  if (*frame != state.document.frame) {
-    apply(state, {"frame.show", std::to_string(*frame)});
-    return say(state, fmt::format("the step is on frame {}: once more to {} it", *frame,
+  const std::vector<int> frames = back ? store.undo_frames() : store.redo_frames();
+  if (frames.empty()) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
+  if (frames.size() == 1 && frames.front() != state.document.frame) {
+    apply(state, {"frame.show", std::to_string(frames.front())});
+    return say(state, fmt::format("the step is on frame {}: once more to {} it", frames.front(),
                                   back ? "undo" : "redo"));
   }
   if (!labels_at_hand(state)) return;
+  for (const int frame : frames)
+    if (!labels_at(*state.document.current(), frame))
+      throw Error(fmt::format("frame {}: its labels cannot be opened", frame));
   let_go(state.view.label);
   const std::string title = back ? store.history(1).front().title : "";
   back ? store.undo() : store.redo();
-  say(state, back ? "undone: " + title : "redone: " + store.history(1).front().title);
+  const std::string on =
+      frames.size() > 1 ? fmt::format(", on {}", counted(frames.size(), "frame")) : "";
+  say(state, (back ? "undone: " + title : "redone: " + store.history(1).front().title) + on);
 }
 
 }  // namespace

@@ -14,26 +14,6 @@
 namespace planescope::desktop {
 namespace {
 
-/// A frame's labels, opened where they were not yet; null where it has none, or they cannot be
-/// read.
-std::shared_ptr<const FrameLabels> labels_of(const OpenRecording& open, int frame) {
-  labels::LabelStore& store = *open.labels;
-  if (auto labels = store.labels(frame)) return labels;
-  try {
-    auto found =
-        labels::read_frame_labels(open.label_dir, frame, open.recording->frame_hash(frame));
-    if (!found) return nullptr;
-    FrameLabels blank = std::move(*found);
-    std::ranges::fill(blank.plane.data, std::uint16_t{0});
-    std::ranges::fill(blank.hv.data, std::uint8_t{0});
-    blank.planes.clear();
-    blank.review.clear();
-    return store.open(frame, blank);
-  } catch (const Error&) {
-    return nullptr;
-  }
-}
-
 bool is_carried(const FrameLabels& labels, int plane) {
   const LabelPlane* found = labels::find_plane(labels, plane);
   return found && found->origin == LabelOrigin::carried;
@@ -44,12 +24,12 @@ bool is_carried(const FrameLabels& labels, int plane) {
 std::vector<int> chain_of(const OpenRecording& open, int frame, int plane) {
   std::vector<int> chain{frame};
   for (int at = frame; at > 0; --at) {
-    const auto here = labels_of(open, at), before = labels_of(open, at - 1);
+    const auto here = labels_at(open, at), before = labels_at(open, at - 1);
     if (!here || !before || !is_carried(*here, plane) || !labels::find_plane(*before, plane)) break;
     chain.insert(chain.begin(), at - 1);
   }
   for (int at = frame + 1; at < open.recording->frame_count(); ++at) {
-    const auto there = labels_of(open, at);
+    const auto there = labels_at(open, at);
     if (!there || !is_carried(*there, plane)) break;
     chain.push_back(at);
   }
@@ -70,7 +50,7 @@ void change_chain(State& state, const std::string& verb, const std::string& what
   chain.push_back(state.document.frame);
   std::size_t changed = 0, locked = 0;
   for (const int frame : chain) {
-    const auto labels = labels_of(open, frame);
+    const auto labels = labels_at(open, frame);
     if (labels::find_plane(*labels, plane)->locked) {
       ++locked;
       continue;

@@ -232,6 +232,10 @@ void cancel(State& state) {
       view.stroke || view.polygon || !view.wand.seeds.empty() || view.bound || view.finish;
   if (begun) return let_go(view);
   CarryJob& carry = state.results.label.carry;
+  if (SpreadWork& spread = state.results.label.spread; spread.running) {
+    spread = {};
+    return say(state, "nothing was proposed");
+  }
   if (carry.running) say(state, "nothing was carried");
   if (carry.running || carry.done) {
     carry = {};

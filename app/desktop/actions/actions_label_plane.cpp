@@ -168,6 +168,14 @@ void show_next(State& state, const char* what, bool (*is_wanted)(const FrameMark
   say_nothing_done(state, fmt::format("no other frame is {}", what));
 }
 
+/// Of the frames that labels were proposed in and nobody has reviewed yet.
+void show_next_doubtful(State& state) {
+  for (const auto& [frame, share] : state.results.label.spread.doubtful)
+    if (frame != state.document.frame && !frame_mark(state, frame).reviewed)
+      return apply(state, {"frame.show", std::to_string(frame)});
+  say_nothing_done(state, "no other frame has labels that were proposed and not reviewed");
+}
+
 Action next_frame(const char* name,
                   const char* title,
                   const char* key,
@@ -224,6 +232,10 @@ std::vector<Action> label_plane_actions() {
        [](State& s, const std::string&) { begin_carry(s, carry_argument("doubt")); },
        can_label,
        {}},
+      on_frame("label.spread", "Propose the labels in all frames that see their planes",
+               "Ctrl+Shift+.", begin_spread),
+      on_frame("label.spread.next", "Next of these frames, the most doubtful first", "Alt+U",
+               show_next_doubtful),
       next_frame("label.next.unlabelled", "Next frame without labels", "U", "without labels",
                  [](const FrameMark& mark) { return !mark.labelled; }),
       next_frame("label.next.unreviewed", "Next frame with labels that are not reviewed", "Y",

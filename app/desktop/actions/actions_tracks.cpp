@@ -115,7 +115,7 @@ void go_to_track(State& state, const TrackPlace& place) {
   if (place.camera && T) move_camera(state, carried(*place.camera, T->inverse()));
 }
 
-std::vector<Action> track_actions() {
+std::vector<Action> map_actions() {
   const std::string menu = "Tracks";
   const auto running = [](const State& s) { return s.results.map.running; };
   return {
@@ -128,6 +128,11 @@ std::vector<Action> track_actions() {
        [=](const State& s) { return s.document.current() && !running(s); },
        {}},
       {"map.stop", "Stop following", menu, "", "", stop_following, running, {}},
+  };
+}
+
+std::vector<Action> track_actions() {
+  return {
       to_frame("track.previous", "The track's frame before", "Alt+PageUp", frame_seen, -1,
                "is not in an earlier frame"),
       to_frame("track.next", "The track's next frame", "Alt+PageDown", frame_seen, 1,

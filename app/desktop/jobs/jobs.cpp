@@ -17,6 +17,7 @@
 #include "app/desktop/jobs/map_jobs.hpp"
 #include "app/desktop/jobs/plane_work.hpp"
 #include "app/desktop/jobs/report_arrival.hpp"
+#include "app/desktop/jobs/spread_jobs.hpp"
 #include "app/desktop/jobs/worker.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/model/error.hpp"
@@ -94,6 +95,8 @@ struct Jobs::Impl {
       strip{rested, failed}, analysis{rested, failed};
   LabelJobs labels{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
   MapJobs maps{[this](Delivery delivery) { deliver(std::move(delivery)); }, [this] { wake(); }};
+  SpreadJobs spreading{[this](Delivery delivery) { deliver(std::move(delivery)); },
+                       [this] { wake(); }};
   LearnJobs learning{[this](Delivery delivery) { deliver(std::move(delivery)); },
                      [this] { wake(); }};
 
@@ -468,6 +471,7 @@ void Jobs::pursue(State& state) {
   impl_->labels.pursue(state);
   impl_->learning.pursue(state);
   impl_->maps.pursue(state);
+  impl_->spreading.pursue(state);
 }
 
 bool Jobs::collect(State& state) {
@@ -485,7 +489,9 @@ bool Jobs::busy(bool background) const {
   if (background && (impl_->strip_waits || impl_->strip.busy())) return true;
   const bool sweeps = impl_->analysing == Analysis::sensitivity;
   if (impl_->analysis.busy() && (background || !sweeps)) return true;
-  if (impl_->labels.busy() || impl_->learning.busy() || impl_->maps.busy()) return true;
+  if (impl_->labels.busy() || impl_->learning.busy() || impl_->maps.busy() ||
+      impl_->spreading.busy())
+    return true;
   const std::lock_guard lock(impl_->mutex);
   return !impl_->deliveries.empty();
 }

@@ -7,6 +7,7 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/labeling/work.hpp"
+#include "app/desktop/tracks/map_view.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/json.hpp"
@@ -98,6 +99,17 @@ void take_audit(State& state,
   if (!is_first || chosen < 0) return;  // otherwise it was asked for before it was known
   chosen = -1;
   if (state.view.label.tab == "checks") apply(state, {"check.next", ""});
+}
+
+/// The motion to the frame looked at, where planes were followed and it is known.
+labels::CarryOptions carry_options(const State& state) {
+  labels::CarryOptions options;
+  const MapView* map = state.map();
+  const world::CameraPose* from = map ? map->pose(state.results.label.carry.from) : nullptr;
+  const world::CameraPose* to = map ? map->pose(state.document.frame) : nullptr;
+  if (from && to && from->segment == to->segment)
+    options.T_to_from = to->T_world_camera.inverse() * from->T_world_camera;
+  return options;
 }
 
 /// The plane that is least sure, where that is less than the share; empty: none, or none is asked.
@@ -268,7 +280,7 @@ void LabelJobs::pursue_carry(State& state) {
   carry.begun = carrying_ = true;
   const int number = ++carry_number_;
   carries_.replace([this, number, from = carry.from_frame, labels = carry.from_labels,
-                    to = state.results.label.frame,
+                    to = state.results.label.frame, options = carry_options(state),
                     existing = state.labels()](std::stop_token stop) {
     int percent = 0;
     const auto tell = [&](double share) {
@@ -281,7 +293,7 @@ void LabelJobs::pursue_carry(State& state) {
     try {
       const auto carried = std::make_shared<const labels::CarriedLabels>(labels::carry_labels(
           from->recording->frame(from->frame), from->grid, *labels, to->recording->frame(to->frame),
-          to->grid, *existing, {}, stop, tell));
+          to->grid, *existing, options, stop, tell));
       deliver_([this, number, existing, carried](State& s) {
         deliver_carried(s, number, existing, carried);
       });

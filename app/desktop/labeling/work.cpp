@@ -8,7 +8,9 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/look.hpp"
+#include "app/desktop/tracks/map_view.hpp"
 #include "core/labels/edit/operations.hpp"
+#include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
 
@@ -114,6 +116,24 @@ LabelProgress progress_of(const State& state) {
   return progress;
 }
 
+std::shared_ptr<const FrameLabels> labels_at(const OpenRecording& open, int frame) {
+  labels::LabelStore& store = *open.labels;
+  if (auto labels = store.labels(frame)) return labels;
+  try {
+    auto found =
+        labels::read_frame_labels(open.label_dir, frame, open.recording->frame_hash(frame));
+    if (!found) return nullptr;
+    FrameLabels blank = std::move(*found);
+    std::ranges::fill(blank.plane.data, std::uint16_t{0});
+    std::ranges::fill(blank.hv.data, std::uint8_t{0});
+    blank.planes.clear();
+    blank.review.clear();
+    return store.open(frame, blank);
+  } catch (const Error&) {
+    return nullptr;
+  }
+}
+
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels) {
   const LabelFrame* frame = state.label_frame();
   if (!frame || pixels.empty()) return;
@@ -140,6 +160,23 @@ void begin_carry(State& state, const CarryJob& plan) {
   job.from_labels = work.labels;
   apply(state, {"frame.show", std::to_string(frame + 1)});
   state.results.label.carry = std::move(job);
+}
+
+void begin_spread(State& state) {
+  const LabelWork work = label_work(state);
+  const OpenRecording& open = *state.document.current();
+  const int frame = state.document.frame;
+  if (!state.map())
+    throw Error("planes were not followed yet: Ctrl+Shift+M follows them, and tells the poses");
+  if (!state.map()->pose(frame)) throw Error(fmt::format("frame {} has no pose", frame));
+  if (work.labels->planes.empty())
+    throw Error(fmt::format("frame {} has no planes that could be proposed", frame));
+  if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
+  SpreadWork& spread = state.results.label.spread;
+  spread = {};
+  spread.running = true;
+  spread.from = frame;
+  spread.total = open.recording->frame_count() - 1;
 }
 
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {

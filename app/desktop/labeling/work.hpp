@@ -39,12 +39,20 @@ struct LabelProgress {
 };
 LabelProgress progress_of(const State& state);
 
+/// The labels of any frame, opened where they were not yet: from the label files and the journal.
+/// Null where the frame has none, or they cannot be read.
+std::shared_ptr<const FrameLabels> labels_at(const OpenRecording& open, int frame);
+
 /// Moves both views there, with room around. Nothing for no pixels.
 void look_at_pixels(State& state, std::span<const std::uint32_t> pixels);
 
 /// Shows the next frame, and asks for the labels of this one on it. `plan`: how far to go on.
 /// Throws Error where nothing can be carried.
 void begin_carry(State& state, const CarryJob& plan);
+
+/// Asks for the labels of this frame in all that see its planes. Throws Error where planes were not
+/// followed, or nothing can be proposed.
+void begin_spread(State& state);
 
 /// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid);

@@ -81,10 +81,17 @@ void draw_status(const Ui& ui) {
   if (carry.running)
     busy = fmt::format("carrying the labels of frame {} on, {:.0f} % …  Esc stops", carry.from,
                        100 * carry.progress);
+  const MapResults& map = state.results.map;
+  if (map.running)
+    busy = fmt::format("following planes: {} {} of {} …", map.stage, map.done, map.total);
+  const SpreadWork& spread = state.results.label.spread;
+  if (spread.running)
+    busy = fmt::format("proposing the labels of frame {}, {} of {} frames …  Esc stops",
+                       spread.from, spread.done, spread.total);
   const std::optional<StepsSaving>& saving = state.view.saving;
   if (saving && !saving->hidden)
     busy = fmt::format("{} of {} steps are written …  Esc stops", saving->written, saving->count());
-  const bool tells = carry.running || (saving && !saving->hidden);
+  const bool tells = carry.running || map.running || spread.running || (saving && !saving->hidden);
   const std::string& message = state.view.message.empty() || tells ? busy : state.view.message;
   if (!message.empty()) {
     ImGui::SameLine(0, ui.px(24));

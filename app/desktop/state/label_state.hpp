@@ -73,6 +73,14 @@ struct CarryJob {
       done;  // its doubt is shown until Escape or another frame
 };
 
+/// Labels of one frame, on their way into all frames that see its planes.
+struct SpreadWork {
+  bool running = false, begun = false;  // begun: the job knows of it
+  int from = 0;
+  int done = 0, total = 0;                       // frames
+  std::vector<std::pair<int, double>> doubtful;  // frames it came to, by how much is left open
+};
+
 /// How long to learn, and beside how many synthetic clouds of each kind at most.
 struct Lesson {
   int steps = 1000;
@@ -124,6 +132,7 @@ struct LabelResults {
   std::vector<FrameMark> marks;  // by frame, as the mode was entered; frames at hand know better
   std::string save_problem;      // why the label files could not be written last, one line
   CarryJob carry;
+  SpreadWork spread;
   Learning learning;
 };
 

@@ -191,6 +191,29 @@ class Carrying {
   std::vector<Carried> carried_;
 };
 
+/// Throws Error where it has to be found, and the frames show too little of the same.
+Registration motion_between(const Frame& from_frame,
+                            const LabelGrid& from,
+                            const Frame& to_frame,
+                            const LabelGrid& to,
+                            const CarryOptions& options,
+                            std::stop_token stop,
+                            const std::function<void(double)>& progress) {
+  Registration motion;
+  if (options.T_to_from) {
+    motion.T_to_from = *options.T_to_from;
+    return motion;
+  }
+  motion = register_frames(from, to, std::move(stop), [&](double done) {
+    if (progress) progress(kRegistering * done);
+  });
+  if (motion.fitness < options.min_fitness)
+    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " +
+                percent(motion.fitness) + " of the points have a partner, expected at least " +
+                percent(options.min_fitness) + "; they show too little of the same");
+  return motion;
+}
+
 }  // namespace
 
 CarriedLabels carry_labels(const Frame& from_frame,
@@ -202,13 +225,8 @@ CarriedLabels carry_labels(const Frame& from_frame,
                            const CarryOptions& options,
                            std::stop_token stop,
                            const std::function<void(double)>& progress) {
-  const Registration motion = register_frames(from, to, stop, [&](double done) {
-    if (progress) progress(kRegistering * done);
-  });
-  if (motion.fitness < options.min_fitness)
-    throw Error("frames " + from_frame.name + " and " + to_frame.name + ": " +
-                percent(motion.fitness) + " of the points have a partner, expected at least " +
-                percent(options.min_fitness) + "; they show too little of the same");
+  const Registration motion =
+      motion_between(from_frame, from, to_frame, to, options, stop, progress);
   const Expected expected = warped(from, labels, to, motion.T_to_from.inverse());
   if (stop.stop_requested()) throw Cancelled();
 
@@ -232,7 +250,7 @@ CarriedLabels carry_labels(const Frame& from_frame,
   carrying.extend();
   CarriedLabels result = carrying.finish();
   result.T_to_from = motion.T_to_from;
-  result.method = motion.used_color ? "RGB-D odometry" : "ICP";
+  result.method = options.T_to_from ? "poses" : motion.used_color ? "RGB-D odometry" : "ICP";
   result.fitness = motion.fitness;
   result.rms_m = motion.rms_m;
   if (progress) progress(1);

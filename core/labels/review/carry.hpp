@@ -4,6 +4,7 @@
 // fitted to the new frame's own points.
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -26,12 +27,13 @@ struct CarriedLabels {
   std::vector<std::uint8_t> doubt;    // per pixel: 1 a label was expected, and left to the user
   std::vector<CarriedPlane> planes;   // by id
   Pose T_to_from = Pose::Identity();  // sensor frames
-  std::string method;                 // "RGB-D odometry", "ICP"
+  std::string method;                 // "RGB-D odometry", "ICP", "poses"
   double fitness = 0;                 // share of points with a partner after registration
   double rms_m = 0;                   // of partners
 };
 
 struct CarryOptions {
+  std::optional<Pose> T_to_from;  // where it is known; else the frames are registered
   double min_fitness = 0.3;
   double min_confidence = 0.3;  // a plane below it is left out, all its pixels doubtful
 };

@@ -68,7 +68,8 @@ std::uint64_t LabelStore::version(int frame) const {
   return at == state_->frames.end() ? 0 : at->second.version;
 }
 
-void LabelStore::commit(const LabelEdit& edit) { state_->commit(edit); }
+void LabelStore::commit(const LabelEdit& edit) { state_->commit(std::span(&edit, 1)); }
+void LabelStore::commit(std::span<const LabelEdit> edits) { state_->commit(edits); }
 
 std::optional<int> LabelStore::undo_frame() const {
   if (undo_count() == 0) return std::nullopt;
@@ -78,6 +79,23 @@ std::optional<int> LabelStore::undo_frame() const {
 std::optional<int> LabelStore::redo_frame() const {
   if (redo_count() == 0) return std::nullopt;
   return state_->history.undone().back().frame;
+}
+
+namespace {
+
+std::vector<int> frames_of(std::span<const LabelHistory::Step> steps) {
+  std::vector<int> frames;
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step) frames.push_back(step->frame);
+  return frames;
+}
+
+}  // namespace
+
+std::vector<int> LabelStore::undo_frames() const {
+  return frames_of(LabelHistory::latest(state_->history.done()));
+}
+std::vector<int> LabelStore::redo_frames() const {
+  return frames_of(LabelHistory::latest(state_->history.undone()));
 }
 
 void LabelStore::undo() { state_->step(RecordKind::undo); }

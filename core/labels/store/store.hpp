@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,13 +69,19 @@ class LabelStore {
   /// changed, where it is read-only or the journal cannot be written (full disk). The frame is
   /// open.
   void commit(const LabelEdit& edit);
+  /// Edits of several frames, each of which is open, as one step: all are kept or none, and undo
+  /// takes all of them back.
+  void commit(std::span<const LabelEdit> edits);
 
-  // History over all frames. The frame of the step must be open: `undo_frame` says which it is.
+  // History over all frames. The frames of the step must be open: `undo_frames` says which they
+  // are, the last that was edited first. `undo_frame`: that one.
   std::optional<int> undo_frame() const;
   std::optional<int> redo_frame() const;
+  std::vector<int> undo_frames() const;
+  std::vector<int> redo_frames() const;
   void undo();
   void redo();
-  std::size_t undo_count() const;
+  std::size_t undo_count() const;  // edits, those of one step each by itself
   std::size_t redo_count() const;
   /// The latest first, at most `most` of them.
   std::vector<HistoryEntry> history(std::size_t most) const;

@@ -4,6 +4,7 @@
 
 #include <cassert>
 #include <cerrno>
+#include <set>
 
 #include "core/model/error.hpp"
 
@@ -136,41 +137,62 @@ void LabelStore::State::append(const std::vector<Entry>& entries) {
   }
 }
 
-void LabelStore::State::commit(const LabelEdit& edit) {
-  if (edit.empty()) return;
-  assert(frames.contains(edit.frame));
-  OpenFrame& frame = frames.at(edit.frame);
-  auto next = std::make_shared<FrameLabels>(*frame.labels);
-  apply_edit(*next, edit);
-  try {
-    auto entries = base_entries(edit.frame);
-    const RecordHead head = entry(RecordKind::edit, edit.frame).head;
+void LabelStore::State::commit(std::span<const LabelEdit> edits) {
+  std::map<int, std::shared_ptr<const FrameLabels>> next;
+  std::vector<Entry> entries;
+  // A moment of its own: edits of one moment are one step.
+  std::int64_t now_ms = options.now_ms();
+  if (!history.done().empty() && history.done().back().time_ms == now_ms) ++now_ms;
+  for (const LabelEdit& edit : edits) {
+    if (edit.empty()) continue;
+    assert(frames.contains(edit.frame) && !next.contains(edit.frame));
+    auto labels = std::make_shared<FrameLabels>(*frames.at(edit.frame).labels);
+    apply_edit(*labels, edit);
+    next[edit.frame] = std::move(labels);
+    for (Entry& base : base_entries(edit.frame)) entries.push_back(std::move(base));
+  }
+  if (next.empty()) return;
+  // Side by side, as undo finds them.
+  for (const LabelEdit& edit : edits) {
+    if (edit.empty()) continue;
+    RecordHead head = entry(RecordKind::edit, edit.frame).head;
+    head.time_ms = now_ms;
     entries.push_back({head, edit_record(head, edit)});
+  }
+  try {
     append(entries);
   } catch (const Error& error) {
     throw Error(error.what() + std::string(kNotKept));
   }
-  frame.labels = std::move(next);
-  ++frame.version;
+  for (auto& [frame, labels] : next) {
+    frames.at(frame).labels = std::move(labels);
+    ++frames.at(frame).version;
+  }
 }
 
 void LabelStore::State::step(RecordKind direction) {
   require_writable();
   const bool undoes = direction == RecordKind::undo;
-  const auto& steps = undoes ? history.done() : history.undone();
-  if (steps.empty()) return;
-  const LabelHistory::Step latest = steps.back();
-  assert(frames.contains(latest.frame));
-  OpenFrame& frame = frames.at(latest.frame);
-  auto next = std::make_shared<FrameLabels>(*frame.labels);
-  put(*next, latest.place, direction);
+  const auto latest = LabelHistory::latest(undoes ? history.done() : history.undone());
+  std::map<int, std::shared_ptr<const FrameLabels>> next;
+  std::vector<Entry> entries;
+  for (auto each = latest.rbegin(); each != latest.rend(); ++each) {
+    assert(frames.contains(each->frame));
+    auto labels = std::make_shared<FrameLabels>(*frames.at(each->frame).labels);
+    put(*labels, each->place, direction);
+    next[each->frame] = std::move(labels);
+    entries.push_back(entry(direction, each->frame));
+  }
+  if (entries.empty()) return;
   try {
-    append({entry(direction, latest.frame)});
+    append(entries);
   } catch (const Error& error) {
     throw Error(error.what() + std::string(kNotKept));
   }
-  frame.labels = std::move(next);
-  ++frame.version;
+  for (auto& [frame, labels] : next) {
+    frames.at(frame).labels = std::move(labels);
+    ++frames.at(frame).version;
+  }
 }
 
 void LabelStore::State::put(FrameLabels& labels,
@@ -206,6 +228,15 @@ std::vector<HistoryEntry> LabelStore::State::latest(std::size_t most) const {
   return entries;
 }
 
+std::span<const LabelHistory::Step> LabelHistory::latest(const std::vector<Step>& steps) {
+  std::size_t first = steps.size();
+  std::set<int> frames;
+  while (first > 0 && steps[first - 1].time_ms == steps.back().time_ms &&
+         frames.insert(steps[first - 1].frame).second)
+    --first;
+  return std::span(steps).subspan(first);
+}
+
 bool LabelHistory::add(const JournalPlace& place,
                        const RecordHead& head,
                        const LabelDigests& digests) {
@@ -221,7 +252,7 @@ bool LabelHistory::add(const JournalPlace& place,
     case RecordKind::base:
       break;
     case RecordKind::edit:
-      done_.push_back({place, head.frame, frame.mark});
+      done_.push_back({place, head.frame, frame.mark, head.time_ms});
       undone_.clear();
       frame.mark = place.offset;
       break;

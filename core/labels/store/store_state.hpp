@@ -4,6 +4,7 @@
 // beside it (store_files.cpp).
 
 #include <map>
+#include <span>
 
 #include "core/labels/store/journal_records.hpp"
 #include "core/labels/store/store.hpp"
@@ -23,6 +24,7 @@ class LabelHistory {
     JournalPlace place;
     int frame = 0;
     LabelMark before = 0;  // of the frame
+    std::int64_t time_ms = 0;
   };
   struct Save {
     LabelDigests digests;
@@ -37,6 +39,9 @@ class LabelHistory {
 
   /// Adds the record. False, with nothing changed, where it cannot follow the records before it.
   bool add(const JournalPlace& place, const RecordHead& head, const LabelDigests& digests = {});
+
+  /// The last edits that are one step: those of one moment, each of another frame.
+  static std::span<const Step> latest(const std::vector<Step>& steps);
 
   const std::vector<Step>& done() const { return done_; }
   const std::vector<Step>& undone() const { return undone_; }  // the next to redo is the last
@@ -66,7 +71,7 @@ struct LabelStore::State {
 
   void require_writable() const;
   void sync();
-  void commit(const LabelEdit& edit);
+  void commit(std::span<const LabelEdit> edits);
   void step(RecordKind direction);
   std::vector<HistoryEntry> latest(std::size_t most) const;
 

@@ -135,6 +135,42 @@ TEST(LabelStores, LabelsHandedOutStayAsTheyWere) {
   EXPECT_NE(store.labels(0), first);
 }
 
+TEST(LabelStores, EditsOfSeveralFramesAreOneStep) {
+  const fs::path dir = fresh_dir("together");
+  const auto drawn = [](int frame, std::size_t pixel) {
+    FrameLabels labels = blank(frame);
+    labels.hv.data[pixel] = 1;
+    return labels;
+  };
+  const auto open_all = [](LabelStore& store) {
+    for (int frame = 0; frame < 4; ++frame) store.open(frame, blank(frame));
+  };
+  auto store = std::make_unique<LabelStore>(dir, LabelStoreOptions{"ann", [] { return 1000; }});
+  open_all(*store);
+  store->commit(make_edit(0, "Brush h", blank(0), drawn(0, 5)));
+  std::vector<LabelEdit> edits;
+  for (int frame = 1; frame < 4; ++frame)
+    edits.push_back(make_edit(frame, "Propose", blank(frame), drawn(frame, 7)));
+  edits.push_back(make_edit(0, "Nothing", blank(0), blank(0)));
+  store->commit(edits);
+  EXPECT_EQ(store->undo_frames(), (std::vector{3, 2, 1}));
+  store.reset();
+
+  store = std::make_unique<LabelStore>(dir, LabelStoreOptions{"ann", [] { return 1000; }});
+  open_all(*store);
+  store->undo();
+  for (int frame = 1; frame < 4; ++frame) expect_same(*store->labels(frame), blank(frame));
+  expect_same(*store->labels(0), drawn(0, 5));
+  EXPECT_EQ(store->redo_frames(), (std::vector{1, 2, 3}));
+  store->redo();
+  expect_same(*store->labels(2), drawn(2, 7));
+  // What follows at the same moment, on another frame, is a step of its own.
+  store->commit(make_edit(0, "Brush h", drawn(0, 5), drawn(0, 6)));
+  EXPECT_EQ(store->undo_frames(), std::vector{0});
+  store->undo();
+  expect_same(*store->labels(3), drawn(3, 7));
+}
+
 TEST(LabelStores, TheHistoryNamesWhoDidWhatWhenTheLatestFirst) {
   std::int64_t now_ms = 1000;
   LabelStore store(fresh_dir("history"), {"ann", [&] { return now_ms; }});

@@ -1,0 +1,143 @@
+#include "app/desktop/jobs/spread_jobs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "app/desktop/actions/actions.hpp"
+#include "app/desktop/tracks/map_view.hpp"
+#include "core/labels/model/label_files.hpp"
+#include "core/model/error.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::desktop {
+namespace {
+
+/// What the job reads, none of which changes meanwhile.
+struct Wanted {
+  std::shared_ptr<const MapView> map;
+  std::filesystem::path label_dir;
+  std::map<int, std::shared_ptr<const FrameLabels>> at_hand;  // of frames that are open
+  int from = 0, frames = 0;
+};
+
+labels::SpreadFrame open_frame(const Wanted& wanted, int index) {
+  const io::Recording& recording = *wanted.map->recording;
+  labels::SpreadFrame made;
+  made.frame = recording.frame(index);
+  if (const world::CameraPose* pose = wanted.map->pose(index))
+    world::turn_to_map(made.frame, {}, pose->T_world_camera,
+                       wanted.map->map.gravity[static_cast<std::size_t>(pose->segment)]);
+  made.grid = labels::make_label_grid(made.frame, made.frame.gravity.value_or(Gravity{}));
+  if (const auto known = wanted.at_hand.find(index); known != wanted.at_hand.end()) {
+    made.labels = *known->second;
+    return made;
+  }
+  const std::string hash = recording.frame_hash(index);
+  auto written = labels::read_frame_labels(wanted.label_dir, index, hash);
+  made.labels = written ? std::move(*written) : labels::empty_labels(made.grid, hash);
+  return made;
+}
+
+/// Commits what is proposed, as one step. Frames that were labelled meanwhile are left alone.
+void take_proposals(State& state, const Wanted& wanted, std::vector<labels::Proposal>& proposals) {
+  const OpenRecording* open = state.document.current();
+  if (!open || open->recording != wanted.map->recording || !open->labels) return;
+  const io::RecordingInfo& info = open->recording->info();
+  std::vector<labels::LabelEdit> edits;
+  std::size_t doubtful = 0, left = 0;
+  SpreadWork& spread = state.results.label.spread;
+  for (labels::Proposal& proposal : proposals) {
+    proposal.blank.plane = Image16(info.width, info.height);
+    proposal.blank.hv = Image8(info.width, info.height, 1);
+    const auto labels = open->labels->open(proposal.edit.frame, proposal.blank);
+    if (!labels::can_apply(*labels, proposal.edit)) {
+      ++left;
+      continue;
+    }
+    doubtful += proposal.doubtful;
+    const auto all = static_cast<double>(proposal.edit.changed_pixels() + proposal.doubtful);
+    spread.doubtful.emplace_back(proposal.edit.frame, static_cast<double>(proposal.doubtful) / all);
+    edits.push_back(std::move(proposal.edit));
+  }
+  std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
+  open->labels->commit(edits);
+  std::string text = fmt::format("proposed in {}, {} pixels in doubt are left to you",
+                                 counted(edits.size(), "frame"), doubtful);
+  if (!spread.doubtful.empty())
+    text += fmt::format(", most of all in frame {}", spread.doubtful.front().first);
+  if (left > 0) text += fmt::format("; {} labelled meanwhile", counted(left, "frame"));
+  say(state, text);
+}
+
+}  // namespace
+
+SpreadJobs::SpreadJobs(std::function<void(std::function<void(State&)>)> deliver,
+                       std::function<void()> wake)
+    : deliver_(std::move(deliver)), worker_(std::move(wake), [](const std::string&) {}) {}
+
+SpreadJobs::~SpreadJobs() { worker_.cancel(); }
+
+void SpreadJobs::finish(int number, std::function<void(State&)> with) {
+  deliver_([this, number, with = std::move(with)](State& s) {
+    if (number != number_) return;
+    asked_ = false;
+    s.results.label.spread.running = false;
+    with(s);
+  });
+}
+
+void SpreadJobs::pursue(State& state) {
+  SpreadWork& spread = state.results.label.spread;
+  if (asked_ && !spread.running) {  // called off
+    worker_.cancel();
+    asked_ = false;
+    ++number_;
+  }
+  const OpenRecording* open = state.document.current();
+  if (!spread.running || spread.begun || !open || !open->labels) return;
+  spread.begun = asked_ = true;
+  const int number = ++number_;
+  Wanted wanted{
+      state.results.map.made, open->label_dir, {}, spread.from, open->recording->frame_count()};
+  for (int i = 0; i < wanted.frames; ++i)
+    if (auto labels = open->labels->labels(i)) wanted.at_hand[i] = std::move(labels);
+  worker_.cancel();
+  worker_.replace([this, number, wanted = std::move(wanted)](std::stop_token stop) {
+    labels::SpreadJob job;
+    job.from = wanted.from;
+    job.frames = wanted.frames;
+    job.open = [&](int frame) { return open_frame(wanted, frame); };
+    job.T_world_camera = [&](int frame) -> std::optional<Pose> {
+      const world::CameraPose* pose = wanted.map->pose(frame);
+      const world::CameraPose* first = wanted.map->pose(wanted.from);
+      if (!pose || !first || pose->segment != first->segment) return std::nullopt;
+      return pose->T_world_camera;
+    };
+    job.stop = stop;
+    job.progress = [&](int done, int all) {
+      deliver_([this, number, done, all](State& s) {
+        if (number != number_) return;
+        s.results.label.spread.done = done;
+        s.results.label.spread.total = all;
+      });
+    };
+    try {
+      auto proposals = std::make_shared<std::vector<labels::Proposal>>(labels::spread_labels(job));
+      finish(number, [wanted, proposals](State& s) {
+        try {
+          take_proposals(s, wanted, *proposals);
+        } catch (const std::exception& error) {
+          say(s, message_of(error), true);
+        }
+      });
+    } catch (const Cancelled&) {
+      // Whoever called it off has said so.
+    } catch (const std::exception& error) {
+      finish(number, [message = message_of(error)](State& s) { say(s, message, true); });
+    }
+  });
+}
+
+}  // namespace planescope::desktop

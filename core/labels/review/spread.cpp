@@ -1,0 +1,108 @@
+#include "core/labels/review/spread.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/labels/edit/operations.hpp"
+#include "core/model/error.hpp"
+
+namespace planescope::labels {
+namespace {
+
+/// Whose labels can be carried on.
+struct Source {
+  SpreadFrame at;
+  Pose T_world_camera = Pose::Identity();
+};
+
+/// The labels of planes that `labels` does not have yet.
+FrameLabels without_those_of(const FrameLabels& all, const FrameLabels& labels) {
+  FrameLabels rest = all;
+  for (const LabelPlane& plane : labels.planes) rest = without_plane(rest, plane.id);
+  return rest;
+}
+
+class Spreading {
+ public:
+  explicit Spreading(const SpreadJob& job) : job_(job) {
+    const auto pose = job.T_world_camera(job.from);
+    if (!pose) throw Error(fmt::format("frame {} has no pose", job.from));
+    first_ = {job.open(job.from), *pose};
+    if (first_.at.labels.planes.empty())
+      throw Error(fmt::format("frame {} has no planes that could be proposed", job.from));
+  }
+
+  std::vector<Proposal> run() {
+    for (const int direction : {1, -1}) {
+      Source before = first_;
+      for (int i = job_.from + direction; i >= 0 && i < job_.frames; i += direction) {
+        if (job_.stop.stop_requested()) throw Cancelled();
+        if (auto here = propose(before, i)) before = std::move(*here);
+        if (job_.progress) job_.progress(++done_, job_.frames - 1);
+      }
+    }
+    std::ranges::sort(proposals_, {}, [](const Proposal& proposal) { return proposal.edit.frame; });
+    return std::move(proposals_);
+  }
+
+ private:
+  /// The frame with what is proposed; nothing where it cannot be labelled.
+  std::optional<Source> propose(const Source& before, int frame) {
+    const auto pose = job_.T_world_camera(frame);
+    if (!pose) return std::nullopt;
+    Source here;
+    here.T_world_camera = *pose;
+    try {
+      here.at = job_.open(frame);
+    } catch (const Error&) {
+      return std::nullopt;  // says why where it is opened
+    }
+    Proposal proposal;
+    FrameLabels labels = carry(before, here, before.at.labels, here.at.labels, proposal);
+    const FrameLabels unseen = without_those_of(first_.at.labels, labels);
+    if (&before != &first_ && !unseen.planes.empty())
+      labels = carry(first_, here, unseen, labels, proposal);
+    proposal.edit = make_edit(frame, fmt::format("Propose labels of frame {}", job_.from),
+                              here.at.labels, labels);
+    if (!proposal.edit.empty()) {
+      proposal.blank = here.at.labels;
+      proposal.blank.planes.clear();
+      proposal.blank.review.clear();
+      proposal.blank.plane = Image16();
+      proposal.blank.hv = Image8();
+      proposals_.push_back(std::move(proposal));
+    }
+    here.at.labels = std::move(labels);
+    return here;
+  }
+
+  FrameLabels carry(const Source& from,
+                    const Source& to,
+                    const FrameLabels& labels,
+                    const FrameLabels& existing,
+                    Proposal& proposal) const {
+    CarryOptions options = job_.carry;
+    options.T_to_from = to.T_world_camera.inverse() * from.T_world_camera;
+    const CarriedLabels carried = carry_labels(from.at.frame, from.at.grid, labels, to.at.frame,
+                                               to.at.grid, existing, options, job_.stop);
+    for (const CarriedPlane& plane : carried.planes) {
+      proposal.planes += plane.pixels > 0;
+      proposal.doubtful += plane.doubtful;
+      if (plane.pixels > 0)
+        proposal.least_confidence = std::min(proposal.least_confidence, plane.confidence);
+    }
+    return carried.labels;
+  }
+
+  const SpreadJob& job_;
+  Source first_;
+  std::vector<Proposal> proposals_;
+  int done_ = 0;
+};
+
+}  // namespace
+
+std::vector<Proposal> spread_labels(const SpreadJob& job) { return Spreading(job).run(); }
+
+}  // namespace planescope::labels
