@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <mutex>
 
 #include "app/cli/output.hpp"
 #include "app/cli/progress.hpp"
 #include "app/commands/commands.hpp"
 #include "app/commands/map_picture.hpp"
+#include "app/commands/report_frames.hpp"
 #include "core/io/image/png.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
 #include "core/world/files/map_files.hpp"
+#include "core/world/files/observed_files.hpp"
 
 namespace planescope::app {
 namespace {
@@ -25,6 +28,8 @@ struct MapArgs {
   std::optional<fs::path> poses;
   world::TrackOptions tracks;
   bool follow = false;
+  Shard shard;
+  fs::path join;  // where shards wrote; empty: none
 };
 
 /// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
@@ -64,6 +69,41 @@ class LeftFile {
   std::ofstream out_;
 };
 
+fs::path observed_file(const fs::path& dir, int frame) {
+  return dir / "observed" / fmt::format("{:06}.cbor", frame);
+}
+
+/// DIR/observed/, a file for each frame of the shard.
+void write_shard(const MapArgs& args, const world::MapJob& job) {
+  make_output_dir(args.out / "observed");
+  std::string key;
+  std::size_t written = 0;
+  world::observe_recording(
+      job, [&](int frame) { return frame % args.shard.count == args.shard.index - 1; },
+      [&](const world::ObservedFrame& frame, const world::UprightPoses& upright) {
+        if (key.empty()) key = world::observed_key(job.pipeline, upright);
+        write_file_bytes(observed_file(args.out, frame.frame), world::observed_bytes(frame, key));
+        ++written;
+      });
+  fmt::print("{}: {} of shard {}/{}\n", args.out.string(), counted(written, "frame"),
+             args.shard.index, args.shard.count);
+}
+
+/// Takes frames as shards wrote them.
+void join_shards(const fs::path& dir, world::MapJob& job) {
+  if (!fs::is_directory(dir / "observed"))
+    throw Error(dir.string() + ": holds no folder `observed`, expected what --shard wrote");
+  job.observed = [dir, options = job.pipeline, key = std::string(),
+                  once = std::make_shared<std::once_flag>()](
+                     int frame, const world::UprightPoses& upright) mutable {
+    std::call_once(*once, [&] { key = world::observed_key(options, upright); });
+    const fs::path file = observed_file(dir, frame);
+    if (!fs::exists(file))
+      throw Error(file.string() + ": is missing, expected of one of the shards");
+    return world::read_observed(file, key);
+  };
+}
+
 int run_map(const MapArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("map takes one recording, {} are given", args.input.inputs.size()));
@@ -83,6 +123,12 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.threads = args.input.pipeline.threads;
   job.stop = stop;
   job.at_own_rate = args.follow;
+  if (args.shard.count > 1) {
+    job.progress = StageBar("map");
+    write_shard(args, job);
+    return 0;
+  }
+  if (!args.join.empty()) join_shards(args.join, job);
   LeftFile left(args.out / "left.jsonl");
   job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
   job.progress = StageBar("map");
@@ -124,8 +170,16 @@ void define_map(CLI::App& app, Line& line) {
   map->add_flag("--follow", args->follow,
                 "At the recording's own rate, as a camera would hand frames over; says whether it "
                 "kept up, and writes pace.json. Needs poses");
+  add_read(
+      map, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); }, "I/N",
+      "Only find the planes of the I-th of N parts of the frames, into -o DIR, the same for all; "
+      "--join makes the map of them. Needs poses");
+  add(map, "--join", args->join, "DIR", "Take the planes from where --shard wrote them");
   add_method(map, args->input.pipeline);
-  runs(map, line, args, run_map);
+  runs(map, line, args, run_map, [args] {
+    if (args->shard.count > 1 && (args->follow || !args->join.empty()))
+      throw Error("map: --shard goes neither with --follow nor with --join");
+  });
 }
 
 }  // namespace planescope::app

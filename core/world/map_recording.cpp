@@ -165,45 +165,102 @@ planes::PipelineOptions turn_to_map(Frame& frame,
   return options;
 }
 
-WorldMap map_recording(const MapJob& job) {
+namespace {
+
+UprightPoses upright_poses(const MapJob& job) {
+  const std::string path = job.recording->info().path.string();
   if (job.recording->info().width == 0)
-    throw Error(job.recording->info().path.string() +
-                ": holds clouds, expected depth images: a map follows a camera");
+    throw Error(path + ": holds clouds, expected depth images: a map follows a camera");
+  UprightPoses upright;
+  upright.poses = trajectory_of(job, upright.told);
+  std::vector<CameraPose>& poses = upright.poses.poses;
+  if (poses.empty()) throw Error(path + ": no frame has a pose");
+  const auto back = std::ranges::is_sorted_until(poses, {}, &CameraPose::timestamp_s);
+  if (back != poses.end())
+    upright.told.push_back(
+        fmt::format("time goes back at frame {}: frames are taken in their order", back->frame));
+  upright.gravity = turn_upright_by_frames(job, upright.poses);
+  for (CameraPose& pose : poses) settle(pose);
+  return upright;
+}
+
+/// Of each frame of the job; null: it has none.
+std::vector<const CameraPose*> poses_by_frame(const MapJob& job, const UprightPoses& upright) {
+  const std::vector<CameraPose>& poses = upright.poses.poses;
+  std::vector<const CameraPose*> pose_of(job.frames.size(), nullptr);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < pose_of.size() && next < poses.size(); ++i)
+    if (poses[next].frame == job.frames[i]) pose_of[i] = &poses[next++];
+  return pose_of;
+}
+
+/// A part of the map is not there, which is not what the recording is like.
+struct PartError : Error {
+  using Error::Error;
+};
+
+ObservedFrame observed_before(const MapJob& job, const Frame& frame, const UprightPoses& upright) {
+  try {
+    ObservedFrame seen = job.observed(frame.index, upright);
+    if (seen.plane_of.width == frame.depth.width && seen.plane_of.height == frame.depth.height)
+      return seen;
+    throw Error(fmt::format("frame {} was observed at {}x{}, expected {}x{}", frame.index,
+                            seen.plane_of.width, seen.plane_of.height, frame.depth.width,
+                            frame.depth.height));
+  } catch (const Error& error) {
+    throw PartError(error.what());
+  }
+}
+
+/// A frame at its pose, as the map takes it.
+ObservedFrame observe_frame(const MapJob& job,
+                            const planes::PipelineOptions& pipeline,
+                            const UprightPoses& upright,
+                            const CameraPose& pose) {
+  Frame frame = job.recording->frame(pose.frame);
+  const planes::PipelineOptions options =
+      turn_to_map(frame, pipeline, pose.T_world_camera, upright.gravity[pose.segment]);
+  if (!job.observed) {
+    const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
+    return observe(frame, result, options, pose.T_world_camera, pose.segment);
+  }
+  ObservedFrame seen = observed_before(job, frame, upright);
+  take_frame(seen, frame, options, pose.T_world_camera, pose.segment);
+  return seen;
+}
+
+struct Threads {
+  int at_once = 1;                   // frames
+  planes::PipelineOptions pipeline;  // with what is left for each
+};
+Threads threads_of(const MapJob& job, int at_once) {
+  Threads threads{std::clamp(at_once, 1, std::max(1, static_cast<int>(job.frames.size()))),
+                  job.pipeline};
+  threads.pipeline.threads = std::max(1, job.threads / threads.at_once);
+  return threads;
+}
+
+}  // namespace
+
+WorldMap map_recording(const MapJob& job) {
   WorldMap map;
+  static_cast<UprightPoses&>(map) = upright_poses(job);
   map.tracker = Tracker(job.tracks);
   map.tracker.on_left(job.on_left);
-  map.poses = trajectory_of(job, map.told);
-  if (map.poses.poses.empty())
-    throw Error(job.recording->info().path.string() + ": no frame has a pose");
-  for (std::size_t i = 1; i < map.poses.poses.size(); ++i)
-    if (map.poses.poses[i].timestamp_s < map.poses.poses[i - 1].timestamp_s) {
-      map.told.push_back(fmt::format("time goes back at frame {}: frames are taken in their order",
-                                     map.poses.poses[i].frame));
-      break;
-    }
-  map.gravity = turn_upright_by_frames(job, map.poses);
-  for (CameraPose& pose : map.poses.poses) settle(pose);
 
   // Frames side by side, taken in one after the other.
   const auto count = static_cast<int>(job.frames.size());
-  const int at_once = job.at_own_rate ? 1 : std::clamp(job.threads, 1, std::max(1, count));
-  planes::PipelineOptions pipeline = job.pipeline;
-  pipeline.threads = std::max(1, job.threads / at_once);
-  std::vector<const CameraPose*> pose_of(count, nullptr);
-  for (int i = 0, p = 0; i < count && p < std::ssize(map.poses.poses); ++i)
-    if (map.poses.poses[p].frame == job.frames[i]) pose_of[i] = &map.poses.poses[p++];
-
+  const Threads threads = threads_of(job, job.at_own_rate ? 1 : job.threads);
+  const std::vector<const CameraPose*> pose_of = poses_by_frame(job, map);
   std::vector<std::unique_ptr<const ObservedFrame>> observed(count);
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
     if (job.stop.stop_requested() || !pose_of[i]) return;
     try {
-      Frame frame = job.recording->frame(job.frames[i]);
-      const planes::PipelineOptions options = turn_to_map(
-          frame, pipeline, pose_of[i]->T_world_camera, map.gravity[pose_of[i]->segment]);
-      const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
       observed[i] = std::make_unique<const ObservedFrame>(
-          observe(frame, result, options, pose_of[i]->T_world_camera, pose_of[i]->segment));
+          observe_frame(job, threads.pipeline, map, *pose_of[i]));
+    } catch (const PartError&) {
+      throw;
     } catch (const Error& error) {
       refused[i] = fmt::format("frame {}: {}", job.frames[i], error.what());
     }
@@ -225,7 +282,7 @@ WorldMap map_recording(const MapJob& job) {
   if (job.at_own_rate)
     map.pace = keep_pace(job, [&](int i) { make(i), take(i); });
   else
-    work_in_order(count, at_once, make, take);
+    work_in_order(count, threads.at_once, make, take);
   map.tracker.on_left({});
   if (without_pose > 0)
     map.told.push_back(fmt::format("{} of {} have no pose and are left out", without_pose,
@@ -233,6 +290,38 @@ WorldMap map_recording(const MapJob& job) {
   tell_of_aside(map.tracker, map.told);
   map.stability = stability_of(map.tracker, map.poses.poses);
   return map;
+}
+
+void observe_recording(const MapJob& job,
+                       const std::function<bool(int frame)>& is_mine,
+                       const std::function<void(const ObservedFrame&, const UprightPoses&)>& take) {
+  if (!job.trajectory && own_trajectory(job).poses.empty())
+    throw Error(
+        job.recording->info().path.string() +
+        ": has no poses, expected them for a part of the frames: odometry goes through all");
+  const UprightPoses upright = upright_poses(job);
+  const Threads threads = threads_of(job, job.threads);
+  std::vector<const CameraPose*> mine;
+  for (const CameraPose* pose : poses_by_frame(job, upright))
+    if (pose && is_mine(pose->frame)) mine.push_back(pose);
+  std::vector<std::unique_ptr<const ObservedFrame>> observed(mine.size());
+  const auto count = static_cast<int>(mine.size());
+  work_in_order(
+      count, threads.at_once,
+      [&](int i) {
+        if (job.stop.stop_requested()) return;
+        try {
+          observed[i] = std::make_unique<const ObservedFrame>(
+              observe_frame(job, threads.pipeline, upright, *mine[i]));
+        } catch (const Error&) {  // told where the parts are joined
+        }
+      },
+      [&](int i) {
+        check_stop(job);
+        if (observed[i]) take(*observed[i], upright);
+        observed[i].reset();
+        tell(job, "frames", i + 1, count);
+      });
 }
 
 }  // namespace planescope::world

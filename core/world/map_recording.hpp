@@ -18,6 +18,13 @@
 
 namespace planescope::world {
 
+/// Where the camera was, in worlds that stand upright.
+struct UprightPoses {
+  Trajectory poses;                    // of the frames that have one
+  std::vector<SharedGravity> gravity;  // by segment of the poses
+  std::vector<std::string> told;       // what was odd, a line each
+};
+
 struct MapJob {
   const io::Recording* recording = nullptr;
   std::vector<int> frames;
@@ -34,6 +41,8 @@ struct MapJob {
   /// Frames come as a camera would hand them over, by their times, or 30 a second where those do
   /// not ascend; what passes while a frame is worked on is left out. Needs poses.
   bool at_own_rate = false;
+  /// Frames that were observed elsewhere (observed_files.hpp): their planes are taken from there.
+  std::function<ObservedFrame(int frame, const UprightPoses& upright)> observed = {};
   std::stop_token stop = {};
 };
 
@@ -44,13 +53,10 @@ struct Pace {
   double behind_s_median = 0, behind_s_most = 0;  // a frame is in the map so long after it came
 };
 
-struct WorldMap {
-  Trajectory poses;                    // of the frames that have one, upright
-  std::vector<SharedGravity> gravity;  // by segment of the poses
+struct WorldMap : UprightPoses {
   Tracker tracker;
   Stability stability;
-  std::optional<Pace> pace;       // where it was made at the recording's own rate
-  std::vector<std::string> told;  // what was odd, a line each
+  std::optional<Pace> pace;  // where it was made at the recording's own rate
 };
 
 /// Gives the frame the map's gravity where it is known and asked for. Returns the options with
@@ -64,5 +70,12 @@ planes::PipelineOptions turn_to_map(Frame& frame,
 /// After the poses, everything is a function of them and the frames, to the bit, for any number of
 /// threads.
 WorldMap map_recording(const MapJob& job);
+
+/// A part of it: observes the frames of the job for which `is_mine` holds, and hands them over in
+/// their order; those that cannot be read are left out. Needs poses: odometry would go through all
+/// frames. Throws as map_recording() does.
+void observe_recording(const MapJob& job,
+                       const std::function<bool(int frame)>& is_mine,
+                       const std::function<void(const ObservedFrame&, const UprightPoses&)>& take);
 
 }  // namespace planescope::world

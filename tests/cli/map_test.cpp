@@ -70,6 +70,37 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   EXPECT_FALSE(piece["outline"].empty());
 }
 
+TEST_F(Map, OfShardsIsTheMapOfOneRun) {
+  ASSERT_EQ(map({}).code, 0);
+  const std::string parts = (dir / "parts").string();
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const Ran ran = run({"map", walk.string(), "-o", parts, "--shard", shard});
+    ASSERT_EQ(ran.code, 0) << ran.err;
+  }
+  const std::string joined = (dir / "joined").string();
+  const Ran ran = run({"map", walk.string(), "-o", joined, "--join", parts});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  for (const char* file : {"map.json", "tracks.json", "poses.tum", "map.png"})
+    EXPECT_EQ(read_file_bytes(fs::path(joined) / file), read_file_bytes(dir / "out" / file))
+        << file;
+  // Parts of other options, damaged or missing ones.
+  const auto refusal = [&](std::vector<std::string> more) {
+    std::vector<std::string> args = {"map", walk.string(), "-o", joined, "--join", parts};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran refused = run(args);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
+    return refused.err;
+  };
+  EXPECT_NE(refusal({"--max-range", "2"}).find("other options, poses or gravity"),
+            std::string::npos);
+  const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
+  write_file_text(part, "damaged");
+  EXPECT_NE(refusal({}).find("000007.cbor: is no frame of a map"), std::string::npos);
+  fs::remove(part);
+  EXPECT_NE(refusal({}).find("000007.cbor: is missing"), std::string::npos);
+}
+
 TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {
   const fs::path report = dir / "report";
   const auto run_report = [&](std::vector<std::string> more) {

@@ -69,12 +69,11 @@ Moments scaled(const Moments& m, double weight) {
           m.xz * weight,    m.yy * weight,  m.yz * weight, m.zz * weight};
 }
 
-ObservedFrame observe(const Frame& frame,
-                      const planes::FrameResult& result,
-                      const planes::PipelineOptions& options,
-                      const Pose& T_world_camera,
-                      int segment) {
-  ObservedFrame seen;
+void take_frame(ObservedFrame& seen,
+                const Frame& frame,
+                const planes::PipelineOptions& options,
+                const Pose& T_world_camera,
+                int segment) {
   seen.frame = frame.index;
   seen.timestamp_s = frame.timestamp_s;
   seen.segment = segment;
@@ -83,6 +82,15 @@ ObservedFrame observe(const Frame& frame,
   seen.depth = frame.depth;
   seen.depth_unit_m = frame.depth_unit_m;
   seen.max_range_m = options.cloud.max_range_m;
+}
+
+ObservedFrame observe(const Frame& frame,
+                      const planes::FrameResult& result,
+                      const planes::PipelineOptions& options,
+                      const Pose& T_world_camera,
+                      int segment) {
+  ObservedFrame seen;
+  take_frame(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
 
   // A frame's own world is upright about the camera: a turn about z and a shift lead to ours.

@@ -54,6 +54,13 @@ ObservedFrame observe(const Frame& frame,
                       const Pose& T_world_camera,
                       int segment);
 
+/// What the frame itself, its pose and the options tell.
+void take_frame(ObservedFrame& seen,
+                const Frame& frame,
+                const planes::PipelineOptions& options,
+                const Pose& T_world_camera,
+                int segment);
+
 /// Of points with this fit, about `origin`; `axes`: unit, in the plane, the longer extent first.
 Moments moments_of(const PlaneFit& fit, const Vec3d axes[2], const Vec3d& origin);
 /// The same points seen from elsewhere: of X, those of T X.
