@@ -151,7 +151,7 @@ void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {
 }
 
 std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
-                                               PickedGravity picked) {
+                                                     PickedGravity picked) {
   if (picked.empty()) return recording;
   return std::make_shared<const PickedRecording>(std::move(recording), std::move(picked));
 }

@@ -46,6 +46,6 @@ void apply_picked_gravity(const PickedGravity& picked, Frame& frame);
 
 /// The same recording, its frames with what was picked.
 std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
-                                               PickedGravity picked);
+                                                     PickedGravity picked);
 
 }  // namespace planescope::io

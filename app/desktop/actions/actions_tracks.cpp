@@ -127,7 +127,7 @@ std::vector<Action> map_actions() {
        follow_planes,
        [=](const State& s) { return s.document.current() && !running(s); },
        {}},
-      {"map.stop", "Stop following", menu, "", "", stop_following, running, {}},
+      {"map.stop", "Stop following", menu, "Alt+K", "", stop_following, running, {}},
   };
 }
 

@@ -15,14 +15,14 @@ namespace planescope::desktop {
 namespace {
 
 /// What the job reads, none of which changes meanwhile.
-struct Wanted {
+struct SpreadInputs {
   std::shared_ptr<const MapView> map;
   std::filesystem::path label_dir;
   std::map<int, std::shared_ptr<const FrameLabels>> at_hand;  // of frames that are open
   int from = 0, frames = 0;
 };
 
-labels::SpreadFrame open_frame(const Wanted& wanted, int index) {
+labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   const io::Recording& recording = *wanted.map->recording;
   labels::SpreadFrame made;
   made.frame = recording.frame(index);
@@ -41,7 +41,9 @@ labels::SpreadFrame open_frame(const Wanted& wanted, int index) {
 }
 
 /// Commits what is proposed, as one step. Frames that were labelled meanwhile are left alone.
-void take_proposals(State& state, const Wanted& wanted, std::vector<labels::Proposal>& proposals) {
+void take_proposals(State& state,
+                    const SpreadInputs& wanted,
+                    std::vector<labels::Proposal>& proposals) {
   const OpenRecording* open = state.document.current();
   if (!open || open->recording != wanted.map->recording || !open->labels) return;
   const io::RecordingInfo& info = open->recording->info();
@@ -99,7 +101,7 @@ void SpreadJobs::pursue(State& state) {
   if (!spread.running || spread.begun || !open || !open->labels) return;
   spread.begun = asked_ = true;
   const int number = ++number_;
-  Wanted wanted{
+  SpreadInputs wanted{
       state.results.map.made, open->label_dir, {}, spread.from, open->recording->frame_count()};
   for (int i = 0; i < wanted.frames; ++i)
     if (auto labels = open->labels->labels(i)) wanted.at_hand[i] = std::move(labels);

@@ -19,7 +19,8 @@ struct Source {
 /// The labels of planes that `labels` does not have yet.
 FrameLabels without_those_of(const FrameLabels& all, const FrameLabels& labels) {
   FrameLabels rest = all;
-  for (const LabelPlane& plane : labels.planes) rest = without_plane(rest, plane.id);
+  for (const LabelPlane& plane : labels.planes)
+    if (find_plane(rest, plane.id)) rest = without_plane(rest, plane.id);
   return rest;
 }
 

@@ -68,7 +68,7 @@ std::uint64_t LabelStore::version(int frame) const {
   return at == state_->frames.end() ? 0 : at->second.version;
 }
 
-void LabelStore::commit(const LabelEdit& edit) { state_->commit(std::span(&edit, 1)); }
+void LabelStore::commit(const LabelEdit& edit) { state_->commit(edit); }
 void LabelStore::commit(std::span<const LabelEdit> edits) { state_->commit(edits); }
 
 std::optional<int> LabelStore::undo_frame() const {

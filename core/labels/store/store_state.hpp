@@ -72,6 +72,7 @@ struct LabelStore::State {
   void require_writable() const;
   void sync();
   void commit(std::span<const LabelEdit> edits);
+  void commit(const LabelEdit& edit) { commit(std::span(&edit, 1)); }
   void step(RecordKind direction);
   std::vector<HistoryEntry> latest(std::size_t most) const;
 

@@ -11,16 +11,16 @@
 namespace planescope::world {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "planescope.observed/1";
 
-Json numbers(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
-Vec3d vector(const Json& json) {
+Json vector_bits(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+Vec3d vector_of_bits(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
-Json ring_json(const planes::PolygonRing& ring) {
+Json ring_bits(const planes::PolygonRing& ring) {
   Json json = Json::array();
   for (const Vec2d& p : ring) {
     json.push_back(p.x());
@@ -28,64 +28,65 @@ Json ring_json(const planes::PolygonRing& ring) {
   }
   return json;
 }
-planes::PolygonRing ring_of(const Json& json) {
+planes::PolygonRing ring_of_bits(const Json& json) {
   planes::PolygonRing ring;
   for (std::size_t i = 0; i + 1 < json.size(); i += 2)
     ring.emplace_back(json[i].get<double>(), json[i + 1].get<double>());
   return ring;
 }
 
-Json rings_json(const std::vector<planes::PolygonRing>& rings) {
+Json rings_bits(const std::vector<planes::PolygonRing>& rings) {
   Json json = Json::array();
-  for (const planes::PolygonRing& ring : rings) json.push_back(ring_json(ring));
+  for (const planes::PolygonRing& ring : rings) json.push_back(ring_bits(ring));
   return json;
 }
-std::vector<planes::PolygonRing> rings_of(const Json& json) {
+std::vector<planes::PolygonRing> rings_of_bits(const Json& json) {
   std::vector<planes::PolygonRing> rings;
-  for (const Json& ring : json) rings.push_back(ring_of(ring));
+  for (const Json& ring : json) rings.push_back(ring_of_bits(ring));
   return rings;
 }
 
-Json outline_json(const planes::Outline& outline) {
+Json outline_bits(const planes::Outline& outline) {
   Json parts = Json::array();
   for (const planes::Outline::Part& part : outline.parts)
-    parts.push_back({ring_json(part.outer), rings_json(part.holes), rings_json(part.unknown)});
-  return {{"origin", numbers(outline.origin)},
-          {"u", numbers(outline.basis.u)},
-          {"v", numbers(outline.basis.v)},
+    parts.push_back({ring_bits(part.outer), rings_bits(part.holes), rings_bits(part.unknown)});
+  return {{"origin", vector_bits(outline.origin)},
+          {"u", vector_bits(outline.basis.u)},
+          {"v", vector_bits(outline.basis.v)},
           {"area_m2", outline.area_m2},
           {"parts", parts}};
 }
-planes::Outline outline_from(const Json& json) {
+planes::Outline outline_of_bits(const Json& json) {
   planes::Outline outline;
-  outline.origin = vector(json.at("origin"));
-  outline.basis = {vector(json.at("u")), vector(json.at("v"))};
+  outline.origin = vector_of_bits(json.at("origin"));
+  outline.basis = {vector_of_bits(json.at("u")), vector_of_bits(json.at("v"))};
   outline.area_m2 = json.at("area_m2").get<double>();
   for (const Json& part : json.at("parts"))
-    outline.parts.push_back({ring_of(part.at(0)), rings_of(part.at(1)), rings_of(part.at(2))});
+    outline.parts.push_back(
+        {ring_of_bits(part.at(0)), rings_of_bits(part.at(1)), rings_of_bits(part.at(2))});
   return outline;
 }
 
-Json plane_json(const ObservedPlane& plane) {
+Json plane_bits(const ObservedPlane& plane) {
   const Moments& m = plane.moments;
   const planes::Certainty& c = plane.certainty;
   return {
       {"label", static_cast<int>(plane.label)},
-      {"normal", numbers(plane.normal)},
-      {"centroid", numbers(plane.centroid)},
+      {"normal", vector_bits(plane.normal)},
+      {"centroid", vector_bits(plane.centroid)},
       {"moments", {m.count, m.sum.x(), m.sum.y(), m.sum.z(), m.xx, m.xy, m.xz, m.yy, m.yz, m.zz}},
       {"certainty",
-       {numbers(c.eigenvalues_m2), numbers(c.axes[0]), numbers(c.axes[1]),
+       {vector_bits(c.eigenvalues_m2), vector_bits(c.axes[0]), vector_bits(c.axes[1]),
         Json{c.sigma_m, c.sigma_tilt_rad[0], c.sigma_tilt_rad[1], c.sigma_offset_m}}},
       {"pixels", plane.pixels},
       {"rms_m", plane.rms_m},
-      {"outline", outline_json(plane.outline)}};
+      {"outline", outline_bits(plane.outline)}};
 }
-ObservedPlane plane_from(const Json& json) {
+ObservedPlane plane_of_bits(const Json& json) {
   ObservedPlane plane;
   plane.label = static_cast<Label>(std::clamp(json.at("label").get<int>(), 0, 255));
-  plane.normal = vector(json.at("normal"));
-  plane.centroid = vector(json.at("centroid"));
+  plane.normal = vector_of_bits(json.at("normal"));
+  plane.centroid = vector_of_bits(json.at("centroid"));
   const Json& m = json.at("moments");
   const auto moment = [&](std::size_t i) { return m.at(i).get<double>(); };
   plane.moments = {moment(0), {moment(1), moment(2), moment(3)},
@@ -93,16 +94,16 @@ ObservedPlane plane_from(const Json& json) {
                    moment(6), moment(7),
                    moment(8), moment(9)};
   const Json& c = json.at("certainty");
-  plane.certainty.eigenvalues_m2 = vector(c.at(0));
-  plane.certainty.axes[0] = vector(c.at(1));
-  plane.certainty.axes[1] = vector(c.at(2));
+  plane.certainty.eigenvalues_m2 = vector_of_bits(c.at(0));
+  plane.certainty.axes[0] = vector_of_bits(c.at(1));
+  plane.certainty.axes[1] = vector_of_bits(c.at(2));
   plane.certainty.sigma_m = c.at(3).at(0).get<double>();
   plane.certainty.sigma_tilt_rad[0] = c.at(3).at(1).get<double>();
   plane.certainty.sigma_tilt_rad[1] = c.at(3).at(2).get<double>();
   plane.certainty.sigma_offset_m = c.at(3).at(3).get<double>();
   plane.pixels = json.at("pixels").get<std::uint32_t>();
   plane.rms_m = json.at("rms_m").get<double>();
-  plane.outline = outline_from(json.at("outline"));
+  plane.outline = outline_of_bits(json.at("outline"));
   return plane;
 }
 
@@ -140,15 +141,15 @@ Image16 image_of(const Json& json, int width, int height, std::size_t planes) {
 std::string observed_key(const planes::PipelineOptions& options, const UprightPoses& upright) {
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
-    text += Json{gravity.known, numbers(gravity.direction)}.dump();
+    text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
   for (const planes::OptionInfo& info : planes::option_table())
     text += info.name + "=" + info.get(options) + "\n";
-  return sha256_hex(std::as_bytes(std::span(text)));
+  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
 }
 
 std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const std::string& key) {
   Json planes = Json::array();
-  for (const ObservedPlane& plane : frame.planes) planes.push_back(plane_json(plane));
+  for (const ObservedPlane& plane : frame.planes) planes.push_back(plane_bits(plane));
   const planes::NoiseModel& noise = frame.noise;
   return Json::to_cbor(
       {{"schema", kSchema},
@@ -177,7 +178,7 @@ ObservedFrame read_observed(const std::filesystem::path& file, const std::string
     frame.noise.constant_m = noise.at(2).get<double>();
     frame.noise.growth_per_m = noise.at(3).get<double>();
     for (const Json& plane : json.at("planes")) {
-      frame.planes.push_back(plane_from(plane));
+      frame.planes.push_back(plane_of_bits(plane));
       frame.planes.back().id = static_cast<int>(frame.planes.size());
     }
     const int width = json.at("size").at(0).get<int>(), height = json.at("size").at(1).get<int>();
