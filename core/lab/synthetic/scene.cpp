@@ -88,7 +88,10 @@ std::vector<Vec3d> upright(const Vec2d& a, const Vec2d& b, const Range& z) {
       {a.x(), a.y(), z.low}, {b.x(), b.y(), z.low}, {b.x(), b.y(), z.high}, {a.x(), a.y(), z.high}};
 }
 
-void add_ground(Scene& scene, const Footprint& whole, std::span<const Footprint> holes) {
+void add_ground(Scene& scene,
+                const Footprint& whole,
+                std::span<const Footprint> holes,
+                const Material& material) {
   std::vector<double> cuts = {whole.x.low, whole.x.high};
   for (const Footprint& hole : holes) cuts.insert(cuts.end(), {hole.x.low, hole.x.high});
   std::sort(cuts.begin(), cuts.end());
@@ -105,7 +108,7 @@ void add_ground(Scene& scene, const Footprint& whole, std::span<const Footprint>
     gaps.push_back({whole.y.high, whole.y.high});
     double y = whole.y.low;
     for (const Range& gap : gaps) {
-      if (gap.low > y) plane = add_polygon(scene, level(x, {y, gap.low}, 0), {}, plane);
+      if (gap.low > y) plane = add_polygon(scene, level(x, {y, gap.low}, 0), material, plane);
       y = gap.high;
     }
   }

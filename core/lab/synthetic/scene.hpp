@@ -102,7 +102,10 @@ std::vector<Vec3d> upright(const Vec2d& a, const Vec2d& b, const Range& z);
 struct Footprint {
   Range x, y;
 };
-void add_ground(Scene& scene, const Footprint& whole, std::span<const Footprint> holes = {});
+void add_ground(Scene& scene,
+                const Footprint& whole,
+                std::span<const Footprint> holes = {},
+                const Material& material = {});
 
 /// Riser, tread, riser, ... going up along x.
 struct Steps {

@@ -70,7 +70,8 @@ Scene make_world(std::uint64_t seed, const Walkway& way, bool with_box) {
   scene.name = "walk";
   const Range x{-1.5, way.end() + 3}, y{-2.2, 2.2};
   const Footprint stairs{{way.x, way.end()}, {-way.half_width, way.half_width}};
-  add_ground(scene, {x, y}, std::span(&stairs, 1));
+  // As of a real one, its grain tells how far one has gone.
+  add_ground(scene, {x, y}, std::span(&stairs, 1), {Vec3d(0.52, 0.51, 0.48), Texture::concrete});
   add_walkway(scene, way);
   add_box(scene, {1.7, -1.0, 0}, {varied(seed, 1, 3.6), 0.35, varied(seed, 2, 0.12)}, 0,
           {Vec3d(0.7, 0.68, 0.62), Texture::concrete});

@@ -72,12 +72,13 @@ class Following {
     }
     if (keys_.empty()) return begin_segment(frame, grid);
     const double frames = 1 + lost_;
-    Registration found = labels::register_frames(
-        *grid, *key_grid_, job_.stop, {}, T_key_last_ * (lost_ == 0 ? step_ : Pose::Identity()));
+    // From where the camera was: a guess that goes on as it went runs away over a floor, where depth
+    // does not hold it and brightness does so for a few pixels.
+    Registration found = labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
     if (!is_credible(found, frames) && lost_ == 0) {
-      const Registration still =
-          labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
-      if (still.fitness > found.fitness) found = still;
+      const Registration going =
+          labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_ * step_);
+      if (going.fitness > found.fitness) found = going;
     }
     if (!is_credible(found, frames)) {
       if (++lost_ > kMostLost) begin_segment(frame, grid);
