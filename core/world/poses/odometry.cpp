@@ -72,8 +72,8 @@ class Following {
     }
     if (keys_.empty()) return begin_segment(frame, grid);
     const double frames = 1 + lost_;
-    // From where the camera was: a guess that goes on as it went runs away over a floor, where depth
-    // does not hold it and brightness does so for a few pixels.
+    // From where the camera was: a guess that goes on as it went runs away over a floor, where
+    // depth does not hold it and brightness does so for a few pixels.
     Registration found = labels::register_frames(*grid, *key_grid_, job_.stop, {}, T_key_last_);
     if (!is_credible(found, frames) && lost_ == 0) {
       const Registration going =
