@@ -156,7 +156,7 @@ void define_map(CLI::App& app, Line& line) {
   CLI::App* map = app.add_subcommand(
       "map",
       "One map of the planes of a recording, and which plane of which frame is which:\n"
-      "map.json, tracks.json, poses.tum. World frame: z up, metres.");
+      "map.json, tracks.json, poses.tum, map.png. World frame: z up, metres.");
   const auto args = std::make_shared<MapArgs>();
   add_inputs(map, args->input, kOneInput);
   add_out(map, args->out)->required();
@@ -168,8 +168,7 @@ void define_map(CLI::App& app, Line& line) {
       "left.jsonl. Default 0: no limit")
       ->check(number(0));
   map->add_flag("--follow", args->follow,
-                "At the recording's own rate, as a camera would hand frames over; says whether it "
-                "kept up, and writes pace.json. Needs poses");
+                "Frames come at the recording's own rate; writes pace.json. Needs poses");
   add_read(
       map, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); }, "I/N",
       "Only find the planes of the I-th of N parts of the frames, into -o DIR, the same for all; "

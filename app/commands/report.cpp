@@ -418,8 +418,7 @@ void define_report(CLI::App& app, Line& line) {
       report, "--shard", [args](const std::string& text) { args->shard = parse_shard(text); },
       "I/N", "Only the I-th of N parts of the frames, to be joined by planescope report merge");
   report->add_flag("--tracks", args->tracks,
-                   "Also follow planes over the frames of each recording: those that are lost from "
-                   "one frame to the next, and how they jitter");
+                   "Also follow planes over the frames: which are lost, how they jitter");
   report->add_flag_callback(
       "--no-pictures", [args] { args->pictures = false; },
       "Figures alone: some ten times quicker, for a check before each commit");
