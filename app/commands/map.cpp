@@ -112,7 +112,9 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   check_output_dir(args.out);
   world::MapJob job;
   if (args.poses) job.trajectory = world::read_trajectory(*args.poses);
-  const std::vector<OpenInput> inputs = open_inputs(args.input);
+  InputArgs input_args = args.input;
+  input_args.recording.damaged_frames_later = true;
+  const std::vector<OpenInput> inputs = open_inputs(input_args);
   const OpenInput& input = inputs.front();
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
   job.recording = input.recording.get();

@@ -70,6 +70,25 @@ TEST_F(Map, OfACameraThatGoesOnKeepsWhatIsNearIt) {
   EXPECT_FALSE(piece["outline"].empty());
 }
 
+TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
+  write_file_text(walk / "depth" / "000004.png", "no PNG");
+  fs::remove(walk / "depth" / "000009.png");
+  auto sidecar = read_json<nlohmann::ordered_json>(walk / "planescope.json");
+  std::swap(sidecar["frames"][6]["timestamp_s"], sidecar["frames"][7]["timestamp_s"]);
+  write_file_text(walk / "planescope.json", sidecar.dump());
+  const Ran ran = map({});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.err.find("frame 4: "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("time goes back at frame 7"), std::string::npos) << ran.err;
+  const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
+  ASSERT_EQ(tracks["frames"].size(), 11u);
+  EXPECT_TRUE(tracks["frames"][4]["track_of_plane"].empty());
+  EXPECT_FALSE(tracks["frames"][5]["track_of_plane"].empty());
+  const auto written = read_json<nlohmann::json>(dir / "out" / "map.json");
+  EXPECT_EQ(written["told"].size(), 2u);
+  EXPECT_FALSE(written["planes"].empty());
+}
+
 TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   ASSERT_EQ(map({}).code, 0);
   const std::string parts = (dir / "parts").string();
