@@ -94,9 +94,6 @@ function(planescope_test name)
   target_compile_definitions(${name} PRIVATE PLANESCOPE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   # The libraries are optimised to the end; tests need not be, and compile quicker.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  if(PLANESCOPE_SANITIZE)
-    target_compile_options(${name} PRIVATE -O0)
-  endif()
   planescope_unity(${name})
   # Listing the tests is a start of the program: it waits for the test run, off the build's path.
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
