@@ -64,17 +64,17 @@ class CellPainter {
 
   void add(const Track& track) {
     const bool gone = track.state == world::TrackState::gone;
-    const render::Rgba color = render::plane_color(track.id);
+    const render::Rgba own = render::plane_color(track.id);
+    const render::Rgba color = is_upright(track) ? darker(own) : own;
     const double side = sheet_.px_per_m * track.cells.cell_m();
     const int size = std::max(1, static_cast<int>(std::ceil(side)));
-    for (const Vec2d& place : gone ? track.cells.gone_places() : track.cells.sure_places()) {
+    for (const Vec2d& place : track.places()) {
       const Vec3d p = track.on_plane(place);
       const Vec2d at = sheet_.at(p);
       const auto x0 = static_cast<int>(std::floor(at.x() - side / 2)),
                  y0 = static_cast<int>(std::floor(at.y() - side / 2));
       for (int y = y0; y < y0 + size; ++y)
-        for (int x = x0; x < x0 + size; ++x)
-          paint(x, y, p.z(), is_upright(track) ? darker(color) : color, gone);
+        for (int x = x0; x < x0 + size; ++x) paint(x, y, p.z(), color, gone);
     }
   }
 
@@ -156,8 +156,7 @@ Image8 map_from_above(const world::WorldMap& map, int segment) {
   Sheet sheet;
   for (const Track* track : world::planes_of_map(map.tracker)) {
     if (track->segment != segment) continue;
-    const bool gone = track->state == world::TrackState::gone;
-    const auto places = gone ? track->cells.gone_places() : track->cells.sure_places();
+    const std::vector<Vec2d> places = track->places();
     for (const Vec2d& place : places) sheet.add(track->on_plane(place));
     if (!places.empty()) planes.push_back(track);
   }

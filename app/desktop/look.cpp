@@ -8,7 +8,6 @@
 #include <span>
 
 #include "app/desktop/debugger/plane_text.hpp"
-#include "app/desktop/tracks/map_view.hpp"
 #include "render/palette.hpp"
 #include "render/step_values.hpp"
 
@@ -248,8 +247,7 @@ std::vector<int> colors_of_planes(const State& state, const RunView& of) {
   const Results& results = state.results;
   const debug::Comparison* comparison = comparison_with_a(results);
   if (!comparison || !results.pinned || &of != results.current.get() || &of == results.pinned.get())
-    return of.map && is_fresh(*of.map, state.document) ? colors_by_track(*of.map, *of.run)
-                                                       : std::vector<int>();
+    return of.track_colors;
   return colors_like(*results.pinned->run, *of.run, *comparison);
 }
 

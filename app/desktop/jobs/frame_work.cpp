@@ -107,6 +107,14 @@ std::string options_key(const planes::PipelineOptions& options, bool preparing) 
   return key;
 }
 
+/// Empty where the run's planes are not those that were followed.
+std::vector<int> track_colors(const Wanted& wanted, const debug::Run& run) {
+  const MapView* map = wanted.map.get();
+  if (!map || map->key != wanted.prepare_key + wanted.segment_key || map->picked != wanted.picked)
+    return {};
+  return colors_by_track(*map, run);
+}
+
 std::optional<debug::QuickScore> score_of(const debug::Run& run) {
   if (!run.subject->voxel_truth.known()) return std::nullopt;
   return debug::quick_score(run.segmentation.plane_of, run.subject->voxel_truth);
@@ -173,15 +181,17 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
 
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const std::shared_ptr<const MapView>& map) {
+                                        const Wanted& wanted) {
   auto view = std::make_shared<RunView>();
   view->histograms = debug::histograms_of(*run);
   view->score = score_of(*run);
   view->home = home;
   view->outlines = outlines_of_run(*run);
-  view->map = map;
-  if (map)
-    view->map_lines = std::make_shared<const std::vector<render::DrawLines>>(map_lines(*map, *run));
+  view->map = wanted.map;
+  view->track_colors = track_colors(wanted, *run);
+  if (wanted.map)
+    view->map_lines =
+        std::make_shared<const std::vector<render::DrawLines>>(map_lines(*wanted.map, *run));
   view->run = std::move(run);
   return view;
 }
@@ -199,7 +209,7 @@ Thumbnail thumbnail_of(const Wanted& wanted, Classifiers& classifiers, const deb
     look.step = run->steps();
     look.color_by = render::ColorBy::planes;
     look.show_current = false;
-    if (wanted.map) look.color_of_plane = colors_by_track(*wanted.map, *run);
+    look.color_of_plane = track_colors(wanted, *run);
     if (a) look.color_of_plane = colors_like(*a, *run, debug::compare_runs(*a, *run));
     thumbnail.image =
         run->subject->frame.depth.empty()

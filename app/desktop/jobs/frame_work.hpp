@@ -63,7 +63,7 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
                                                    std::string* refused_labels = nullptr);
 std::shared_ptr<const RunView> view_run(std::shared_ptr<const debug::Run> run,
                                         const render::Home& home,
-                                        const std::shared_ptr<const MapView>& map = {});
+                                        const Wanted& wanted);
 render::Home home_of(const debug::Run& run);
 /// A frame that cannot be run says why. `a`: whose colours matching planes have; null: their own.
 Thumbnail thumbnail_of(const Wanted& wanted,

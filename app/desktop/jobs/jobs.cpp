@@ -134,7 +134,7 @@ std::shared_ptr<const RunView> Jobs::Impl::view_of(const Wanted& wanted,
   }
   auto run = debug::make_run(subject, wanted.options);
   if (fresh) home = home_of(*run);
-  return view_run(std::move(run), home, wanted.map);
+  return view_run(std::move(run), home, wanted);
 }
 
 /// Null where the frame cannot be run with these options, and `problems` says why; B is shown all

@@ -118,6 +118,7 @@ struct RunView {
   std::shared_ptr<const render::PlaneScene> outlines = {};  // of its planes; null: there are none
   std::shared_ptr<const MapView> map = {};  // whose gravity the frame has; null: its own
   std::shared_ptr<const std::vector<render::DrawLines>> map_lines = {};  // its planes in the scene
+  std::vector<int> track_colors = {};  // colour ids of the trace's planes; empty: not the map's
 };
 
 /// What is found out about a run's planes a little later, and by options that leave the run as it

@@ -83,12 +83,11 @@ class Spreading {
                     const FrameLabels& labels,
                     const FrameLabels& existing,
                     Proposal& proposal) const {
-    CarryOptions options = job_.carry;
+    CarryOptions options;
     options.T_to_from = to.T_world_camera.inverse() * from.T_world_camera;
     const CarriedLabels carried = carry_labels(from.at.frame, from.at.grid, labels, to.at.frame,
                                                to.at.grid, existing, options, job_.stop);
     for (const CarriedPlane& plane : carried.planes) {
-      proposal.planes += plane.pixels > 0;
       proposal.doubtful += plane.doubtful;
       if (plane.pixels > 0)
         proposal.least_confidence = std::min(proposal.least_confidence, plane.confidence);

@@ -27,17 +27,16 @@ struct SpreadJob {
   std::function<SpreadFrame(int frame)> open;
   /// Nothing: no pose is known, the frame is left out.
   std::function<std::optional<Pose>(int frame)> T_world_camera;
-  CarryOptions carry = {};
   std::stop_token stop = {};
   std::function<void(int done, int all)> progress = {};
 };
 
 /// What is proposed in a frame.
 struct Proposal {
-  LabelEdit edit;                        // of the frame's labels as they were
-  FrameLabels blank;                     // of the frame, without images: what it is
-  std::size_t planes = 0, doubtful = 0;  // pixels that are left open
-  double least_confidence = 1;           // of its planes
+  LabelEdit edit;               // of the frame's labels as they were
+  FrameLabels blank;            // of the frame, without images: what it is
+  std::size_t doubtful = 0;     // pixels that are left open
+  double least_confidence = 1;  // of its planes
 };
 
 /// Goes on from the labelled frame to both ends, each frame from the one before it and, for planes

@@ -137,8 +137,20 @@ void LabelStore::State::append(const std::vector<Entry>& entries) {
   }
 }
 
+void LabelStore::State::keep(const std::vector<Entry>& entries, const NextLabels& next) {
+  try {
+    append(entries);
+  } catch (const Error& error) {
+    throw Error(error.what() + std::string(kNotKept));
+  }
+  for (const auto& [frame, labels] : next) {
+    frames.at(frame).labels = labels;
+    ++frames.at(frame).version;
+  }
+}
+
 void LabelStore::State::commit(std::span<const LabelEdit> edits) {
-  std::map<int, std::shared_ptr<const FrameLabels>> next;
+  NextLabels next;
   std::vector<Entry> entries;
   // A moment of its own: edits of one moment are one step.
   std::int64_t now_ms = options.now_ms();
@@ -159,22 +171,14 @@ void LabelStore::State::commit(std::span<const LabelEdit> edits) {
     head.time_ms = now_ms;
     entries.push_back({head, edit_record(head, edit)});
   }
-  try {
-    append(entries);
-  } catch (const Error& error) {
-    throw Error(error.what() + std::string(kNotKept));
-  }
-  for (auto& [frame, labels] : next) {
-    frames.at(frame).labels = std::move(labels);
-    ++frames.at(frame).version;
-  }
+  keep(entries, next);
 }
 
 void LabelStore::State::step(RecordKind direction) {
   require_writable();
   const bool undoes = direction == RecordKind::undo;
   const auto latest = LabelHistory::latest(undoes ? history.done() : history.undone());
-  std::map<int, std::shared_ptr<const FrameLabels>> next;
+  NextLabels next;
   std::vector<Entry> entries;
   for (auto each = latest.rbegin(); each != latest.rend(); ++each) {
     assert(frames.contains(each->frame));
@@ -184,15 +188,7 @@ void LabelStore::State::step(RecordKind direction) {
     entries.push_back(entry(direction, each->frame));
   }
   if (entries.empty()) return;
-  try {
-    append(entries);
-  } catch (const Error& error) {
-    throw Error(error.what() + std::string(kNotKept));
-  }
-  for (auto& [frame, labels] : next) {
-    frames.at(frame).labels = std::move(labels);
-    ++frames.at(frame).version;
-  }
+  keep(entries, next);
 }
 
 void LabelStore::State::put(FrameLabels& labels,

@@ -71,6 +71,9 @@ struct LabelStore::State {
 
   void require_writable() const;
   void sync();
+  using NextLabels = std::map<int, std::shared_ptr<const FrameLabels>>;  // by frame
+  /// Into the journal, then onto the frames. Throws Error, nothing changed.
+  void keep(const std::vector<Entry>& entries, const NextLabels& next);
   void commit(std::span<const LabelEdit> edits);
   void commit(const LabelEdit& edit) { commit(std::span(&edit, 1)); }
   void step(RecordKind direction);

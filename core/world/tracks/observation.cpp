@@ -1,7 +1,8 @@
 #include "core/world/tracks/observation.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "core/model/inverse_plane.hpp"
 
 namespace planescope::world {
 namespace {
@@ -9,35 +10,18 @@ namespace {
 constexpr int kLeastPixels = 100;        // for a fit along the rays
 constexpr double kLeastIncidence = 0.1;  // cosine: beyond it, a ray hardly meets the plane
 
-/// Least squares for the plane g . m = w, of points m / w with m = (x / z, y / z, 1) and inverse
-/// depth w, about the camera. A stereo camera errs in w, alike everywhere: along the ray, more the
-/// farther. A fit to points in space takes some of that for extent, and leans: a riser 15 cm high
-/// by a degree at 1.5 m.
-struct RayFit {
-  int count = 0;
-  Mat3d mm = Mat3d::Zero();
-  Vec3d mw = Vec3d::Zero();
-
-  void add(const Vec3d& p) {
-    const double w = 1 / p.z();
-    const Vec3d m = w * p;
-    ++count;
-    mm += m * m.transpose();
-    mw += w * m;
-  }
-  Vec3d solve() const { return mm.ldlt().solve(mw); }
-};
-
 Mat3d second_moments(const Moments& m) {
   Mat3d s;
   s << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
   return s;
 }
 
-/// Turns the plane to the fit along the rays, about the point at its middle.
-void fit_along_rays(ObservedPlane& plane, const RayFit& rays, const Pose& T_world_camera) {
+/// Turns the plane to the fit along the rays, about the point at its middle. A fit to points in
+/// space takes some of what stereo errs by for extent, and leans: a riser 15 cm high by a degree at
+/// 1.5 m.
+void fit_along_rays(ObservedPlane& plane, const InverseSums& rays, const Pose& T_world_camera) {
   if (rays.count < kLeastPixels) return;
-  const Vec3d g = T_world_camera.linear() * rays.solve(), normal = g.normalized();
+  const Vec3d g = T_world_camera.linear() * rays.fit().w_of_ray, normal = g.normalized();
   const Vec3d camera = T_world_camera.translation(), ray = plane.centroid - camera;
   if (!(std::abs(normal.dot(ray)) > kLeastIncidence * ray.norm())) return;
   plane.normal = normal.dot(plane.normal) < 0 ? Vec3d(-normal) : normal;
@@ -113,14 +97,16 @@ ObservedFrame observe(const Frame& frame,
     plane.outline.basis.v = T_world_local.linear() * plane.outline.basis.v;
   }
   const Pose T_camera_local = result.cloud.T_world_sensor.inverse();
-  std::vector<RayFit> rays(seen.planes.size());
+  std::vector<InverseSums> rays(seen.planes.size());
   seen.plane_of = Image16(frame.depth.width, frame.depth.height);
   for (std::size_t i = 0; i < result.plane_of.size(); ++i)
     if (const std::int32_t id = result.plane_of[i]; id > 0) {
       seen.plane_of.data[result.cloud.source[i]] = static_cast<std::uint16_t>(id);
       ++seen.planes[id - 1].pixels;
-      rays[id - 1].add(T_camera_local *
-                       (result.cloud.points[i].cast<double>() + result.cloud.origin));
+      const Vec3d p =
+          T_camera_local * (result.cloud.points[i].cast<double>() + result.cloud.origin);
+      const double w = 1 / p.z();
+      rays[id - 1].add(w * p, w);
     }
   for (ObservedPlane& plane : seen.planes) {
     fit_along_rays(plane, rays[plane.id - 1], T_world_camera);

@@ -125,6 +125,10 @@ double Track::sure_area_m2() const {
   return static_cast<double>(cells.sure_places().size()) * squared(cells.cell_m());
 }
 
+std::vector<Vec2d> Track::places() const {
+  return state == TrackState::gone ? cells.gone_places() : cells.sure_places();
+}
+
 bool Track::is_sure(const TrackOptions& options) const {
   return state != TrackState::merged && frames_seen >= options.confirm_frames &&
          frames_seen >= options.confirm_share * (frames_seen + frames_missed) &&
@@ -146,10 +150,7 @@ planes::Outline outline_of_places(const Track& track, std::span<const Vec2d> on_
 
 }  // namespace
 
-planes::Outline outline_of(const Track& track) {
-  const bool is_gone = track.state == TrackState::gone;
-  return outline_of_places(track, is_gone ? track.cells.gone_places() : track.cells.sure_places());
-}
+planes::Outline outline_of(const Track& track) { return outline_of_places(track, track.places()); }
 
 planes::Outline outline_of(const Track& track, std::span<const CellMap::Tile> tiles) {
   std::vector<Vec2d> places;

@@ -129,6 +129,8 @@ struct Track {
   /// Whether the map holds it.
   bool is_sure(const TrackOptions& options) const;
   double sure_area_m2() const;
+  /// Places of the grid that it covers, or, where it is gone, covered.
+  std::vector<Vec2d> places() const;
 };
 
 /// What the track covers, in the world.
