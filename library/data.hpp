@@ -63,6 +63,7 @@ struct PLANESCOPE_API Access {
   static const planes::PipelineOptions& options(const Options& options) {
     return options.data_->options;
   }
+  static const SegmenterData& segmenter(const Segmenter& segmenter) { return *segmenter.data_; }
   static Result result(std::shared_ptr<const ResultData> data) {
     Result result;
     result.data_ = std::move(data);
@@ -79,7 +80,7 @@ struct PLANESCOPE_API Access {
 
 inline Vec3 vec3(const Vec3d& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3d vec3(const Vec3& p) { return {p[0], p[1], p[2]}; }
-Transform transform(const Pose& pose);
+PLANESCOPE_API Transform transform(const Pose& pose);
 PLANESCOPE_API Camera camera(const Intrinsics& intrinsics);
 
 /// What errors say of options that the command line has is of no use to a program's author.

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "core/io/recording.hpp"
+#include "core/world/files/map_files.hpp"
 #include "library/data.hpp"
 
 namespace planescope::v0 {
@@ -57,6 +61,39 @@ double Recording::timestamp_s(int i) const {
   return detail::guarded([&] {
     expect_frame(recording_of(data_), i);
     return recording_of(data_).timestamp_s(i);
+  });
+}
+
+Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOptions& options) {
+  return detail::guarded([&] {
+    const io::Recording& from = recording_of(recording.data_);
+    const detail::SegmenterData& by = detail::Access::segmenter(segmenter);
+    world::MapJob job;
+    job.recording = &from;
+    job.frames = options.frames;
+    for (int i = 0; options.frames.empty() && i < from.frame_count(); ++i) job.frames.push_back(i);
+    for (const int i : job.frames) expect_frame(from, i);
+    if (!std::ranges::is_sorted(job.frames, std::ranges::less_equal{}))
+      throw Error("map: its frames do not ascend");
+    if (!(options.window_m >= 0)) throw Error("map: window_m is less than 0");
+    job.pipeline = by.options;
+    job.classifier = by.chosen.classifier.get();
+    job.tracks.window_m = options.window_m;
+    job.threads = by.options.threads;
+    if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
+    const world::WorldMap made = world::map_recording(job);
+    const std::string name = from.info().path.filename().string();
+    Map map{world::map_json(made, name),
+            world::tracks_json(made, name),
+            world::tum_text(made.poses),
+            {},
+            {},
+            made.told};
+    for (const world::CameraPose& pose : made.poses.poses) {
+      map.pose_frames.push_back(pose.frame);
+      map.T_world_camera.push_back(detail::transform(pose.T_world_camera));
+    }
+    return map;
   });
 }
 

@@ -433,4 +433,22 @@ PYBIND11_MODULE(_core, m) {
       .def(py::init<const ps::Options&, int>())
       .def("segment", &ps::Segmenter::segment, Gil())
       .def("trace", &ps::Segmenter::trace, Gil());
+
+  m.def(
+      "make_map",
+      [](const ps::Recording& recording, const ps::Segmenter& segmenter, const std::string& poses,
+         double window_m, const std::vector<int>& frames) {
+        const auto made = [&] {
+          const py::gil_scoped_release others_run;
+          return ps::make_map(recording, segmenter, {poses, window_m, frames});
+        }();
+        Vectors poses_of(
+            {static_cast<py::ssize_t>(made.T_world_camera.size()), py::ssize_t{4}, py::ssize_t{4}});
+        for (std::size_t i = 0; i < made.T_world_camera.size(); ++i)
+          std::copy_n(made.T_world_camera[i].data(), 16, poses_of.mutable_data() + 16 * i);
+        return py::make_tuple(py::bytes(made.map_json), py::bytes(made.tracks_json),
+                              py::bytes(made.poses_tum), made.pose_frames, poses_of, made.told);
+      },
+      py::arg("recording"), py::arg("segmenter"), py::arg("poses"), py::arg("window_m"),
+      py::arg("frames"));
 }

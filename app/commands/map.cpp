@@ -11,6 +11,7 @@
 #include "app/commands/map_picture.hpp"
 #include "app/commands/report_frames.hpp"
 #include "core/io/image/png.hpp"
+#include "core/io/surface_fusion.hpp"
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/text.hpp"
@@ -29,8 +30,17 @@ struct MapArgs {
   world::TrackOptions tracks;
   bool follow = false;
   Shard shard;
-  fs::path join;  // where shards wrote; empty: none
+  fs::path join;            // where shards wrote; empty: none
+  double mesh_voxel_m = 0;  // --mesh; 0: no mesh
 };
+
+/// "map.png", of the segments after the first "map_1.png".
+fs::path file_of_segment(const fs::path& dir,
+                         const std::string& name,
+                         int segment,
+                         const char* type) {
+  return dir / (segment == 0 ? name + type : fmt::format("{}_{}{}", name, segment, type));
+}
 
 /// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
 void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
@@ -41,8 +51,7 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   const int last = map.poses.poses.back().segment;
   for (int segment = 0; segment <= last; ++segment) {
     const Image8 picture = map_from_above(map, segment);
-    if (!picture.empty())
-      io::write_png(dir / (segment == 0 ? "map.png" : fmt::format("map_{}.png", segment)), picture);
+    if (!picture.empty()) io::write_png(file_of_segment(dir, "map", segment, ".png"), picture);
   }
   if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
 }
@@ -68,6 +77,26 @@ class LeftFile {
   fs::path file_;
   std::ofstream out_;
 };
+
+/// DIR/mesh.ply of each segment, of the frames that went into the map.
+void write_meshes(const MapArgs& args, const world::MapJob& job, const world::WorldMap& map) {
+  const std::vector<world::CameraPose>& poses = map.poses.poses;
+  const auto count = static_cast<int>(poses.size());
+  const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
+  for (int segment = 0; segment <= poses.back().segment; ++segment) {
+    const auto fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
+    for (int i = 0; i < count; ++i) {
+      if (job.stop.stop_requested()) throw Cancelled();
+      job.progress("mesh", i + 1, count);
+      if (poses[i].segment != segment) continue;
+      const auto frame = std::ranges::find(told, poses[i].frame, &world::FrameOfTracks::frame);
+      if (frame == told.end() || !frame->has_pose || frame->set_aside) continue;
+      fusion->add(job.recording->frame(poses[i].frame), poses[i].T_world_camera);
+    }
+    const fs::path file = file_of_segment(args.out, "mesh", segment, ".ply");
+    if (!fusion->write_ply(file)) notice("{}: not written, there is no surface", file.string());
+  }
+}
 
 fs::path observed_file(const fs::path& dir, int frame) {
   return dir / "observed" / fmt::format("{:06}.cbor", frame);
@@ -131,12 +160,14 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     return 0;
   }
   if (!args.join.empty()) join_shards(args.join, job);
+  if (args.mesh_voxel_m > 0) io::make_surface_fusion(args.mesh_voxel_m, 0);  // throws now
   LeftFile left(args.out / "left.jsonl");
   job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
-  job.progress = {};
   write_map(args.out, map, input.path.filename().string());
+  if (args.mesh_voxel_m > 0) write_meshes(args, job, map);
+  job.progress = {};
   for (const std::string& line : map.told) notice("{}", line);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
   fmt::print("{}: {} from {}, poses of {}\n", args.out.string(), counted(planes, "plane"),
@@ -169,6 +200,9 @@ void define_map(CLI::App& app, Line& line) {
       "Edge of the cube about the camera that the map is held in; what leaves it goes to "
       "left.jsonl. Default 0: no limit")
       ->check(number(0));
+  add(map, "--mesh", args->mesh_voxel_m, "M",
+      "Also mesh.ply, the frames' depth fused by Open3D (TSDF) in voxels of M metres")
+      ->check(number(0.001, 1));
   map->add_flag("--follow", args->follow,
                 "Frames come at the recording's own rate; writes pace.json. Needs poses");
   add_read(

@@ -14,6 +14,7 @@
 #include "core/report/data/ros_json.hpp"
 #include "core/report/data/segment_files.hpp"
 #include "core/report/data/terrain.hpp"
+#include "core/world/files/known_map.hpp"
 
 namespace planescope::app {
 namespace {
@@ -22,6 +23,7 @@ struct SegmentArgs {
   InputArgs input;            // one recording
   std::filesystem::path out;  // -o; empty: nothing is written
   std::vector<std::string> also;
+  std::filesystem::path map;  // --map; empty: none
   bool json = false, ros_json = false;
 };
 
@@ -71,13 +73,15 @@ WrittenFrame write_frame(const OpenInput& input,
                          const planes::PipelineOptions& options,
                          const planes::Classifier* classifier,
                          const SegmentArgs& args,
+                         const world::KnownMap* map,
                          StagedOutput* output) {
   WrittenFrame written;
   const std::filesystem::path& out = args.out;
   try {
     const LoadedFrame loaded = run_input_frame(input, index, options, classifier, false);
     const std::filesystem::path folder = report::frame_folder(index);
-    const report::FramePlanes found = report::frame_planes(loaded.frame, loaded.result, options);
+    report::FramePlanes found = report::frame_planes(loaded.frame, loaded.result, options);
+    if (map) found.tracks = world::tracks_of(*map, index, found.summaries.size());
     if (output)
       report::write_segment_files(output->add(folder), loaded.frame, loaded.result, found, options,
                                   args.also);
@@ -114,11 +118,23 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (!args.out.empty()) output.emplace(args.out);
   InputArgs depth_alone = args.input;
   depth_alone.recording.color = false;
-  const std::vector<OpenInput> inputs = open_inputs(depth_alone);
-  const OpenInput& input = inputs.front();
+  std::vector<OpenInput> inputs = open_inputs(depth_alone);
+  OpenInput& input = inputs.front();
+  planes::PipelineOptions pipeline = args.input.pipeline;
+  std::vector<std::string> lines, refused;
+  std::shared_ptr<const world::KnownMap> map;
+  if (!args.map.empty()) {
+    map = world::read_known_map(args.map, pipeline);
+    input.recording = world::with_map(input.recording, map);
+    pipeline.gravity.none_where_unknown = true;
+    std::erase_if(input.frames, [&](int frame) {
+      if (map->pose_of.contains(frame)) return false;
+      refused.push_back(fmt::format("frame {}: has no pose in {}", frame, args.map.string()));
+      return true;
+    });
+  }
   const planes::ChosenClassifier chosen = choose_classifier(args.input.pipeline);
 
-  std::vector<std::string> lines, refused;
   bool unknown_gravity = false;
   nlohmann::ordered_json json;
   json["schema"] = "planescope.segment/1";
@@ -128,13 +144,13 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   json["frames"] = nlohmann::ordered_json::array();
   {
     const int count = static_cast<int>(input.frames.size());
-    const FrameThreads threads = threads_for_frames(args.input.pipeline, count);
+    const FrameThreads threads = threads_for_frames(pipeline, count);
     std::vector<WrittenFrame> written(input.frames.size());
     Progress progress("segment", count);
     const auto make = [&](int i) {
       if (!stop.stop_requested())
         written[i] = write_frame(input, input.frames[i], threads.pipeline, chosen.classifier.get(),
-                                 args, output ? &*output : nullptr);
+                                 args, map.get(), output ? &*output : nullptr);
     };
     const auto take = [&](int i) {
       WrittenFrame& frame = written[i];
@@ -185,6 +201,9 @@ void define_segment(CLI::App& app, Line& line) {
   }
   add(segment, "--also", args->also, "FORMAT,...", "Also write" + holds.substr(1))
       ->check(some_of(formats, "a format"));
+  add(segment, "--map", args->map, "DIR",
+      "Where planescope map wrote the map of the same frames with the same options: planes are "
+      "those of the map, and planes.json and tracks.png tell their tracks");
   add_json(segment, args->json);
   segment->add_flag("--ros-json", args->ros_json,
                     wrapped("Print each frame's planes as a line of JSON, which has the fields of "

@@ -180,4 +180,34 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
   throw Error(path.string() + ": not a recording that planescope reads, " + expected());
 }
 
+namespace {
+
+class ChangedRecording : public Recording {
+ public:
+  ChangedRecording(std::shared_ptr<const Recording> recording, std::function<void(Frame&)> change)
+      : recording_(std::move(recording)), change_(std::move(change)) {}
+
+  const RecordingInfo& info() const override { return recording_->info(); }
+  int frame_count() const override { return recording_->frame_count(); }
+  Frame frame(int i) const override {
+    Frame frame = recording_->frame(i);
+    change_(frame);
+    return frame;
+  }
+  double timestamp_s(int i) const override { return recording_->timestamp_s(i); }
+  std::optional<Pose> T_world_camera(int i) const override { return recording_->T_world_camera(i); }
+  std::string frame_hash(int i) const override { return recording_->frame_hash(i); }
+
+ private:
+  std::shared_ptr<const Recording> recording_;
+  std::function<void(Frame&)> change_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,
+                                                     std::function<void(Frame&)> change) {
+  return std::make_shared<const ChangedRecording>(std::move(recording), std::move(change));
+}
+
 }  // namespace planescope::io

@@ -77,27 +77,6 @@ PickedGravity gravity_from(const nlohmann::json& json) {
   return picked;
 }
 
-class PickedRecording : public Recording {
- public:
-  PickedRecording(std::shared_ptr<const Recording> recording, PickedGravity picked)
-      : recording_(std::move(recording)), picked_(std::move(picked)) {}
-
-  const RecordingInfo& info() const override { return recording_->info(); }
-  int frame_count() const override { return recording_->frame_count(); }
-  Frame frame(int i) const override {
-    Frame frame = recording_->frame(i);
-    apply_picked_gravity(picked_, frame);
-    return frame;
-  }
-  double timestamp_s(int i) const override { return recording_->timestamp_s(i); }
-  std::optional<Pose> T_world_camera(int i) const override { return recording_->T_world_camera(i); }
-  std::string frame_hash(int i) const override { return recording_->frame_hash(i); }
-
- private:
-  std::shared_ptr<const Recording> recording_;
-  PickedGravity picked_;
-};
-
 }  // namespace
 
 const PickedDirection* PickedGravity::of(int frame) const {
@@ -153,7 +132,9 @@ void apply_picked_gravity(const PickedGravity& picked, Frame& frame) {
 std::shared_ptr<const Recording> with_picked_gravity(std::shared_ptr<const Recording> recording,
                                                      PickedGravity picked) {
   if (picked.empty()) return recording;
-  return std::make_shared<const PickedRecording>(std::move(recording), std::move(picked));
+  return with_changed_frames(std::move(recording), [picked = std::move(picked)](Frame& frame) {
+    apply_picked_gravity(picked, frame);
+  });
 }
 
 }  // namespace planescope::io

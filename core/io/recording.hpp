@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,5 +71,10 @@ class Recording {
 /// keys are listed at `Sidecar` in readers.hpp.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
+
+/// The same recording; `change`, of which several may run at once, adds to each frame what is known
+/// of it elsewhere, and may throw Error.
+std::shared_ptr<const Recording> with_changed_frames(std::shared_ptr<const Recording> recording,
+                                                     std::function<void(Frame&)> change);
 
 }  // namespace planescope::io

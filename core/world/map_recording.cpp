@@ -9,13 +9,16 @@
 
 #include "core/model/error.hpp"
 #include "core/model/parallel.hpp"
+#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
+#include "core/planes/pipeline/options_table.hpp"
 #include "core/world/poses/odometry.hpp"
 
 namespace planescope::world {
 namespace {
 
 constexpr int kGravityFrames = 60;  // looked at, spread over the recording
+constexpr int kNoiseFrames = 20;    // likewise
 
 void check_stop(const MapJob& job) {
   if (job.stop.stop_requested()) throw Cancelled();
@@ -156,16 +159,46 @@ Pace keep_pace(const MapJob& job, const std::function<void(int)>& work) {
 
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
-                                    const Pose& T_world_camera,
-                                    const SharedGravity& gravity) {
+                                    const CameraPose& pose,
+                                    const UprightPoses& upright) {
+  const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
   if (gravity.known && options.gravity.mode != planes::GravityMode::none)
-    frame.gravity = gravity_at(T_world_camera, gravity);
+    frame.gravity = gravity_at(pose.T_world_camera, gravity);
   if (frame.gravity) options.gravity.mode = planes::GravityMode::automatic;
   options.gravity.none_where_unknown = true;
+  frame.noise_growth_per_m = upright.noise.growth_per_m;
   return options;
 }
 
 namespace {
+
+/// As frames spread over the recording have it.
+SharedNoise noise_of_frames(const MapJob& job, const UprightPoses& upright) {
+  const std::vector<CameraPose>& poses = upright.poses.poses;
+  const auto count = static_cast<int>(poses.size());
+  const int looked = std::min(count, kNoiseFrames);
+  std::vector<double> growths(looked, 0);
+  work_through(
+      looked, job.threads,
+      [&](int i) {
+        const CameraPose& pose = poses[static_cast<std::size_t>(i) * count / looked];
+        try {
+          Frame frame = job.recording->frame(pose.frame);
+          planes::PipelineOptions options = turn_to_map(frame, job.pipeline, pose, upright);
+          options.threads = 1;
+          const planes::NoiseModel noise =
+              planes::run_frame(frame, options, job.classifier).segmentation.noise;
+          if (noise.by_range) growths[i] = noise.growth_per_m;
+        } catch (const Error&) {  // told where the frame's turn comes
+        }
+      },
+      [&](int done, int all) {
+        check_stop(job);
+        tell(job, "noise", done, all);
+      });
+  std::erase(growths, 0);
+  return shared_noise(growths);
+}
 
 UprightPoses upright_poses(const MapJob& job) {
   const std::string path = job.recording->info().path.string();
@@ -181,6 +214,7 @@ UprightPoses upright_poses(const MapJob& job) {
         fmt::format("time goes back at frame {}: frames are taken in their order", back->frame));
   upright.gravity = turn_upright_by_frames(job, upright.poses);
   for (CameraPose& pose : poses) settle(pose);
+  upright.noise = noise_of_frames(job, upright);
   return upright;
 }
 
@@ -218,11 +252,10 @@ ObservedFrame observe_frame(const MapJob& job,
                             const UprightPoses& upright,
                             const CameraPose& pose) {
   Frame frame = job.recording->frame(pose.frame);
-  const planes::PipelineOptions options =
-      turn_to_map(frame, pipeline, pose.T_world_camera, upright.gravity[pose.segment]);
+  const planes::PipelineOptions options = turn_to_map(frame, pipeline, pose, upright);
   if (!job.observed) {
-    const planes::FrameResult result = planes::run_frame(frame, options, job.classifier);
-    return observe(frame, result, options, pose.T_world_camera, pose.segment);
+    return observe(frame, planes::run_frame(frame, options, job.classifier), options,
+                   pose.T_world_camera, pose.segment);
   }
   ObservedFrame seen = observed_before(job, frame, upright);
   take_frame(seen, frame, options, pose.T_world_camera, pose.segment);
@@ -242,8 +275,17 @@ Threads threads_of(const MapJob& job, int at_once) {
 
 }  // namespace
 
+std::string pipeline_key(const planes::PipelineOptions& options) {
+  std::string text;
+  for (const planes::OptionInfo& info : planes::option_table())
+    if (info.matters(options) && info.section != "foot" && info.section != "stairs")
+      text += info.name + "=" + info.get(options) + "\n";
+  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
+}
+
 WorldMap map_recording(const MapJob& job) {
   WorldMap map;
+  map.pipeline_key = pipeline_key(job.pipeline);
   static_cast<UprightPoses&>(map) = upright_poses(job);
   map.tracker = Tracker(job.tracks);
   map.tracker.on_left(job.on_left);

@@ -22,7 +22,8 @@ namespace planescope::world {
 struct UprightPoses {
   Trajectory poses;                    // of the frames that have one
   std::vector<SharedGravity> gravity;  // by segment of the poses
-  std::vector<std::string> told;       // what was odd, a line each
+  SharedNoise noise;
+  std::vector<std::string> told;  // what was odd, a line each
 };
 
 struct MapJob {
@@ -54,17 +55,21 @@ struct Pace {
 };
 
 struct WorldMap : UprightPoses {
+  std::string pipeline_key;
   Tracker tracker;
   Stability stability;
   std::optional<Pace> pace;  // where it was made at the recording's own rate
 };
 
-/// Gives the frame the map's gravity where it is known and asked for. Returns the options with
-/// which its planes are those that the map knows.
+/// Gives the frame the map's gravity and noise, where they are known and asked for. Returns the
+/// options with which its planes are those that the map knows.
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
-                                    const Pose& T_world_camera,
-                                    const SharedGravity& gravity);
+                                    const CameraPose& pose,
+                                    const UprightPoses& upright);
+
+/// SHA-256 of the options that a frame's planes follow from.
+std::string pipeline_key(const planes::PipelineOptions& options);
 
 /// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.
 /// After the poses, everything is a function of them and the frames, to the bit, for any number of

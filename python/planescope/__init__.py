@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import enum
 import functools
+import json
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -21,9 +22,9 @@ from . import _core
 from ._core import Error, __version__
 
 __all__ = [
-    "Error", "EventType", "Frame", "Gravity", "OptionInfo", "Outline", "OutlinePart", "Plane",
-    "Recording", "RecordingInfo", "Result", "Segmenter", "Trace", "__version__", "options", "segment",
-    "segment_cloud",
+    "Error", "EventType", "Frame", "Gravity", "Map", "MapPlane", "OptionInfo", "Outline",
+    "OutlinePart", "Plane", "Recording", "RecordingInfo", "Result", "Segmenter", "Trace",
+    "__version__", "make_map", "options", "segment", "segment_cloud",
 ]
 
 
@@ -549,3 +550,106 @@ def segment_cloud(
         options["gravity"], gravity = gravity, None
     frame = Frame.of_points(points, gravity=gravity)
     return Segmenter(profile, threads=threads, **options).segment(frame)
+
+
+@dataclass(frozen=True, eq=False)
+class MapPlane:
+    """A plane of the world, as all frames that saw it tell it."""
+
+    track: int
+    label: str  # "h", "v" or "unknown"
+    state: str  # "alive", "gone": it was taken away, or "left": beyond the window
+    segment: int  # of the map: each has a world of its own
+    normal: NDArray[np.float64]
+    centroid: NDArray[np.float64]
+    offset_m: float  # normal . x of its points
+    sigma_offset_m: float
+    sigma_tilt_deg: float
+    rms_m: float
+    area_m2: float
+    frames_seen: int
+    frames_missed: int  # in sight, and not found
+    parts: list[OutlinePart] = field(repr=False)  # rings of (n, 3) corners in the world
+
+
+class Map:
+    """Planes of the world, where the camera was, and which plane of which frame is which."""
+
+    def __init__(self, core: tuple[bytes, bytes, bytes, list[int], NDArray[np.float64], list[str]]):
+        map_json, tracks_json, poses_tum, frames, T, told = core
+        self.json = map_json.decode()  # what `planescope map` writes as map.json,
+        self.tracks_json = tracks_json.decode()  # tracks.json
+        self.poses_tum = poses_tum.decode()  # and poses.tum, byte by byte
+        self.T_world_camera = dict(zip(frames, T))  # (4, 4), of each frame whose pose is known
+        self.told = told  # what was odd, one line each
+
+    @functools.cached_property
+    def planes(self) -> list[MapPlane]:
+        """The largest first; those that are gone after the others."""
+        return [
+            MapPlane(
+                parts=[
+                    OutlinePart(np.array(part["outer"]), [np.array(h) for h in part["holes"]], [])
+                    for part in plane["outline"]
+                ],
+                frames_seen=plane["frames"]["seen"],
+                frames_missed=plane["frames"]["missed"],
+                normal=np.array(plane["normal"]),
+                centroid=np.array(plane["centroid"]),
+                **{
+                    name: plane[name]
+                    for name in (
+                        "track", "label", "state", "segment", "offset_m", "sigma_offset_m",
+                        "sigma_tilt_deg", "rms_m", "area_m2",
+                    )
+                },
+            )
+            for plane in json.loads(self.json)["planes"]
+        ]
+
+    @property
+    def stability(self) -> dict[str, float | None]:
+        return json.loads(self.json)["stability"]
+
+    @functools.cached_property
+    def tracks(self) -> list[dict[str, Any]]:
+        """Of each track, where it was seen, and why it was not where it was not: as tracks.json."""
+        return json.loads(self.tracks_json)["tracks"]
+
+    @functools.cached_property
+    def track_of_plane(self) -> dict[int, list[int]]:
+        """By frame, the tracks of its planes, by id - 1; 0: none."""
+        frames = json.loads(self.tracks_json)["frames"]
+        return {frame["frame"]: frame["track_of_plane"] for frame in frames}
+
+    def __repr__(self) -> str:
+        return f"<planescope.Map: {len(self.planes)} planes of {len(self.track_of_plane)} frames>"
+
+
+def make_map(
+    recording: Recording,
+    *,
+    poses: str | os.PathLike[str] | None = None,
+    frames: Sequence[int] | None = None,
+    window_m: float = 0,
+    profile: str = "refined",
+    threads: int = 1,
+    **options: Any,
+) -> Map:
+    """Follows the planes of a recording's frames, and makes one map of them.
+
+    `poses`: a file (TUM, KITTI, Open3D's .log or .json); else they are the recording's, else they
+    are found from its images. `window_m`: the edge of the cube about the camera that the map is held
+    in; 0: no limit. The rest as for Segmenter.
+    """
+    if not isinstance(recording, Recording):
+        raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
+    return Map(
+        _core.make_map(
+            recording._core,
+            Segmenter(profile, threads=threads, **options)._core,
+            b"" if poses is None else os.fsencode(poses),
+            _number(window_m, "window_m"),
+            [] if frames is None else [int(frame) for frame in frames],
+        )
+    )

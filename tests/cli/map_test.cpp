@@ -1,11 +1,14 @@
 // planescope synth sequence and planescope map, as they are typed.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/image/png.hpp"
 #include "core/io/recording.hpp"
 #include "core/model/file_bytes.hpp"
@@ -47,6 +50,7 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   EXPECT_GT(io::read_png_rgb(dir / "out" / "map.png").width, 100);
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
   EXPECT_FALSE(fs::exists(dir / "out" / "pace.json"));
+  EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
   // poses.tum is a trajectory like any other, and gives the same map.
   fs::copy_file(dir / "out" / "poses.tum", dir / "poses.tum");
   ASSERT_EQ(map({"--poses", (dir / "poses.tum").string()}).code, 0);
@@ -89,6 +93,18 @@ TEST_F(Map, IsMadeOfTheOtherFramesWhereOneIsDamagedMissingOrOutOfOrder) {
   EXPECT_FALSE(written["planes"].empty());
 }
 
+TEST_F(Map, ComesWithAMeshOfItsSurfaces) {
+  const Ran ran = map({"--mesh", "0.03"});
+  if (ran.err.find("built without Open3D") != std::string::npos) GTEST_SKIP() << ran.err;
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const PointSet mesh = io::read_cloud_file(dir / "out" / "mesh.ply");
+  ASSERT_GT(mesh.points.size(), 1000u);
+  // In the map's world: the floor is at 0.
+  const auto on_floor =
+      std::ranges::count_if(mesh.points, [](const Vec3f& p) { return std::abs(p.z()) < 0.03F; });
+  EXPECT_GT(on_floor, std::ssize(mesh.points) / 10);
+}
+
 TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   ASSERT_EQ(map({}).code, 0);
   const std::string parts = (dir / "parts").string();
@@ -118,6 +134,45 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
   EXPECT_NE(refusal({}).find("000007.cbor: is no frame of a map"), std::string::npos);
   fs::remove(part);
   EXPECT_NE(refusal({}).find("000007.cbor: is missing"), std::string::npos);
+}
+
+TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
+  ASSERT_EQ(map({"--frames", "0:10"}).code, 0);
+  const std::string known = (dir / "out").string();
+  const auto segment = [&](std::vector<std::string> more) {
+    std::vector<std::string> args = {"segment", walk.string(), "-o", (dir / "planes").string(),
+                                     "--map",   known};
+    args.insert(args.end(), more.begin(), more.end());
+    return run(args);
+  };
+  const Ran ran = segment({"--frames", "8:"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  EXPECT_NE(ran.err.find("refused: frame 10: has no pose in "), std::string::npos) << ran.err;
+  const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
+  for (const int frame : {8, 9}) {
+    const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
+    const auto told = read_json<nlohmann::json>(folder / "planes.json");
+    std::vector<int> of_planes;
+    for (const auto& plane : told["planes"]) of_planes.push_back(plane["track"]);
+    EXPECT_FALSE(of_planes.empty());
+    EXPECT_EQ(nlohmann::json(of_planes), tracks["frames"][frame]["track_of_plane"]);
+    const Image16 ids = io::read_png_16(folder / "planes.png"),
+                  of_pixel = io::read_png_16(folder / "tracks.png");
+    for (std::size_t i = 0; i < ids.data.size(); ++i)
+      EXPECT_EQ(of_pixel.data[i], ids.data[i] > 0 ? of_planes[ids.data[i] - 1] : 0);
+  }
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    const Ran refused = segment(more);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
+    return refused.err;
+  };
+  EXPECT_NE(refusal({"--max-range", "2"}).find("found with other options"), std::string::npos);
+  EXPECT_NE(refusal({"--frames", "11"}).find("has no pose in "), std::string::npos);
+  write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
+  EXPECT_NE(refusal({}).find("tracks.json: "), std::string::npos);
+  fs::remove(dir / "out" / "map.json");
+  EXPECT_NE(refusal({}).find("map.json: is missing"), std::string::npos);
 }
 
 TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {

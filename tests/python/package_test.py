@@ -28,6 +28,57 @@ def step_image():
 K = np.array([[300, 0, 211.5], [0, 300, 119.5], [0, 0, 1]])
 
 
+@unittest.skipUnless("PLANESCOPE_PROGRAM" in os.environ, "there is no program")
+class Maps(unittest.TestCase):
+    """A walk of 40 small frames."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        walk = Path(cls.folder.name) / "walk"
+        program = os.environ["PLANESCOPE_PROGRAM"]
+        subprocess.run(
+            [program, "synth", "sequence", "-o", str(walk), "--frames", "40", "--size", "160x120"],
+            check=True, capture_output=True,
+        )
+        cls.walk = walk
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_are_those_of_the_program(self):
+        out = Path(self.folder.name) / "map"
+        subprocess.run(
+            [os.environ["PLANESCOPE_PROGRAM"], "map", str(self.walk), "-o", str(out)],
+            check=True, capture_output=True,
+        )
+        made = ps.make_map(ps.Recording(self.walk), threads=2)
+        self.assertEqual(made.json, (out / "map.json").read_text())
+        self.assertEqual(made.tracks_json, (out / "tracks.json").read_text())
+        self.assertEqual(made.poses_tum, (out / "poses.tum").read_text())
+        floor = made.planes[0]
+        self.assertEqual(floor.label, "h")
+        np.testing.assert_allclose(floor.normal, [0, 0, 1], atol=0.01)
+        self.assertEqual(floor.parts[0].outer.shape[1], 3)
+        self.assertEqual(sorted(made.T_world_camera), list(range(40)))
+        self.assertIn(floor.track, made.track_of_plane[0])
+        again = ps.make_map(ps.Recording(self.walk), poses=out / "poses.tum", frames=[1, 3])
+        self.assertEqual(sorted(again.track_of_plane), [1, 3])
+
+    def test_what_cannot_be_mapped_is_told(self):
+        for wrong, why in (
+            (dict(frames=[3, 1]), "do not ascend"),
+            (dict(frames=[40]), "it has 40 of them"),
+            (dict(poses=self.walk / "none.tum"), "none.tum"),
+            (dict(window_m=-1), "window_m"),
+        ):
+            with self.assertRaisesRegex(ps.Error, why):
+                ps.make_map(ps.Recording(self.walk), **wrong)
+        with self.assertRaisesRegex(ps.Error, "expected a planescope.Recording"):
+            ps.make_map("walk")
+
+
 class Segments(unittest.TestCase):
     def test_a_depth_image(self):
         planes, labels = ps.segment(step_image(), K, depth_unit=0.001, gravity=(0, 1, 0))

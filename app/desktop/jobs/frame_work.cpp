@@ -165,9 +165,7 @@ std::shared_ptr<const debug::Subject> load_subject(const Wanted& wanted,
   planes::PipelineOptions options = wanted.options;
   options.gravity.none_where_unknown = true;
   const world::CameraPose* pose = wanted.map ? wanted.map->pose(wanted.frame) : nullptr;
-  if (pose)
-    options = world::turn_to_map(frame, options, pose->T_world_camera,
-                                 wanted.map->map.gravity[static_cast<std::size_t>(pose->segment)]);
+  if (pose) options = world::turn_to_map(frame, options, *pose, wanted.map->map);
   const std::string hash = wanted.recording->frame_hash(wanted.frame);
   std::optional<planes::SourceTruth> truth;
   try {

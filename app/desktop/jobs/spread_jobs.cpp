@@ -27,8 +27,7 @@ labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   labels::SpreadFrame made;
   made.frame = recording.frame(index);
   if (const world::CameraPose* pose = wanted.map->pose(index))
-    world::turn_to_map(made.frame, {}, pose->T_world_camera,
-                       wanted.map->map.gravity[static_cast<std::size_t>(pose->segment)]);
+    world::turn_to_map(made.frame, {}, *pose, wanted.map->map);
   made.grid = labels::make_label_grid(made.frame, made.frame.gravity.value_or(Gravity{}));
   if (const auto known = wanted.at_hand.find(index); known != wanted.at_hand.end()) {
     made.labels = *known->second;

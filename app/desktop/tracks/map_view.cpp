@@ -121,7 +121,7 @@ int frame_missed(const MapView& view, const world::Track& track, int from, int d
 
 std::vector<int> colors_by_track(const MapView& view, const debug::Run& run) {
   const world::FrameOfTracks* told = view.told(run.subject->frame.index);
-  if (!told || told->track_of.size() != run.segmentation.planes.size()) return {};
+  if (!told || told->listed != std::ssize(run.segmentation.planes)) return {};
   std::vector<int> colors;
   for (std::int32_t plane = 0; plane < run.timeline.plane_count(); ++plane) {
     const std::int32_t id = run.timeline.result_of_plane(plane);
@@ -173,7 +173,7 @@ RunArrival arrival_at_track(const MapView& view, int id, const debug::Run& run) 
     if (plane >= 1 && plane <= std::ssize(run.segmentation.planes))
       arrival.plane = run.timeline.plane_of_number(plane);
   };
-  if (moment.sighting) {
+  if (moment.sighting && !moment.sighting->minor) {
     select(moment.sighting->plane);
     return arrival;
   }

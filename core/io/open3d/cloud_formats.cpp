@@ -13,6 +13,7 @@
 
 #include "core/io/cloud_files/cloud_file.hpp"
 #include "core/io/open3d/convert.hpp"
+#include "core/io/open3d/fusion.hpp"
 #include "core/io/open3d/install.hpp"
 #include "core/io/open3d/ransac.hpp"
 #include "core/io/readers.hpp"
@@ -116,6 +117,7 @@ PointSet read_mesh(const fs::path& path) {
 void install() {
   ::open3d::utility::SetVerbosityLevel(::open3d::utility::VerbosityLevel::Error);
   planes::set_ransac(find_planes_ransac);
+  io::set_surface_fusion(make_fusion);
   for (const char* points : {".xyz", ".pts"}) io::add_cloud_format({points, read_points});
   for (const char* mesh : {".obj", ".stl", ".off"}) io::add_cloud_format({mesh, read_mesh});
 }

@@ -113,6 +113,7 @@ class Scoring {
       const auto first = votes.begin() + static_cast<std::ptrdiff_t>(p) * (most + 1);
       const auto best = std::max_element(first, first + most + 1);
       const int id = static_cast<int>(best - first);
+      if (frame.planes[p - 1].minor && told.track_of[p - 1] == 0) continue;
       if (id == 0 || 2 * *best < std::accumulate(first, first + most + 1, 0)) continue;
       ++score_.plane_frames;
       if (Found& f = found[id]; *best > f.pixels) f = {told.track_of[p - 1], *best};

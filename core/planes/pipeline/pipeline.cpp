@@ -177,6 +177,7 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const FrameTruth* truth) {
   PreparedFrame prepared;
   prepared.from_cloud = frame.is_cloud();
+  prepared.noise_growth_per_m = frame.noise_growth_per_m;
   prepared.gravity = resolve_gravity(frame, options.gravity);
 
   Stopwatch watch;
@@ -195,6 +196,7 @@ PreparedFrame prepare_frame(const Frame& frame,
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
   SegmentOptions result = options.segment;
   if (prepared.from_cloud) result.noise.sigma_by_range = false;
+  result.noise.known_growth_per_m = prepared.noise_growth_per_m;
   if (!prepared.gravity.known()) {
     result.use_labels = false;
     result.one_label = Label::unknown;

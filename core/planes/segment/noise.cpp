@@ -38,6 +38,11 @@ NoiseModel measure_noise(const Octree& octree, const Vec3d& sensor, const Segmen
   model.of_spread_options = options.r8_voxel_spread;
   if (!options.noise.estimate_sigma) return model;
   model.of_spreads = !octree.spreads.empty();
+  if (options.noise.sigma_by_range && options.noise.known_growth_per_m > 0) {
+    model.estimated = model.by_range = true;
+    model.growth_per_m = options.noise.known_growth_per_m;
+    return model;
+  }
 
   std::vector<NoiseSample> samples;
   const std::vector<std::uint32_t> starts = cell_starts(octree, options.noise.neighbour_levels);

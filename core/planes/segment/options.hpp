@@ -39,6 +39,8 @@ struct NoiseOptions {
   double limits_range_m = 1;        // by range, both upper limits grow with its square from here on
   double other_label_sigmas = 1.5;  // how much nearer a plane of the other label must be to a point
   double normal_sigma_share = 0.5;  // no normal is known better than this much of sigma allows
+  double known_growth_per_m = 0;    // by range: the noise as the recording tells it, no option of
+                                    // its own; 0: it is measured in the cloud
 
   template <typename Rows>
   static void describe(Rows& rows) {

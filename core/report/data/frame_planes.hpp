@@ -17,6 +17,7 @@ struct FramePlanes {
   std::vector<planes::Outline> outlines;
   std::vector<planes::Foothold> footholds;
   planes::Stairs stairs;
+  std::vector<int> tracks;  // of a map; none where none is known
 };
 
 FramePlanes frame_planes(const Frame& frame,

@@ -208,6 +208,7 @@ std::string planes_json(const Frame& frame,
     const planes::Foothold& foothold = found.footholds[k];
     Json plane;
     plane["id"] = s.id;
+    if (!found.tracks.empty()) plane["track"] = found.tracks[k];
     plane["label"] = to_string(s.label);
     plane["normal"] = vector_json(s.normal);
     plane["centroid"] = vector_json(s.centroid);
@@ -262,6 +263,15 @@ Image16 plane_image(const Frame& frame, const planes::FrameResult& result) {
   return image;
 }
 
+Image16 track_image(const Frame& frame,
+                    const planes::FrameResult& result,
+                    std::span<const int> tracks) {
+  Image16 image = plane_image(frame, result);
+  for (std::uint16_t& id : image.data)
+    if (id > 0) id = static_cast<std::uint16_t>(std::min(tracks[id - 1], 65535));
+  return image;
+}
+
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result) {
   const planes::Cloud& cloud = result.cloud;
   const std::size_t n = frame.is_cloud() ? frame.cloud->points.size() : cloud.points.size();
@@ -303,6 +313,8 @@ void write_segment_files(const std::filesystem::path& dir,
   write_file_text(dir / "planes.json", planes_json(frame, result, found, options));
   write_plane_files(dir, also, found);
   if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
+  if (!found.tracks.empty())
+    io::write_png(dir / "tracks.png", track_image(frame, result, found.tracks));
   io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }
 

@@ -4,6 +4,7 @@
 // the number of threads.
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,12 +27,17 @@ std::string timings_json(const planes::FrameTimings& timings);
 
 /// Plane id per depth pixel, 0 none. For depth frames.
 Image16 plane_image(const Frame& frame, const planes::FrameResult& result);
+/// Track per depth pixel instead, `tracks` by plane id - 1.
+Image16 track_image(const Frame& frame,
+                    const planes::FrameResult& result,
+                    std::span<const int> tracks);
 
 /// All input points in input order (depth: the valid pixels in raster order; clouds: every point of
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 
-/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png, and `also` those of
+/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png, where tracks are known
+/// tracks.png, and `also` those of
 /// plane_formats() into `dir`, which exists. Throws Error naming the file that cannot be written.
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,

@@ -139,6 +139,7 @@ std::string map_json(const WorldMap& map, const std::string& recording) {
   Json json;
   json["schema"] = "planescope.map/1";
   json["recording"] = recording;
+  json["pipeline"] = map.pipeline_key;
   json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
   json["gravity"] = Json::array();
   for (std::size_t i = 0; i < map.gravity.size(); ++i) {
@@ -149,6 +150,9 @@ std::string map_json(const WorldMap& map, const std::string& recording) {
                                {"frames", g.samples},
                                {"strays", g.strays}});
   }
+  json["noise"] = {{"growth_per_m", map.noise.growth_per_m},
+                   {"spread_per_m", map.noise.spread_per_m},
+                   {"frames", map.noise.samples}};
   const TrackOptions& o = map.tracker.options();
   json["options"] = {{"cell_m", o.cell_m},
                      {"max_angle_deg", o.max_angle_deg},
@@ -199,7 +203,9 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     told["agreement"] = rounded(frame.agreement);
     std::vector<int> ids;
     for (const int id : frame.track_of) ids.push_back(final_track(tracker.tracks(), id));
-    told["track_of_plane"] = ids;
+    told["track_of_plane"] = std::vector(ids.begin(), ids.begin() + frame.listed);
+    if (frame.listed < std::ssize(ids))
+      told["track_of_minor"] = std::vector(ids.begin() + frame.listed, ids.end());
     json["frames"].push_back(std::move(told));
   }
   json["tracks"] = Json::array();

@@ -6,7 +6,6 @@
 #include "core/model/error.hpp"
 #include "core/model/file_bytes.hpp"
 #include "core/model/sha256.hpp"
-#include "core/planes/pipeline/options_table.hpp"
 
 namespace planescope::world {
 namespace {
@@ -72,6 +71,7 @@ Json plane_bits(const ObservedPlane& plane) {
   const planes::Certainty& c = plane.certainty;
   return {
       {"label", static_cast<int>(plane.label)},
+      {"minor", plane.minor},
       {"normal", vector_bits(plane.normal)},
       {"centroid", vector_bits(plane.centroid)},
       {"moments", {m.count, m.sum.x(), m.sum.y(), m.sum.z(), m.xx, m.xy, m.xz, m.yy, m.yz, m.zz}},
@@ -85,6 +85,7 @@ Json plane_bits(const ObservedPlane& plane) {
 ObservedPlane plane_of_bits(const Json& json) {
   ObservedPlane plane;
   plane.label = static_cast<Label>(std::clamp(json.at("label").get<int>(), 0, 255));
+  plane.minor = json.at("minor").get<bool>();
   plane.normal = vector_of_bits(json.at("normal"));
   plane.centroid = vector_of_bits(json.at("centroid"));
   const Json& m = json.at("moments");
@@ -142,8 +143,8 @@ std::string observed_key(const planes::PipelineOptions& options, const UprightPo
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
     text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
-  for (const planes::OptionInfo& info : planes::option_table())
-    text += info.name + "=" + info.get(options) + "\n";
+  text += Json{upright.noise.growth_per_m}.dump();
+  text += pipeline_key(options);
   return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
 }
 

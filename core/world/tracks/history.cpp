@@ -134,8 +134,9 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
       break;
   }
   const Sighting& seen = *moment.sighting;
+  const std::string plane = seen.minor ? "a minor plane" : fmt::format("P{}", seen.plane);
   const std::string name =
-      fmt::format("T{} is P{} of frame {}, {:.0f} px", track.id, seen.plane, frame, seen.pixels);
+      fmt::format("T{} is {} of frame {}, {:.0f} px", track.id, plane, frame, seen.pixels);
   if (seen.founding) return name + ": seen for the first time";
   return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from what was known", name, seen.angle_deg,
                      1000 * seen.offset_m);

@@ -30,6 +30,23 @@ void fit_along_rays(ObservedPlane& plane, const InverseSums& rays, const Pose& T
     axis = (axis - axis.dot(plane.normal) * plane.normal).normalized();
 }
 
+/// The result in which minor planes are planes like the others, after them: of what no other took.
+void list_minor(planes::FrameResult& result) {
+  planes::Segmentation& all = result.segmentation;
+  for (std::size_t k = 0; k < all.minor.size(); ++k) {
+    planes::PlaneRegion& plane = all.planes.emplace_back(all.minor[k]);
+    plane.id = static_cast<int>(all.planes.size());
+    for (const std::uint32_t voxel : all.minor_points[k])
+      if (all.plane_of[voxel] == 0) all.plane_of[voxel] = plane.id;
+  }
+  const std::int32_t first = static_cast<std::int32_t>(all.planes.size() - all.minor.size()) + 1;
+  for (std::size_t i = 0; i < result.plane_of.size(); ++i) {
+    const std::uint32_t voxel = result.voxels.voxel_of[i];
+    if (result.plane_of[i] > 0 || voxel == planes::kNoVoxel) continue;
+    if (all.plane_of[voxel] >= first) result.plane_of[i] = all.plane_of[voxel];
+  }
+}
+
 }  // namespace
 
 Moments moments_of(const PlaneFit& fit, const Vec3d axes[2], const Vec3d& origin) {
@@ -69,13 +86,15 @@ void take_frame(ObservedFrame& seen,
 }
 
 ObservedFrame observe(const Frame& frame,
-                      const planes::FrameResult& result,
+                      planes::FrameResult result,
                       const planes::PipelineOptions& options,
                       const Pose& T_world_camera,
                       int segment) {
   ObservedFrame seen;
   take_frame(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
+  const auto listed = static_cast<int>(result.segmentation.planes.size());
+  list_minor(result);
 
   // A frame's own world is upright about the camera: a turn about z and a shift lead to ours.
   const Pose T_world_local = T_world_camera * result.cloud.T_world_sensor.inverse();
@@ -85,6 +104,7 @@ ObservedFrame observe(const Frame& frame,
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
     ObservedPlane& plane = seen.planes.emplace_back();
     plane.id = region.id;
+    plane.minor = region.id > listed;
     plane.label = region.label;
     plane.normal = T_world_local.linear() * region.fit.normal;
     plane.centroid = T_world_local * (result.cloud.origin + region.fit.centroid);

@@ -17,7 +17,8 @@ namespace planescope::world {
 inline double squared(double x) { return x * x; }
 
 struct ObservedPlane {
-  int id = 0;  // in its frame, from 1
+  int id = 0;          // in its frame, from 1
+  bool minor = false;  // R10: found, and too poor to be listed
   Label label = Label::unknown;
   // World [m]:
   Vec3d normal = Vec3d::UnitZ();  // unit; of an h upwards, else to the camera's side
@@ -42,14 +43,14 @@ struct ObservedFrame {
   double max_range_m = 0;  // depths beyond it were left out; 0: none
   planes::NoiseModel noise;
   Image16 plane_of;                   // per pixel: id, 0 none
-  std::vector<ObservedPlane> planes;  // by id - 1
+  std::vector<ObservedPlane> planes;  // by id - 1, the minor ones last
 
   Vec3d camera() const { return T_world_camera.translation(); }
 };
 
 /// Of a depth image, run with the gravity of its pose, so that `result` is upright as the world is.
 ObservedFrame observe(const Frame& frame,
-                      const planes::FrameResult& result,
+                      planes::FrameResult result,
                       const planes::PipelineOptions& options,
                       const Pose& T_world_camera,
                       int segment);

@@ -67,7 +67,8 @@ void add_sightings(const Track& track, Frames& frames) {
       frame.pixels += static_cast<double>(now.pixels);
       if (frames.present[*at + 1].contains(track.id)) frame.kept += static_cast<double>(now.pixels);
     }
-    if (now.part || i == 0 || track.sightings[i - 1].part) continue;
+    if (now.part || now.minor || i == 0) continue;
+    if (track.sightings[i - 1].part || track.sightings[i - 1].minor) continue;
     const std::size_t* before = frames.find(track.sightings[i - 1].frame);
     if (before && frames.are_still(*before, *at)) add_still(track.sightings[i - 1], now, frame);
   }
@@ -145,7 +146,7 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
       const Sighting& now = track.sightings[i];
       const std::size_t* at = frames.find(now.frame);
       const std::size_t* before = frames.find(track.sightings[i - 1].frame);
-      if (!at || !before || now.part || now.founding || *at <= *before + Stability::kAway) continue;
+      if (!at || !before || now.part || now.minor || now.founding || *at <= *before + Stability::kAway) continue;
       ++s.returns;
       returned2 += squared(static_cast<double>(now.offset_m));
     }

@@ -70,6 +70,7 @@ struct Sighting {
   float angle_deg = 0;  // between their normals
   Vec3f normal = Vec3f::Zero(), centroid = Vec3f::Zero();  // observed, world
   bool founding = false;  // of a track, of this one or of one that was merged into it
+  bool minor = false;     // by a plane that is too poor to be listed
   bool part = false;      // another plane of the frame stands for the track, this one too
 };
 

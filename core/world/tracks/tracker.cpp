@@ -139,6 +139,8 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   told.frame = frame.frame;
   told.timestamp_s = frame.timestamp_s;
   told.track_of.assign(frame.planes.size(), 0);
+  const auto minor = std::ranges::find(frame.planes, true, &ObservedPlane::minor);
+  told.listed = static_cast<int>(minor - frame.planes.begin());
 
   std::vector<Judged> judged;
   int there = 0;
@@ -164,7 +166,9 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   aside_ = 0;
   for (const Judged& j : judged) remember(j.sight);
 
-  assign(frame, judged, told);
+  const std::span<const ObservedPlane> planes = frame.planes;
+  assign(frame, planes.first(told.listed), judged, told);
+  assign(frame, planes.subspan(told.listed), judged, told);
   for (Judged& j : judged)
     if (!j.seen) note_absence(frame, j, told);
   merge_equal(frame, told);
@@ -173,21 +177,28 @@ const FrameOfTracks& Tracker::add(const ObservedFrame& frame) {
   return frames_.emplace_back(std::move(told));
 }
 
-void Tracker::assign(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told) {
-  const auto planes = static_cast<int>(frame.planes.size());
-  const auto tracks = static_cast<int>(judged.size());
+void Tracker::assign(const ObservedFrame& frame,
+                     std::span<const ObservedPlane> planes,
+                     std::vector<Judged>& judged,
+                     FrameOfTracks& told) {
+  if (planes.empty()) return;
+  const bool minor = planes.front().minor;
+  std::vector<Judged*> open;  // tracks
+  for (Judged& j : judged)
+    if (!j.seen) open.push_back(&j);
+  const std::size_t columns = planes.size();
   struct Pair {
     double value = 0;
     Vec3d where = Vec3d::Zero();
   };
-  std::vector<Pair> pairs(static_cast<std::size_t>(tracks) * planes);
+  std::vector<Pair> pairs(open.size() * columns);
   std::vector<double> values(pairs.size(), 0);
-  for (int t = 0; t < tracks; ++t)
-    for (int p = 0; p < planes; ++p) {
-      const ObservedPlane& plane = frame.planes[p];
-      const Judged& j = judged[t];
+  for (std::size_t t = 0; t < open.size(); ++t)
+    for (std::size_t p = 0; p < columns; ++p) {
+      const ObservedPlane& plane = planes[p];
+      const Judged& j = *open[t];
       const Sight::On& on = j.sight.on[plane.id];
-      Pair& pair = pairs[static_cast<std::size_t>(t) * planes + p];
+      Pair& pair = pairs[t * columns + p];
       if (on.cells > 0) {
         pair.where = on.sum / on.cells;
         const double covered = std::max(1.0, plane.outline.area_m2 / squared(options_.cell_m));
@@ -196,39 +207,39 @@ void Tracker::assign(const ObservedFrame& frame, std::vector<Judged>& judged, Fr
         if (overlap < options_.least_overlap) continue;
         if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
         pair.value = on.cells / std::max(1.0, j.sight.visible() + covered - on.cells);
-      } else {
+      } else if (!minor) {
         pair.where = plane.centroid;
         if (compare(*j.track, plane, pair.where).failed != Term::none) continue;
-        if (!touch(*j.track, plane.outline)) continue;
+        if (!touch(*j.track, plane)) continue;
         pair.value = 1e-6;  // any overlap wins
       }
-      values[&pair - pairs.data()] = pair.value;
+      values[t * columns + p] = pair.value;
     }
 
-  const std::vector<int> plane_of = planes::best_assignment(values, tracks, planes);
-  for (int t = 0; t < tracks; ++t)
-    if (const int p = plane_of[t]; p >= 0) {
-      told.track_of[p] = judged[t].track->id;
-      judged[t].seen = true;
-      take(*judged[t].track, frame, frame.planes[p],
-           pairs[static_cast<std::size_t>(t) * planes + p].where);
+  const auto give = [&](std::size_t t, std::size_t p) {
+    told.track_of[planes[p].id - 1] = open[t]->track->id;
+    take(*open[t]->track, frame, planes[p], pairs[t * columns + p].where);
+  };
+  const std::vector<int> plane_of =
+      planes::best_assignment(values, static_cast<int>(open.size()), static_cast<int>(columns));
+  for (std::size_t t = 0; t < open.size(); ++t)
+    if (plane_of[t] >= 0) {
+      open[t]->seen = true;
+      give(t, static_cast<std::size_t>(plane_of[t]));
     }
+  if (minor) return;
   // What is left over goes to the track it fits best, as one more part of it.
-  for (int p = 0; p < planes; ++p) {
-    if (told.track_of[p] != 0) continue;
-    int best = -1;
-    for (int t = 0; t < tracks; ++t) {
-      const double value = values[static_cast<std::size_t>(t) * planes + p];
-      if (value > 0 && (best < 0 || value > values[static_cast<std::size_t>(best) * planes + p]))
-        best = t;
+  for (std::size_t p = 0; p < columns; ++p) {
+    if (told.track_of[planes[p].id - 1] != 0) continue;
+    std::optional<std::size_t> best;
+    for (std::size_t t = 0; t < open.size(); ++t) {
+      const double value = values[t * columns + p];
+      if (value > 0 && (!best || value > values[*best * columns + p])) best = t;
     }
-    if (best >= 0) {
-      told.track_of[p] = judged[best].track->id;
-      take(*judged[best].track, frame, frame.planes[p],
-           pairs[static_cast<std::size_t>(best) * planes + p].where);
-    } else {
-      found(frame, frame.planes[p], told);
-    }
+    if (best)
+      give(*best, p);
+    else
+      found(frame, planes[p], told);
   }
 }
 
@@ -242,6 +253,7 @@ void Tracker::take(Track& track,
   sighting.pixels = static_cast<float>(plane.pixels);
   sighting.normal = plane.normal.cast<float>();
   sighting.centroid = plane.centroid.cast<float>();
+  sighting.minor = plane.minor;
   sighting.founding = track.sightings.empty();
   if (!sighting.founding) {
     sighting.part = track.sightings.back().frame == frame.frame;
@@ -251,6 +263,7 @@ void Tracker::take(Track& track,
   }
   if (!sighting.part) ++track.frames_seen;
   track.sightings.push_back(sighting);
+  if (plane.minor) return;  // it is there: more is not believed
   track.fuse(plane, frame.camera());
   if (track.label == Label::unknown) track.label = plane.label;
   track.cells.fill(rings_on_grid(plane.outline, track),
@@ -269,11 +282,13 @@ void Tracker::found(const ObservedFrame& frame, const ObservedPlane& plane, Fram
   told.track_of[plane.id - 1] = track.id;
 }
 
-bool Tracker::touch(const Track& track, const planes::Outline& outline) const {
+bool Tracker::touch(const Track& track, const ObservedPlane& plane) const {
   const int radius = track.cells.index_of(options_.join_gap_m);
-  bool near = false;
+  const Vec2d middle = track.on_grid(plane.centroid);
+  bool near = track.cells.is_near(track.cells.index_of(middle.x()),
+                                  track.cells.index_of(middle.y()), radius);
   int count = 0;
-  track.cells.fill(rings_on_grid(outline, track), [&](int x, int y) {
+  track.cells.fill(rings_on_grid(plane.outline, track), [&](int x, int y) {
     if (!near && ++count % 3 == 0) near = track.cells.is_near(x, y, radius);
   });
   return near;
@@ -287,7 +302,8 @@ void Tracker::note_absence(const ObservedFrame& frame, Judged& judged, const Fra
   if (told.set_aside) gap.why = Absence::set_aside;
   if (gap.why == Absence::not_detected) {
     const int id = judged.sight.most_on();
-    if (id > 0 && 2 * judged.sight.on[id].cells > judged.sight.there) {
+    if (id > 0 && !frame.planes[id - 1].minor &&
+        2 * judged.sight.on[id].cells > judged.sight.there) {
       gap.why = Absence::not_matched;
       gap.plane = id;
       const Sight::On& on = judged.sight.on[id];

@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct FrameOfTracks {
   double agreement = 1;    // share of what was in sight that was where it should be
   int compared_cells = 0;
   std::vector<int> track_of;  // by plane id - 1; 0: none
+  int listed = 0;             // planes; minor ones follow them
 };
 
 /// A piece of a track that is beyond the window now.
@@ -52,13 +54,17 @@ class Tracker {
   struct Judged;
   std::vector<Track*> alive();
   TermResult compare(const Track& track, const ObservedPlane& plane, const Vec3d& where) const;
-  void assign(const ObservedFrame& frame, std::vector<Judged>& judged, FrameOfTracks& told);
+  /// Gives planes, all minor or none, to tracks. Minor ones found none, and nothing joins by them.
+  void assign(const ObservedFrame& frame,
+              std::span<const ObservedPlane> planes,
+              std::vector<Judged>& judged,
+              FrameOfTracks& told);
   void take(Track& track,
             const ObservedFrame& frame,
             const ObservedPlane& plane,
             const Vec3d& where);
   void found(const ObservedFrame& frame, const ObservedPlane& plane, FrameOfTracks& told);
-  bool touch(const Track& track, const planes::Outline& outline) const;
+  bool touch(const Track& track, const ObservedPlane& plane) const;
   void note_absence(const ObservedFrame& frame, Judged& judged, const FrameOfTracks& told);
   void merge_equal(const ObservedFrame& frame, FrameOfTracks& told);
   void merge(Track& from, Track& into, int frame);

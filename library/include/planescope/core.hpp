@@ -340,6 +340,7 @@ class PLANESCOPE_API Segmenter {
   Trace trace(const Frame& frame) const;
 
  private:
+  friend struct detail::Access;
   std::shared_ptr<const detail::SegmenterData> data_;
 };
 

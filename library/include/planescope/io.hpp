@@ -3,6 +3,8 @@
 // Recordings: RealSense and ROS bags (1 and 2), folders of PNGs, RealSense Viewer .raw, clouds.
 
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "planescope/core.hpp"
 
@@ -28,6 +30,9 @@ struct RecordingInfo {
   bool has_color = false;
   std::vector<std::string> warnings;  // what was lost or odd, one line each
 };
+
+struct Map;
+struct MapOptions;
 
 /// Opened once, its frames read in any order. Never written to.
 class PLANESCOPE_API Recording {
@@ -66,8 +71,31 @@ class PLANESCOPE_API Recording {
   Iterator end() const { return {this, size()}; }
 
  private:
+  friend PLANESCOPE_API Map make_map(const Recording& recording,
+                                     const Segmenter& segmenter,
+                                     const MapOptions& options);
   std::shared_ptr<const void> data_;
 };
+
+struct MapOptions {
+  std::string poses;        // a file: TUM, KITTI, Open3D's .log or .json; empty: as the recording
+                            // says, else from its images
+  double window_m = 0;      // edge of the cube about the camera that the map is held in; 0: none
+  std::vector<int> frames;  // ascending; empty: all
+};
+
+/// Planes of the world, and which plane of which frame is which. World: z up [m].
+struct Map {
+  std::string map_json, tracks_json, poses_tum;  // as `planescope map` writes them, byte by byte
+  std::vector<int> pose_frames;                  // whose pose is known
+  std::vector<Transform> T_world_camera;         // of these
+  std::vector<std::string> told;                 // what was odd, one line each
+};
+/// The same for any number of the segmenter's threads. Throws Error where the recording is of
+/// clouds, or no frame has a pose.
+PLANESCOPE_API Map make_map(const Recording& recording,
+                            const Segmenter& segmenter = Segmenter(),
+                            const MapOptions& options = MapOptions());
 
 }  // namespace v0
 }  // namespace planescope

@@ -79,6 +79,24 @@ TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
     EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
 }
 
+TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  const std::size_t tracks = tracker_.tracks().size();
+  const double measured = floor().moments.count;
+  options_.segment.r10_minor.pixels = 1e9;
+  const ObservedFrame minor = look(scene_);
+  const FrameOfTracks& told = tracker_.add(minor);
+  EXPECT_EQ(told.listed, 0);
+  EXPECT_EQ(tracker_.tracks().size(), tracks);
+  EXPECT_EQ(floor().frames_seen, 5);
+  EXPECT_TRUE(floor().sightings.back().minor);
+  EXPECT_TRUE(floor().gaps.empty());
+  EXPECT_EQ(floor().moments.count, measured);
+  Tracker other;
+  other.add(minor);
+  EXPECT_TRUE(other.tracks().empty());
+}
+
 TEST_F(Room, ACoveredCameraLosesNothing) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   const int before = lid().id;
@@ -293,6 +311,12 @@ TEST(Map, OfAWalkIsTheSameForAnyNumberOfThreads) {
   const auto chosen = planes::make_classifier(job.pipeline, {});
   job.classifier = chosen.classifier.get();
   const WorldMap one = map_recording(job);
+  // The noise is that of all frames.
+  EXPECT_EQ(one.noise.samples, 20);
+  EXPECT_LT(one.noise.spread_per_m, one.noise.growth_per_m);
+  job.on_frame = [&](const ObservedFrame& frame, const FrameOfTracks&) {
+    EXPECT_EQ(frame.noise.growth_per_m, one.noise.growth_per_m);
+  };
   job.threads = 3;
   const WorldMap three = map_recording(job);
   EXPECT_EQ(map_json(one, "walk"), map_json(three, "walk"));

@@ -1,0 +1,111 @@
+#include "core/world/files/known_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/model/error.hpp"
+#include "core/model/json.hpp"
+#include "core/model/text.hpp"
+
+namespace planescope::world {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
+
+Json read(const fs::path& file, const char* schema) {
+  if (!fs::exists(file))
+    throw Error(file.string() + ": is missing, expected a folder that planescope map wrote");
+  Json json = read_json<Json>(file, kMostBytes);
+  if (!json.is_object() || json.value("schema", Json()) != schema)
+    throw Error(fmt::format("{}: has not the schema {}", file.string(), schema));
+  return json;
+}
+
+GravitySource source_of(const std::string& name) {
+  for (int i = 0; i <= static_cast<int>(GravitySource::none); ++i)
+    if (to_string(static_cast<GravitySource>(i)) == name) return static_cast<GravitySource>(i);
+  throw Error("no gravity comes from " + shown(name));
+}
+
+void take_map(const Json& json, const planes::PipelineOptions& options, KnownMap& map) {
+  if (json.at("pipeline") != pipeline_key(options))
+    throw Error("its planes were found with other options, expected those of this command");
+  for (const Json& gravity : json.at("gravity")) {
+    SharedGravity& shared = map.gravity.emplace_back();
+    shared.source = source_of(gravity.at("source").get<std::string>());
+    shared.known = shared.source != GravitySource::none;
+    shared.spread_deg = gravity.at("spread_deg").get<double>();
+    shared.samples = whole_int(gravity.at("frames"), "frames");
+    shared.strays = whole_int(gravity.at("strays"), "strays");
+  }
+  map.noise.growth_per_m = json.at("noise").at("growth_per_m").get<double>();
+  if (!(map.noise.growth_per_m >= 0 && map.noise.growth_per_m < 1))
+    throw Error("its noise is no share");
+}
+
+void take_tracks(const Json& json, KnownMap& map) {
+  for (const Json& frame : json.at("frames")) {
+    std::vector<int>& tracks = map.track_of_plane[whole_int(frame.at("frame"), "a frame")];
+    for (const Json& track : frame.at("track_of_plane"))
+      tracks.push_back(whole_int(track, "a track"));
+  }
+}
+
+/// Names the file in what goes wrong.
+template <typename Take>
+void reading(const fs::path& file, const Take& how) {
+  try {
+    how();
+  } catch (const Json::exception& problem) {
+    throw Error(fmt::format("{}: {}, expected what planescope map wrote", file.string(),
+                            json_problem(problem)));
+  } catch (const Error& error) {
+    throw Error(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
+                                               const planes::PipelineOptions& options) {
+  const auto map = std::make_shared<KnownMap>();
+  map->dir = dir;
+  const Json told = read(dir / "map.json", "planescope.map/1");
+  reading(dir / "map.json", [&] { take_map(told, options, *map); });
+  const Json tracks = read(dir / "tracks.json", "planescope.tracks/1");
+  reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
+  map->poses = read_trajectory(dir / "poses.tum");
+  for (const CameraPose& pose : map->poses.poses) {
+    if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))
+      throw Error((dir / "poses.tum").string() + ": does not go with map.json");
+    map->pose_of[pose.frame] = &pose;
+  }
+  return map;
+}
+
+std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recording> recording,
+                                              std::shared_ptr<const KnownMap> map) {
+  return io::with_changed_frames(std::move(recording), [map = std::move(map)](Frame& frame) {
+    const auto pose = map->pose_of.find(frame.index);
+    if (pose == map->pose_of.end())
+      throw Error(fmt::format("frame {}: has no pose in {}", frame.index,
+                              (map->dir / "poses.tum").string()));
+    turn_to_map(frame, {}, *pose->second, *map);
+  });
+}
+
+const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes) {
+  const auto tracks = map.track_of_plane.find(frame);
+  const std::size_t known = tracks == map.track_of_plane.end() ? 0 : tracks->second.size();
+  if (known != planes || tracks == map.track_of_plane.end())
+    throw Error(fmt::format("frame {}: has {}, expected the {} of {}", frame,
+                            counted(planes, "plane"), known, (map.dir / "tracks.json").string()));
+  return tracks->second;
+}
+
+}  // namespace planescope::world
