@@ -5,7 +5,9 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/tracks/map_view.hpp"
 #include "core/lab/synthetic/sequence.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/world/files/map_files.hpp"
 #include "desktop_fixture.hpp"
 
 namespace planescope::desktop {
@@ -62,7 +64,7 @@ TEST_F(Tracks, AreFollowedFromTheButtonAndShownARowEach) {
   EXPECT_GT(track_rows(state()).size(), 5u);
   EXPECT_TRUE(shown("tracks.1"));
   // The window's own run has the planes of the map.
-  EXPECT_EQ(map().told(0)->track_of.size(), state().run()->segmentation.planes.size());
+  EXPECT_EQ(map().told(0)->listed, std::ssize(state().run()->segmentation.planes));
 }
 
 TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
@@ -198,6 +200,34 @@ TEST_F(LabelOnce, TheFloorOfOneFrameIsTheFloorOfOthers) {
   EXPECT_EQ(labelled(), 1u) << state().view.message;
   window.run("label.redo");
   EXPECT_EQ(labelled(), proposed);
+}
+
+TEST_F(LabelOnce, ATrackOfTheMapIsAPlaneOfAllFramesThatSeeIt) {
+  window.run("label.wand", "80,100");
+  window.run("label.accept");
+  const auto by_hand = window.store().labels(0);
+  window.run("map.make");
+  ASSERT_TRUE(state().map());
+  EXPECT_NE(window.refusal("label.spread.track").find("no track is selected"), std::string::npos);
+  const world::Tracker& tracker = state().map()->tracker();
+  const world::Track& track = *world::planes_of_map(tracker).front();
+  window.run("track.show", std::to_string(track.id));
+  window.run("label.spread.track");
+  std::size_t frames = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto labels = window.store().labels(i);
+    if (!labels || labels->planes.empty() || labels->planes.back().origin != LabelOrigin::algorithm)
+      continue;
+    ++frames;
+    EXPECT_EQ(labels->planes.back().id, 2) << "frame " << i;
+    EXPECT_EQ(labels->planes.back().label, track.label);
+  }
+  EXPECT_GT(frames, 8u) << state().view.message;
+  // What was drawn by hand is as it was.
+  EXPECT_EQ(labels::pixels_of_plane(*window.store().labels(0), 1),
+            labels::pixels_of_plane(*by_hand, 1));
+  window.run("label.undo");
+  EXPECT_EQ(labelled(), 1u) << state().view.message;
 }
 
 }  // namespace

@@ -234,6 +234,8 @@ std::vector<Action> label_plane_actions() {
        {}},
       on_frame("label.spread", "Propose the labels in all frames that see their planes",
                "Ctrl+Shift+.", begin_spread),
+      on_frame("label.spread.track", "Propose the selected track in all frames that see it",
+               "Alt+T", begin_spread_of_track),
       on_frame("label.spread.next", "Next of these frames, the most doubtful first", "Alt+U",
                show_next_doubtful),
       next_frame("label.next.unlabelled", "Next frame without labels", "U", "without labels",

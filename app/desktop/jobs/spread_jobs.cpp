@@ -7,9 +7,11 @@
 
 #include "app/desktop/actions/actions.hpp"
 #include "app/desktop/tracks/map_view.hpp"
+#include "core/labels/edit/operations.hpp"
 #include "core/labels/model/label_files.hpp"
 #include "core/model/error.hpp"
 #include "core/model/text.hpp"
+#include "core/world/tracks/track_labels.hpp"
 
 namespace planescope::desktop {
 namespace {
@@ -19,7 +21,7 @@ struct SpreadInputs {
   std::shared_ptr<const MapView> map;
   std::filesystem::path label_dir;
   std::map<int, std::shared_ptr<const FrameLabels>> at_hand;  // of frames that are open
-  int from = 0, frames = 0;
+  int from = 0, track = 0, frames = 0;
 };
 
 labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
@@ -37,6 +39,54 @@ labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
   auto written = labels::read_frame_labels(wanted.label_dir, index, hash);
   made.labels = written ? std::move(*written) : labels::empty_labels(made.grid, hash);
   return made;
+}
+
+/// The highest id of the frame's labels, of those in the window or on disk; 0: it has none.
+int most_id(const SpreadInputs& wanted, int index) {
+  const auto known = wanted.at_hand.find(index);
+  std::optional<FrameLabels> written;
+  if (known == wanted.at_hand.end())
+    written = labels::read_frame_labels(wanted.label_dir, index,
+                                        wanted.map->recording->frame_hash(index));
+  const FrameLabels* labels = written ? &*written : nullptr;
+  if (known != wanted.at_hand.end()) labels = known->second.get();
+  return labels && !labels->planes.empty() ? labels->planes.back().id : 0;
+}
+
+/// The track as one plane, of an id that no frame has, where nothing is labelled yet.
+std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
+                                            const std::stop_token& stop,
+                                            const std::function<void(int, int)>& progress) {
+  const world::Track& track = *wanted.map->track(wanted.track);
+  const auto sees = [&](int frame) {
+    const world::CameraPose* pose = wanted.map->pose(frame);
+    return pose && pose->segment == track.segment;
+  };
+  labels::Paint paint{.plane = 1, .label = track.label, .origin = LabelOrigin::algorithm};
+  std::vector<labels::Proposal> proposals;
+  try {
+    for (int i = 0; i < wanted.frames; ++i)
+      if (sees(i)) paint.plane = std::max(paint.plane, most_id(wanted, i) + 1);
+  } catch (const Error&) {  // a damaged frame says why where it is opened
+  }
+  for (int i = 0; i < wanted.frames; ++i) {
+    if (stop.stop_requested()) throw Cancelled();
+    progress(i + 1, wanted.frames);
+    if (!sees(i)) continue;
+    try {
+      const labels::SpreadFrame frame = open_frame(wanted, i);
+      const world::PixelsOfTrack on =
+          world::pixels_of_track(track, frame.grid, wanted.map->pose(i)->T_world_camera);
+      const FrameLabels labels =
+          labels::painted(frame.labels, frame.grid, on.sure, paint, labels::PaintMode::add);
+      labels::Proposal proposal =
+          labels::proposal_of(i, fmt::format("Propose track T{}", track.id), frame.labels, labels);
+      proposal.doubtful = on.doubtful;
+      if (!proposal.edit.empty()) proposals.push_back(std::move(proposal));
+    } catch (const Error&) {  // likewise
+    }
+  }
+  return proposals;
 }
 
 /// Commits what is proposed, as one step. Frames that were labelled meanwhile are left alone.
@@ -100,8 +150,8 @@ void SpreadJobs::pursue(State& state) {
   if (!spread.running || spread.begun || !open || !open->labels) return;
   spread.begun = asked_ = true;
   const int number = ++number_;
-  SpreadInputs wanted{
-      state.results.map.made, open->label_dir, {}, spread.from, open->recording->frame_count()};
+  SpreadInputs wanted{state.results.map.made,        open->label_dir, {}, spread.from, spread.track,
+                      open->recording->frame_count()};
   for (int i = 0; i < wanted.frames; ++i)
     if (auto labels = open->labels->labels(i)) wanted.at_hand[i] = std::move(labels);
   worker_.cancel();
@@ -125,7 +175,9 @@ void SpreadJobs::pursue(State& state) {
       });
     };
     try {
-      auto proposals = std::make_shared<std::vector<labels::Proposal>>(labels::spread_labels(job));
+      auto proposals = std::make_shared<std::vector<labels::Proposal>>(
+          wanted.track > 0 ? propose_track(wanted, stop, job.progress)
+                           : labels::spread_labels(job));
       finish(number, [wanted, proposals](State& s) {
         try {
           take_proposals(s, wanted, *proposals);

@@ -162,21 +162,42 @@ void begin_carry(State& state, const CarryJob& plan) {
   state.results.label.carry = std::move(job);
 }
 
-void begin_spread(State& state) {
-  const LabelWork work = label_work(state);
+namespace {
+
+SpreadWork& begin_proposing(State& state) {
   const OpenRecording& open = *state.document.current();
-  const int frame = state.document.frame;
-  if (!state.map())
-    throw Error("planes were not followed yet: Ctrl+Shift+M follows them, and tells the poses");
-  if (!state.map()->pose(frame)) throw Error(fmt::format("frame {} has no pose", frame));
-  if (work.labels->planes.empty())
-    throw Error(fmt::format("frame {} has no planes that could be proposed", frame));
   if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
   SpreadWork& spread = state.results.label.spread;
   spread = {};
   spread.running = true;
-  spread.from = frame;
-  spread.total = open.recording->frame_count() - 1;
+  spread.from = state.document.frame;
+  spread.total = open.recording->frame_count();
+  return spread;
+}
+
+void expect_map(const State& state) {
+  if (!state.map())
+    throw Error("planes were not followed yet: Ctrl+Shift+M follows them, and tells the poses");
+}
+
+}  // namespace
+
+void begin_spread(State& state) {
+  const LabelWork work = label_work(state);
+  const int frame = state.document.frame;
+  expect_map(state);
+  if (!state.map()->pose(frame)) throw Error(fmt::format("frame {} has no pose", frame));
+  if (work.labels->planes.empty())
+    throw Error(fmt::format("frame {} has no planes that could be proposed", frame));
+  --begin_proposing(state).total;
+}
+
+void begin_spread_of_track(State& state) {
+  label_work(state);
+  expect_map(state);
+  const int track = state.view.tracks.track;
+  if (!state.map()->track(track)) throw Error("no track is selected: click one in the tab Tracks");
+  begin_proposing(state).track = track;
 }
 
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {

@@ -53,6 +53,8 @@ void begin_carry(State& state, const CarryJob& plan);
 /// Asks for the labels of this frame in all that see its planes. Throws Error where planes were not
 /// followed, or nothing can be proposed.
 void begin_spread(State& state);
+/// The same of the selected track, in all frames.
+void begin_spread_of_track(State& state);
 
 /// A run on the pixels of its frame: -1 where it was cropped or nothing was measured.
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid);

@@ -76,8 +76,9 @@ struct CarryJob {
 /// Labels of one frame, on their way into all frames that see its planes.
 struct SpreadWork {
   bool running = false, begun = false;  // begun: the job knows of it
-  int from = 0;
-  int done = 0, total = 0;                       // frames
+  int from = 0;                         // the frame whose labels are proposed, unless a track is:
+  int track = 0;                        // of the map; 0: none
+  int done = 0, total = 0;              // frames
   std::vector<std::pair<int, double>> doubtful;  // frames it came to, by how much is left open
 };
 

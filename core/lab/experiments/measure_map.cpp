@@ -22,6 +22,7 @@ constexpr double kSamePlane_deg = 10;
 constexpr double kGhost_m2 = 0.01;
 constexpr double kAgain = 0.2;        // share of a map plane that another one covers
 constexpr double kInSight_m2 = 0.04;  // of a true plane in a frame, to be missed there
+constexpr double kSeen_m = 0.02;
 constexpr double kWithin_m = 0.005, kWithin_deg = 0.5;
 
 /// The walk, made once and held in memory.
@@ -72,10 +73,10 @@ PlaceKey place_key(const Vec3d& p, double cell_m) {
 
 /// What happened to one true plane so far.
 struct TrueTrack {
-  int last_seen = -2;       // frame in which it was found
-  int track = 0;            // then
-  bool missed = false;      // in sight since, and not found
-  std::set<PlaceKey> seen;  // places within range, as cubes of 2 cm
+  int last_seen = -2;                  // frame in which it was found
+  int track = 0;                       // then
+  bool missed = false;                 // in sight since, and not found
+  std::set<std::pair<int, int>> seen;  // places on it within range, squares of kSeen_m
 };
 
 class Scoring {
@@ -99,10 +100,9 @@ class Scoring {
         if (const int p = frame.plane_of.at(u, v); p > 0)
           ++votes[static_cast<std::size_t>(p) * (most + 1) + id];
         if (id <= 0 || id > most) continue;
-        const Vec3d p = Vec3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1) * z;
         in_sight_m2[id] += z * z / (k.fx * k.fy);
         if (u % 4 == 0 && v % 4 == 0)
-          true_[id].seen.insert(place_key(*sample.T_world_camera * p, 0.02));
+          see(id, *sample.T_world_camera, Vec3d((u - k.cx) / k.fx, (v - k.cy) / k.fy, 1));
       }
     // The largest found plane stands for a true one.
     struct Found {
@@ -149,6 +149,21 @@ class Scoring {
   }
 
  private:
+  const Surface& surface_of(int plane) const {
+    return *std::ranges::find(walk_.sequence.scene.surfaces, plane, &Surface::plane);
+  }
+
+  /// Where a ray of the camera meets the true plane.
+  void see(int id, const Pose& T_world_camera, const Vec3d& ray) {
+    const Surface& surface = surface_of(id);
+    const Vec3d to = surface.corners[0] - T_world_camera.translation(),
+                along = T_world_camera.linear() * ray;
+    const Vec3d p = along * (surface.normal.dot(to) / surface.normal.dot(along)) - to;
+    const PlaneBasis basis = plane_basis(surface.normal);
+    true_[id].seen.emplace(static_cast<int>(std::floor(basis.u.dot(p) / kSeen_m)),
+                           static_cast<int>(std::floor(basis.v.dot(p) / kSeen_m)));
+  }
+
   /// The true plane that a place is on; 0: none.
   int true_plane_at(const Vec3d& p, const Vec3d& normal) const {
     for (const Surface& s : walk_.sequence.scene.surfaces) {
@@ -194,19 +209,20 @@ class Scoring {
       score_.twice += static_cast<double>(again) > kAgain * static_cast<double>(keys.size());
       for (const PlaceKey& key : keys) taken.insert({id, key});
       covered.insert(id);
-      const auto surface = std::ranges::find(walk_.sequence.scene.surfaces, id, &Surface::plane);
+      const Surface& surface = surface_of(id);
       const double offset =
-          std::abs(surface->normal.dot(T_truth_map * track->centroid() - surface->corners[0]));
-      const double angle = planes::plane_angle_deg(surface->normal, normal);
+          std::abs(surface.normal.dot(T_truth_map * track->centroid() - surface.corners[0]));
+      const double angle = planes::plane_angle_deg(surface.normal, normal);
       score_.planes.push_back({track->id, id, track->sure_area_m2(), offset, angle});
       score_.within += offset <= kWithin_m && angle <= kWithin_deg;
     }
     for (const auto& [id, track] : true_) {
       if (track.seen.empty()) continue;
       ++score_.true_tracks;
-      if (static_cast<double>(track.seen.size()) * 0.02 * 0.02 < MapScore::kLeastSeen_m2) continue;
+      const double seen_m2 = static_cast<double>(track.seen.size()) * kSeen_m * kSeen_m;
+      if (seen_m2 < MapScore::kLeastSeen_m2) continue;
       ++score_.true_planes;
-      score_.missing += !covered.contains(id);
+      if (!covered.contains(id)) score_.missing.emplace_back(id, seen_m2);
     }
   }
 
@@ -290,7 +306,7 @@ Table map_table(const std::vector<MapScore>& scores, const std::vector<std::stri
   row("breaks per 100",
       [](const S& s) { return fixed(100.0 * s.breaks / std::max(1, s.true_tracks), 1); });
   row("true planes", [](const S& s) { return fmt::format("{}", s.true_planes); });
-  row("missing", [](const S& s) { return fmt::format("{}", s.missing); });
+  row("missing", [](const S& s) { return fmt::format("{}", s.missing.size()); });
   row("covered twice", [](const S& s) { return fmt::format("{}", s.twice); });
   row("ghosts", [](const S& s) { return fmt::format("{}", s.ghosts); });
   row("offset p95 [mm]",
@@ -307,12 +323,17 @@ Table map_table(const std::vector<MapScore>& scores, const std::vector<std::stri
 Table map_planes_table(const MapScore& score) {
   Table table;
   table.title = "Planes of the map";
-  table.note = "The true plane that most of each is on; none: a ghost.";
+  table.note =
+      "The true plane that most of each is on; none: a ghost. Of a missing one, the area that was "
+      "in "
+      "sight.";
   table.columns = {"track", "true plane", "area [m2]", "offset [mm]", "angle [deg]"};
   for (const MapScore::Plane& plane : score.planes)
     table.rows.push_back(
         {fmt::format("{}", plane.track), plane.truth > 0 ? fmt::format("{}", plane.truth) : "none",
          fixed(plane.area_m2, 3), fixed(1000 * plane.offset_m, 1), fixed(plane.angle_deg, 2)});
+  for (const auto& [truth, seen_m2] : score.missing)
+    table.rows.push_back({"missing", fmt::format("{}", truth), fixed(seen_m2, 3), "", ""});
   return table;
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/lab/bench/table.hpp"
@@ -21,7 +22,8 @@ struct MapScore {
   int breaks = 0;  // frames in a row in which one is in sight and not found, found on both sides
   // The map. A true plane counts where more than kLeastSeen of it was in sight.
   static constexpr double kLeastSeen_m2 = 0.04;
-  int true_planes = 0, missing = 0;
+  int true_planes = 0;
+  std::vector<std::pair<int, double>> missing;  // ids, and how much was in sight [m2]
   int twice = 0;   // map planes that cover again what a larger one covers
   int ghosts = 0;  // map planes over 100 cm2 that are on no true plane
   struct Plane {

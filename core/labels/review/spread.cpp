@@ -59,21 +59,15 @@ class Spreading {
     } catch (const Error&) {
       return std::nullopt;  // says why where it is opened
     }
-    Proposal proposal;
-    FrameLabels labels = carry(before, here, before.at.labels, here.at.labels, proposal);
+    std::size_t doubtful = 0;
+    FrameLabels labels = carry(before, here, before.at.labels, here.at.labels, doubtful);
     const FrameLabels unseen = without_those_of(first_.at.labels, labels);
     if (&before != &first_ && !unseen.planes.empty())
-      labels = carry(first_, here, unseen, labels, proposal);
-    proposal.edit = make_edit(frame, fmt::format("Propose labels of frame {}", job_.from),
-                              here.at.labels, labels);
-    if (!proposal.edit.empty()) {
-      proposal.blank = here.at.labels;
-      proposal.blank.planes.clear();
-      proposal.blank.review.clear();
-      proposal.blank.plane = Image16();
-      proposal.blank.hv = Image8();
-      proposals_.push_back(std::move(proposal));
-    }
+      labels = carry(first_, here, unseen, labels, doubtful);
+    Proposal proposal = proposal_of(frame, fmt::format("Propose labels of frame {}", job_.from),
+                                    here.at.labels, labels);
+    proposal.doubtful = doubtful;
+    if (!proposal.edit.empty()) proposals_.push_back(std::move(proposal));
     here.at.labels = std::move(labels);
     return here;
   }
@@ -82,16 +76,12 @@ class Spreading {
                     const Source& to,
                     const FrameLabels& labels,
                     const FrameLabels& existing,
-                    Proposal& proposal) const {
+                    std::size_t& doubtful) const {
     CarryOptions options;
     options.T_to_from = to.T_world_camera.inverse() * from.T_world_camera;
     const CarriedLabels carried = carry_labels(from.at.frame, from.at.grid, labels, to.at.frame,
                                                to.at.grid, existing, options, job_.stop);
-    for (const CarriedPlane& plane : carried.planes) {
-      proposal.doubtful += plane.doubtful;
-      if (plane.pixels > 0)
-        proposal.least_confidence = std::min(proposal.least_confidence, plane.confidence);
-    }
+    for (const CarriedPlane& plane : carried.planes) doubtful += plane.doubtful;
     return carried.labels;
   }
 
@@ -102,6 +92,20 @@ class Spreading {
 };
 
 }  // namespace
+
+Proposal proposal_of(int frame,
+                     std::string title,
+                     const FrameLabels& before,
+                     const FrameLabels& after) {
+  Proposal proposal;
+  proposal.edit = make_edit(frame, std::move(title), before, after);
+  proposal.blank = before;
+  proposal.blank.planes.clear();
+  proposal.blank.review.clear();
+  proposal.blank.plane = Image16();
+  proposal.blank.hv = Image8();
+  return proposal;
+}
 
 std::vector<Proposal> spread_labels(const SpreadJob& job) { return Spreading(job).run(); }
 

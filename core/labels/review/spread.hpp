@@ -33,11 +33,15 @@ struct SpreadJob {
 
 /// What is proposed in a frame.
 struct Proposal {
-  LabelEdit edit;               // of the frame's labels as they were
-  FrameLabels blank;            // of the frame, without images: what it is
-  std::size_t doubtful = 0;     // pixels that are left open
-  double least_confidence = 1;  // of its planes
+  LabelEdit edit;            // of the frame's labels as they were
+  FrameLabels blank;         // of the frame, without images: what it is
+  std::size_t doubtful = 0;  // pixels that are left open
 };
+
+Proposal proposal_of(int frame,
+                     std::string title,
+                     const FrameLabels& before,
+                     const FrameLabels& after);
 
 /// Goes on from the labelled frame to both ends, each frame from the one before it and, for planes
 /// that were out of sight there, from the labelled frame: cut to the frame's own depth, around

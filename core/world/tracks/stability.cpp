@@ -146,7 +146,9 @@ Stability stability_of(const Tracker& tracker, std::span<const CameraPose> poses
       const Sighting& now = track.sightings[i];
       const std::size_t* at = frames.find(now.frame);
       const std::size_t* before = frames.find(track.sightings[i - 1].frame);
-      if (!at || !before || now.part || now.minor || now.founding || *at <= *before + Stability::kAway) continue;
+      if (!at || !before || now.part || now.minor || now.founding ||
+          *at <= *before + Stability::kAway)
+        continue;
       ++s.returns;
       returned2 += squared(static_cast<double>(now.offset_m));
     }

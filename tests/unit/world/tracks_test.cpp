@@ -9,6 +9,7 @@
 #include "core/lab/synthetic/sequence.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/world/files/map_files.hpp"
+#include "core/world/tracks/track_labels.hpp"
 #include "support/temp_dir.hpp"
 
 namespace planescope::world {
@@ -95,6 +96,28 @@ TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
   Tracker other;
   other.add(minor);
   EXPECT_TRUE(other.tracks().empty());
+}
+
+TEST_F(Room, LabelsFromTheMapAreWhatAFrameMeasuresOfATrack) {
+  for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
+  camera_.position.y() = 0.3;
+  lab::D435Model model;
+  model.intrinsics = lab::d435_intrinsics(160, 120);
+  model.noise = model.color = false;
+  const Frame frame = lab::render_scene(scene_, camera_, model, 1);
+  const labels::LabelGrid grid = labels::make_label_grid(frame, Gravity{});
+  const Pose pose = lab::pose_of(camera_);
+  const PixelsOfTrack found = pixels_of_track(lid(), grid, pose);
+  const auto on_lid = [&](std::uint32_t i) {
+    const Vec3d p = pose * grid.points[i].cast<double>();
+    return grid.measured[i] && p.x() < 1.3 && std::abs(p.z() - 0.3) < 0.003;
+  };
+  std::size_t all = 0;
+  for (std::uint32_t i = 0; i < grid.pixels(); ++i) all += on_lid(i);
+  const auto right = static_cast<std::size_t>(std::ranges::count_if(found.sure, on_lid));
+  EXPECT_GT(right, 9 * all / 10);
+  EXPECT_GT(right, 98 * found.sure.size() / 100);
+  EXPECT_LT(found.doubtful, all / 10);
 }
 
 TEST_F(Room, ACoveredCameraLosesNothing) {
