@@ -105,9 +105,11 @@ double number_of(std::string_view text) {
 }  // namespace
 
 Moment moment_of(const Track& track, int frame) {
-  const auto sighting = std::ranges::lower_bound(track.sightings, frame, {}, &Sighting::frame);
-  if (sighting != track.sightings.end() && sighting->frame == frame)
-    return {Moment::Kind::seen, &*sighting, nullptr};
+  const auto [first, end] = std::ranges::equal_range(track.sightings, frame, {}, &Sighting::frame);
+  if (first != end) {
+    const auto listed = std::ranges::find(first, end, false, &Sighting::minor);
+    return {Moment::Kind::seen, listed != end ? &*listed : &*first, nullptr};
+  }
   if (frame < track.born) return {Moment::Kind::unborn, nullptr, nullptr};
   if (track.ended >= 0 && frame > track.ended) return {Moment::Kind::ended, nullptr, nullptr};
   for (const Gap& gap : track.gaps)
@@ -134,9 +136,11 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
       break;
   }
   const Sighting& seen = *moment.sighting;
-  const std::string plane = seen.minor ? "a minor plane" : fmt::format("P{}", seen.plane);
+  if (seen.minor)
+    return fmt::format("T{} is a minor plane of frame {}, {:.0f} px, too poor to be listed",
+                       track.id, frame, seen.pixels);
   const std::string name =
-      fmt::format("T{} is {} of frame {}, {:.0f} px", track.id, plane, frame, seen.pixels);
+      fmt::format("T{} is P{} of frame {}, {:.0f} px", track.id, seen.plane, frame, seen.pixels);
   if (seen.founding) return name + ": seen for the first time";
   return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from what was known", name, seen.angle_deg,
                      1000 * seen.offset_m);

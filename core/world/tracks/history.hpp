@@ -21,7 +21,8 @@ struct Moment {
   const Sighting* sighting = nullptr;  // where it is seen
   const Gap* gap = nullptr;            // where it is absent
 
-  bool is_miss() const { return gap && world::is_miss(gap->why); }
+  /// No plane of the frame is listed for it, though it is in sight.
+  bool is_miss() const { return gap ? world::is_miss(gap->why) : sighting && sighting->minor; }
 };
 Moment moment_of(const Track& track, int frame);
 

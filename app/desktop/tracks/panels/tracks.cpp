@@ -73,14 +73,16 @@ void draw_row(const Ui& ui,
       draw->AddLine(ImVec2(begin, middle), ImVec2(end, middle), ui.colors.grid, thin);
   }
   const ImU32 color = track_color(ui, view, track);
-  // Frames in a row are one bar.
+  // Frames in a row are one bar, lower where only minor planes stand for it.
   for (std::size_t i = 0; i < track.sightings.size();) {
     std::size_t end = i + 1;
     while (end < track.sightings.size() &&
-           track.sightings[end].frame <= track.sightings[end - 1].frame + 1)
+           track.sightings[end].frame <= track.sightings[end - 1].frame + 1 &&
+           track.sightings[end].minor == track.sightings[i].minor)
       ++end;
     const auto [from, to] = span(track.sightings[i].frame, track.sightings[end - 1].frame);
-    draw->AddRectFilled(ImVec2(from, middle - half), ImVec2(to, middle + half), color);
+    const float low = track.sightings[i].minor ? half / 3 : half;
+    draw->AddRectFilled(ImVec2(from, middle - low), ImVec2(to, middle + low), color);
     i = end;
   }
 }
