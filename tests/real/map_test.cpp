@@ -39,13 +39,14 @@ TEST(RealMap, FloorAndWallOfAPanAreATrackEach) {
   EXPECT_EQ(floor.frames_seen, 40);
   EXPECT_EQ(floor.frames_missed, 0);
   EXPECT_EQ(wall.label, Label::v);
-  EXPECT_GE(wall.frames_seen, 21);
-  EXPECT_LE(wall.frames_missed, 2);
-  EXPECT_GE(map.stability.kept_share, 0.925);
+  EXPECT_GE(wall.frames_seen, 24);
+  EXPECT_EQ(wall.frames_missed, 0);
+  EXPECT_GE(map.stability.kept_share, 0.98);
+  EXPECT_LE(map.stability.breaks, 7.5);
   // The slow stretch, frames 29 to 33.
   EXPECT_GE(map.stability.still_pairs, 8);
-  EXPECT_LE(map.stability.normal_jitter_deg, 0.15);
-  EXPECT_LE(map.stability.offset_jitter_m, 0.002);
+  EXPECT_LE(map.stability.normal_jitter_deg, 0.08);
+  EXPECT_LE(map.stability.offset_jitter_m, 0.0005);
 }
 
 }  // namespace
