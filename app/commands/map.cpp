@@ -48,7 +48,7 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   write_file_text(dir / "poses.tum", world::tum_text(map.poses));
   write_file_text(dir / "tracks.json", world::tracks_json(map, recording));
   write_file_text(dir / "map.json", world::map_json(map, recording));
-  const int last = map.poses.poses.back().segment;
+  const int last = std::max(map.poses.poses.back().segment, map.tracker.frames().back().segment);
   for (int segment = 0; segment <= last; ++segment) {
     const Image8 picture = map_from_above(map, segment);
     if (!picture.empty()) io::write_png(file_of_segment(dir, "map", segment, ".png"), picture);
@@ -80,21 +80,39 @@ class LeftFile {
 
 /// DIR/mesh.ply of each segment, of the frames that went into the map.
 void write_meshes(const MapArgs& args, const world::MapJob& job, const world::WorldMap& map) {
-  const std::vector<world::CameraPose>& poses = map.poses.poses;
-  const auto count = static_cast<int>(poses.size());
   const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
-  for (int segment = 0; segment <= poses.back().segment; ++segment) {
-    const auto fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
-    for (int i = 0; i < count; ++i) {
-      if (job.stop.stop_requested()) throw Cancelled();
-      job.progress("mesh", i + 1, count);
-      if (poses[i].segment != segment) continue;
-      const auto frame = std::ranges::find(told, poses[i].frame, &world::FrameOfTracks::frame);
-      if (frame == told.end() || !frame->has_pose || frame->set_aside) continue;
-      fusion->add(job.recording->frame(poses[i].frame), poses[i].T_world_camera);
-    }
+  const auto count = static_cast<int>(told.size());
+  std::unique_ptr<io::SurfaceFusion> fusion;
+  const auto finish = [&](int segment) {
     const fs::path file = file_of_segment(args.out, "mesh", segment, ".ply");
-    if (!fusion->write_ply(file)) notice("{}: not written, there is no surface", file.string());
+    if (!fusion || !fusion->write_ply(file))
+      notice("{}: not written, there is no surface", file.string());
+    fusion.reset();
+  };
+  for (int i = 0; i < count; ++i) {
+    if (job.stop.stop_requested()) throw Cancelled();
+    job.progress("mesh", i + 1, count);
+    if (i > 0 && told[i].segment != told[i - 1].segment) finish(told[i - 1].segment);
+    const auto pose = std::ranges::find(map.poses.poses, told[i].frame, &world::CameraPose::frame);
+    if (!told[i].has_pose || told[i].set_aside || pose == map.poses.poses.end()) continue;
+    if (!fusion)
+      fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
+    fusion->add(job.recording->frame(told[i].frame), pose->T_world_camera);
+  }
+  finish(told.back().segment);
+}
+
+/// Throws what write_meshes() would, before any work is done; removes meshes of an earlier map.
+void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
+  if (args.mesh_voxel_m > 0) {
+    io::make_surface_fusion(args.mesh_voxel_m, 0);
+    if (info.intrinsics.distortion != Distortion::none)
+      throw Error(info.path.string() +
+                  ": has lens distortion, which --mesh does not take: Open3D's camera has none");
+  }
+  std::error_code absent;
+  for (int segment = 0; fs::remove(file_of_segment(args.out, "mesh", segment, ".ply"), absent);
+       ++segment) {
   }
 }
 
@@ -160,7 +178,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     return 0;
   }
   if (!args.join.empty()) join_shards(args.join, job);
-  if (args.mesh_voxel_m > 0) io::make_surface_fusion(args.mesh_voxel_m, 0);  // throws now
+  expect_meshes(args, job.recording->info());
   LeftFile left(args.out / "left.jsonl");
   job.on_left = [&](const world::LeftPiece& piece) { left(piece); };
   job.progress = StageBar("map");
@@ -201,7 +219,8 @@ void define_map(CLI::App& app, Line& line) {
       "left.jsonl. Default 0: no limit")
       ->check(number(0));
   add(map, "--mesh", args->mesh_voxel_m, "M",
-      "Also mesh.ply, the frames' depth fused by Open3D (TSDF) in voxels of M metres")
+      "Also mesh.ply, the frames' depth fused by Open3D (TSDF) in voxels of M metres; of cameras "
+      "without lens distortion")
       ->check(number(0.001, 1));
   map->add_flag("--follow", args->follow,
                 "Frames come at the recording's own rate; writes pace.json. Needs poses");
@@ -212,8 +231,8 @@ void define_map(CLI::App& app, Line& line) {
   add(map, "--join", args->join, "DIR", "Take the planes from where --shard wrote them");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {
-    if (args->shard.count > 1 && (args->follow || !args->join.empty()))
-      throw Error("map: --shard goes neither with --follow nor with --join");
+    if (args->shard.count > 1 && (args->follow || !args->join.empty() || args->mesh_voxel_m > 0))
+      throw Error("map: --shard goes with none of --follow, --join and --mesh");
   });
 }
 

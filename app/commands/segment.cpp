@@ -109,8 +109,9 @@ WrittenFrame write_frame(const OpenInput& input,
   return written;
 }
 
-/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply} for each frame. All or
-/// nothing on an Error; the frames done so far, and Cancelled, on a stop. Returns the exit code.
+/// Writes DIR/frames/000000/{planes.json,timings.json,planes.png,cloud.ply}, with --map tracks.png,
+/// for each frame. All or nothing on an Error; the frames done so far, and Cancelled, on a stop.
+/// Returns the exit code.
 int run_segment(const SegmentArgs& args, std::stop_token stop) {
   if (args.input.inputs.size() > 1)
     throw Error(fmt::format("segment takes one recording, {} are given", args.input.inputs.size()));
@@ -124,12 +125,12 @@ int run_segment(const SegmentArgs& args, std::stop_token stop) {
   std::vector<std::string> lines, refused;
   std::shared_ptr<const world::KnownMap> map;
   if (!args.map.empty()) {
-    map = world::read_known_map(args.map, pipeline);
+    map = world::read_known_map(args.map, input.recording->info(), pipeline);
     input.recording = world::with_map(input.recording, map);
-    pipeline.gravity.none_where_unknown = true;
+    pipeline = world::options_of_map(pipeline);
     std::erase_if(input.frames, [&](int frame) {
-      if (map->pose_of.contains(frame)) return false;
-      refused.push_back(fmt::format("frame {}: has no pose in {}", frame, args.map.string()));
+      if (map->knows(frame)) return false;
+      refused.push_back(fmt::format("frame {}: is not in the map {}", frame, args.map.string()));
       return true;
     });
   }

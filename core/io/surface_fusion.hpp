@@ -15,8 +15,9 @@ class SurfaceFusion {
   virtual ~SurfaceFusion() = default;
   /// Throws Error where the camera is of a kind that it does not take.
   virtual void add(const Frame& frame, const Pose& T_world_camera) = 0;
-  /// The mesh so far, PLY, coloured where images had colour that lies on their depth. Whole or not
-  /// at all. False, and nothing written, where there is none. Throws Error naming the file.
+  /// The mesh so far, PLY; coloured where the first image has colour that lies on its depth, black
+  /// where a later one has none. Whole or not at all. False, and nothing written, where there is
+  /// none. Throws Error naming the file.
   virtual bool write_ply(const std::filesystem::path& file) const = 0;
 };
 

@@ -157,6 +157,13 @@ Pace keep_pace(const MapJob& job, const std::function<void(int)>& work) {
 
 }  // namespace
 
+planes::PipelineOptions options_of_map(planes::PipelineOptions options) {
+  if (options.gravity.mode != planes::GravityMode::none)
+    options.gravity.mode = planes::GravityMode::automatic;
+  options.gravity.none_where_unknown = true;
+  return options;
+}
+
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
@@ -164,16 +171,18 @@ planes::PipelineOptions turn_to_map(Frame& frame,
   const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
   if (gravity.known && options.gravity.mode != planes::GravityMode::none)
     frame.gravity = gravity_at(pose.T_world_camera, gravity);
-  if (frame.gravity) options.gravity.mode = planes::GravityMode::automatic;
-  options.gravity.none_where_unknown = true;
   frame.noise_growth_per_m = upright.noise.growth_per_m;
-  return options;
+  return options_of_map(std::move(options));
 }
 
 namespace {
 
 /// As frames spread over the recording have it.
 SharedNoise noise_of_frames(const MapJob& job, const UprightPoses& upright) {
+  const planes::NoiseOptions& options_of_noise = job.pipeline.segment.noise;
+  if (job.pipeline.method != planes::Method::ours || !options_of_noise.estimate_sigma ||
+      !options_of_noise.sigma_by_range)
+    return {};
   const std::vector<CameraPose>& poses = upright.poses.poses;
   const auto count = static_cast<int>(poses.size());
   const int looked = std::min(count, kNoiseFrames);
@@ -181,6 +190,7 @@ SharedNoise noise_of_frames(const MapJob& job, const UprightPoses& upright) {
   work_through(
       looked, job.threads,
       [&](int i) {
+        if (job.stop.stop_requested()) return;
         const CameraPose& pose = poses[static_cast<std::size_t>(i) * count / looked];
         try {
           Frame frame = job.recording->frame(pose.frame);

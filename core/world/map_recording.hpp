@@ -61,14 +61,18 @@ struct WorldMap : UprightPoses {
   std::optional<Pace> pace;  // where it was made at the recording's own rate
 };
 
-/// Gives the frame the map's gravity and noise, where they are known and asked for. Returns the
-/// options with which its planes are those that the map knows.
+/// The options with which a frame that was turned to a map has the planes that the map knows.
+planes::PipelineOptions options_of_map(planes::PipelineOptions options);
+
+/// Gives the frame the map's gravity and noise, where they are known and asked for. Returns
+/// options_of_map().
 planes::PipelineOptions turn_to_map(Frame& frame,
                                     planes::PipelineOptions options,
                                     const CameraPose& pose,
                                     const UprightPoses& upright);
 
-/// SHA-256 of the options that a frame's planes follow from.
+/// SHA-256 of the options that a frame's planes follow from; of a classifier's weights, the name
+/// alone.
 std::string pipeline_key(const planes::PipelineOptions& options);
 
 /// Throws Error where the recording is of clouds, or no frame has a pose; Cancelled when stopped.

@@ -644,6 +644,10 @@ def make_map(
     """
     if not isinstance(recording, Recording):
         raise Error(f"recording: {type(recording).__name__}, expected a planescope.Recording")
+    if frames is not None and (len(frames) == 0 or any(frame != int(frame) for frame in frames)):
+        raise Error(f"frames: {frames!r}, expected whole numbers, at least one")
+    if poses is not None and not os.fspath(poses):
+        raise Error("poses: '', expected a file")
     return Map(
         _core.make_map(
             recording._core,

@@ -127,7 +127,7 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
     EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
     return refused.err;
   };
-  EXPECT_NE(refusal({"--max-range", "2"}).find("other options, poses or gravity"),
+  EXPECT_NE(refusal({"--max-range", "2"}).find("other options, poses, gravity or noise"),
             std::string::npos);
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
   write_file_text(part, "damaged");
@@ -147,7 +147,7 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   };
   const Ran ran = segment({"--frames", "8:"});
   ASSERT_EQ(ran.code, 0) << ran.err;
-  EXPECT_NE(ran.err.find("refused: frame 10: has no pose in "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("refused: frame 10: is not in the map "), std::string::npos) << ran.err;
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   for (const int frame : {8, 9}) {
     const fs::path folder = dir / "planes" / "frames" / fmt::format("{:06}", frame);
@@ -168,11 +168,25 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
     return refused.err;
   };
   EXPECT_NE(refusal({"--max-range", "2"}).find("found with other options"), std::string::npos);
-  EXPECT_NE(refusal({"--frames", "11"}).find("has no pose in "), std::string::npos);
+  const fs::path other = dir / "other";
+  fs::copy(walk, other, fs::copy_options::recursive);
+  const Ran refused = run({"segment", other.string(), "-o", (dir / "x").string(), "--map", known});
+  EXPECT_NE(refused.err.find("is of the recording \"walk\", expected \"other\""), std::string::npos)
+      << refused.err;
+  EXPECT_NE(refusal({"--frames", "11"}).find("is not in the map "), std::string::npos);
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
   EXPECT_NE(refusal({}).find("tracks.json: "), std::string::npos);
   fs::remove(dir / "out" / "map.json");
   EXPECT_NE(refusal({}).find("map.json: is missing"), std::string::npos);
+}
+
+TEST_F(Map, WithGravityOfItsOwnTellsSegmentTheSamePlanes) {
+  const std::vector<std::string> gravity = {"--gravity", "0,0.85,0.53"};
+  ASSERT_EQ(map(gravity).code, 0);
+  const Ran ran = run({"segment", walk.string(), "-o", (dir / "planes").string(), "--map",
+                       (dir / "out").string(), "--gravity", "0,0.85,0.53"});
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.err.find("refused"), std::string::npos) << ran.err;
 }
 
 TEST_F(Map, OfAReportTellsEachFrameHowItsPlanesFare) {

@@ -72,6 +72,8 @@ class Maps(unittest.TestCase):
             (dict(frames=[40]), "it has 40 of them"),
             (dict(poses=self.walk / "none.tum"), "none.tum"),
             (dict(window_m=-1), "window_m"),
+            (dict(frames=[]), "at least one"),
+            (dict(poses=""), "expected a file"),
         ):
             with self.assertRaisesRegex(ps.Error, why):
                 ps.make_map(ps.Recording(self.walk), **wrong)

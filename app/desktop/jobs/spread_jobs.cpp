@@ -42,7 +42,7 @@ labels::SpreadFrame open_frame(const SpreadInputs& wanted, int index) {
 }
 
 /// The highest id of the frame's labels, of those in the window or on disk; 0: it has none.
-int most_id(const SpreadInputs& wanted, int index) {
+int highest_id(const SpreadInputs& wanted, int index) {
   const auto known = wanted.at_hand.find(index);
   std::optional<FrameLabels> written;
   if (known == wanted.at_hand.end())
@@ -59,16 +59,20 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
                                             const std::function<void(int, int)>& progress) {
   const world::Track& track = *wanted.map->track(wanted.track);
   const auto sees = [&](int frame) {
-    const world::CameraPose* pose = wanted.map->pose(frame);
-    return pose && pose->segment == track.segment;
+    const world::FrameOfTracks* told = wanted.map->told(frame);
+    return told && told->has_pose && !told->set_aside && told->segment == track.segment;
   };
   labels::Paint paint{.plane = 1, .label = track.label, .origin = LabelOrigin::algorithm};
   std::vector<labels::Proposal> proposals;
-  try {
-    for (int i = 0; i < wanted.frames; ++i)
-      if (sees(i)) paint.plane = std::max(paint.plane, most_id(wanted, i) + 1);
-  } catch (const Error&) {  // a damaged frame says why where it is opened
+  for (int i = 0; i < wanted.frames; ++i) {
+    if (stop.stop_requested()) throw Cancelled();
+    try {
+      if (sees(i)) paint.plane = std::max(paint.plane, highest_id(wanted, i) + 1);
+    } catch (const Error&) {  // a damaged frame says why where it is opened
+    }
   }
+  if (paint.plane >= kPlaneIgnore)
+    throw Error("no id is left that a plane could have in all frames");
   for (int i = 0; i < wanted.frames; ++i) {
     if (stop.stop_requested()) throw Cancelled();
     progress(i + 1, wanted.frames);
@@ -81,7 +85,8 @@ std::vector<labels::Proposal> propose_track(const SpreadInputs& wanted,
           labels::painted(frame.labels, frame.grid, on.sure, paint, labels::PaintMode::add);
       labels::Proposal proposal =
           labels::proposal_of(i, fmt::format("Propose track T{}", track.id), frame.labels, labels);
-      proposal.doubtful = on.doubtful;
+      proposal.doubtful = static_cast<std::size_t>(std::ranges::count_if(
+          on.doubtful, [&](std::uint32_t pixel) { return frame.labels.plane.data[pixel] == 0; }));
       if (!proposal.edit.empty()) proposals.push_back(std::move(proposal));
     } catch (const Error&) {  // likewise
     }

@@ -164,14 +164,14 @@ void begin_carry(State& state, const CarryJob& plan) {
 
 namespace {
 
-SpreadWork& begin_proposing(State& state) {
+SpreadWork& begin_proposing(State& state, int frames) {
   const OpenRecording& open = *state.document.current();
   if (!open.labels->read_only().empty()) throw Error(open.labels->read_only());
   SpreadWork& spread = state.results.label.spread;
   spread = {};
   spread.running = true;
   spread.from = state.document.frame;
-  spread.total = open.recording->frame_count();
+  spread.total = frames;
   return spread;
 }
 
@@ -184,12 +184,13 @@ void expect_map(const State& state) {
 
 void begin_spread(State& state) {
   const LabelWork work = label_work(state);
+  const OpenRecording& open = *state.document.current();
   const int frame = state.document.frame;
   expect_map(state);
   if (!state.map()->pose(frame)) throw Error(fmt::format("frame {} has no pose", frame));
   if (work.labels->planes.empty())
     throw Error(fmt::format("frame {} has no planes that could be proposed", frame));
-  --begin_proposing(state).total;
+  begin_proposing(state, open.recording->frame_count() - 1);
 }
 
 void begin_spread_of_track(State& state) {
@@ -197,7 +198,7 @@ void begin_spread_of_track(State& state) {
   expect_map(state);
   const int track = state.view.tracks.track;
   if (!state.map()->track(track)) throw Error("no track is selected: click one in the tab Tracks");
-  begin_proposing(state).track = track;
+  begin_proposing(state, state.document.current()->recording->frame_count()).track = track;
 }
 
 labels::OtherLabels labels_of_run(const debug::Run& run, const labels::LabelGrid& grid) {

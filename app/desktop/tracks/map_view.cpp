@@ -116,7 +116,7 @@ int frame_seen(const MapView& view, const world::Track& track, int from, int dir
 
 int frame_missed(const MapView& view, const world::Track& track, int from, int direction) {
   return frame_where(view, from, direction,
-                     [&](int frame) { return world::moment_of(track, frame).is_miss(); });
+                     [&](int frame) { return world::moment_of(track, frame).is_unlisted(); });
 }
 
 std::vector<int> colors_by_track(const MapView& view, const debug::Run& run) {
@@ -147,11 +147,9 @@ std::vector<render::DrawLines> map_lines(const MapView& view, const debug::Run& 
   const Pose T_scene_map = T->inverse();
   const int frame = run.subject->frame.index;
   for (const world::Track& track : view.tracker().tracks()) {
-    planes::Outline outline = view.outlines[static_cast<std::size_t>(track.id) - 1];
-    if (outline.parts.empty() || track.born > frame) continue;
-    outline.origin = T_scene_map * outline.origin;
-    outline.basis.u = T_scene_map.linear() * outline.basis.u;
-    outline.basis.v = T_scene_map.linear() * outline.basis.v;
+    const planes::Outline& in_map = view.outlines[static_cast<std::size_t>(track.id) - 1];
+    if (in_map.parts.empty() || track.born > frame) continue;
+    const planes::Outline outline = planes::moved(in_map, T_scene_map);
     render::DrawLines lines;
     lines.positions = render::plane_shapes(std::span(&outline, 1), Vec3d::Zero()).front().rings;
     lines.colors.assign(lines.positions.size() / 2, render::plane_color(track.id));

@@ -6,6 +6,7 @@
 #include <open3d/io/TriangleMeshIO.h>
 #include <open3d/pipelines/integration/ScalableTSDFVolume.h>
 
+#include <stdexcept>
 #include <system_error>
 
 #include "core/io/open3d/convert.hpp"
@@ -53,20 +54,24 @@ void Fusion::add(const Frame& frame, const Pose& T_world_camera) {
 
 bool Fusion::write_ply(const std::filesystem::path& file) const {
   if (!volume_) return false;
-  const auto mesh = volume_->ExtractTriangleMesh();
-  if (!mesh || mesh->triangles_.empty()) return false;
-  mesh->ComputeVertexNormals();
   std::filesystem::path unfinished = file;
-  unfinished.replace_extension(".unfinished.ply");
+  unfinished += ".unfinished.ply";
   std::error_code failed;
-  if (::open3d::io::WriteTriangleMesh(unfinished.string(), *mesh))
-    std::filesystem::rename(unfinished, file, failed);
-  else
+  try {
+    const auto mesh = volume_->ExtractTriangleMesh();
+    if (!mesh || mesh->triangles_.empty()) return false;
+    mesh->ComputeVertexNormals();
+    if (::open3d::io::WriteTriangleMesh(unfinished.string(), *mesh))
+      std::filesystem::rename(unfinished, file, failed);
+    else
+      failed = std::make_error_code(std::errc::io_error);
+  } catch (const std::runtime_error&) {  // Open3D's
     failed = std::make_error_code(std::errc::io_error);
+  }
   if (!failed) return true;
   std::error_code ignored;
   std::filesystem::remove(unfinished, ignored);
-  throw Error(file.string() + ": cannot be written");
+  throw Error(file.string() + ": cannot be written: " + failed.message());
 }
 
 }  // namespace

@@ -158,6 +158,7 @@ class Scoring {
     const Surface& surface = surface_of(id);
     const Vec3d to = surface.corners[0] - T_world_camera.translation(),
                 along = T_world_camera.linear() * ray;
+    if (std::abs(surface.normal.dot(along)) < 1e-6) return;
     const Vec3d p = along * (surface.normal.dot(to) / surface.normal.dot(along)) - to;
     const PlaneBasis basis = plane_basis(surface.normal);
     true_[id].seen.emplace(static_cast<int>(std::floor(basis.u.dot(p) / kSeen_m)),
@@ -324,9 +325,7 @@ Table map_planes_table(const MapScore& score) {
   Table table;
   table.title = "Planes of the map";
   table.note =
-      "The true plane that most of each is on; none: a ghost. Of a missing one, the area that was "
-      "in "
-      "sight.";
+      "The true plane that most of each is on; none: a ghost. Of a missing one, the area in sight.";
   table.columns = {"track", "true plane", "area [m2]", "offset [mm]", "angle [deg]"};
   for (const MapScore::Plane& plane : score.planes)
     table.rows.push_back(

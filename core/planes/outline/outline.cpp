@@ -397,6 +397,13 @@ std::vector<Outline> outlines_of(const Frame& frame,
   return outlines;
 }
 
+Outline moved(Outline outline, const Pose& T) {
+  outline.origin = T * outline.origin;
+  outline.basis.u = T.linear() * outline.basis.u;
+  outline.basis.v = T.linear() * outline.basis.v;
+  return outline;
+}
+
 Outline outline_of_points(const Vec3d& origin,
                           const PlaneBasis& basis,
                           std::span<const Vec2d> points,

@@ -37,6 +37,9 @@ struct Outline {
   Vec3d world(const Vec2d& p) const { return origin + p.x() * basis.u + p.y() * basis.v; }
 };
 
+/// In another world: of points X, now at T X.
+Outline moved(Outline outline, const Pose& T);
+
 /// The parts as polygons, unknown holes being holes.
 Polygons polygons_of(const Outline& outline);
 

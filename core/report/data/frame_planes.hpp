@@ -2,6 +2,7 @@
 
 // Everything that a frame's files tell about its planes.
 
+#include <optional>
 #include <vector>
 
 #include "core/planes/foot/footholds.hpp"
@@ -17,7 +18,7 @@ struct FramePlanes {
   std::vector<planes::Outline> outlines;
   std::vector<planes::Foothold> footholds;
   planes::Stairs stairs;
-  std::vector<int> tracks;  // of a map; none where none is known
+  std::optional<std::vector<int>> tracks;  // of a map
 };
 
 FramePlanes frame_planes(const Frame& frame,

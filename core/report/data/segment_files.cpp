@@ -208,7 +208,7 @@ std::string planes_json(const Frame& frame,
     const planes::Foothold& foothold = found.footholds[k];
     Json plane;
     plane["id"] = s.id;
-    if (!found.tracks.empty()) plane["track"] = found.tracks[k];
+    if (found.tracks) plane["track"] = (*found.tracks)[k];
     plane["label"] = to_string(s.label);
     plane["normal"] = vector_json(s.normal);
     plane["centroid"] = vector_json(s.centroid);
@@ -313,8 +313,8 @@ void write_segment_files(const std::filesystem::path& dir,
   write_file_text(dir / "planes.json", planes_json(frame, result, found, options));
   write_plane_files(dir, also, found);
   if (!frame.is_cloud()) io::write_png(dir / "planes.png", plane_image(frame, result));
-  if (!found.tracks.empty())
-    io::write_png(dir / "tracks.png", track_image(frame, result, found.tracks));
+  if (!frame.is_cloud() && found.tracks)
+    io::write_png(dir / "tracks.png", track_image(frame, result, *found.tracks));
   io::write_ply(dir / "cloud.ply", labelled_cloud(frame, result));
 }
 

@@ -36,9 +36,9 @@ Image16 track_image(const Frame& frame,
 /// the file) in the world frame, with label (0 unknown, 1 h, 2 v) and instance (plane id, 0 none).
 PointSet labelled_cloud(const Frame& frame, const planes::FrameResult& result);
 
-/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png, where tracks are known
-/// tracks.png, and `also` those of
-/// plane_formats() into `dir`, which exists. Throws Error naming the file that cannot be written.
+/// Writes planes.json, timings.json, cloud.ply, for depth frames planes.png and, where tracks are
+/// known, tracks.png, and `also` those of plane_formats() into `dir`, which exists. Throws Error
+/// naming the file that cannot be written.
 void write_segment_files(const std::filesystem::path& dir,
                          const Frame& frame,
                          const planes::FrameResult& result,

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/model/error.hpp"
@@ -32,7 +32,16 @@ GravitySource source_of(const std::string& name) {
   throw Error("no gravity comes from " + shown(name));
 }
 
-void take_map(const Json& json, const planes::PipelineOptions& options, KnownMap& map) {
+void take_map(const Json& json,
+              const io::RecordingInfo& recording,
+              const planes::PipelineOptions& options,
+              KnownMap& map) {
+  const std::string name = recording.path.filename().string();
+  if (json.at("recording") != name)
+    throw Error(fmt::format("is of the recording {}, expected {}", json.at("recording").dump(),
+                            shown(name)));
+  if (!json.contains("pipeline"))
+    throw Error("is of an older version, expected one that this version made");
   if (json.at("pipeline") != pipeline_key(options))
     throw Error("its planes were found with other options, expected those of this command");
   for (const Json& gravity : json.at("gravity")) {
@@ -45,14 +54,17 @@ void take_map(const Json& json, const planes::PipelineOptions& options, KnownMap
   }
   map.noise.growth_per_m = json.at("noise").at("growth_per_m").get<double>();
   if (!(map.noise.growth_per_m >= 0 && map.noise.growth_per_m < 1))
-    throw Error("its noise is no share");
+    throw Error(
+        fmt::format("its noise grows by {} per m, expected 0 to 1", map.noise.growth_per_m));
 }
 
 void take_tracks(const Json& json, KnownMap& map) {
   for (const Json& frame : json.at("frames")) {
-    std::vector<int>& tracks = map.track_of_plane[whole_int(frame.at("frame"), "a frame")];
-    for (const Json& track : frame.at("track_of_plane"))
-      tracks.push_back(whole_int(track, "a track"));
+    const auto number = [](const Json& value, const char* what) {
+      return static_cast<int>(whole_number(value, 0, std::numeric_limits<int>::max(), what));
+    };
+    std::vector<int>& tracks = map.track_of_plane[number(frame.at("frame"), "a frame")];
+    for (const Json& track : frame.at("track_of_plane")) tracks.push_back(number(track, "a track"));
   }
 }
 
@@ -72,18 +84,19 @@ void reading(const fs::path& file, const Take& how) {
 }  // namespace
 
 std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
+                                               const io::RecordingInfo& recording,
                                                const planes::PipelineOptions& options) {
   const auto map = std::make_shared<KnownMap>();
   map->dir = dir;
   const Json told = read(dir / "map.json", "planescope.map/1");
-  reading(dir / "map.json", [&] { take_map(told, options, *map); });
+  reading(dir / "map.json", [&] { take_map(told, recording, options, *map); });
   const Json tracks = read(dir / "tracks.json", "planescope.tracks/1");
   reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {
     if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))
       throw Error((dir / "poses.tum").string() + ": does not go with map.json");
-    map->pose_of[pose.frame] = &pose;
+    map->pose_of.emplace(pose.frame, pose);
   }
   return map;
 }
@@ -92,20 +105,17 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
                                               std::shared_ptr<const KnownMap> map) {
   return io::with_changed_frames(std::move(recording), [map = std::move(map)](Frame& frame) {
     const auto pose = map->pose_of.find(frame.index);
-    if (pose == map->pose_of.end())
-      throw Error(fmt::format("frame {}: has no pose in {}", frame.index,
-                              (map->dir / "poses.tum").string()));
-    turn_to_map(frame, {}, *pose->second, *map);
+    if (pose != map->pose_of.end()) turn_to_map(frame, {}, pose->second, *map);
   });
 }
 
 const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes) {
-  const auto tracks = map.track_of_plane.find(frame);
-  const std::size_t known = tracks == map.track_of_plane.end() ? 0 : tracks->second.size();
-  if (known != planes || tracks == map.track_of_plane.end())
+  const std::vector<int>& tracks = map.track_of_plane.at(frame);
+  if (tracks.size() != planes)
     throw Error(fmt::format("frame {}: has {}, expected the {} of {}", frame,
-                            counted(planes, "plane"), known, (map.dir / "tracks.json").string()));
-  return tracks->second;
+                            counted(planes, "plane"), tracks.size(),
+                            (map.dir / "tracks.json").string()));
+  return tracks;
 }
 
 }  // namespace planescope::world

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "planescope.observed/1";
+constexpr const char* kSchema = "planescope.observed/2";
 
 Json vector_bits(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 Vec3d vector_of_bits(const Json& json) {
@@ -169,8 +169,9 @@ ObservedFrame read_observed(const std::filesystem::path& file, const std::string
     const Json json = Json::from_cbor(bytes);
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (json.at("key") != key)
-      throw Error(file.string() +
-                  ": made with other options, poses or gravity, expected those of this command");
+      throw Error(
+          file.string() +
+          ": made with other options, poses, gravity or noise, expected those of this command");
     ObservedFrame frame;
     frame.frame = json.at("frame").get<int>();
     const Json& noise = json.at("noise");

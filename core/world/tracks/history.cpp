@@ -105,11 +105,9 @@ double number_of(std::string_view text) {
 }  // namespace
 
 Moment moment_of(const Track& track, int frame) {
-  const auto [first, end] = std::ranges::equal_range(track.sightings, frame, {}, &Sighting::frame);
-  if (first != end) {
-    const auto listed = std::ranges::find(first, end, false, &Sighting::minor);
-    return {Moment::Kind::seen, listed != end ? &*listed : &*first, nullptr};
-  }
+  const auto sighting = std::ranges::lower_bound(track.sightings, frame, {}, &Sighting::frame);
+  if (sighting != track.sightings.end() && sighting->frame == frame)
+    return {Moment::Kind::seen, &*sighting, nullptr};
   if (frame < track.born) return {Moment::Kind::unborn, nullptr, nullptr};
   if (track.ended >= 0 && frame > track.ended) return {Moment::Kind::ended, nullptr, nullptr};
   for (const Gap& gap : track.gaps)

@@ -22,7 +22,7 @@ struct Moment {
   const Gap* gap = nullptr;            // where it is absent
 
   /// No plane of the frame is listed for it, though it is in sight.
-  bool is_miss() const { return gap ? world::is_miss(gap->why) : sighting && sighting->minor; }
+  bool is_unlisted() const { return gap ? world::is_miss(gap->why) : sighting && sighting->minor; }
 };
 Moment moment_of(const Track& track, int frame);
 

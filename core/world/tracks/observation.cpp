@@ -1,6 +1,8 @@
 #include "core/world/tracks/observation.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/model/inverse_plane.hpp"
 
@@ -94,12 +96,13 @@ ObservedFrame observe(const Frame& frame,
   take_frame(seen, frame, options, T_world_camera, segment);
   seen.noise = result.segmentation.noise;
   const auto listed = static_cast<int>(result.segmentation.planes.size());
+  const double cell_m = options.cloud.voxel_size_m;
+  std::vector<planes::Outline> outlines = planes::outlines_of(frame, result, cell_m);
+  std::ranges::move(planes::minor_outlines_of(result, cell_m), std::back_inserter(outlines));
   list_minor(result);
 
   // A frame's own world is upright about the camera: a turn about z and a shift lead to ours.
   const Pose T_world_local = T_world_camera * result.cloud.T_world_sensor.inverse();
-  std::vector<planes::Outline> outlines =
-      planes::outlines_of(frame, result, options.cloud.voxel_size_m);
   const std::vector<planes::Certainty> certainties = planes::certainties_of(result);
   for (const planes::PlaneRegion& region : result.segmentation.planes) {
     ObservedPlane& plane = seen.planes.emplace_back();
@@ -111,10 +114,7 @@ ObservedFrame observe(const Frame& frame,
     plane.rms_m = region.fit.rms_m();
     plane.certainty = certainties[region.id - 1];
     for (Vec3d& axis : plane.certainty.axes) axis = T_world_local.linear() * axis;
-    plane.outline = std::move(outlines[region.id - 1]);
-    plane.outline.origin = T_world_local * plane.outline.origin;
-    plane.outline.basis.u = T_world_local.linear() * plane.outline.basis.u;
-    plane.outline.basis.v = T_world_local.linear() * plane.outline.basis.v;
+    plane.outline = planes::moved(std::move(outlines[region.id - 1]), T_world_local);
   }
   const Pose T_camera_local = result.cloud.T_world_sensor.inverse();
   std::vector<InverseSums> rays(seen.planes.size());

@@ -105,7 +105,7 @@ struct Track {
       Mat3d::Zero();  // of the slopes along u and v, and of the height at the anchor
   CellMap cells;
 
-  std::vector<Sighting> sightings;
+  std::vector<Sighting> sightings;  // by frame, in it minor ones last
   std::vector<Gap> gaps;
   int frames_seen = 0, frames_missed = 0;
   double left_m2 = 0;  // of what was sure, the area that is beyond the window

@@ -29,10 +29,8 @@ PixelsOfTrack pixels_of_track(const Track& track,
         track.cells.find(track.cells.index_of(place.x()), track.cells.index_of(place.y()));
     if (!cell || !cell->sure()) continue;
     const double cosine = std::abs(normal.dot(grid.normals[i].cast<double>()));
-    if (off <= kSure_m + kSigmas * sigma && cosine >= kSureCosine)
-      found.sure.push_back(i);
-    else
-      ++found.doubtful;
+    const bool is_sure = off <= kSure_m + kSigmas * sigma && cosine >= kSureCosine;
+    (is_sure ? found.sure : found.doubtful).push_back(i);
   }
   return found;
 }

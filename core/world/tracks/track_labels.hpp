@@ -9,8 +9,8 @@ namespace planescope::world {
 
 struct PixelsOfTrack {
   labels::PixelSet sure;
-  std::size_t doubtful = 0;  // at its place, and farther off than noise alone puts them, or at
-                             // another angle
+  labels::PixelSet doubtful;  // at its place, and farther off than noise alone puts them, or at
+                              // another angle
 };
 
 /// Of a depth image at this pose in the track's world.

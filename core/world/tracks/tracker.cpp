@@ -328,7 +328,8 @@ void Tracker::merge_equal(const ObservedFrame& frame, FrameOfTracks& told) {
   const std::vector<Track*> tracks = alive();
   for (Track* small : tracks) {
     // Only what grew in this frame has come to touch anything.
-    if (small->sightings.back().frame != frame.frame) continue;
+    const Sighting& last = small->sightings.back();
+    if (last.frame != frame.frame || last.minor) continue;
     for (Track* large : tracks) {
       if (small == large || small->state != TrackState::alive || large->state != TrackState::alive)
         continue;
@@ -390,7 +391,9 @@ void Tracker::merge(Track& from, Track& into, int frame) {
   std::vector<Sighting> sightings;
   std::merge(into.sightings.begin(), into.sightings.end(), from.sightings.begin(),
              from.sightings.end(), std::back_inserter(sightings),
-             [](const Sighting& a, const Sighting& b) { return a.frame < b.frame; });
+             [](const Sighting& a, const Sighting& b) {
+               return std::pair(a.frame, a.minor) < std::pair(b.frame, b.minor);
+             });
   into.frames_seen = 0;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     sightings[i].part = i > 0 && sightings[i - 1].frame == sightings[i].frame;
