@@ -56,30 +56,53 @@ void write_map(const fs::path& dir, const world::WorldMap& map, const std::strin
   if (map.pace) write_file_text(dir / "pace.json", world::pace_json(*map.pace));
 }
 
-/// DIR/left.jsonl, written as pieces leave; none where nothing did.
+/// DIR/left.jsonl, written as pieces leave, and there once all is done; none where nothing did.
 class LeftFile {
  public:
-  explicit LeftFile(fs::path file) : file_(std::move(file)) {
-    std::error_code absent;
-    fs::remove(file_, absent);  // of an earlier run
+  explicit LeftFile(fs::path file) : file_(std::move(file)), unfinished_(file_) {
+    unfinished_ += ".unfinished";
   }
+  ~LeftFile() {
+    std::error_code absent;
+    if (out_.is_open()) fs::remove(unfinished_, absent);
+  }
+  LeftFile(const LeftFile&) = delete;
+  LeftFile& operator=(const LeftFile&) = delete;
+
   void operator()(const world::LeftPiece& piece) {
     if (piece.outline.parts.empty()) return;
     if (!out_.is_open()) {
       make_output_dir(file_.parent_path());
-      out_.open(file_, std::ios::binary);
+      out_.open(unfinished_, std::ios::binary);
     }
     out_ << world::left_json(piece);
     if (!out_.flush()) throw Error(file_.string() + ": cannot be written");
   }
+  /// The file takes the place of an earlier run's, which goes where nothing left.
+  void finish() {
+    std::error_code failed;
+    if (!out_.is_open()) {
+      fs::remove(file_, failed);
+      return;
+    }
+    out_.close();
+    fs::rename(unfinished_, file_, failed);
+    if (failed) throw Error(file_.string() + ": cannot be written: " + failed.message());
+  }
 
  private:
-  fs::path file_;
+  fs::path file_, unfinished_;
   std::ofstream out_;
 };
 
-/// DIR/mesh.ply of each segment, of the frames that went into the map.
+/// DIR/mesh.ply of each segment, of the frames that went into the map, where it is asked for; those
+/// of an earlier map are removed.
 void write_meshes(const MapArgs& args, const world::MapJob& job, const world::WorldMap& map) {
+  std::error_code absent;
+  for (int segment = 0; fs::remove(file_of_segment(args.out, "mesh", segment, ".ply"), absent);
+       ++segment) {
+  }
+  if (!(args.mesh_voxel_m > 0)) return;
   const std::vector<world::FrameOfTracks>& told = map.tracker.frames();
   const auto count = static_cast<int>(told.size());
   std::unique_ptr<io::SurfaceFusion> fusion;
@@ -102,18 +125,13 @@ void write_meshes(const MapArgs& args, const world::MapJob& job, const world::Wo
   finish(told.back().segment);
 }
 
-/// Throws what write_meshes() would, before any work is done; removes meshes of an earlier map.
+/// Throws what write_meshes() would, before any work is done.
 void expect_meshes(const MapArgs& args, const io::RecordingInfo& info) {
-  if (args.mesh_voxel_m > 0) {
-    io::make_surface_fusion(args.mesh_voxel_m, 0);
-    if (info.intrinsics.distortion != Distortion::none)
-      throw Error(info.path.string() +
-                  ": has lens distortion, which --mesh does not take: Open3D's camera has none");
-  }
-  std::error_code absent;
-  for (int segment = 0; fs::remove(file_of_segment(args.out, "mesh", segment, ".ply"), absent);
-       ++segment) {
-  }
+  if (!(args.mesh_voxel_m > 0)) return;
+  io::make_surface_fusion(args.mesh_voxel_m, 0);
+  if (info.intrinsics.distortion != Distortion::none)
+    throw Error(info.path.string() +
+                ": has lens distortion, which --mesh does not take: Open3D's camera has none");
 }
 
 fs::path observed_file(const fs::path& dir, int frame) {
@@ -184,11 +202,15 @@ int run_map(const MapArgs& args, std::stop_token stop) {
   job.progress = StageBar("map");
   const world::WorldMap map = world::map_recording(job);
   write_map(args.out, map, input.path.filename().string());
-  if (args.mesh_voxel_m > 0) write_meshes(args, job, map);
+  write_meshes(args, job, map);
+  left.finish();
   job.progress = {};
   for (const std::string& line : map.told) notice("{}", line);
   const std::size_t planes = world::planes_of_map(map.tracker).size();
-  fmt::print("{}: {} from {}, poses of {}\n", args.out.string(), counted(planes, "plane"),
+  const auto taken = std::ranges::count_if(
+      map.tracker.frames(), [](const auto& frame) { return frame.has_pose && !frame.set_aside; });
+  const std::string of = taken == std::ssize(input.frames) ? "" : fmt::format("{} of ", taken);
+  fmt::print("{}: {} from {}{}, poses of {}\n", args.out.string(), counted(planes, "plane"), of,
              counted(input.frames.size(), "frame"), map.poses.source);
   if (map.pace)
     fmt::print(
@@ -231,8 +253,9 @@ void define_map(CLI::App& app, Line& line) {
   add(map, "--join", args->join, "DIR", "Take the planes from where --shard wrote them");
   add_method(map, args->input.pipeline);
   runs(map, line, args, run_map, [args] {
-    if (args->shard.count > 1 && (args->follow || !args->join.empty() || args->mesh_voxel_m > 0))
-      throw Error("map: --shard goes with none of --follow, --join and --mesh");
+    if (args->shard.count > 1 && (args->follow || !args->join.empty() || args->mesh_voxel_m > 0 ||
+                                  args->tracks.window_m > 0))
+      throw Error("map: --shard goes with none of --follow, --join, --mesh and --window");
   });
 }
 

@@ -19,6 +19,8 @@ namespace {
 
 constexpr int kGravityFrames = 60;  // looked at, spread over the recording
 constexpr int kNoiseFrames = 20;    // likewise
+constexpr double kMostSame = 0.8;   // share of the poses given that repeat the one before
+constexpr double kLeastKept = 0.2;  // share of pixels on planes that go on in the next frame
 
 void check_stop(const MapJob& job) {
   if (job.stop.stop_requested()) throw Cancelled();
@@ -47,8 +49,18 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
     std::vector<FrameTime> times;
     for (const int index : job.frames) times.push_back({index, job.recording->timestamp_s(index)});
     Trajectory given{job.trajectory->source, {}};
-    for (const auto& pose : poses_of_frames(*job.trajectory, times))
-      if (pose) given.poses.push_back(*pose);
+    int same = 0;
+    for (const auto& pose : poses_of_frames(*job.trajectory, times, job.recording->frame_count())) {
+      if (!pose) continue;
+      same += !given.poses.empty() &&
+              given.poses.back().T_world_camera.isApprox(pose->T_world_camera, 0);
+      given.poses.push_back(*pose);
+    }
+    if (same > kMostSame * static_cast<double>(given.poses.size()))
+      told.push_back(
+          fmt::format("{} of {} have the pose of the frame before: are the times of {} in "
+                      "seconds?",
+                      same, counted(given.poses.size(), "frame"), job.trajectory->source));
     return given;
   }
   if (Trajectory own = own_trajectory(job); !own.poses.empty()) return own;
@@ -341,6 +353,12 @@ WorldMap map_recording(const MapJob& job) {
                                    counted(count, "frame")));
   tell_of_aside(map.tracker, map.told);
   map.stability = stability_of(map.tracker, map.poses.poses);
+  if (map.stability.kept_share < kLeastKept)
+    map.told.push_back(
+        fmt::format("only {:.0f} % of pixels on planes go on in the next frame: frames may be too "
+                    "far apart, or "
+                    "the poses of {} not those of a camera in the world, in metres",
+                    100 * map.stability.kept_share, map.poses.source));
   return map;
 }
 

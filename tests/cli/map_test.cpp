@@ -127,7 +127,7 @@ TEST_F(Map, OfShardsIsTheMapOfOneRun) {
     EXPECT_TRUE(is_one_line(refused.err)) << refused.err;
     return refused.err;
   };
-  EXPECT_NE(refusal({"--max-range", "2"}).find("other options, poses, gravity or noise"),
+  EXPECT_NE(refusal({"--max-range", "2"}).find("other frames, options or poses"),
             std::string::npos);
   const fs::path part = fs::path(parts) / "observed" / "000007.cbor";
   write_file_text(part, "damaged");
@@ -174,10 +174,49 @@ TEST_F(Map, TellsSegmentTheTracksOfItsPlanes) {
   EXPECT_NE(refused.err.find("is of the recording \"walk\", expected \"other\""), std::string::npos)
       << refused.err;
   EXPECT_NE(refusal({"--frames", "11"}).find("is not in the map "), std::string::npos);
+  fs::copy_file(dir / "out" / "poses.tum", dir / "out" / "tracks.json",
+                fs::copy_options::overwrite_existing);
+  EXPECT_NE(refusal({}).find("tracks.json: is not what "), std::string::npos);
   write_file_text(dir / "out" / "tracks.json", "{\"schema\": \"planescope.tracks/1\"}");
   EXPECT_NE(refusal({}).find("tracks.json: "), std::string::npos);
   fs::remove(dir / "out" / "map.json");
   EXPECT_NE(refusal({}).find("map.json: is missing"), std::string::npos);
+}
+
+TEST_F(Map, TellsWherePosesAreOfNoUse) {
+  ASSERT_EQ(map({}).code, 0);
+  std::string kitti, millimetres, still;
+  for (int i = 0; i < 12; ++i) {
+    kitti += "1 0 0 0 0 1 0 0 0 0 1 0\n";
+    millimetres += fmt::format("{} {} 0 0 0 0 0 1\n", i / 15.0, 3000 * i);
+    still += fmt::format("{} 0 0 0 0 0 0 1\n", 1000 * i);
+  }
+  const auto told = [&](const std::string& poses, const std::vector<std::string>& more) {
+    write_file_text(dir / "poses.txt", poses);
+    std::vector<std::string> args = {"--poses", (dir / "poses.txt").string()};
+    args.insert(args.end(), more.begin(), more.end());
+    const Ran ran = map(args);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return ran.err + ran.out;
+  };
+  EXPECT_NE(told(millimetres, {}).find("not those of a camera in the world, in metres"),
+            std::string::npos);
+  EXPECT_NE(told(still, {}).find("are the times of "), std::string::npos);
+  // Poses of the whole recording go with some of its frames as well.
+  EXPECT_NE(told(kitti, {"--frames", "3:8"}).find("5 frames"), std::string::npos);
+}
+
+TEST_F(Map, ThatFailsLeavesTheOneBefore) {
+  ASSERT_EQ(map({"--window", "3"}).code, 0);
+  const auto left = read_file_bytes(dir / "out" / "left.jsonl");
+  write_file_text(dir / "out" / "mesh.ply", "of before");
+  ASSERT_EQ(map({"--poses", (dir / "none.tum").string()}).code, 2);
+  EXPECT_EQ(read_file_bytes(dir / "out" / "left.jsonl"), left);
+  EXPECT_TRUE(fs::exists(dir / "out" / "mesh.ply"));
+  // One that is whole takes its place.
+  ASSERT_EQ(map({}).code, 0);
+  EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));
+  EXPECT_FALSE(fs::exists(dir / "out" / "mesh.ply"));
 }
 
 TEST_F(Map, WithGravityOfItsOwnTellsSegmentTheSamePlanes) {

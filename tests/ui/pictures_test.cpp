@@ -10,6 +10,8 @@
 #include "app/desktop/look.hpp"
 #include "app/desktop/window.hpp"
 #include "core/io/image/png.hpp"
+#include "core/io/recording.hpp"
+#include "core/lab/synthetic/sequence.hpp"
 #include "core/model/error.hpp"
 #include "desktop_fixture.hpp"
 #include "render/step_values.hpp"
@@ -32,10 +34,10 @@ double difference(const Image8& a, const Image8& b) {
 
 /// A window of its own, and what it shows after some actions.
 struct Window {
-  explicit Window(render::Theme theme = render::Theme::dark)
-      : offscreen(themed(theme), 1280, 800, 1) {
+  explicit Window(State state) : offscreen(std::move(state), 1280, 800, 1) {
     settle(offscreen.shell(), offscreen, {});
   }
+  explicit Window(render::Theme theme = render::Theme::dark) : Window(themed(theme)) {}
   static State themed(render::Theme theme) {
     State state = open_state();
     state.view.theme = theme;
@@ -129,6 +131,24 @@ TEST_F(Pictures, ShowTheStepInBothViews) {
   window.after({{"step.goto", "3"}});
   EXPECT_GT(difference(scene, window.panel("view3d")), 0.05);
   EXPECT_GT(difference(image, window.panel("image")), 0.05);
+}
+
+TEST_F(Pictures, ShowTheMapWhateverIsSelected) {
+  const auto walk = scratch_dir() / "walk";
+  lab::SequenceOptions options;
+  options.width = 160;
+  options.height = 120;
+  options.frames = 40;
+  options.color = false;
+  lab::write_sequence(walk, options, 2);
+  State state = open_state(planes::Profile::refined);
+  state.document.recordings[0] = {walk, io::open_recording(walk, {}), walk / "none"};
+  state.view.strip_stopped = true;
+  Window window(std::move(state));
+  window.after({{"map.make", ""}, {"frame.show", "4"}});
+  const Image8 plain = window.panel("view3d");
+  window.after({{"show.map", ""}});
+  EXPECT_GT(difference(plain, window.panel("view3d")), 0.005);
 }
 
 TEST_F(Pictures, ShowRoomForAFootStairsAndWhatCarriesOne) {

@@ -7,6 +7,7 @@
 
 #include "core/model/error.hpp"
 #include "core/model/json.hpp"
+#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {
@@ -40,7 +41,7 @@ void take_map(const Json& json,
   if (json.at("recording") != name)
     throw Error(fmt::format("is of the recording {}, expected {}", json.at("recording").dump(),
                             shown(name)));
-  if (!json.contains("pipeline"))
+  if (!json.contains("files"))
     throw Error("is of an older version, expected one that this version made");
   if (json.at("pipeline") != pipeline_key(options))
     throw Error("its planes were found with other options, expected those of this command");
@@ -90,6 +91,10 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   map->dir = dir;
   const Json told = read(dir / "map.json", "planescope.map/1");
   reading(dir / "map.json", [&] { take_map(told, recording, options, *map); });
+  for (const char* name : {"tracks.json", "poses.tum"})
+    if (const fs::path file = dir / name; sha256_hex_of_file(file) != told.at("files").at(name))
+      throw Error(fmt::format("{}: is not what {} was written with", file.string(),
+                              (dir / "map.json").string()));
   const Json tracks = read(dir / "tracks.json", "planescope.tracks/1");
   reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
   map->poses = read_trajectory(dir / "poses.tum");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/model/sha256.hpp"
 #include "core/model/text.hpp"
 
 namespace planescope::world {
@@ -111,6 +112,10 @@ Json seen_json(const Track& track, const Tracker& tracker) {
   return runs;
 }
 
+std::string sha256_of(const std::string& text) {
+  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
+}
+
 std::string text_of(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -140,6 +145,8 @@ std::string map_json(const WorldMap& map, const std::string& recording) {
   json["schema"] = "planescope.map/1";
   json["recording"] = recording;
   json["pipeline"] = map.pipeline_key;
+  json["files"] = {{"tracks.json", sha256_of(tracks_json(map, recording))},
+                   {"poses.tum", sha256_of(tum_text(map.poses))}};
   json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
   json["gravity"] = Json::array();
   for (std::size_t i = 0; i < map.gravity.size(); ++i) {

@@ -169,9 +169,8 @@ ObservedFrame read_observed(const std::filesystem::path& file, const std::string
     const Json json = Json::from_cbor(bytes);
     if (json.at("schema") != kSchema) throw std::out_of_range("the schema");
     if (json.at("key") != key)
-      throw Error(
-          file.string() +
-          ": made with other options, poses, gravity or noise, expected those of this command");
+      throw Error(file.string() +
+                  ": made with other frames, options or poses, expected those of this command");
     ObservedFrame frame;
     frame.frame = json.at("frame").get<int>();
     const Json& noise = json.at("noise");

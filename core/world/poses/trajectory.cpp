@@ -248,7 +248,8 @@ std::string tum_text(const Trajectory& trajectory) {
 }
 
 std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& trajectory,
-                                                       const std::vector<FrameTime>& frames) {
+                                                       const std::vector<FrameTime>& frames,
+                                                       int recorded) {
   const std::vector<CameraPose>& poses = trajectory.poses;
   std::vector<std::optional<CameraPose>> found(frames.size());
   const auto take = [&](std::size_t i, const CameraPose& pose) {
@@ -263,10 +264,13 @@ std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& traject
       if (const auto at = of_frame.find(frames[i].frame); at != of_frame.end())
         take(i, poses[at->second]);
   } else if (!std::isfinite(poses[0].timestamp_s)) {
-    if (poses.size() != frames.size())
+    // One for each frame that is asked for, or of the recording as a whole.
+    const bool of_all = std::ssize(poses) == recorded;
+    if (!of_all && poses.size() != frames.size())
       throw Error(fmt::format("{}: {} without times, for {}: expected as many", trajectory.source,
                               counted(poses.size(), "pose"), counted(frames.size(), "frame")));
-    for (std::size_t i = 0; i < frames.size(); ++i) take(i, poses[i]);
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      take(i, poses[of_all ? static_cast<std::size_t>(frames[i].frame) : i]);
   } else {
     std::vector<CameraPose> sorted = poses;
     std::ranges::stable_sort(sorted, {}, &CameraPose::timestamp_s);

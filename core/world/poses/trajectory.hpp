@@ -50,13 +50,14 @@ std::string tum_text(const Trajectory& trajectory);
 
 /// Of each of the frames its pose, none where the trajectory has none for it: by the frame's
 /// number, by time (the nearest, no farther than half the usual distance between poses,
-/// interpolated from no others), or by order, of which there must then be as many as frames. Throws
-/// Error where no frame gets a pose.
+/// interpolated from no others), or by order, of which there must then be as many as frames, or as
+/// the recording has. Throws Error where no frame gets a pose.
 struct FrameTime {
   int frame = 0;
   double timestamp_s = 0;
 };
 std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& trajectory,
-                                                       const std::vector<FrameTime>& frames);
+                                                       const std::vector<FrameTime>& frames,
+                                                       int recorded = 0);
 
 }  // namespace planescope::world

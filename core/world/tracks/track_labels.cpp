@@ -9,6 +9,17 @@ namespace {
 constexpr double kSure_m = 0.003, kDoubtful_m = 0.015, kSigmas = 3;
 constexpr double kSureCosine = 0.7;  // of a pixel's normal, smoothed over edges, with the plane's
 
+/// A cell is the track's where its middle is: the plane goes on for up to half a cell.
+bool is_covered(const Track& track, const Vec2d& place) {
+  const double half_m = track.cells.cell_m() / 2;
+  for (const double x : {place.x() - half_m, place.x() + half_m})
+    for (const double y : {place.y() - half_m, place.y() + half_m}) {
+      const Cell* cell = track.cells.find(track.cells.index_of(x), track.cells.index_of(y));
+      if (cell && cell->sure()) return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 PixelsOfTrack pixels_of_track(const Track& track,
@@ -24,10 +35,7 @@ PixelsOfTrack pixels_of_track(const Track& track,
     const double sigma =
         static_cast<double>(grid.sigma_m[i]) * std::abs(normal.dot(seen)) / seen.norm();
     if (off > kDoubtful_m + kSigmas * sigma) continue;
-    const Vec2d place = track.on_grid(p);
-    const Cell* cell =
-        track.cells.find(track.cells.index_of(place.x()), track.cells.index_of(place.y()));
-    if (!cell || !cell->sure()) continue;
+    if (!is_covered(track, track.on_grid(p))) continue;
     const double cosine = std::abs(normal.dot(grid.normals[i].cast<double>()));
     const bool is_sure = off <= kSure_m + kSigmas * sigma && cosine >= kSureCosine;
     (is_sure ? found.sure : found.doubtful).push_back(i);
