@@ -178,7 +178,10 @@ TrackFilter::TrackFilter(const std::string& text) {
       continue;
     }
     const NumberWord* number = find_word(kNumbers, name);
-    if (!number) fail(name, "track, frame, length, missed, gaps, born, segment, area_m2 or rms_mm");
+    if (!number)
+      fail(name,
+           "track, frame, length, missed, gaps, born, segment, area_m2, rms_mm, or one of h, v, "
+           "map, gap, gone, merged alone");
     conditions_.push_back([=](const Tracker&, const Track& track) {
       return comparison->holds(number->value(track), value);
     });

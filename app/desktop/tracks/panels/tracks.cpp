@@ -223,6 +223,8 @@ void draw_tracks(const Ui& ui) {
   const std::vector<const Track*> rows = track_rows(ui.state);
   if (!shown.filter_problem.empty())
     paragraph(ui.colors.bad, shown.filter_problem);
+  else if (rows.empty())
+    paragraph(ui.colors.muted, "No track is as the filter asks.");
   else if (!about.empty())
     paragraph(ui.colors.text, about);
   else
