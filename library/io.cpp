@@ -83,12 +83,8 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
     const world::WorldMap made = world::map_recording(job);
     const std::string name = from.info().path.filename().string();
-    Map map{world::map_json(made, name),
-            world::tracks_json(made, name),
-            world::tum_text(made.poses),
-            {},
-            {},
-            made.told};
+    const world::MapTexts texts = world::map_texts(made, name);
+    Map map{texts.map_json, texts.tracks_json, texts.poses_tum, {}, {}, made.told};
     for (const world::CameraPose& pose : made.poses.poses) {
       map.pose_frames.push_back(pose.frame);
       map.T_world_camera.push_back(detail::transform(pose.T_world_camera));

@@ -45,9 +45,10 @@ fs::path file_of_segment(const fs::path& dir,
 /// DIR/map.json, tracks.json, poses.tum, each whole or not at all.
 void write_map(const fs::path& dir, const world::WorldMap& map, const std::string& recording) {
   make_output_dir(dir);
-  write_file_text(dir / "poses.tum", world::tum_text(map.poses));
-  write_file_text(dir / "tracks.json", world::tracks_json(map, recording));
-  write_file_text(dir / "map.json", world::map_json(map, recording));
+  const world::MapTexts texts = world::map_texts(map, recording);
+  write_file_text(dir / "poses.tum", texts.poses_tum);
+  write_file_text(dir / "tracks.json", texts.tracks_json);
+  write_file_text(dir / "map.json", texts.map_json);
   const int last = std::max(map.poses.poses.back().segment, map.tracker.frames().back().segment);
   for (int segment = 0; segment <= last; ++segment) {
     const Image8 picture = map_from_above(map, segment);
@@ -116,8 +117,8 @@ void write_meshes(const MapArgs& args, const world::MapJob& job, const world::Wo
     if (job.stop.stop_requested()) throw Cancelled();
     job.progress("mesh", i + 1, count);
     if (i > 0 && told[i].segment != told[i - 1].segment) finish(told[i - 1].segment);
-    const auto pose = std::ranges::find(map.poses.poses, told[i].frame, &world::CameraPose::frame);
-    if (!told[i].has_pose || told[i].set_aside || pose == map.poses.poses.end()) continue;
+    const world::CameraPose* pose = world::pose_of(map.poses, told[i].frame);
+    if (!told[i].has_pose || told[i].set_aside || !pose) continue;
     if (!fusion)
       fusion = io::make_surface_fusion(args.mesh_voxel_m, job.pipeline.cloud.max_range_m);
     fusion->add(job.recording->frame(told[i].frame), pose->T_world_camera);

@@ -82,32 +82,47 @@ Trajectory trajectory_of(const MapJob& job, std::vector<std::string>& told) {
   return found;
 }
 
-/// Gravity of frames spread over each segment.
-std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
-  const std::vector<CameraPose>& poses = trajectory.poses;
-  const auto count = static_cast<int>(poses.size());
-  const int looked = std::min(count, kGravityFrames);
-  std::vector<GravitySample> samples(looked);
-  std::vector<int> segments(looked);
-  planes::GravityOptions options = job.pipeline.gravity;
-  options.none_where_unknown = true;
+int looked_at(const Trajectory& trajectory, int most) {
+  return std::min(static_cast<int>(trajectory.poses.size()), most);
+}
+
+/// visit(0, pose) to visit(looked - 1, pose) of frames spread over the recording, side by side;
+/// what cannot be read is told where the frame's turn comes.
+void look_at_some(const MapJob& job,
+                  const Trajectory& trajectory,
+                  int looked,
+                  const char* what,
+                  const std::function<void(int, const CameraPose&)>& visit) {
+  const std::size_t count = trajectory.poses.size();
   work_through(
       looked, job.threads,
       [&](int i) {
-        const CameraPose& pose = poses[static_cast<std::size_t>(i) * count / looked];
-        segments[i] = pose.segment;
-        samples[i].T_world_camera = pose.T_world_camera;
-        samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
+        if (job.stop.stop_requested()) return;
         try {
-          const Frame frame = job.recording->frame(pose.frame);
-          samples[i].gravity = planes::resolve_gravity(frame, options);
-        } catch (const Error&) {  // told where the frame's turn comes
+          visit(i, trajectory.poses[static_cast<std::size_t>(i) * count / looked]);
+        } catch (const Error&) {
         }
       },
       [&](int done, int all) {
         check_stop(job);
-        tell(job, "gravity", done, all);
+        tell(job, what, done, all);
       });
+}
+
+/// Gravity of frames spread over each segment.
+std::vector<SharedGravity> turn_upright_by_frames(const MapJob& job, Trajectory& trajectory) {
+  const int looked = looked_at(trajectory, kGravityFrames);
+  std::vector<GravitySample> samples(looked);
+  std::vector<int> segments(looked);
+  planes::GravityOptions options = job.pipeline.gravity;
+  options.none_where_unknown = true;
+  look_at_some(job, trajectory, looked, "gravity", [&](int i, const CameraPose& pose) {
+    segments[i] = pose.segment;
+    samples[i].T_world_camera = pose.T_world_camera;
+    samples[i].gravity = planes::unknown_gravity({}, "cannot be read");
+    const Frame frame = job.recording->frame(pose.frame);
+    samples[i].gravity = planes::resolve_gravity(frame, options);
+  });
   return turn_upright(trajectory, samples, segments);
 }
 
@@ -195,29 +210,16 @@ SharedNoise noise_of_frames(const MapJob& job, const UprightPoses& upright) {
   if (job.pipeline.method != planes::Method::ours || !options_of_noise.estimate_sigma ||
       !options_of_noise.sigma_by_range)
     return {};
-  const std::vector<CameraPose>& poses = upright.poses.poses;
-  const auto count = static_cast<int>(poses.size());
-  const int looked = std::min(count, kNoiseFrames);
+  const int looked = looked_at(upright.poses, kNoiseFrames);
   std::vector<double> growths(looked, 0);
-  work_through(
-      looked, job.threads,
-      [&](int i) {
-        if (job.stop.stop_requested()) return;
-        const CameraPose& pose = poses[static_cast<std::size_t>(i) * count / looked];
-        try {
-          Frame frame = job.recording->frame(pose.frame);
-          planes::PipelineOptions options = turn_to_map(frame, job.pipeline, pose, upright);
-          options.threads = 1;
-          const planes::NoiseModel noise =
-              planes::run_frame(frame, options, job.classifier).segmentation.noise;
-          if (noise.by_range) growths[i] = noise.growth_per_m;
-        } catch (const Error&) {  // told where the frame's turn comes
-        }
-      },
-      [&](int done, int all) {
-        check_stop(job);
-        tell(job, "noise", done, all);
-      });
+  look_at_some(job, upright.poses, looked, "noise", [&](int i, const CameraPose& pose) {
+    Frame frame = job.recording->frame(pose.frame);
+    planes::PipelineOptions options = turn_to_map(frame, job.pipeline, pose, upright);
+    options.threads = 1;
+    const planes::NoiseModel noise =
+        planes::run_frame(frame, options, job.classifier).segmentation.noise;
+    if (noise.by_range) growths[i] = noise.growth_per_m;
+  });
   std::erase(growths, 0);
   return shared_noise(growths);
 }

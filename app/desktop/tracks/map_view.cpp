@@ -57,11 +57,7 @@ const world::Track* MapView::track(int id) const {
   return track.state == world::TrackState::merged ? nullptr : &track;
 }
 
-const world::CameraPose* MapView::pose(int frame) const {
-  const auto& all = map.poses.poses;
-  const auto at = std::ranges::lower_bound(all, frame, {}, &world::CameraPose::frame);
-  return at != all.end() && at->frame == frame ? &*at : nullptr;
-}
+const world::CameraPose* MapView::pose(int frame) const { return world::pose_of(map.poses, frame); }
 
 const world::FrameOfTracks* MapView::told(int frame) const {
   const auto& all = tracker().frames();

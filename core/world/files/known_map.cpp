@@ -101,7 +101,6 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
   for (const CameraPose& pose : map->poses.poses) {
     if (pose.frame < 0 || pose.segment < 0 || pose.segment >= std::ssize(map->gravity))
       throw Error((dir / "poses.tum").string() + ": does not go with map.json");
-    map->pose_of.emplace(pose.frame, pose);
   }
   return map;
 }
@@ -109,8 +108,8 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
 std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recording> recording,
                                               std::shared_ptr<const KnownMap> map) {
   return io::with_changed_frames(std::move(recording), [map = std::move(map)](Frame& frame) {
-    const auto pose = map->pose_of.find(frame.index);
-    if (pose != map->pose_of.end()) turn_to_map(frame, {}, pose->second, *map);
+    if (const CameraPose* pose = pose_of(map->poses, frame.index))
+      turn_to_map(frame, {}, *pose, *map);
   });
 }
 

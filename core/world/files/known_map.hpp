@@ -14,10 +14,9 @@ namespace planescope::world {
 
 struct KnownMap : UprightPoses {
   std::filesystem::path dir;
-  std::map<int, CameraPose> pose_of;               // by frame
   std::map<int, std::vector<int>> track_of_plane;  // by frame, then by plane id - 1; 0 none
 
-  bool knows(int frame) const { return pose_of.contains(frame) && track_of_plane.contains(frame); }
+  bool knows(int frame) const { return pose_of(poses, frame) && track_of_plane.contains(frame); }
 };
 
 /// Of DIR/map.json, tracks.json and poses.tum. Throws Error naming the file that is missing or

@@ -140,61 +140,7 @@ std::vector<const Track*> planes_of_map(const Tracker& tracker) {
   return planes;
 }
 
-std::string map_json(const WorldMap& map, const std::string& recording) {
-  Json json;
-  json["schema"] = "planescope.map/1";
-  json["recording"] = recording;
-  json["pipeline"] = map.pipeline_key;
-  json["files"] = {{"tracks.json", sha256_of(tracks_json(map, recording))},
-                   {"poses.tum", sha256_of(tum_text(map.poses))}};
-  json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
-  json["gravity"] = Json::array();
-  for (std::size_t i = 0; i < map.gravity.size(); ++i) {
-    const SharedGravity& g = map.gravity[i];
-    json["gravity"].push_back({{"segment", i},
-                               {"source", to_string(g.source)},
-                               {"spread_deg", rounded(g.spread_deg)},
-                               {"frames", g.samples},
-                               {"strays", g.strays}});
-  }
-  json["noise"] = {{"growth_per_m", map.noise.growth_per_m},
-                   {"spread_per_m", map.noise.spread_per_m},
-                   {"frames", map.noise.samples}};
-  const TrackOptions& o = map.tracker.options();
-  json["options"] = {{"cell_m", o.cell_m},
-                     {"max_angle_deg", o.max_angle_deg},
-                     {"max_offset_m", o.max_offset_m},
-                     {"sigmas", o.sigmas},
-                     {"least_overlap", o.least_overlap},
-                     {"join_gap_m", o.join_gap_m},
-                     {"confirm_frames", o.confirm_frames},
-                     {"confirm_share", o.confirm_share},
-                     {"least_area_m2", o.least_area_m2},
-                     {"window_m", o.window_m}};
-  json["stability"] = stability_json(map.stability);
-  json["told"] = map.told;
-  json["planes"] = Json::array();
-  for (const Track* track : planes_of_map(map.tracker))
-    json["planes"].push_back(plane_json(*track));
-  return text_of(json);
-}
-
-std::string left_json(const LeftPiece& piece) {
-  const Json json = {{"track", piece.track},
-                     {"frame", piece.frame},
-                     {"area_m2", rounded(piece.outline.area_m2)},
-                     {"outline", outline_json(piece.outline)}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-std::string pace_json(const Pace& pace) {
-  return text_of({{"schema", "planescope.pace/1"},
-                  {"frames", pace.frames},
-                  {"taken", pace.taken},
-                  {"rate_hz", number(pace.rate_hz)},
-                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
-                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
-}
+namespace {
 
 std::string tracks_json(const WorldMap& map, const std::string& recording) {
   const Tracker& tracker = map.tracker;
@@ -235,6 +181,72 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
     json["tracks"].push_back(std::move(told));
   }
   return text_of(json);
+}
+
+std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
+  Json json;
+  json["schema"] = "planescope.map/1";
+  json["recording"] = recording;
+  json["pipeline"] = map.pipeline_key;
+  json["files"] = {{"tracks.json", sha256_of(others.tracks_json)},
+                   {"poses.tum", sha256_of(others.poses_tum)}};
+  json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
+  json["gravity"] = Json::array();
+  for (std::size_t i = 0; i < map.gravity.size(); ++i) {
+    const SharedGravity& g = map.gravity[i];
+    json["gravity"].push_back({{"segment", i},
+                               {"source", to_string(g.source)},
+                               {"spread_deg", rounded(g.spread_deg)},
+                               {"frames", g.samples},
+                               {"strays", g.strays}});
+  }
+  json["noise"] = {{"growth_per_m", map.noise.growth_per_m},
+                   {"spread_per_m", map.noise.spread_per_m},
+                   {"frames", map.noise.samples}};
+  const TrackOptions& o = map.tracker.options();
+  json["options"] = {{"cell_m", o.cell_m},
+                     {"max_angle_deg", o.max_angle_deg},
+                     {"max_offset_m", o.max_offset_m},
+                     {"sigmas", o.sigmas},
+                     {"least_overlap", o.least_overlap},
+                     {"join_gap_m", o.join_gap_m},
+                     {"confirm_frames", o.confirm_frames},
+                     {"confirm_share", o.confirm_share},
+                     {"least_area_m2", o.least_area_m2},
+                     {"window_m", o.window_m}};
+  json["stability"] = stability_json(map.stability);
+  json["told"] = map.told;
+  json["planes"] = Json::array();
+  for (const Track* track : planes_of_map(map.tracker))
+    json["planes"].push_back(plane_json(*track));
+  return text_of(json);
+}
+
+}  // namespace
+
+MapTexts map_texts(const WorldMap& map, const std::string& recording) {
+  MapTexts texts;
+  texts.poses_tum = tum_text(map.poses);
+  texts.tracks_json = tracks_json(map, recording);
+  texts.map_json = map_json(map, recording, texts);
+  return texts;
+}
+
+std::string left_json(const LeftPiece& piece) {
+  const Json json = {{"track", piece.track},
+                     {"frame", piece.frame},
+                     {"area_m2", rounded(piece.outline.area_m2)},
+                     {"outline", outline_json(piece.outline)}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string pace_json(const Pace& pace) {
+  return text_of({{"schema", "planescope.pace/1"},
+                  {"frames", pace.frames},
+                  {"taken", pace.taken},
+                  {"rate_hz", number(pace.rate_hz)},
+                  {"behind_ms_median", number(1000 * pace.behind_s_median)},
+                  {"behind_ms_most", number(1000 * pace.behind_s_most)}});
 }
 
 std::string stability_text(const Stability& s) {

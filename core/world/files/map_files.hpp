@@ -11,11 +11,15 @@ namespace planescope::world {
 /// The tracks that the map holds, by area, the largest first; those that are gone after the others.
 std::vector<const Track*> planes_of_map(const Tracker& tracker);
 
-/// schema "planescope.map/1". `recording`: its name, as the file tells it.
-std::string map_json(const WorldMap& map, const std::string& recording);
-/// schema "planescope.tracks/1": which plane of which frame is which track, and why a track is
-/// missing where it is.
-std::string tracks_json(const WorldMap& map, const std::string& recording);
+/// What is written of a map.
+struct MapTexts {
+  std::string poses_tum;
+  std::string tracks_json;  // schema "planescope.tracks/1": which plane of which frame is which
+                            // track, and why a track is missing where it is
+  std::string map_json;     // schema "planescope.map/1", with SHA-256 of the two others
+};
+/// `recording`: its name, as the files tell it.
+MapTexts map_texts(const WorldMap& map, const std::string& recording);
 
 /// A line of left.jsonl: a piece of a plane that left the window, as map.json has planes.
 std::string left_json(const LeftPiece& piece);

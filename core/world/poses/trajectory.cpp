@@ -247,6 +247,11 @@ std::string tum_text(const Trajectory& trajectory) {
   return text;
 }
 
+const CameraPose* pose_of(const Trajectory& trajectory, int frame) {
+  const auto at = std::ranges::lower_bound(trajectory.poses, frame, {}, &CameraPose::frame);
+  return at != trajectory.poses.end() && at->frame == frame ? &*at : nullptr;
+}
+
 std::vector<std::optional<CameraPose>> poses_of_frames(const Trajectory& trajectory,
                                                        const std::vector<FrameTime>& frames,
                                                        int recorded) {

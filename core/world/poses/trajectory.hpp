@@ -33,6 +33,9 @@ struct Trajectory {
   std::vector<CameraPose> poses;
 };
 
+/// Null: it has none. Of poses whose frames ascend.
+const CameraPose* pose_of(const Trajectory& trajectory, int frame);
+
 /// By how much a motion turns, 0 to 180.
 double turn_deg(const Pose& motion);
 
