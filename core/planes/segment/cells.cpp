@@ -119,7 +119,9 @@ CellPlanes planes_near_cells(const CellGrid& grid,
   std::vector<std::int32_t> own;
   for (std::size_t c = 0; c < grid.size(); ++c) {
     ++stamp;
-    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i) collect(own, plane_of[i]);
+    std::int32_t last = -1;  // mostly that of the point before
+    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
+      if (plane_of[i] != last) collect(own, last = plane_of[i]);
     own_first.push_back(static_cast<std::uint32_t>(own.size()));
   }
   CellPlanes result;

@@ -54,13 +54,8 @@ Pair pair_by_distance(const SegmentState& state,
 }
 
 bool is_out_of_reach(const SegmentState& state, std::int32_t k, const MeasuredPlane& measured) {
-  const r1_merge_by_distance::Options& options = state.options.r1_merge_by_distance;
-  const GrowingPlane& plane = state.planes[k];
-  const double gap_m = gap_between(plane.bounds, measured.bounds);
-  if (gap_m <= options.near_m) return false;
-  if (measured.sigma_ang < plane.sigma_ang)
-    return gap_m > max_gap_m(plane.sigma_ang, plane.tau_m, options);
-  return gap_m > max_gap_m(measured.sigma_ang, measured.tau_m, options);
+  return are_out_of_reach(state.measured(state.planes[k]), measured,
+                          state.options.r1_merge_by_distance);
 }
 
 std::optional<Pair> compare(const SegmentState& state,

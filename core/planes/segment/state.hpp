@@ -80,10 +80,12 @@ struct SegmentState {
   bool has_label(std::uint32_t i, Label label) const {
     return !options.use_labels || octree.labels[i] == label;
   }
-  /// A growing plane or a candidate, as distance_terms() takes it.
-  template <typename PlaneOrCandidate>
-  MeasuredPlane measured(const PlaneOrCandidate& p) const {
+  /// As distance_terms() takes it.
+  MeasuredPlane measured(const Candidate& p) const {
     return {p.fit, p.moments, p.sigma_ang, tau(p.fit.centroid), p.bounds};
+  }
+  static MeasuredPlane measured(const GrowingPlane& p) {
+    return {p.fit, p.moments, p.sigma_ang, p.tau_m, p.bounds};
   }
   std::int32_t input_index(std::uint32_t i) const {
     return static_cast<std::int32_t>(octree.order[i]);

@@ -75,10 +75,12 @@ struct MeasuredPlane {
   const Moments& moments;
   double sigma_ang = 0;  // normal_uncertainty [rad]
   double tau_m = 0;      // how far off its points may lie, for noise
-  Bounds bounds;         // of its points
+  const Bounds& bounds;  // of its points
 };
-/// How far apart the boxes of two planes may be, by the less sure one's normal and tau [m].
-double max_gap_m(double sigma_ang, double tau_m, const r1_merge_by_distance::Options& options);
+/// By offset or by gap they do not pass, which is told before anything else is computed.
+bool are_out_of_reach(const MeasuredPlane& a,
+                      const MeasuredPlane& b,
+                      const r1_merge_by_distance::Options& options);
 DistanceTerms distance_terms(const MeasuredPlane& a,
                              const MeasuredPlane& b,
                              const r1_merge_by_distance::Options& options);

@@ -195,9 +195,7 @@ void Sight::mark_through(const Block& block) {
     corners[k] = fit_.offset_m() * fit_.normal +
                  (low_.x() + (k % 2 == 0 ? block.x0 : block.x1) * cell_m_) * u_ +
                  (low_.y() + (k / 2 == 0 ? block.y0 : block.y1) * cell_m_) * v_;
-  rays_.visit_through(corners, looked_at_, [&](const Rays::Ray& ray) {
-    if (ray.point < 0 || state_.plane_of[ray.point] != plane_) mark(ray);
-  });
+  rays_.visit_through(corners, looked_at_, [&](const Rays::Ray& ray) { mark(ray); });
 }
 
 std::optional<Vec3d> Sight::passed_at(const Rays::Ray& ray) const {
@@ -205,6 +203,7 @@ std::optional<Vec3d> Sight::passed_at(const Rays::Ray& ray) const {
   const double point_m = fit_.distance_m(measured);
   if (sensor_m_ * point_m >= 0) return std::nullopt;  // before the plane
   if (std::abs(point_m) < ray.behind_m) return std::nullopt;
+  if (ray.point >= 0 && state_.plane_of[ray.point] == plane_) return std::nullopt;
   return state_.sensor + sensor_m_ / (sensor_m_ - point_m) * (measured - state_.sensor);
 }
 
@@ -243,9 +242,12 @@ bool Sight::is_open_between(std::span<const std::uint32_t> a, std::span<const st
   // that faces each other.
   std::uint32_t from = a[0], to = b[0];
   const auto nearest = [&](std::span<const std::uint32_t> part, std::uint32_t point) {
-    return *std::min_element(part.begin(), part.end(), [&](std::uint32_t i, std::uint32_t j) {
-      return (points[i] - points[point]).squaredNorm() < (points[j] - points[point]).squaredNorm();
-    });
+    std::uint32_t found = part[0];
+    float least = INFINITY;
+    for (const std::uint32_t i : part)
+      if (const float off = (points[i] - points[point]).squaredNorm(); off < least)
+        least = off, found = i;
+    return found;
   };
   for (bool changed = true; changed;) {
     const std::uint32_t next_to = nearest(b, from), next_from = nearest(a, next_to);

@@ -106,9 +106,10 @@ DistanceTerms terms_of(const MeasuredPlane& a, const MeasuredPlane& b) {
 TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
   const Moments floor = patch({0, 0, 0}, 0.5), kerb = patch({3, 0, 0.12}, 0.5),
                 flat = patch({3, 0, 0}, 0.5);
-  const auto measured = [](const Moments& m, PlaneFit& fit) {
+  const Bounds anywhere;
+  const auto measured = [&](const Moments& m, PlaneFit& fit) {
     fit = fit_plane(m);
-    return MeasuredPlane{fit, m, 0.001, 0.01, {}};
+    return MeasuredPlane{fit, m, 0.001, 0.01, anywhere};
   };
   PlaneFit a, b, c;
   const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
