@@ -41,8 +41,9 @@ Eigen3 eigen_symmetric(const Mat3d& matrix) {
       }
     }
   }
-  std::array<int, 3> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return a(i, i) < a(j, j); });
+  std::array<int, 3> order{0, 1, 2};  // by value, of equals the first stays first
+  for (const int k : {0, 1, 0})
+    if (a(order[k + 1], order[k + 1]) < a(order[k], order[k])) std::swap(order[k], order[k + 1]);
   Eigen3 result;
   for (int k = 0; k < 3; ++k) {
     result.values[k] = a(order[k], order[k]);
