@@ -10,7 +10,7 @@
 namespace planescope::planes::gcn {
 namespace {
 
-constexpr std::size_t kTiledPoints = 128;  // points whose neighbours are looked for at once
+constexpr std::size_t kTiledPoints = 1024;  // points whose neighbours are looked for at once
 
 float squared_distance(const Vec3f& a, const Vec3f& b) {
   const float x = a.x() - b.x(), y = a.y() - b.y(), z = a.z() - b.z();

@@ -40,29 +40,14 @@ struct Sides {
   double squares = 0;  // about the two
 };
 
-class Corner {
+/// Of one plane after the other.
+class CornerFinder {
  public:
-  Corner(const Pixels& pixels, const Options& options) : pixels_(pixels), options_(options) {
-    InverseSums of_row;
-    up_to_.reserve(pixels.size());
-    for (std::uint32_t i = 0; i < pixels.size(); ++i) {
-      const auto& [ray, w] = pixels[i].seen;
-      if (i == 0 || pixels[i].row != pixels[i - 1].row) {
-        rows_.push_back({i, i, i});
-        of_row = {};
-      }
-      ++rows_.back().end;
-      of_row.add(ray, w);
-      up_to_.push_back(of_row);
-      all_.add(ray, w);
-      middle_ += ray;
-    }
-    middle_.normalize();
-    parted_.reserve(kStarts * (kRounds + 1));
-  }
+  explicit CornerFinder(const Options& options) : options_(options) {}
 
   /// Where two planes that meet fit much better than one.
-  std::optional<Sides> find() {
+  std::optional<Sides> find(const Pixels& pixels) {
+    begin_with(pixels);
     std::optional<Sides> best;
     // Lines through the middle of the picture.
     const Vec3d u = middle_.unitOrthogonal(), v = middle_.cross(u);
@@ -79,6 +64,30 @@ class Corner {
   }
 
  private:
+  void begin_with(const Pixels& pixels) {
+    pixels_ = pixels;
+    rows_.clear();
+    up_to_.clear();
+    parted_.clear();
+    all_ = {};
+    middle_ = Vec3d::Zero();
+    InverseSums of_row;
+    up_to_.reserve(pixels.size());
+    for (std::uint32_t i = 0; i < pixels.size(); ++i) {
+      const auto& [ray, w] = pixels[i].seen;
+      if (i == 0 || pixels[i].row != pixels[i - 1].row) {
+        rows_.push_back({i, i, i});
+        of_row = {};
+      }
+      ++rows_.back().end;
+      of_row.add(ray, w);
+      up_to_.push_back(of_row);
+      all_.add(ray, w);
+      middle_ += ray;
+    }
+    middle_.normalize();
+  }
+
   /// Nothing where one side has too few pixels. Lines that began differently end in the same ones:
   /// what was parted by a line once is remembered.
   std::optional<Sides> part(const Vec3d& edge) {
@@ -161,8 +170,8 @@ class Corner {
     return sides;
   }
 
-  const Pixels& pixels_;
   const Options& options_;
+  std::span<const Pixel> pixels_;
   std::vector<Row> rows_;
   std::vector<InverseSums> up_to_;  // per pixel: of its row, from the first to it
   std::vector<std::pair<Vec3d, std::optional<Sides>>> parted_;  // by edge
@@ -224,19 +233,20 @@ Halves halve(const SegmentState& state,
 /// And what is left of it on either side, for a box may show three faces.
 void part(SegmentState& state,
           const Options& options,
+          CornerFinder& finder,
           std::int32_t plane,
           const Pixels& pixels,
           std::span<const std::uint32_t> points) {
   if (pixels.size() < kLeastPixels) return;
-  const auto sides = Corner(pixels, options).find();
+  const auto sides = finder.find(pixels);
   if (!sides) return;
   const Halves halves = halve(state, sides->edge, pixels, points);
   if (halves.second.size() < kLeastPoints) return;
   const std::int32_t other = found_part(state, stage_of(options), plane, halves.second);
   log_refine(state, options, plane);
   fit_again(state, plane, moments_of(state, halves.first));
-  part(state, options, plane, halves.first_pixels, halves.first);
-  part(state, options, other, halves.second_pixels, halves.second);
+  part(state, options, finder, plane, halves.first_pixels, halves.first);
+  part(state, options, finder, other, halves.second_pixels, halves.second);
 }
 
 }  // namespace
@@ -245,8 +255,9 @@ void run(SegmentState& state, const Options& options) {
   if (!options.on || state.more.pixels.empty()) return;
   const std::vector<Pixels> pixels = pixels_of_planes(state);
   const PlanePoints members = points_by_plane(state);
+  CornerFinder finder(options);
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k)
-    if (state.planes[k].alive) part(state, options, k, pixels[k], members.of(k));
+    if (state.planes[k].alive) part(state, options, finder, k, pixels[k], members.of(k));
 }
 
 }  // namespace planescope::planes::r12_part_corners
