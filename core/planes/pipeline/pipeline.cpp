@@ -225,9 +225,9 @@ FoundRegions find_regions(const Frame& frame,
     Stopwatch watch;
     const Measurements more = more_measurements(prepared, options.segment);
     const double more_ms = watch.lap_ms();
-    found.segmentation =
-        segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
-                prepared.sensor(), segment_options(prepared, options), trace, more);
+    found.segmentation = segment(prepared.voxels.points, prepared.classification.labels,
+                                 prepared.cloud.cube, prepared.sensor(),
+                                 segment_options(prepared, options), trace, more, options.threads);
     const std::vector<std::int32_t>& of_pixel = found.segmentation.plane_of_pixel;
     if (!of_pixel.empty()) {
       found.plane_of.resize(prepared.cloud.source.size());

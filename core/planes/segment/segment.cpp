@@ -97,10 +97,12 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
                      Trace* trace,
-                     const Measurements& more) {
+                     const Measurements& more,
+                     int threads) {
   Segmentation result;
   const auto start = Clock::now();
   SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace, more);
+  state.threads = threads;
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();

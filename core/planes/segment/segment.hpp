@@ -104,13 +104,15 @@ struct Segmentation {
 /// `points`: local coordinates inside `cube`, finite, metres. `labels`: h or v each; any where the
 /// options do not use them.
 /// `sensor`: the sensor's position in the same coordinates (range for sigma, side for normals).
+/// `threads`: for what asks each pixel or each plane by itself; the result is the same for any.
 Segmentation segment(std::span<const Vec3f> points,
                      std::span<const Label> labels,
                      const Cube& cube,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
                      Trace* trace = nullptr,
-                     const Measurements& more = {});
+                     const Measurements& more = {},
+                     int threads = 1);
 
 /// The normal on the side that is shown: floors look up, walls look at the sensor.
 inline Vec3d outward_normal(const PlaneFit& fit, Label label, const Vec3d& sensor) {

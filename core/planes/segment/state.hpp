@@ -28,6 +28,7 @@ struct SegmentState {
   Vec3d sensor;
   const Measurements& more;
   Trace* trace = nullptr;
+  int threads = 1;
   Octree octree = {};
   NoiseModel noise = {};
   std::vector<std::int32_t> plane_of = {};  // per Morton-ordered point: index into planes, -1 none

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <span>
 
+#include "core/model/parallel.hpp"
 #include "core/planes/segment/depth_kernels.hpp"
 #include "core/planes/segment/state.hpp"
 #include "core/planes/segment/tile_depth.hpp"
@@ -16,6 +17,74 @@
 namespace planescope::planes::r11_pixel_borders {
 namespace {
 
+void add_plane(std::int32_t plane, std::vector<std::int32_t>& planes) {
+  if (std::ranges::find(planes, plane) == planes.end()) planes.push_back(plane);
+}
+
+/// What the pixels of each tile are on.
+class TilePlanes {
+ public:
+  /// `plane`: per pixel, that of its point.
+  TilePlanes(const PixelGrid& pixels, const PixelReach& reach, std::span<const std::int32_t> plane)
+      : pixels_(pixels),
+        columns_((pixels.width + kTile - 1) / kTile),
+        rows_((pixels.height + kTile - 1) / kTile) {
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < columns_; ++column)
+        held_.push_back(held_by(tile(column, row), reach, plane));
+  }
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  Rect tile(int column, int row) const {
+    return pixels_.around({column * kTile, row * kTile, (column + 1) * kTile, (row + 1) * kTile},
+                          0);
+  }
+  /// The planes that may be in reach of the tile's pixels, ascending; none where no pixel may go
+  /// from one to another.
+  void find_candidates(int column, int row, std::vector<std::int32_t>& candidates) const {
+    static_assert(kMostReach_px <= kTile);  // so that no planes but those of its neighbours matter
+    candidates.clear();
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+        for (const std::int32_t k : held_[r * columns_ + c].planes) add_plane(k, candidates);
+    std::ranges::sort(candidates);
+    if (candidates.size() == 1 && !held_[row * columns_ + column].has_open) candidates.clear();
+  }
+
+ private:
+  struct Held {
+    std::vector<std::int32_t> planes;
+    bool has_open = false;  // pixels of no plane
+  };
+  Held held_by(const Rect& tile,
+               const PixelReach& reaches,
+               std::span<const std::int32_t> plane) const {
+    Held held;
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      const std::int32_t* row = &plane[pixels_.at(tile.x0, y)];
+      const std::uint8_t* reach = &reaches.reach_px[pixels_.at(tile.x0, y)];
+      const int width = tile.width();
+      std::int32_t unlike =
+          0;  // most rows have one plane throughout, which is told without branches
+      for (int x = 0; x < width; ++x) unlike |= row[x] ^ row[0];
+      std::int32_t last = -1;
+      for (int x = 0; x < (unlike == 0 ? 1 : width); ++x)
+        if (row[x] >= 0 && row[x] != last) add_plane(last = row[x], held.planes);
+      if (held.has_open || (unlike == 0 && row[0] >= 0)) continue;
+      std::int32_t open = 0;
+      for (int x = 0; x < width; ++x) open |= row[x] < 0 ? reach[x] : 0;
+      held.has_open = open != 0;
+    }
+    return held;
+  }
+
+  const PixelGrid& pixels_;
+  int columns_, rows_;
+  std::vector<Held> held_;
+};
+
+/// Gives pixels to planes, tile by tile.
 class Borders {
  public:
   /// `plane`: per pixel, that of its point.
@@ -27,64 +96,7 @@ class Borders {
         plane_(plane),
         kernels_(depth_kernels(best_simd())) {}
 
-  std::vector<std::int32_t> give_pixels() {
-    std::vector<std::int32_t> result(plane_.begin(), plane_.end());
-    const int columns = (pixels_.width + kTile - 1) / kTile;
-    const int rows = (pixels_.height + kTile - 1) / kTile;
-    const auto tile_at = [&](int column, int row) {
-      return pixels_.around({column * kTile, row * kTile, (column + 1) * kTile, (row + 1) * kTile},
-                            0);
-    };
-    std::vector<Held> held;  // per tile
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column)
-        held.push_back(held_by(tile_at(column, row)));
-    static_assert(kMostReach_px <= kTile);  // so that no planes but those of its neighbours matter
-    std::vector<std::int32_t> candidates;
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < columns; ++column) {
-        candidates.clear();
-        for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
-          for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
-            for (const std::int32_t k : held[r * columns + c].planes) add(k, candidates);
-        std::ranges::sort(candidates);
-        const bool has_open = held[row * columns + column].has_open;
-        if (candidates.size() > (has_open ? 0u : 1u))
-          give_tile(tile_at(column, row), candidates, result);
-      }
-    return result;
-  }
-
- private:
-  /// What a tile's pixels are on.
-  struct Held {
-    std::vector<std::int32_t> planes;
-    bool has_open = false;  // pixels of no plane
-  };
-  static void add(std::int32_t plane, std::vector<std::int32_t>& planes) {
-    if (std::ranges::find(planes, plane) == planes.end()) planes.push_back(plane);
-  }
-  Held held_by(const Rect& tile) const {
-    Held held;
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      const std::int32_t* row = &plane_[pixels_.at(tile.x0, y)];
-      const std::uint8_t* reach = &reach_.reach_px[pixels_.at(tile.x0, y)];
-      const int width = tile.width();
-      std::int32_t unlike =
-          0;  // most rows have one plane throughout, which is told without branches
-      for (int x = 0; x < width; ++x) unlike |= row[x] ^ row[0];
-      std::int32_t last = -1;
-      for (int x = 0; x < (unlike == 0 ? 1 : width); ++x)
-        if (row[x] >= 0 && row[x] != last) add(last = row[x], held.planes);
-      if (held.has_open || (unlike == 0 && row[0] >= 0)) continue;
-      std::int32_t open = 0;
-      for (int x = 0; x < width; ++x) open |= row[x] < 0 ? reach[x] : 0;
-      held.has_open = open != 0;
-    }
-    return held;
-  }
-
-  /// `candidates`: the planes that may be in reach of the tile's pixels.
+  /// Writes to the tile's pixels alone.
   void give_tile(const Rect& tile,
                  std::span<const std::int32_t> candidates,
                  std::vector<std::int32_t>& result) {
@@ -105,6 +117,7 @@ class Borders {
     }
   }
 
+ private:
   /// Of each candidate the tile's measured pixels that may go to it or leave it: its own that have
   /// another plane in reach, and those of others that have it.
   void find_borders(const Rect& tile, std::span<const std::int32_t> candidates) {
@@ -264,6 +277,23 @@ class Borders {
   WindowSums<std::int64_t> wide_off_um_;
 };
 
+std::vector<std::int32_t> give_pixels(const SegmentState& state,
+                                      const Options& options,
+                                      std::span<const std::int32_t> plane) {
+  std::vector<std::int32_t> result(plane.begin(), plane.end());
+  const TilePlanes tiles(state.more.pixels, state.reach_of_pixels(), plane);
+  work_through_with(tiles.rows(), state.threads, [&] {
+    return [&, borders = Borders(state, options, plane),
+            candidates = std::vector<std::int32_t>()](int row) mutable {
+      for (int column = 0; column < tiles.columns(); ++column) {
+        tiles.find_candidates(column, row, candidates);
+        if (!candidates.empty()) borders.give_tile(tiles.tile(column, row), candidates, result);
+      }
+    };
+  });
+  return result;
+}
+
 /// A point goes where most of its pixels went; where as many stayed, it stays. `before`: per pixel,
 /// the plane of its point.
 void move_points(SegmentState& state, std::span<const std::int32_t> before) {
@@ -327,7 +357,7 @@ void move_points(SegmentState& state, std::span<const std::int32_t> before) {
 void run(SegmentState& state, const Options& options) {
   if (!options.on || state.more.pixels.empty()) return;
   const std::span<const std::int32_t> plane = planes_of_pixels(state);
-  state.plane_of_pixel = Borders(state, options, plane).give_pixels();
+  state.plane_of_pixel = give_pixels(state, options, plane);
   move_points(state, plane);
 }
 

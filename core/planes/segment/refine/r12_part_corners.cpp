@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/model/inverse_plane.hpp"
+#include "core/model/parallel.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes::r12_part_corners {
@@ -47,6 +48,7 @@ class CornerFinder {
 
   /// Where two planes that meet fit much better than one.
   std::optional<Sides> find(const Pixels& pixels) {
+    if (pixels.size() < kLeastPixels) return std::nullopt;
     begin_with(pixels);
     std::optional<Sides> best;
     // Lines through the middle of the picture.
@@ -236,17 +238,18 @@ void part(SegmentState& state,
           CornerFinder& finder,
           std::int32_t plane,
           const Pixels& pixels,
-          std::span<const std::uint32_t> points) {
-  if (pixels.size() < kLeastPixels) return;
-  const auto sides = finder.find(pixels);
+          std::span<const std::uint32_t> points,
+          const std::optional<Sides>& sides) {
   if (!sides) return;
   const Halves halves = halve(state, sides->edge, pixels, points);
   if (halves.second.size() < kLeastPoints) return;
   const std::int32_t other = found_part(state, stage_of(options), plane, halves.second);
   log_refine(state, options, plane);
   fit_again(state, plane, moments_of(state, halves.first));
-  part(state, options, finder, plane, halves.first_pixels, halves.first);
-  part(state, options, finder, other, halves.second_pixels, halves.second);
+  part(state, options, finder, plane, halves.first_pixels, halves.first,
+       finder.find(halves.first_pixels));
+  part(state, options, finder, other, halves.second_pixels, halves.second,
+       finder.find(halves.second_pixels));
 }
 
 }  // namespace
@@ -255,9 +258,16 @@ void run(SegmentState& state, const Options& options) {
   if (!options.on || state.more.pixels.empty()) return;
   const std::vector<Pixels> pixels = pixels_of_planes(state);
   const PlanePoints members = points_by_plane(state);
+  const auto planes = static_cast<std::int32_t>(pixels.size());
+  std::vector<std::optional<Sides>> sides(pixels.size());
+  work_through_with(planes, state.threads, [&] {
+    return [&, finder = CornerFinder(options)](std::int32_t k) mutable {
+      if (state.planes[k].alive) sides[k] = finder.find(pixels[k]);
+    };
+  });
   CornerFinder finder(options);
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(pixels.size()); ++k)
-    if (state.planes[k].alive) part(state, options, finder, k, pixels[k], members.of(k));
+  for (std::int32_t k = 0; k < planes; ++k)
+    part(state, options, finder, k, pixels[k], members.of(k), sides[k]);
 }
 
 }  // namespace planescope::planes::r12_part_corners

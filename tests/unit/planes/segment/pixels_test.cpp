@@ -10,6 +10,7 @@
 #include "core/planes/segment/tile_depth.hpp"
 #include "core/planes/segment/tile_sets.hpp"
 #include "core/planes/segment/window_sums.hpp"
+#include "support/wall_scene.hpp"
 
 // What the refinements of pixels are quick by gives what the plain way gives, bit for bit.
 
@@ -184,6 +185,43 @@ TEST(Pixels, ATileIsLaidOnAPlaneTheSameWithEveryInstructionSet) {
         for (int u = window.x0; u < window.x1; ++u) measured += pixels.has(pixels.at(u, v)) ? 1 : 0;
       ASSERT_EQ(depth.measured_in_window(x, y), measured);
     }
+}
+
+/// Of a frame on so many threads; the trace tells every decision.
+std::pair<FrameResult, Trace> result_with(const Frame& frame, int threads) {
+  PipelineOptions options;
+  options.cloud.max_range_m = 4;
+  options.classifier = "pca";
+  options.threads = threads;
+  Trace trace;
+  FrameResult result = run_frame(frame, options, make_pca_classifier().get(), nullptr, &trace);
+  return {std::move(result), std::move(trace)};
+}
+
+TEST(Pixels, AreGivenTheSamePlanesByAnyNumberOfThreads) {
+  const Frame floor_and_wall =
+      test::depth_frame([](double, double y) { return std::min(1.2, 0.6 / std::max(y, 1e-3)); });
+  const Frame box_edge = test::depth_frame(
+      [](double x, double y) {
+        const double z = 2.8 / (1 - std::abs(x));
+        return std::abs(x * z) < 0.08 && std::abs(y * z) < 0.3 ? z : 0;
+      },
+      0.003);
+  for (const auto& [frame, stage] : {std::pair(&floor_and_wall, Stage::r11_pixel_borders),
+                                     std::pair(&box_edge, Stage::r12_part_corners)}) {
+    const auto [expected, once] = result_with(*frame, 1);
+    ASSERT_GT(std::ranges::count(once.events, stage, &TraceEvent::stage), 0);
+    for (const int threads : {2, 5}) {
+      const auto [result, trace] = result_with(*frame, threads);
+      EXPECT_EQ(result.segmentation.plane_of, expected.segmentation.plane_of);
+      EXPECT_EQ(result.segmentation.plane_of_pixel, expected.segmentation.plane_of_pixel);
+      EXPECT_EQ(trace.events.size(), once.events.size());
+      ASSERT_EQ(result.segmentation.planes.size(), expected.segmentation.planes.size());
+      for (std::size_t k = 0; k < result.segmentation.planes.size(); ++k)
+        EXPECT_EQ(result.segmentation.planes[k].fit.normal,
+                  expected.segmentation.planes[k].fit.normal);
+    }
+  }
 }
 
 }  // namespace
