@@ -221,7 +221,7 @@ int run_map(const MapArgs& args, std::stop_token stop) {
         1000 * map.pace->behind_s_most);
   if (const std::string text = world::stability_text(map.stability); !text.empty())
     fmt::print("  {}\n", text);
-  return 0;
+  return map.refused > 0 ? 2 : 0;
 }
 
 }  // namespace

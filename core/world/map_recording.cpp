@@ -321,8 +321,12 @@ WorldMap map_recording(const MapJob& job) {
   std::vector<std::unique_ptr<const ObservedFrame>> observed(count);
   std::vector<std::string> refused(count);
   const auto make = [&](int i) {
-    if (job.stop.stop_requested() || !pose_of[i]) return;
+    if (job.stop.stop_requested()) return;
     try {
+      if (!pose_of[i]) {  // where it cannot be read, that is why
+        job.recording->frame(job.frames[i]);
+        return;
+      }
       observed[i] = std::make_unique<const ObservedFrame>(
           observe_frame(job, threads.pipeline, map, *pose_of[i]));
     } catch (const PartError&) {
@@ -340,9 +344,12 @@ WorldMap map_recording(const MapJob& job) {
       observed[i].reset();
     } else {
       map.tracker.skip(job.frames[i], pose_of[i] ? pose_of[i]->timestamp_s : 0);
-      without_pose += !pose_of[i];
+      without_pose += !pose_of[i] && refused[i].empty();
     }
-    if (!refused[i].empty()) map.told.push_back(refused[i]);
+    if (!refused[i].empty()) {
+      map.told.push_back(refused[i]);
+      ++map.refused;
+    }
     tell(job, "map", i + 1, count);
   };
   if (job.at_own_rate)

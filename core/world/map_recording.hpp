@@ -58,6 +58,7 @@ struct WorldMap : UprightPoses {
   std::string pipeline_key;
   Tracker tracker;
   Stability stability;
+  int refused = 0;           // frames that could not be read or worked on, told each
   std::optional<Pace> pace;  // where it was made at the recording's own rate
 };
 
