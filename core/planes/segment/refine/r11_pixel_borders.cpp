@@ -65,8 +65,7 @@ class TilePlanes {
       const std::int32_t* row = &plane[pixels_.at(tile.x0, y)];
       const std::uint8_t* reach = &reaches.reach_px[pixels_.at(tile.x0, y)];
       const int width = tile.width();
-      std::int32_t unlike =
-          0;  // most rows have one plane throughout, which is told without branches
+      std::int32_t unlike = 0;  // most rows have one plane throughout: told without branches
       for (int x = 0; x < width; ++x) unlike |= row[x] ^ row[0];
       std::int32_t last = -1;
       for (int x = 0; x < (unlike == 0 ? 1 : width); ++x)
