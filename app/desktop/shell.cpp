@@ -212,7 +212,7 @@ void save_quietly(const OpenRecording& open) {
 
 Shell::Shell(State state, std::unique_ptr<Canvas> canvas, std::function<void()> wake)
     : state_(std::move(state)), jobs_(wake), steps_(std::move(wake)), canvas_(std::move(canvas)) {
-  // ImGui writes to what it was given without a look: where memory is out, it is to be thrown.
+  // ImGui does not look at what its allocator returns: where memory is out, that has to throw.
   ImGui::SetAllocatorFunctions([](std::size_t size, void*) { return ::operator new(size); },
                                [](void* memory, void*) { ::operator delete(memory); });
   context_ = ImGui::CreateContext();

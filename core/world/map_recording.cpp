@@ -323,8 +323,8 @@ WorldMap map_recording(const MapJob& job) {
   const auto make = [&](int i) {
     if (job.stop.stop_requested()) return;
     try {
-      if (!pose_of[i]) {  // where it cannot be read, that is why
-        job.recording->frame(job.frames[i]);
+      if (!pose_of[i]) {
+        if (map.poses.estimated) job.recording->frame(job.frames[i]);  // if it cannot, that is why
         return;
       }
       observed[i] = std::make_unique<const ObservedFrame>(

@@ -96,7 +96,7 @@ class Following {
 
   Trajectory result() {
     if (options_.loops) close_loops();
-    Trajectory trajectory{"odometry", {}};
+    Trajectory trajectory{"odometry", {}, true};
     for (Followed& followed : followed_) {
       followed.pose.T_world_camera = keys_[followed.key].T_segment_key * followed.T_key_frame;
       trajectory.poses.push_back(followed.pose);

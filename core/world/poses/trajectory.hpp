@@ -31,6 +31,7 @@ struct CameraPose {
 struct Trajectory {
   std::string source;  // for people: a file, "odometry", ...
   std::vector<CameraPose> poses;
+  bool estimated = false;  // from the frames themselves
 };
 
 /// Null: it has none. Of poses whose frames ascend.

@@ -77,7 +77,7 @@ struct MeasuredPlane {
   double tau_m = 0;      // how far off its points may lie, for noise
   const Bounds& bounds;  // of its points
 };
-/// By offset or by gap they do not pass, which is told before anything else is computed.
+/// Whether offset or gap alone keeps the two apart: cheap, and asked before distance_terms().
 bool are_out_of_reach(const MeasuredPlane& a,
                       const MeasuredPlane& b,
                       const r1_merge_by_distance::Options& options);
