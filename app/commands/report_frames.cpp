@@ -139,7 +139,7 @@ std::string key_of(const ReportFramesJob& job,
     if (const fs::path file = input.label_dir / fmt::format("{:06}.{}", index, ending);
         fs::is_regular_file(file))
       text.append(1, '\n').append(sha256_hex_of_file(file));
-  return sha256_hex(std::as_bytes(std::span(text)));
+  return sha256_hex(text);
 }
 
 class FrameWriter {

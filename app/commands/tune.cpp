@@ -21,10 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string digest(const std::string& text) {
-  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
-}
-
 /// What another search must not go on with. What is held out is none of it: it is not searched on.
 lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
                               const std::vector<std::string>& searched,
@@ -37,10 +33,10 @@ lab::TuningPurpose purpose_of(const std::vector<lab::TuningFrame>& frames,
   }
   for (const std::string& name : searched) names += name + "\n";
   const report::BuildInfo build = report::build_info();
-  return {{"frames or labels", digest(hashes)},
-          {"options", digest(options)},
+  return {{"frames or labels", sha256_hex(hashes)},
+          {"options", sha256_hex(options)},
           {"weights", chosen.weights ? chosen.weights->sha256 : "none"},
-          {"options that are searched", digest(names)},
+          {"options that are searched", sha256_hex(names)},
           {"program", build.version + " " + build.commit}};
 }
 

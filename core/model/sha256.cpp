@@ -43,6 +43,8 @@ std::string sha256_hex(std::span<const std::byte> bytes) {
   return digest.hex();
 }
 
+std::string sha256_hex(std::string_view text) { return sha256_hex(std::as_bytes(std::span(text))); }
+
 std::string sha256_hex_of_file(const std::filesystem::path& path) {
   std::ifstream file = open_to_read(path);
   Digest digest;

@@ -304,7 +304,7 @@ std::string pipeline_key(const planes::PipelineOptions& options) {
   for (const planes::OptionInfo& info : planes::option_table())
     if (info.matters(options) && info.section != "foot" && info.section != "stairs")
       text += info.name + "=" + info.get(options) + "\n";
-  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
+  return sha256_hex(text);
 }
 
 WorldMap map_recording(const MapJob& job) {

@@ -2,8 +2,10 @@
 
 // Depth images of what stands before a camera that looks level, for what is decided on pixels.
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/model/frame.hpp"
 #include "core/model/random.hpp"
@@ -29,13 +31,34 @@ inline Frame depth_frame(const std::function<double(double, double)>& depth_m,
   return frame;
 }
 
-inline planes::FrameResult result_of(
-    const Frame& frame, const std::function<void(planes::SegmentOptions&)>& change = {}) {
+/// Floor 60 cm below the camera, a wall 1.2 m before it: the crease is at y = 0.5.
+inline Frame floor_and_wall() {
+  return depth_frame([](double, double y) { return std::min(1.2, 0.6 / std::max(y, 1e-3)); });
+}
+
+inline planes::PipelineOptions wall_options() {
   planes::PipelineOptions options;
   options.cloud.max_range_m = 4;
   options.classifier = "pca";
+  return options;
+}
+
+inline planes::FrameResult result_of(
+    const Frame& frame, const std::function<void(planes::SegmentOptions&)>& change = {}) {
+  planes::PipelineOptions options = wall_options();
   if (change) change(options.segment);
   return planes::run_frame(frame, options, planes::make_pca_classifier().get());
+}
+
+/// With every decision that led to it.
+inline std::pair<planes::FrameResult, planes::Trace> traced_result_of(const Frame& frame,
+                                                                      int threads = 1) {
+  planes::PipelineOptions options = wall_options();
+  options.threads = threads;
+  planes::Trace trace;
+  planes::FrameResult result =
+      run_frame(frame, options, planes::make_pca_classifier().get(), nullptr, &trace);
+  return {std::move(result), std::move(trace)};
 }
 
 /// The plane of a pixel, 0 none.

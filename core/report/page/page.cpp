@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <span>
 #include <utility>
 
 #include "core/model/error.hpp"
@@ -303,7 +302,7 @@ std::string page_title(const Report& report) {
 
 /// What the browser holds the script to: "sha256-...".
 std::string hash_source(const std::string& script) {
-  const std::string hex = sha256_hex(std::as_bytes(std::span(script)));
+  const std::string hex = sha256_hex(script);
   std::vector<unsigned char> digest;
   for (std::size_t i = 0; i < hex.size(); i += 2)
     digest.push_back(static_cast<unsigned char>(std::stoi(hex.substr(i, 2), nullptr, 16)));

@@ -112,10 +112,6 @@ Json seen_json(const Track& track, const Tracker& tracker) {
   return runs;
 }
 
-std::string sha256_of(const std::string& text) {
-  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
-}
-
 std::string text_of(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -188,8 +184,8 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
   json["schema"] = "planescope.map/1";
   json["recording"] = recording;
   json["pipeline"] = map.pipeline_key;
-  json["files"] = {{"tracks.json", sha256_of(others.tracks_json)},
-                   {"poses.tum", sha256_of(others.poses_tum)}};
+  json["files"] = {{"tracks.json", sha256_hex(others.tracks_json)},
+                   {"poses.tum", sha256_hex(others.poses_tum)}};
   json["poses"] = {{"source", map.poses.source}, {"count", map.poses.poses.size()}};
   json["gravity"] = Json::array();
   for (std::size_t i = 0; i < map.gravity.size(); ++i) {

@@ -145,7 +145,7 @@ std::string observed_key(const planes::PipelineOptions& options, const UprightPo
     text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
   text += Json{upright.noise.growth_per_m}.dump();
   text += pipeline_key(options);
-  return sha256_hex(std::as_bytes(std::span(text.data(), text.size())));
+  return sha256_hex(text);
 }
 
 std::vector<unsigned char> observed_bytes(const ObservedFrame& frame, const std::string& key) {

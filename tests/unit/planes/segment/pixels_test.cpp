@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "core/model/random.hpp"
@@ -190,17 +189,6 @@ TEST(Pixels, ATileIsLaidOnAPlaneTheSameWithEveryInstructionSet) {
     }
 }
 
-/// Of a frame on so many threads, with its trace.
-std::pair<FrameResult, Trace> result_with(const Frame& frame, int threads) {
-  PipelineOptions options;
-  options.cloud.max_range_m = 4;
-  options.classifier = "pca";
-  options.threads = threads;
-  Trace trace;
-  FrameResult result = run_frame(frame, options, make_pca_classifier().get(), nullptr, &trace);
-  return {std::move(result), std::move(trace)};
-}
-
 using Decision = std::tuple<EventType, Stage, std::int32_t, std::int32_t, std::int32_t, float>;
 std::vector<Decision> decisions_in(const Trace& trace) {
   std::vector<Decision> all;
@@ -210,8 +198,7 @@ std::vector<Decision> decisions_in(const Trace& trace) {
 }
 
 TEST(Pixels, AreGivenTheSamePlanesByAnyNumberOfThreads) {
-  const Frame floor_and_wall =
-      test::depth_frame([](double, double y) { return std::min(1.2, 0.6 / std::max(y, 1e-3)); });
+  const Frame floor_and_wall = test::floor_and_wall();
   // Upright edges of far boxes side by side.
   const Frame box_edges = test::depth_frame(
       [](double x, double y) {
@@ -225,10 +212,10 @@ TEST(Pixels, AreGivenTheSamePlanesByAnyNumberOfThreads) {
   const std::tuple<const Frame*, Stage, int> cases[] = {
       {&floor_and_wall, Stage::r11_pixel_borders, 1}, {&box_edges, Stage::r12_part_corners, 4}};
   for (const auto& [frame, stage, least] : cases) {
-    const auto [expected, once] = result_with(*frame, 1);
+    const auto [expected, once] = test::traced_result_of(*frame);
     ASSERT_GE(std::ranges::count(once.events, stage, &TraceEvent::stage), least);
     for (const int threads : {2, 5}) {
-      const auto [result, trace] = result_with(*frame, threads);
+      const auto [result, trace] = test::traced_result_of(*frame, threads);
       EXPECT_EQ(decisions_in(trace), decisions_in(once));
       EXPECT_EQ(result.segmentation.plane_of, expected.segmentation.plane_of);
       EXPECT_EQ(result.segmentation.plane_of_pixel, expected.segmentation.plane_of_pixel);

@@ -7,11 +7,6 @@
 namespace planescope::planes {
 namespace {
 
-/// Floor 60 cm below the camera, a wall 1.2 m before it: the crease is at y = 0.5.
-Frame floor_and_wall() {
-  return test::depth_frame([](double, double y) { return std::min(1.2, 0.6 / std::max(y, 1e-3)); });
-}
-
 /// Share of the pixels around the crease that have the right plane.
 double right_around_crease(const FrameResult& result) {
   const int wall = test::plane_at(result, 320, 120), floor = test::plane_at(result, 320, 470);
@@ -28,7 +23,7 @@ double right_around_crease(const FrameResult& result) {
 }
 
 TEST(PixelBorders, FollowTheCreaseWhereVoxelsDoNot) {
-  const Frame frame = floor_and_wall();
+  const Frame frame = test::floor_and_wall();
   const double by_voxel = right_around_crease(test::result_of(
       frame, [](SegmentOptions& options) { options.r11_pixel_borders.on = false; }));
   const double by_pixel = right_around_crease(test::result_of(frame));
@@ -37,7 +32,7 @@ TEST(PixelBorders, FollowTheCreaseWhereVoxelsDoNot) {
 }
 
 TEST(PixelBorders, MoveThePointsThatMostPixelsLeave) {
-  const FrameResult result = test::result_of(floor_and_wall());
+  const FrameResult result = test::result_of(test::floor_and_wall());
   ASSERT_FALSE(result.segmentation.plane_of_pixel.empty());
   const VoxelMembers members = voxel_members(result.voxels);
   for (std::size_t v = 0; v < result.voxels.points.size(); ++v) {

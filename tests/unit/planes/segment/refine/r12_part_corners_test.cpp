@@ -49,12 +49,7 @@ TEST(PartCorners, AFlatWallAndABowedOneStayWhole) {
   for (const double bow_m : {0.0, 0.02}) {
     const Frame wall =
         test::depth_frame([&](double x, double) { return 1.8 + bow_m * std::sin(3 * x); }, 0.004);
-    PipelineOptions options;
-    options.cloud.max_range_m = 4;
-    options.classifier = "pca";
-    Trace trace;
-    const FrameResult result =
-        run_frame(wall, options, make_pca_classifier().get(), nullptr, &trace);
+    const auto [result, trace] = test::traced_result_of(wall);
     EXPECT_FALSE(result.segmentation.planes.empty());
     for (const TraceEvent& event : trace.events)
       EXPECT_NE(event.stage, Stage::r12_part_corners) << bow_m;
@@ -62,11 +57,7 @@ TEST(PartCorners, AFlatWallAndABowedOneStayWhole) {
 }
 
 TEST(PartCorners, TheTraceTellsWhichPlaneWasParted) {
-  PipelineOptions options;
-  options.cloud.max_range_m = 4;
-  options.classifier = "pca";
-  Trace trace;
-  run_frame(box_edge(), options, make_pca_classifier().get(), nullptr, &trace);
+  const Trace trace = test::traced_result_of(box_edge()).second;
   std::int32_t parted = -1, kept = -1;
   for (const TraceEvent& event : trace.events) {
     if (event.stage != Stage::r12_part_corners) continue;

@@ -43,11 +43,7 @@ TEST(JoinSheets, ACreasePartsPlanesHoweverSmooth) {
 TEST(JoinSheets, TheTraceTellsWhoWentWhere) {
   const Frame wall =
       test::depth_frame([](double x, double) { return 1.8 + 0.04 * std::sin(6 * x); });
-  PipelineOptions options;
-  options.cloud.max_range_m = 4;
-  options.classifier = "pca";
-  Trace trace;
-  const FrameResult result = run_frame(wall, options, make_pca_classifier().get(), nullptr, &trace);
+  const Trace trace = test::traced_result_of(wall).second;
   int joins = 0;
   for (const TraceEvent& event : trace.events)
     if (event.stage == Stage::r9_join_sheets) {
