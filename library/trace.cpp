@@ -54,8 +54,9 @@ std::vector<Node> Trace::nodes() const {
     node.node_case = static_cast<std::uint8_t>(from.decided);
     node.voxels = from.size();
     node.voxels_h = from.count_h;
-    node.min_corner = vec3(Vec3d(run.subject->prepared.cloud.origin + octree.node_min(from)));
-    node.edge_m = octree.node_edge_m(from);
+    const auto corners = planes::cell_corners(octree, from);
+    for (std::size_t k = 0; k < corners.size(); ++k)
+      node.corners[k] = vec3(Vec3d(run.subject->prepared.cloud.origin + corners[k].cast<double>()));
     node.queued = run.timeline.queued_at()[i];
     node.visited = run.timeline.visited_at()[i];
     node.decided = run.timeline.decided_at()[i];

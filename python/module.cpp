@@ -260,8 +260,7 @@ py::dict timings_of(const ps::Result& result) {
 struct NodeRecord {
   std::int32_t parent, depth, node_case;
   std::uint32_t voxels, voxels_h;
-  std::array<double, 3> min_corner;
-  double edge_m;
+  std::array<std::array<double, 3>, 8> corners;
   std::int32_t queued, visited, decided;
 };
 
@@ -270,7 +269,7 @@ std::vector<NodeRecord> records_of(const std::vector<ps::Node>& nodes) {
   records.reserve(nodes.size());
   for (const ps::Node& node : nodes)
     records.push_back({node.parent, node.depth, node.node_case, node.voxels, node.voxels_h,
-                       node.min_corner, node.edge_m, node.queued, node.visited, node.decided});
+                       node.corners, node.queued, node.visited, node.decided});
   return records;
 }
 
@@ -281,8 +280,8 @@ PYBIND11_MODULE(_core, m) {
                           "label", node, "node", plane, "plane", other, "other", point, "point",
                           value, "value");
   PYBIND11_NUMPY_DTYPE_EX(NodeRecord, parent, "parent", depth, "depth", node_case, "case", voxels,
-                          "voxels", voxels_h, "voxels_h", min_corner, "min_corner", edge_m,
-                          "edge_m", queued, "queued", visited, "visited", decided, "decided");
+                          "voxels", voxels_h, "voxels_h", corners, "corners", queued, "queued",
+                          visited, "visited", decided, "decided");
   // A message may name a file whose name is no UTF-8.
   static py::exception<ps::Error> error_type(m, "Error", PyExc_ValueError);
   py::register_exception_translator([](std::exception_ptr thrown) {

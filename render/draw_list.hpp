@@ -3,6 +3,7 @@
 // The bridge from core to pixels: plain points, lines, boxes and polygons, made by pure functions
 // without GL, so that a test can assert on what would be drawn.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -36,26 +37,37 @@ struct DrawLines {
 
 enum class BoxStyle : std::uint8_t { outline, tinted, hatched };  // tinted: faint faces + outline
 
+/// A cube or a frustum: six planar faces. A corner's index has bit 0 where it is greater along the
+/// box's first axis, bit 1 along the second, bit 2 along the third; the axes are right-handed.
 struct DrawBox {
-  Vec3f min;
-  Vec3f max;
+  std::array<Vec3f, 8> corners;
   Rgba color;
   BoxStyle style = BoxStyle::outline;
   std::uint32_t id = 0;  // 0: not pickable
   bool operator==(const DrawBox&) const = default;
 };
 
+/// The corners of an axis-aligned box.
+inline std::array<Vec3f, 8> box_corners(const Vec3f& min, const Vec3f& max) {
+  std::array<Vec3f, 8> corners;
+  for (unsigned i = 0; i < 8; ++i)
+    corners[i] = {(i & 1) != 0 ? max.x() : min.x(), (i & 2) != 0 ? max.y() : min.y(),
+                  (i & 4) != 0 ? max.z() : min.z()};
+  return corners;
+}
+
+inline Vec3f middle_of(const DrawBox& box) {
+  Vec3f sum = Vec3f::Zero();
+  for (const Vec3f& corner : box.corners) sum += corner;
+  return sum / 8;
+}
+
 /// Calls edge(from, to) for each of a box's twelve edges.
 template <typename Edge>
 void each_edge(const DrawBox& box, const Edge& edge) {
-  const auto corner = [&box](int bits) {
-    return Vec3f((bits & 1) != 0 ? box.max.x() : box.min.x(),
-                 (bits & 2) != 0 ? box.max.y() : box.min.y(),
-                 (bits & 4) != 0 ? box.max.z() : box.min.z());
-  };
-  for (int from = 0; from < 8; ++from)
-    for (int bit = 1; bit <= 4; bit <<= 1)
-      if ((from & bit) == 0) edge(corner(from), corner(from | bit));
+  for (unsigned from = 0; from < 8; ++from)
+    for (unsigned bit = 1; bit <= 4; bit <<= 1)
+      if ((from & bit) == 0) edge(box.corners[from], box.corners[from | bit]);
 }
 
 struct DrawPolygon {           // planar, filled; outlined where it is convex

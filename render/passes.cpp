@@ -73,7 +73,7 @@ void PointPass::draw(const std::vector<DrawPoints>& clouds, const View& view, Ou
 namespace {
 
 struct BoxInstance {
-  Vec3f min, max;
+  std::array<Vec3f, 8> corners;
   Rgba color;
   float hatched = 0;
   std::uint32_t id = 0;
@@ -89,11 +89,11 @@ BoxPass::BoxPass()
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, instances_);
   const std::size_t stride = sizeof(BoxInstance);
-  set_attribute({0, 3, GL_FLOAT, stride, offsetof(BoxInstance, min), true});
-  set_attribute({1, 3, GL_FLOAT, stride, offsetof(BoxInstance, max), true});
-  set_attribute({2, 4, GL_UNSIGNED_BYTE, stride, offsetof(BoxInstance, color), true});
-  set_attribute({3, 1, GL_FLOAT, stride, offsetof(BoxInstance, hatched), true});
-  set_attribute({4, 1, GL_UNSIGNED_INT, stride, offsetof(BoxInstance, id), true});
+  for (GLuint i = 0; i < 8; ++i)
+    set_attribute({i, 3, GL_FLOAT, stride, i * sizeof(Vec3f), true});  // corners
+  set_attribute({8, 4, GL_UNSIGNED_BYTE, stride, offsetof(BoxInstance, color), true});
+  set_attribute({9, 1, GL_FLOAT, stride, offsetof(BoxInstance, hatched), true});
+  set_attribute({10, 1, GL_UNSIGNED_INT, stride, offsetof(BoxInstance, id), true});
 }
 
 void BoxPass::draw(std::span<const DrawBox> boxes,
@@ -107,7 +107,7 @@ void BoxPass::draw(std::span<const DrawBox> boxes,
     if (box.style == BoxStyle::outline) continue;
     if (output == Output::id && box.id == 0) continue;
     const float hatched = box.style == BoxStyle::hatched ? 1.0f : 0.0f;
-    instances.push_back({box.min, box.max, box.color, hatched, box.id});
+    instances.push_back({box.corners, box.color, hatched, box.id});
   }
   if (instances.empty()) return;
 
@@ -192,10 +192,13 @@ void SegmentPass::draw_flat(std::span<const Segment> segments, int width, int he
 }
 
 void append_edges(const DrawBox& box, const View& view, std::vector<Segment>& segments) {
-  const float edge_m = (box.max - box.min).maxCoeff();
+  float edge_m = 0;  // the longest
+  each_edge(box, [&](const Vec3f& from, const Vec3f& to) {
+    edge_m = std::max(edge_m, (to - from).norm());
+  });
   // Small boxes on screen get finer edges, so that their colour is still seen between them.
   float width_px = 1.4f;
-  if (const auto middle = project(view, 0.5f * (box.min + box.max))) {
+  if (const auto middle = project(view, middle_of(box))) {
     const double scale = view.orthographic ? view.px_per_m : view.px_per_m / middle->depth_m;
     width_px = static_cast<float>(std::clamp(0.08 * edge_m * scale, 0.5, 1.4));
   }

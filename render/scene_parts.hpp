@@ -53,8 +53,12 @@ float normal_arrow_m(std::span<const Vec3f> voxels);
 
 /// Numerals stand on at most so many nodes of a scene, the largest, ...
 inline constexpr std::size_t kMostNumerals = 60;
-/// ... whose edge is at least this.
+/// ... whose edge is at least this: of a cube its own, of a frustum the longer one of the nearer
+/// end of its points_box().
 double least_numeral_edge_m(std::span<const Vec3f> voxels);
+double numeral_edge_m(const planes::Octree& octree,
+                      const planes::OctreeNode& node,
+                      const DrawBox& tile);
 /// "III"; "I*" where the node was fitted label by label.
 std::string case_numeral(const planes::OctreeNode& node);
 

@@ -73,13 +73,9 @@ void Writer::add_points(const DrawPoints& cloud, float shade_radius_px) {
 }
 
 void Writer::add_box(const DrawBox& box) {
-  std::array<Vec3f, 8> corners;
-  for (int k = 0; k < 8; ++k)
-    corners[static_cast<std::size_t>(k)] = {(k & 1) != 0 ? box.max.x() : box.min.x(),
-                                            (k & 2) != 0 ? box.max.y() : box.min.y(),
-                                            (k & 4) != 0 ? box.max.z() : box.min.z()};
-  const std::uint64_t hash = hashed_bytes(hashed_bytes(kBox, box.min), box.max);
-  tiles.add(about(view, corners, 4),
+  std::uint64_t hash = kBox;
+  for (const Vec3f& corner : box.corners) hash = hashed_bytes(hash, corner);
+  tiles.add(about(view, box.corners, 4),
             hashed(hashed_color(hash, box.color), static_cast<std::uint64_t>(box.style)));
 }
 

@@ -134,24 +134,20 @@ DrawBox tile_of(const planes::FrameResult& result, const planes::OctreeNode& nod
 
 bool divided(const planes::OctreeNode& node) { return node.first_child >= 0; }
 
+struct Numeral {
+  const planes::OctreeNode* node = nullptr;
+  Vec3f at;
+};
+
 /// Numerals on the largest settled nodes, so that cases need not be told by colour alone.
-void add_numerals(const planes::FrameResult& result, double least_edge_m, DrawList& list) {
-  const planes::Octree& octree = result.segmentation.octree;
-  std::vector<const planes::OctreeNode*> nodes;
-  for (const planes::OctreeNode& node : octree.nodes)
-    if (node.decided != planes::Case::none && !divided(node) &&
-        octree.node_edge_m(node) >= least_edge_m)
-      nodes.push_back(&node);
-  std::stable_sort(nodes.begin(), nodes.end(),
-                   [](const planes::OctreeNode* a, const planes::OctreeNode* b) {
-                     return a->depth != b->depth ? a->depth < b->depth : a->size() > b->size();
-                   });
-  if (nodes.size() > kMostNumerals) nodes.resize(kMostNumerals);
-  for (const planes::OctreeNode* node : nodes) {
-    const DrawBox box = tile_of(result, *node);
-    list.labels.push_back(
-        {(box.min + box.max) / 2, case_numeral(*node), kSceneText, 15, true, kNumeralLabel});
-  }
+void add_numerals(std::vector<Numeral> numerals, DrawList& list) {
+  std::ranges::stable_sort(numerals, [](const Numeral& a, const Numeral& b) {
+    return a.node->depth != b.node->depth ? a.node->depth < b.node->depth
+                                          : a.node->size() > b.node->size();
+  });
+  if (numerals.size() > kMostNumerals) numerals.resize(kMostNumerals);
+  for (const auto& [node, at] : numerals)
+    list.labels.push_back({at, case_numeral(*node), kSceneText, 15, true, kNumeralLabel});
 }
 
 }  // namespace
@@ -166,7 +162,8 @@ DrawList scene_cases(const planes::FrameResult& result) {
   DrawPoints fitted;  // marks of nodes that R4 fitted label by label
   fitted.size_m = 0;
   fitted.min_px = 6;
-  const double numeral_edge_m = least_numeral_edge_m(result.voxels.points);
+  const double least_edge_m = least_numeral_edge_m(result.voxels.points);
+  std::vector<Numeral> numerals;
   for (const planes::OctreeNode& node : octree.nodes) {
     if (node.decided == planes::Case::none) continue;
     ++count[static_cast<int>(node.decided)];
@@ -181,16 +178,16 @@ DrawList scene_cases(const planes::FrameResult& result) {
         box.style = BoxStyle::hatched;
         ++hatched;
       }
-      if (node.impure_fit) {
-        ++label_fits;
-        if (octree.node_edge_m(node) < numeral_edge_m)  // larger ones get a numeral with a star
-          fitted.positions.push_back((box.min + box.max) / 2);
-      }
+      label_fits += node.impure_fit;
+      if (numeral_edge_m(octree, node, box) >= least_edge_m)
+        numerals.push_back({&node, middle_of(box)});
+      else if (node.impure_fit)  // larger ones get a numeral with a star
+        fitted.positions.push_back(middle_of(box));
     }
     list.boxes.push_back(box);
   }
   list.points.push_back(std::move(points));
-  add_numerals(result, numeral_edge_m, list);
+  add_numerals(std::move(numerals), list);
 
   list.title = "Octree nodes by case";
   list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +

@@ -44,7 +44,6 @@ struct Boxes {
   }
   void add_settled() const;
   void add_waiting() const;
-  void add_numerals(const std::vector<std::int32_t>& settled) const;
   void add_parents(std::int32_t of, Rgba color) const;
   void add_children(std::int32_t of) const;
   void add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank) const;
@@ -52,11 +51,15 @@ struct Boxes {
 
 void Boxes::add_settled() const {
   const bool by_case = look.color_by == ColorBy::cases;
-  std::vector<std::int32_t> settled;
+  // So that cases need not be told by colour alone.
+  const bool numerals = by_case && look.show_numerals;
+  const double least_edge_m =
+      numerals ? least_numeral_edge_m(run.subject->prepared.voxels.points) : 0;
+  std::size_t settled = 0, numbered = 0;
   const auto n = static_cast<std::int32_t>(run.octree().nodes.size());
-  for (std::int32_t i = 0; i < n && settled.size() < kMostSettled; ++i)
-    if (is_settled_leaf(run, i, look.step)) settled.push_back(i);
-  for (const std::int32_t i : settled) {
+  for (std::int32_t i = 0; i < n && settled < kMostSettled; ++i) {
+    if (!is_settled_leaf(run, i, look.step)) continue;
+    ++settled;
     DrawBox box = tile(i);
     box.color = case_color(node(i).decided);
     if (!by_case)
@@ -64,20 +67,12 @@ void Boxes::add_settled() const {
     else
       box.style = node(i).at_max_depth ? BoxStyle::hatched : BoxStyle::tinted;
     list.boxes.push_back(box);
-  }
-  if (by_case && look.show_numerals) add_numerals(settled);
-}
-
-/// Numerals on the largest, so that cases need not be told by colour alone.
-void Boxes::add_numerals(const std::vector<std::int32_t>& settled) const {
-  const planes::Octree& octree = run.octree();
-  const double least_edge_m = least_numeral_edge_m(run.subject->prepared.voxels.points);
-  std::size_t count = 0;
-  for (const std::int32_t i : settled) {
-    if (octree.node_edge_m(node(i)) < least_edge_m || ++count > kMostNumerals) return;
-    const DrawBox box = tile(i);
-    list.labels.push_back({(box.min + box.max) / 2, case_numeral(node(i)),
-                           theme_colors(look.theme).ink, 15, true, kNumeralLabel});
+    if (numerals && numbered < kMostNumerals &&
+        numeral_edge_m(run.octree(), node(i), box) >= least_edge_m) {
+      list.labels.push_back({middle_of(box), case_numeral(node(i)), theme_colors(look.theme).ink,
+                             15, true, kNumeralLabel});
+      ++numbered;
+    }
   }
 }
 
@@ -134,7 +129,8 @@ void Boxes::add_frame(std::int32_t i, Rgba color, float width_px, LabelRank rank
   box.color = color;
   list.boxes.push_back(box);  // to be picked by
   // Below: above it stands the name of its voxel.
-  const Vec3f foot((box.min.x() + box.max.x()) / 2, (box.min.y() + box.max.y()) / 2, box.min.z());
+  Vec3f foot = middle_of(box);
+  for (const Vec3f& corner : box.corners) foot.z() = std::min(foot.z(), corner.z());
   list.labels.push_back({foot, "node " + std::to_string(i), color, 15, true, rank});
 }
 
@@ -203,7 +199,8 @@ void add_planes(const debug::Run& run,
                 DrawList& list) {
   const std::vector<Vec3f>& points = run.subject->prepared.voxels.points;
   const float most_arrow_m = normal_arrow_m(points);
-  const auto voxel_m = static_cast<float>(run.subject->prepared.voxels.size_m);
+  const double size_m = run.subject->prepared.voxels.size_m;
+  const auto voxel_m = static_cast<float>(size_m > 0 ? size_m : 0.02);  // pixels: near enough
   const Rgba ink = theme_colors(look.theme).ink;
   const Rgba selected_color = mark_colors(look.theme).selected;
   const auto members = points_by_plane(run, state);
@@ -236,8 +233,10 @@ void add_planes(const debug::Run& run,
         shapes ? run.timeline.result_of_plane(plane) > 0 : is_named(own.size(), points.size());
     if ((!named || among_stairs) && !selected && !current) continue;
     const Vec3f from = place_on_plane(change->fit.centroid, own, voxel_m);
-    const float arrow_m = std::clamp(0.5F * voxel_m * std::sqrt(static_cast<float>(own.size())),
-                                     most_arrow_m / 3, most_arrow_m);
+    const double voxel_m2 = size_m > 0 ? size_m * size_m : planes::area_per_point(change->fit);
+    const float arrow_m =
+        std::clamp(0.5F * static_cast<float>(std::sqrt(voxel_m2 * static_cast<double>(own.size()))),
+                   most_arrow_m / 3, most_arrow_m);
     // Towards the viewer: up, or to the sensor's side.
     const Vec3f normal = planes::outward_normal(change->fit, run.timeline.label_of_plane(plane),
                                                 run.subject->prepared.sensor())

@@ -439,7 +439,7 @@ class Trace:
 
     @property
     def nodes(self) -> NDArray[np.void]:
-        """Records, the root first: parent, depth, case, voxels, voxels_h, min_corner, edge_m, and the
+        """Records, the root first: parent, depth, case, voxels, voxels_h, corners (8 x 3), and the
         steps at which it was queued, visited, decided; 2147483647: never."""
         return self._core.nodes
 

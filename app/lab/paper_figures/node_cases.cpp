@@ -118,8 +118,8 @@ render::DrawList close_up(const planes::FrameResult& result,
   inside.max_px = outside.max_px = 24;
   for (std::uint32_t i = 0; i < octree.points.size(); ++i) {
     const Vec3f& p = octree.points[i];
-    const bool near =
-        ((p - cell.min).array() >= -around).all() && ((cell.max - p).array() >= -around).all();
+    const bool near = ((p - cell.corners.front()).array() >= -around).all() &&
+                      ((cell.corners.back() - p).array() >= -around).all();
     const bool own = i >= node.begin && i < node.end;
     if (!near) continue;
     render::DrawPoints& points = own ? inside : outside;
@@ -142,16 +142,11 @@ render::DrawList close_up(const planes::FrameResult& result,
 
 /// From where the sensor is, but more from the side: the cell is seen as a cube.
 render::Camera camera_of(const planes::FrameResult& result, const render::DrawBox& cell) {
-  std::vector<Vec3f> corners;
-  render::each_edge(cell, [&](const Vec3f& from, const Vec3f& to) {
-    corners.push_back(from);
-    corners.push_back(to);
-  });
-  const Vec3d middle = (cell.min + cell.max).cast<double>() / 2;
+  const Vec3d middle = render::middle_of(cell).cast<double>();
   Vec3d forward = middle - result.sensor();
   forward.z() = -0.6 * forward.head<2>().norm();
   const Vec3d right = forward.cross(Vec3d::UnitZ());
-  return close_camera(corners, forward + 0.45 * right, static_cast<double>(kWidth) / kHeight);
+  return close_camera(cell.corners, forward + 0.45 * right, static_cast<double>(kWidth) / kHeight);
 }
 
 }  // namespace

@@ -133,9 +133,7 @@ Correspondence::Correspondence(const Run& from, const Run& to) : from_(from), to
 
 std::int32_t Correspondence::node(std::int32_t node) const {
   const planes::Octree& octree = to_.octree();
-  const planes::Cube &here = from_.octree().cube, &there = octree.cube;
-  if (octree.nodes.empty() || here.min_corner != there.min_corner || here.edge_m != there.edge_m)
-    return -1;
+  if (octree.nodes.empty() || !planes::same_cells(from_.octree(), octree)) return -1;
   const planes::OctreeNode& wanted = from_.octree().nodes[node];
   std::int32_t at = 0;
   while (octree.nodes[at].depth < wanted.depth) {

@@ -216,11 +216,10 @@ std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::ui
                          });
   }
   const planes::Neighbourhood around(walk.advance_to(start_of_assignment(run, step)));
-  const double cell_cm =
-      100 * run.octree().cube.edge_m /
-      std::exp2(run.octree().cube.max_depth - run.segment_options.noise.neighbour_levels);
+  const std::string cell = planes::cell_size_text(
+      run.octree(), run.octree().cube.max_depth - run.segment_options.noise.neighbour_levels);
   const planes::SegmentState& state = walk.advance_to(step - 1);
-  return planes_judged(state, i, fmt::format("no points of it within {:.3g} cm", cell_cm),
+  return planes_judged(state, i, "no points of it within " + cell,
                        [&](const planes::PointVisitor* visitor) {
                          return planes::choose_nearest_plane(state, around.near(i), i, visitor);
                        });

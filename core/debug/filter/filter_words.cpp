@@ -113,10 +113,8 @@ double at_place(View e) {
 template <int axis>
 double coordinate(View e) {
   const double origin = e.run.subject->prepared.cloud.origin[axis];
-  if (const planes::OctreeNode* node = e.node()) {
-    const planes::Octree& octree = e.run.octree();
-    return origin + octree.node_min(*node)[axis] + octree.node_edge_m(*node) / 2;
-  }
+  if (const planes::OctreeNode* node = e.node())
+    return origin + planes::cell_center(e.run.octree(), *node)[axis];
   return e.event.point >= 0 ? origin + position_of(e)[axis] : kAbsent;
 }
 

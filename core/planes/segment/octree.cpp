@@ -1,9 +1,13 @@
 #include "core/planes/segment/octree.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "core/model/morton.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::planes {
 const char* to_string(Case c) {
@@ -12,12 +16,62 @@ const char* to_string(Case c) {
 }
 
 Vec3d Octree::node_min(const OctreeNode& node) const {
+  assert(!image);
   const auto cell = morton_cell(node.code);
   return cube.min_corner + node_edge_m(node) * Vec3d(cell[0], cell[1], cell[2]);
 }
 
 double Octree::node_edge_m(const OctreeNode& node) const {
+  assert(!image);
   return cube.edge_m / static_cast<double>(1u << node.depth);
+}
+
+Bounds cell_bounds(const Octree& octree, const OctreeNode& node) {
+  if (!octree.image) {
+    const Vec3d low = octree.node_min(node);
+    return {low, low + Vec3d::Constant(octree.node_edge_m(node))};
+  }
+  const double side_px = std::ldexp(octree.image->root_px, -node.depth);
+  const Vec3d side(side_px, side_px, side_px / octree.image->px_per_inverse_m);
+  const auto cell = morton_cell(node.code);
+  const Vec3d low = side.cwiseProduct(Vec3d(cell[0], cell[1], cell[2]));
+  return {low, low + side};
+}
+
+std::array<Vec3f, 8> corners_of(const Octree& octree, const Bounds& bounds) {
+  std::array<Vec3f, 8> corners;
+  for (unsigned i = 0; i < corners.size(); ++i) {
+    const bool third = ((i & 4) != 0) != octree.image.has_value();  // far away: small 1 / z
+    const Vec3d at((i & 1) != 0 ? bounds.max.x() : bounds.min.x(),
+                   (i & 2) != 0 ? bounds.max.y() : bounds.min.y(),
+                   third ? bounds.max.z() : bounds.min.z());
+    corners[i] = (octree.image ? octree.image->to_local(at) : at).cast<float>();
+  }
+  return corners;
+}
+
+std::array<Vec3f, 8> cell_corners(const Octree& octree, const OctreeNode& node) {
+  return corners_of(octree, cell_bounds(octree, node));
+}
+
+Vec3d cell_center(const Octree& octree, const OctreeNode& node) {
+  const Bounds cell = cell_bounds(octree, node);
+  const Vec3d middle = (cell.min + cell.max) / 2;
+  return octree.image ? octree.image->to_local(middle) : middle;
+}
+
+bool same_cells(const Octree& a, const Octree& b) {
+  if (a.image && b.image)
+    return a.image->root_px == b.image->root_px &&
+           a.image->px_per_inverse_m == b.image->px_per_inverse_m;
+  return !a.image && !b.image && a.cube.min_corner == b.cube.min_corner &&
+         a.cube.edge_m == b.cube.edge_m;
+}
+
+std::string cell_size_text(const Octree& octree, int depth) {
+  if (!octree.image) return length_text(std::ldexp(octree.cube.edge_m, -depth));
+  const double side_px = std::ldexp(octree.image->root_px, -depth);
+  return fmt::format("{:g} px × {:g} 1/m", side_px, side_px / octree.image->px_per_inverse_m);
 }
 
 Octree build_octree(std::span<const Vec3f> points,

@@ -6,13 +6,16 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/model/plane.hpp"
 #include "core/model/types.hpp"
 #include "core/planes/classify/classifier.hpp"
 #include "core/planes/cloud/cloud.hpp"
+#include "core/planes/segment/image_space.hpp"
 
 namespace planescope::planes {
 
@@ -37,7 +40,8 @@ struct OctreeNode {
 };
 
 struct Octree {
-  Cube cube;
+  Cube cube;                            // max_depth counts in either space
+  std::optional<ImageSpace> image;      // present: cells divide (u, v, 1 / z), not the cube
   std::vector<std::uint64_t> keys;      // Morton codes at max depth, ascending
   std::vector<std::uint32_t> order;     // order[i]: index in the input of the i-th point
   std::vector<Vec3f> points;            // the points and ...
@@ -54,9 +58,24 @@ struct Octree {
       moments.add(points[i].cast<double>(), spreads[i]);
   }
 
+  // Of a cell of the cube; cell_corners() is for both spaces.
   Vec3d node_min(const OctreeNode& node) const;      // lower corner, local coordinates [m]
   double node_edge_m(const OctreeNode& node) const;  // [m]
 };
+
+/// A cell in the coordinates that its octree divides: x, y, z [m], or u, v, 1 / z [px, px, 1/m].
+Bounds cell_bounds(const Octree& octree, const OctreeNode& node);
+/// The corners of such bounds in local coordinates [m]. An index has bit 0 for greater x or u, bit
+/// 1 for greater y or v, bit 2 for greater z or farther away: right-handed in both spaces.
+std::array<Vec3f, 8> corners_of(const Octree& octree, const Bounds& bounds);
+/// Likewise of a node's cell: a cube, or the frustum that the camera sees it as.
+std::array<Vec3f, 8> cell_corners(const Octree& octree, const OctreeNode& node);
+/// The middle of a cell in the coordinates that its octree divides, as a local position [m].
+Vec3d cell_center(const Octree& octree, const OctreeNode& node);
+/// Whether both divide the same space: cells of the same code are then the same, depth by depth.
+bool same_cells(const Octree& a, const Octree& b);
+/// The size of the cells at a depth: "5 cm", or "16 px × 0.25 1/m".
+std::string cell_size_text(const Octree& octree, int depth);
 
 /// Sorts the points into the cube's cells and makes the root. All points must lie in the cube.
 Octree build_octree(std::span<const Vec3f> points, std::span<const Label> labels, const Cube& cube);

@@ -301,8 +301,9 @@ struct Node {
   int depth = 0;
   std::uint8_t node_case = 0;  // in which it was settled
   std::uint32_t voxels = 0, voxels_h = 0;
-  Vec3 min_corner = {0, 0, 0};  // of its cell, world
-  double edge_m = 0;
+  /// Of its cell, world. An index has bit 0 for greater x, or pixel u; bit 1 for greater y, or
+  /// pixel v; bit 2 for greater z, or farther from the camera.
+  std::array<Vec3, 8> corners = {};
   std::int32_t queued = kNever, visited = kNever, decided = kNever;
 };
 

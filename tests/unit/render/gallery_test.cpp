@@ -91,7 +91,7 @@ DrawList cases_scene(const Stairs& stairs) {
   list.points.push_back(cloud);
   const auto box = [](int x, int y, int z, float edge, planes::Case c, BoxStyle style) {
     const Vec3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-    return DrawBox{edge * at, edge * (at + Vec3f::Ones()), case_color(c), style, 0};
+    return DrawBox{box_corners(edge * at, edge * (at + Vec3f::Ones())), case_color(c), style, 0};
   };
   for (int y = -3; y < 3; ++y) {
     for (int x = 0; x < 2; ++x)
@@ -105,7 +105,7 @@ DrawList cases_scene(const Stairs& stairs) {
     list.boxes.push_back(box(3, y, 1, 0.2f, planes::Case::III, BoxStyle::tinted));
   }
   list.boxes.push_back(
-      {{0, -0.8f, -0.1f}, {1.6f, 0.8f, 1.5f}, {128, 132, 140}, BoxStyle::outline, 0});
+      {box_corners({0, -0.8f, -0.1f}, {1.6f, 0.8f, 1.5f}), {128, 132, 140}, BoxStyle::outline, 0});
   list.arrows.push_back({{0.2f, -0.9f, 0.9f}, {0.2f, -0.9f, 0.5f}, {60, 60, 60}, 4});
   list.labels.push_back({{0.2f, -0.9f, 0.95f}, "gravity", {90, 90, 90}, 14, true});
   list.title = "Octree nodes by case";

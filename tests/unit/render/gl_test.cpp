@@ -60,8 +60,10 @@ struct Texture : GlTest {};
 // A picture's points are drawn on the CPU (splats.hpp), a window's by GL.
 TEST_F(Texture, OfADrawingShowsWhatThePictureShows) {
   DrawList list;
-  list.boxes = {
-      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  list.boxes = {{box_corners(Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f)),
+                 {220, 20, 20},
+                 BoxStyle::tinted,
+                 1}};
   list.title = "Box";
   list.points.resize(1);
   list.points[0].size_m = 0.05f;
@@ -98,8 +100,10 @@ TEST_F(Texture, OfADrawingFollowsItsSize) {
 
 TEST_F(Texture, OfAQuickDrawingDiffersOnlyAtEdges) {
   DrawList list = without_overlay();
-  list.boxes = {
-      {Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f), {220, 20, 20}, BoxStyle::tinted, 1}};
+  list.boxes = {{box_corners(Vec3f::Constant(-0.2f), Vec3f::Constant(0.2f)),
+                 {220, 20, 20},
+                 BoxStyle::tinted,
+                 1}};
   const auto quick =
       renderer().draw(list, front_camera(), kWidth, kHeight, Theme::dark, Effort::quick);
   const Image8 texture = pixels_of(quick, kWidth, kHeight);

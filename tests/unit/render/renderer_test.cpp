@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "gl_fixture.hpp"
+#include "render/scene_parts.hpp"
+#include "support/image_octree.hpp"
 
 namespace planescope::render {
 namespace {
@@ -38,7 +40,7 @@ DrawPoints one_point(Vec3f at, Rgba color, float size_m = 0.1f) {
 
 DrawBox box(Vec3f middle, float edge, Rgba color, BoxStyle style) {
   const Vec3f half = Vec3f::Constant(edge / 2);
-  return {middle - half, middle + half, color, style, 0};
+  return {box_corners(middle - half, middle + half), color, style, 0};
 }
 
 // Shading changes lightness a little.
@@ -168,6 +170,28 @@ TEST_F(RendererTest, SolidBoxHidesTheBoxBehindButNotThePointInIt) {
   EXPECT_EQ(render(list, front_camera()).data, one.data);
   list.points = {one_point(Vec3f::Zero(), kBlue)};
   EXPECT_TRUE(bluish(pixel(render(list, front_camera()), kWidth / 2, kHeight / 2)));
+}
+
+// Its nearer end is the smaller one; one that were turned inside out would show what is in it.
+TEST_F(RendererTest, AFrustumHidesTheBoxInItFromAllSides) {
+  const planes::Octree octree = test::image_octree();
+  DrawList list = without_overlay();
+  list.boxes = {cell_box(octree, octree.nodes[0])};
+  list.boxes[0].color = kRed;
+  list.boxes[0].style = BoxStyle::tinted;
+  const Vec3f inside = middle_of(list.boxes[0]);
+  for (const Vec3d& from : {Vec3d(-1, 0, 0), Vec3d(1, 0, 0), Vec3d(0.1, 1, 0), Vec3d(0.1, -1, 0),
+                            Vec3d(0.1, 0, 1), Vec3d(0.1, 0, -1)}) {
+    Camera camera;
+    camera.target = inside.cast<double>();
+    camera.eye = camera.target + 9 * from;
+    camera.up = std::abs(from.z()) < 1 ? Vec3d::UnitZ() : Vec3d::UnitX();
+    list.boxes.resize(1);
+    const Image8 alone = render(list, camera);
+    EXPECT_GT(differing(alone, render(without_overlay(), camera)), kWidth * kHeight / 50);
+    list.boxes.push_back(box(inside, 0.4f, kBlue, BoxStyle::tinted));
+    EXPECT_EQ(render(list, camera).data, alone.data) << from.transpose();
+  }
 }
 
 TEST_F(RendererTest, PolygonIsFilledTranslucentlyAndOutlined) {
@@ -363,7 +387,7 @@ DrawPoints cloud(float x, std::vector<std::uint32_t> ids) {
 
 DrawBox box(float x, float edge, std::uint32_t id, BoxStyle style = BoxStyle::tinted) {
   const Vec3f half = Vec3f::Constant(edge / 2);
-  return {Vec3f(x, 0, 0) - half, Vec3f(x, 0, 0) + half, {255, 0, 0}, style, id};
+  return {box_corners(Vec3f(x, 0, 0) - half, Vec3f(x, 0, 0) + half), {255, 0, 0}, style, id};
 }
 
 TEST_F(Picking, NothingIsZero) { EXPECT_EQ(middle({}), 0u); }

@@ -7,6 +7,7 @@
 
 #include "render/palette.hpp"
 #include "render/scene_parts.hpp"
+#include "support/image_octree.hpp"
 
 namespace planescope::render {
 namespace {
@@ -82,14 +83,45 @@ TEST(SceneCases, BoxesHoldTheirPointsAndStayInTheirCells) {
     const planes::OctreeNode& node = octree.nodes[i];
     const Vec3f low = octree.node_min(node).cast<float>();
     const auto edge = static_cast<float>(octree.node_edge_m(node));
-    EXPECT_GE((list.boxes[i].min - low).minCoeff(), -1e-5F);
-    EXPECT_LE((list.boxes[i].max - low).maxCoeff(), edge + 1e-5F);
+    EXPECT_GE((list.boxes[i].corners.front() - low).minCoeff(), -1e-5F);
+    EXPECT_LE((list.boxes[i].corners.back() - low).maxCoeff(), edge + 1e-5F);
     for (std::uint32_t k = node.begin; k < node.end; ++k) {
       const Vec3f& p = divided_corner().voxels.points[octree.order[k]];
-      ASSERT_GE((p - list.boxes[i].min).minCoeff(), -1e-5F);
-      ASSERT_LE((p - list.boxes[i].max).maxCoeff(), 1e-5F);
+      ASSERT_GE((p - list.boxes[i].corners.front()).minCoeff(), -1e-5F);
+      ASSERT_LE((p - list.boxes[i].corners.back()).maxCoeff(), 1e-5F);
     }
   }
+}
+
+TEST(SceneCases, NodesOfAnImageAreFrustumsThatHoldTheirPointsAndStayInTheirCells) {
+  planes::FrameResult result;
+  result.segmentation.octree = test::image_octree();
+  const planes::Octree& octree = result.segmentation.octree;
+  result.voxels.points = test::measured_points(octree);
+  const DrawList list = scene_cases(result);
+  ASSERT_EQ(list.boxes.size(), octree.nodes.size());
+  std::size_t numerals = 0;
+  for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
+    const planes::OctreeNode& node = octree.nodes[i];
+    const auto limits = [&](auto begin, auto end) {
+      Bounds bounds;
+      for (auto p = begin; p != end; ++p)
+        bounds.add(octree.image->from_local(p->template cast<double>()));
+      return bounds;
+    };
+    const auto cell = planes::cell_corners(octree, node);
+    const Bounds whole = limits(cell.begin(), cell.end());
+    const Bounds drawn = limits(list.boxes[i].corners.begin(), list.boxes[i].corners.end());
+    const Bounds own = limits(octree.points.begin() + node.begin, octree.points.begin() + node.end);
+    constexpr double kRounding = 1e-4;
+    EXPECT_GE((drawn.min - whole.min).minCoeff(), -kRounding);
+    EXPECT_LE((drawn.max - whole.max).maxCoeff(), kRounding);
+    EXPECT_GE((own.min - drawn.min).minCoeff(), -kRounding);
+    EXPECT_LE((own.max - drawn.max).maxCoeff(), kRounding);
+  }
+  for (const DrawLabel& label : list.labels) numerals += label.text == "IV";
+  EXPECT_GT(numerals, 3u) << "on the large ones";
+  EXPECT_LE(numerals, kMostNumerals);
 }
 
 TEST(SceneCases, NodesAtFullDepthAreHatchedAndDividedOnesFaint) {

@@ -202,7 +202,7 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   heading(ui, fmt::format("Node {}", index));
   ImGui::SameLine();
   ImGui::TextDisabled("depth %d, cell %s", node.depth,
-                      length_text(octree.node_edge_m(node)).c_str());
+                      planes::cell_size_text(octree, node.depth).c_str());
   if (node.parent >= 0) {
     same_line_if_fits("parent");
     if (ImGui::SmallButton("parent")) ui.emit("select.parent");

@@ -173,7 +173,7 @@ void draw_tooltip(const debug::Run& run, std::int32_t step, std::int32_t node) {
   std::string below;
   if (n.first_child >= 0) below = "\nbar: how the nodes below it were settled, + how many";
   ImGui::SetTooltip("%s\ncell of %s; double click: to its decision%s", text.c_str(),
-                    length_text(run.octree().node_edge_m(n)).c_str(), below.c_str());
+                    planes::cell_size_text(run.octree(), n.depth).c_str(), below.c_str());
 }
 
 /// The triangle that opens and closes a node; takes the clicks on it.

@@ -8,6 +8,7 @@
 #include "core/model/morton.hpp"
 #include "core/model/random.hpp"
 #include "core/planes/segment/cells.hpp"
+#include "support/image_octree.hpp"
 #include "support/scenes.hpp"
 
 namespace planescope::planes {
@@ -71,6 +72,49 @@ TEST(Octree, KeepsEveryPointOnceAndNodesBreadthFirst) {
     EXPECT_EQ(octree.points[i], cloud.points[octree.order[i]]);
   EXPECT_TRUE(std::is_sorted(octree.nodes.begin(), octree.nodes.end(),
                              [](const auto& a, const auto& b) { return a.depth < b.depth; }));
+}
+
+TEST(Octree, CornersOfACubeAreItsLowerCornerAndAnEdgeFromIt) {
+  const Octree octree = full_tree(test::random_cloud(5));
+  for (const OctreeNode& node : octree.nodes) {
+    const Vec3d low = octree.node_min(node);
+    const double edge = octree.node_edge_m(node);
+    const auto corners = cell_corners(octree, node);
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vec3d at = low + edge * Vec3d(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+      EXPECT_EQ(corners[i], at.cast<float>());
+    }
+    EXPECT_TRUE(cell_center(octree, node).isApprox(low + Vec3d::Constant(edge / 2)));
+  }
+  EXPECT_EQ(cell_size_text(octree, 0), "3.2 m");
+  EXPECT_EQ(cell_size_text(octree, 6), "5 cm");
+}
+
+TEST(Octree, CornersOfAFrustumProjectToTheLimitsOfItsCell) {
+  const Octree octree = test::image_octree();
+  const ImageSpace& image = *octree.image;
+  const Pose T_camera_local = image.T_local_camera.inverse();
+  for (const OctreeNode& node : octree.nodes) {
+    const auto cell = morton_cell(node.code);
+    const double side_px = 64.0 / (1 << node.depth);
+    const auto corners = cell_corners(octree, node);
+    for (unsigned i = 0; i < 8; ++i) {
+      const Vec3d p = T_camera_local * corners[i].cast<double>();
+      EXPECT_NEAR(image.fx * p.x() / p.z() + image.cx, side_px * (cell[0] + (i & 1)), 1e-3);
+      EXPECT_NEAR(image.fy * p.y() / p.z() + image.cy, side_px * (cell[1] + ((i >> 1) & 1)), 1e-3);
+      const double rho = side_px / 64 * (cell[2] + ((i & 4) != 0 ? 0 : 1));
+      EXPECT_NEAR(p.z(), std::min(image.farthest_m, 1 / rho), 1e-4) << "finite where rho is 0";
+    }
+    const Bounds bounds = cell_bounds(octree, node);
+    const auto holds = [&](const Vec3d& at) {
+      return (at - bounds.min).minCoeff() > -1e-4 && (bounds.max - at).minCoeff() > -1e-4;
+    };
+    for (std::uint32_t k = node.begin; k < node.end; ++k)
+      ASSERT_TRUE(holds(image.from_local(octree.points[k].cast<double>())));
+    EXPECT_TRUE(holds(image.from_local(cell_center(octree, node))));
+  }
+  EXPECT_EQ(cell_size_text(octree, 0), "64 px × 1 1/m");
+  EXPECT_EQ(cell_size_text(octree, 2), "16 px × 0.25 1/m");
 }
 
 TEST(Octree, PointsOnTheCubesFacesBelongToIt) {
