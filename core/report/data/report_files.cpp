@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kRecordSchema = "planescope.report-frame/2";
+constexpr const char* kRecordSchema = "planescope.report-frame/3";
 constexpr const char* kFrameFile = "frame.json";
 constexpr const char* kTimingsFile = "timings.json";
 
@@ -48,7 +48,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   const std::string start = fmt::format(
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
       frame.refused.empty() ? "done" : "refused", quoted(frame.refused));
-  if (!frame.refused.empty()) return start + std::string(25, ',') + "\n";
+  if (!frame.refused.empty()) return start + std::string(26, ',') + "\n";
   const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
   // Without gravity there is no direction, and no plane is h or v: left empty.
@@ -62,11 +62,11 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
     metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
                           frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
                           frame.metrics->point_accuracy, frame.metrics->mean_iou);
-  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                              to_string(frame.gravity.source), gravity, c.pixels, c.no_measurement,
                              c.invalid, c.beyond_range, c.outside_cube, c.kept, frame.voxels,
                              classes, frame.points_on_planes, frame.segment.unassigned, metrics,
-                             terrain_cells(frame));
+                             terrain_cells(frame), frame.planes_undecided);
 }
 
 // junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
@@ -181,7 +181,7 @@ std::string frames_csv(const Report& report) {
       "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
       "no_measurement,invalid,beyond_range,outside_cube,n_m,n_d,planes_h,planes_v,"
       "points_on_planes,voxels_in_no_plane,truth_planes,alpha_deg,r_p,r_m,point_accuracy,"
-      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m\n";
+      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m,planes_undecided\n";
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
   return text;

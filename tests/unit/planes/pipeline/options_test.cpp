@@ -7,6 +7,7 @@
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -102,30 +103,21 @@ TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
   }
 }
 
-std::string refusal_of(const auto& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(OptionsTable, ARemovedNameIsAnsweredWithWhatReplacesIt) {
   const RemovedOption removed[] = {
       {"r1_max_angle_deg", "merge"}, {"r99_knob", ""}, {"old", "paper"}};
   EXPECT_EQ(removed_text("option", "r1_max_angle_deg", removed),
             "option r1_max_angle_deg was removed in 0.2; see merge");
-  EXPECT_EQ(refusal_of([&] { find_option("r99_knob", removed); }),
+  EXPECT_EQ(message_of([&] { find_option("r99_knob", removed); }),
             "option r99_knob was removed in 0.2");
-  EXPECT_EQ(refusal_of([&] { find_profile("old", removed); }),
+  EXPECT_EQ(message_of([&] { find_profile("old", removed); }),
             "profile old was removed in 0.2; see paper");
   EXPECT_EQ(find_option("theta_n_in", removed).name, "theta_n_in");
   EXPECT_EQ(find_profile("paper", removed), Profile::paper);
-  EXPECT_NE(refusal_of([&] { find_option("r99_knobs", removed); }).find("is unknown"),
+  EXPECT_NE(message_of([&] { find_option("r99_knobs", removed); }).find("is unknown"),
             std::string::npos)
       << "no earlier version had it";
-  EXPECT_NE(refusal_of([&] { find_profile("odl", removed); }).find("expected paper"),
+  EXPECT_NE(message_of([&] { find_profile("odl", removed); }).find("expected paper"),
             std::string::npos);
 }
 
