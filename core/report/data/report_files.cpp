@@ -79,7 +79,7 @@ std::string xml_text(const std::string& text) {
 }
 
 struct JunitSuite {
-  std::string name, cases;
+  std::string name, cases, notes;
   int tests = 0, failures = 0, errors = 0;
   double seconds = 0;
 
@@ -96,8 +96,9 @@ struct JunitSuite {
     return fmt::format(
         " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
         "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.6f}\">\n"
-        "  <properties/>\n{}  <system-out/>\n  <system-err/>\n </testsuite>\n",
-        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases);
+        "  <properties/>\n{}  <system-out{}\n  <system-err/>\n </testsuite>\n",
+        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases,
+        notes.empty() ? "/>" : ">" + notes + "</system-out>");
   }
 };
 
@@ -113,6 +114,19 @@ std::string failure(const std::vector<const Breach*>& breaches,
   if (frame) text += fmt::format("planescope view --open report.json#{}\n", anchor);
   return fmt::format("   <failure message=\"{}\" type=\"{}\">{}</failure>\n",
                      xml_text(breaches[0]->text()), xml_text(breaches[0]->rule.metric), text);
+}
+
+/// What undecided planes changed, for whoever looks into a suite that passes. `recording` empty: of
+/// all.
+std::string notes_of(const Report& report, const std::string& recording) {
+  std::string text;
+  if (!report.judgement) return text;
+  for (const Breach& note : report.judgement->notes)
+    if (note.recording == recording)
+      text +=
+          fmt::format("note: {}{}\n", note.frame < 0 ? "" : fmt::format("frame {}: ", note.frame),
+                      xml_text(note.text()));
+  return text;
 }
 
 /// Errors of one frame, or with frame -1 of the whole recording.
@@ -196,14 +210,17 @@ std::string junit_xml(const Report& report) {
     const ReportRecording& recording = report.recordings[r];
     JunitSuite suite;
     suite.name = recording.name;
+    suite.notes = notes_of(report, recording.name);
     for (const ReportFrame& frame : recording.frames)
       add_frame(suite, frame, html::frame_anchor(report.recordings.size(), r, frame.index), broken);
     add_rest(suite, broken, false);
     take(suite);
   }
-  if (!broken.empty()) {
+  const std::string notes = notes_of(report, "");
+  if (!broken.empty() || !notes.empty()) {
     JunitSuite suite;
     suite.name = "all recordings";
+    suite.notes = notes;
     add_rest(suite, broken, true);
     take(suite);
   }
