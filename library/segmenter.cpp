@@ -131,6 +131,8 @@ Plane make_plane(const report::FramePlanes& found, std::size_t i) {
   plane.voxels = summary.voxels;
   plane.rms_m = summary.rms_m;
   plane.area_m2 = summary.area_m2;
+  plane.margin = summary.margin;
+  plane.undecided = summary.undecided;
   for (const Vec3d& corner : summary.hull) plane.hull.push_back(vec3(corner));
   plane.outline = outline_of(found.outlines[i]);
   plane.height_m = found.stairs.height_m[i];

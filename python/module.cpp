@@ -198,6 +198,8 @@ py::list planes_of(const ps::Result& result) {
     dict["voxels"] = plane.voxels;
     dict["rms_m"] = plane.rms_m;
     dict["area_m2"] = plane.area_m2;
+    dict["margin"] = plane.margin;
+    dict["undecided"] = plane.undecided;
     dict["hull"] = rows_of(plane.hull);
     dict["outline"] = outline_of(plane.outline);
     dict["height_m"] = plane.height_m;

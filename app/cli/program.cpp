@@ -230,7 +230,7 @@ Job print_job(const std::string& text) {
   };
 }
 
-/// "planescope 0.1.0, commit 1234567": what a report says of the binary, too.
+/// "planescope 0.2.0, commit 1234567": what a report says of the binary, too.
 std::string version_text(const Program& program) {
   const report::BuildInfo build = report::build_info();
   const bool has_hash = build.commit.size() == 40;

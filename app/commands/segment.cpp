@@ -35,6 +35,9 @@ std::string line_of(const std::string& folder, const planes::FrameResult& result
   std::string line =
       fmt::format("{}: {}, {} of {} points in them", folder,
                   counted(result.segmentation.planes.size(), "plane"), in_plane, counts.kept);
+  const auto undecided =
+      std::ranges::count_if(result.segmentation.planes, &planes::PlaneRegion::undecided);
+  if (undecided > 0) line += fmt::format(", {} undecided", undecided);
   if (!result.segmentation.minor.empty())
     line += ", " + counted(result.segmentation.minor.size(), "minor plane");
   if (counts.beyond_range > 0)
@@ -53,6 +56,8 @@ nlohmann::ordered_json frame_json(const std::string& folder, const planes::Frame
   nlohmann::ordered_json json;
   json["folder"] = folder;
   json["planes"] = result.segmentation.planes.size();
+  json["undecided"] =
+      std::ranges::count_if(result.segmentation.planes, &planes::PlaneRegion::undecided);
   json["points"] = result.cloud.points.size();
   json["kept"] = result.cloud.counts.kept;
   json["beyond_range"] = result.cloud.counts.beyond_range;

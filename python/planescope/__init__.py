@@ -80,6 +80,8 @@ class Plane:
     voxels: int
     rms_m: float  # of its measurements' distances
     area_m2: float  # of the cells that hold points
+    margin: float  # the objective's rise if it were lost or joined with its closest neighbor; inf: none
+    undecided: bool  # the margin is below the threshold
     hull: NDArray[np.float64] = field(repr=False)  # (n, 3), convex
     outline: Outline = field(repr=False)
     height_m: float  # above the floor; nan: it is not level
@@ -569,6 +571,7 @@ class MapPlane:
     area_m2: float
     frames_seen: int
     frames_missed: int  # in sight, and not found
+    frames_undecided: int  # of those seen, frames in which its plane was undecided
     parts: list[OutlinePart] = field(repr=False)  # rings of (n, 3) corners in the world
 
 
@@ -594,6 +597,7 @@ class Map:
                 ],
                 frames_seen=plane["frames"]["seen"],
                 frames_missed=plane["frames"]["missed"],
+                frames_undecided=plane["frames"]["undecided"],
                 normal=np.array(plane["normal"]),
                 centroid=np.array(plane["centroid"]),
                 **{

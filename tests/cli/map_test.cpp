@@ -45,7 +45,7 @@ TEST_F(Map, WritesMapTracksAndPoses) {
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
   EXPECT_EQ(tracks["frames"].size(), 12u);
   const auto written = read_json<nlohmann::json>(dir / "out" / "map.json");
-  EXPECT_EQ(written["schema"], "planescope.map/1");
+  EXPECT_EQ(written["schema"], "planescope.map/2");
   EXPECT_EQ(written["poses"]["count"], 12);
   EXPECT_GT(io::read_png_rgb(dir / "out" / "map.png").width, 100);
   EXPECT_FALSE(fs::exists(dir / "out" / "left.jsonl"));

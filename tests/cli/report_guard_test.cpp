@@ -47,6 +47,45 @@ TEST(ReportGuard, PassesAnUnchangedRunAndFailsAWorseOne) {
   EXPECT_EQ(report("again", {"--baseline", baseline, "--gravity", "0.1,1,0"}).code, 0);
 }
 
+/// As if the run had found all of the baseline's planes by a small margin; of version 3, it does
+/// not tell.
+void make_undecided(const std::string& baseline, bool tells) {
+  Json json = Json::parse(read_text(baseline));
+  if (!tells) json["schema"] = "planescope.report/3";
+  for (Json& frame : json["recordings"][0]["frames"])
+    for (Json& plane : frame["planes"])
+      if (tells) {
+        plane["margin"] = 0.02;
+        plane["undecided"] = true;
+      } else {
+        plane.erase("margin");
+        plane.erase("undecided");
+      }
+  write_text(baseline, json.dump());
+}
+
+TEST(ReportGuard, NotesWhatUndecidedPlanesChangeAndEndsWithZero) {
+  const auto dir = scratch();
+  write_depth_folder(dir / "rec", floor_and_wall());
+  const std::string baseline = (dir / "baseline.json").string();
+  const auto report = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.end(), {"--baseline", baseline});
+    return run(report_args({dir / "rec"}, dir / out, more));
+  };
+  ASSERT_EQ(report("first", {"--approve"}).code, 0);
+  make_undecided(baseline, true);
+  const Ran noted = report("noted", {"--gravity", "0.1,1,0"});
+  EXPECT_EQ(noted.code, 0) << noted.out << noted.err;
+  EXPECT_NE(noted.out.find("note   rec frame 0: a plane turned by "), std::string::npos)
+      << noted.out;
+  EXPECT_NE(noted.out.find("0 errors, "), std::string::npos) << noted.out;
+  make_undecided(baseline, false);
+  const Ran failed = report("failed", {"--gravity", "0.1,1,0"});
+  EXPECT_EQ(failed.code, 1) << "all planes of an earlier version are decided";
+  EXPECT_NE(failed.out.find("error  rec frame 0: a plane turned by "), std::string::npos)
+      << failed.out;
+}
+
 TEST(ReportGuard, WarnsOfWhatNothingIsHeldTo) {
   const auto dir = scratch();
   write_depth_folder(dir / "rec", floor_and_wall(), 2);

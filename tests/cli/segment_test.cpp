@@ -45,7 +45,7 @@ TEST(Segment, ADepthFrameGivesItsPlanesInEveryFile) {
                                       "frames/000000/planes.png", "frames/000000/timings.json"}));
 
   const Json json = planes_of(dir / "out");
-  EXPECT_EQ(json["schema"], "planescope.planes/3");
+  EXPECT_EQ(json["schema"], "planescope.planes/4");
   EXPECT_EQ(json["gravity"]["source"], "option");
   EXPECT_EQ(json["counts"]["pixels"], 160 * 120);
   ASSERT_EQ(json["planes"].size(), 2u);

@@ -2,6 +2,7 @@
 // scripted input with no GL.
 
 #include <algorithm>
+#include <limits>
 
 #include "app/desktop/debugger/plane_table.hpp"
 #include "app/desktop/debugger/plane_text.hpp"
@@ -220,10 +221,23 @@ TEST_F(Planes, StandInATableThatIsSortedFilteredAndLinkedWithTheScene) {
   EXPECT_EQ(look_of(state()).plane, rows[0].plane) << "in the scene too";
 }
 
+TEST(PlaneTable, MarksUndecidedPlanesBesideTheirMargin) {
+  PlaneRow row;
+  row.margin = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(cells_of(row).back(), "–");
+  row.margin = 0.75;
+  EXPECT_EQ(cells_of(row).back(), "0.75");
+  row.margin = 0.03;
+  row.undecided = true;
+  EXPECT_EQ(cells_of(row).back(), "0.03 ~");
+  EXPECT_TRUE(planes_csv({row}).ends_with(",0.03,true\n"));
+}
+
 TEST_F(Planes, AreCopiedAsCsvInTheOrderOfTheTable) {
   play(R"({"do": "planes.sort", "with": "area"}, "planes.copy")");
   const std::string csv = ImGui::GetClipboardText();
-  EXPECT_EQ(csv.find("id,class,area_m2,tilt_deg,rms_m,points,support,steppable\n"), 0u);
+  EXPECT_EQ(csv.find("id,class,area_m2,tilt_deg,rms_m,points,support,steppable,margin,undecided\n"),
+            0u);
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')),
             state().run()->segmentation.planes.size() + 1);
   const PlaneRow largest = plane_rows(state()).front();

@@ -12,10 +12,11 @@ void sort_by(State& state, const std::string& text) {
   for (const PlaneColumnInfo& column : kPlaneColumns) names.emplace_back(column.name);
   const auto column = static_cast<PlaneColumn>(choice_argument("planes.sort", text, names));
   PlanesView& view = state.view.planes;
-  // The numbers that one looks for first are the large ones, but for the name.
+  // The numbers that one looks for first are the large ones, but for the name and the margin.
   view.descending = view.sorted_by == column
                         ? !view.descending
-                        : column != PlaneColumn::id && column != PlaneColumn::label;
+                        : column != PlaneColumn::id && column != PlaneColumn::label &&
+                              column != PlaneColumn::margin;
   view.sorted_by = column;
 }
 

@@ -24,6 +24,8 @@ PlaneRow row_of(const debug::Run& run, const report::FramePlanes& found, std::si
   row.support = found.footholds[k].surface.support;
   row.foot = found.footholds[k].space.has_value();
   row.steppable = found.footholds[k].steppable;
+  row.margin = summary.margin;
+  row.undecided = summary.undecided;
   return row;
 }
 
@@ -31,6 +33,7 @@ bool fits(const PlaneRow& row, const std::vector<std::string>& words) {
   std::vector<std::string> texts = cells_of(row);
   if (row.label != Label::unknown) texts.emplace_back(row.label == Label::h ? "level" : "upright");
   if (row.foot) texts.emplace_back(row.steppable ? "steppable" : "not steppable");
+  if (row.undecided) texts.emplace_back("undecided");
   return std::ranges::all_of(words, [&](const std::string& word) {
     return std::ranges::any_of(texts, [&](const std::string& text) {
       return lower_case(text).find(word) != std::string::npos;
@@ -57,6 +60,8 @@ double key_of(const PlaneRow& row, PlaneColumn column) {
       return row.support;
     case PlaneColumn::steppable:
       return row.foot ? row.steppable : std::numeric_limits<double>::quiet_NaN();
+    case PlaneColumn::margin:
+      return std::isfinite(row.margin) ? row.margin : std::numeric_limits<double>::quiet_NaN();
   }
   return 0;
 }
@@ -69,7 +74,7 @@ void sort(std::vector<PlaneRow>& rows, PlaneColumn column, bool descending) {
   });
 }
 
-std::string number(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace
 
@@ -84,7 +89,9 @@ std::vector<std::string> cells_of(const PlaneRow& row) {
           length_text(row.rms_m),
           std::to_string(row.points),
           known(row.support, fmt::format("{:.0f} %", 100 * row.support)),
-          row.foot ? (row.steppable ? "yes" : "no") : "–"};
+          row.foot ? (row.steppable ? "yes" : "no") : "–",
+          std::isfinite(row.margin) ? fmt::format("{:.2g}{}", row.margin, row.undecided ? " ~" : "")
+                                    : "–"};
 }
 
 std::vector<PlaneRow> plane_rows(const State& state) {
@@ -101,11 +108,12 @@ std::vector<PlaneRow> plane_rows(const State& state) {
 }
 
 std::string planes_csv(const std::vector<PlaneRow>& rows) {
-  std::string text = "id,class,area_m2,tilt_deg,rms_m,points,support,steppable\n";
+  std::string text = "id,class,area_m2,tilt_deg,rms_m,points,support,steppable,margin,undecided\n";
   for (const PlaneRow& row : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{}\n", row.id, to_string(row.label, ""),
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", row.id, to_string(row.label, ""),
                         number(row.area_m2), number(row.tilt_deg), number(row.rms_m), row.points,
-                        number(row.support), row.foot ? (row.steppable ? "true" : "false") : "");
+                        number(row.support), row.foot ? (row.steppable ? "true" : "false") : "",
+                        number(row.margin), row.undecided);
   return text;
 }
 

@@ -21,6 +21,8 @@ struct PlaneRow {
   double support = 0;  // share of what its outline covers that was measured
   bool foot = false;   // one is given, and `steppable` means something
   bool steppable = false;
+  double margin = 0;  // as in planes.json; infinite: no objective was minimized
+  bool undecided = false;
 };
 
 struct PlaneColumnInfo {
@@ -37,13 +39,18 @@ inline constexpr PlaneColumnInfo kPlaneColumns[] = {
     {"rms", "RMS", "distance of its points from the plane, root mean square"},
     {"points", "points", "measured on it"},
     {"support", "support", "of what its outline covers, this much was measured on it"},
-    {"steppable", "foot", "whether it carries one; the option foot_radius_m gives one"}};
+    {"steppable", "foot", "whether it carries one; the option foot_radius_m gives one"},
+    {"margin", "margin",
+     "how much the objective would rise if it were lost, or joined with its closest neighbor; ~: "
+     "so "
+     "little that the plane is undecided"}};
 
 /// Every cell as text, by PlaneColumn; "–" where it is not known.
 std::vector<std::string> cells_of(const PlaneRow& row);
 
 /// Those that the filter leaves, sorted; empty while they are found out. Each word of the filter is
-/// in one of the row's texts, or in "level", "upright", "steppable", "not steppable".
+/// in one of the row's texts, or in "level", "upright", "steppable", "not steppable",
+/// "undecided".
 std::vector<PlaneRow> plane_rows(const State& state);
 
 /// The same rows with a header, numbers in SI units with all their digits.

@@ -109,6 +109,7 @@ std::string describe_plane(const State& state, std::int32_t plane) {
   text += ", " + area_text(state.planes()->found.outlines[k].area_m2);
   if (!std::isnan(foothold->surface.slope_deg))
     text += fmt::format(", slope {:.1f}°", foothold->surface.slope_deg);
+  if (state.planes()->found.summaries[k].undecided) text += ", undecided";
   const std::string verdict = verdict_text(state, plane);
   return verdict.empty() ? text : text + "\n" + verdict;
 }
@@ -140,6 +141,11 @@ std::vector<PlaneLine> plane_lines(const State& state, std::int32_t plane) {
        "and of the offset at its centroid"});
   lines.push_back(
       {"clearance", mm(surface.clearance_m), "radius of the largest circle in its outline"});
+  if (const report::PlaneSummary& summary = found.summaries[k]; std::isfinite(summary.margin))
+    lines.push_back(
+        {"margin", fmt::format("{:.2g}{}", summary.margin, summary.undecided ? ", undecided" : ""),
+         "how much the objective would rise if it were lost, or joined with its closest "
+         "neighbor"});
   if (k < found.stairs.height_m.size() && !std::isnan(found.stairs.height_m[k]))
     lines.push_back({"height", mm(found.stairs.height_m[k]), "above the floor"});
   if (foothold->space)

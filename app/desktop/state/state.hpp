@@ -187,7 +187,17 @@ struct Layout {
   double tools = 0.48;   // of the right: criteria and the other tools
 };
 
-enum class PlaneColumn : std::uint8_t { id, label, area, tilt, rms, points, support, steppable };
+enum class PlaneColumn : std::uint8_t {
+  id,
+  label,
+  area,
+  tilt,
+  rms,
+  points,
+  support,
+  steppable,
+  margin
+};
 /// The table of planes.
 struct PlanesView {
   std::string filter;  // words that a row has

@@ -87,7 +87,7 @@ struct PaperTimings {
   std::vector<MethodTiming> methods;          // table V's frames a second
 };
 
-/// "planescope 0.1.0, commit 0f3a... with changes"
+/// "planescope 0.2.0, commit 0f3a... with changes"
 std::string to_text(const report::BuildInfo& build);
 /// "gcn.safetensors (compact, 27714 parameters), SHA-256 9c2d..."
 std::string to_text(const planes::WeightsRecord& weights);

@@ -138,7 +138,7 @@ void append_criteria(std::vector<OptionInfo>& table) {
                    s,
                    [](const PipelineOptions& o) { return to_string(o.segment.profile); },
                    [](PipelineOptions& o, const std::string& text) {
-                     o.segment = profile_options(parse_profile(text));
+                     o.segment = profile_options(find_profile(text));
                    },
                    OptionKind::choice,
                    {},
@@ -294,16 +294,24 @@ const std::vector<OptionInfo>& option_table() {
   return table;
 }
 
-const OptionInfo& find_option(const std::string& name) {
+const OptionInfo& find_option(const std::string& name, std::span<const RemovedOption> removed) {
   std::vector<std::string> names;
   for (const OptionInfo& info : option_table()) {
     if (info.name == name) return info;
     names.push_back(info.name);
   }
+  if (const std::string text = removed_text("option", name, removed); !text.empty())
+    throw Error(text);
   const std::string near = nearest_name(name, names);
   throw Error("option '" + name + "' is unknown" +
               (near.empty() ? std::string(", `planescope options` lists what there is")
                             : ", did you mean '" + near + "'?"));
+}
+
+Profile find_profile(const std::string& name, std::span<const RemovedOption> removed) {
+  if (const std::string text = removed_text("profile", name, removed); !text.empty())
+    throw Error(text);
+  return parse_profile(name);
 }
 
 std::string default_value(const OptionInfo& info, Profile profile) {

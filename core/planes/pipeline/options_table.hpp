@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/planes/pipeline/pipeline.hpp"
+#include "core/planes/pipeline/removed_options.hpp"
 
 namespace planescope::planes {
 
@@ -49,8 +51,14 @@ bool is_idle(const OptionInfo& info, const PipelineOptions& options);
 /// to that profile's defaults.
 const std::vector<OptionInfo>& option_table();
 
-/// Throws Error naming the nearest existing name when `name` is unknown.
-const OptionInfo& find_option(const std::string& name);
+/// Throws Error when `name` is unknown: what became of it where an earlier version had it, else the
+/// nearest existing name.
+const OptionInfo& find_option(const std::string& name,
+                              std::span<const RemovedOption> removed = removed_options());
+
+/// Likewise of profiles.
+Profile find_profile(const std::string& name,
+                     std::span<const RemovedOption> removed = removed_options());
 
 /// What the option is by default in a profile, as text.
 std::string default_value(const OptionInfo& info, Profile profile);
@@ -60,7 +68,7 @@ double number_of(const OptionInfo& info, const PipelineOptions& options);
 /// As `set` takes it; whole numbers are rounded, values out of range moved to its end.
 std::string number_text(const OptionInfo& info, double value);
 
-/// Throws Error naming the nearest existing name when `name` is unknown.
+/// Throws what find_option() does, and Error on a bad value.
 void set_option(PipelineOptions& options, const std::string& name, const std::string& value);
 
 }  // namespace planescope::planes

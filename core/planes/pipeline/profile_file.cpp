@@ -53,7 +53,7 @@ ProfileFile profile_of(const Json& json) {
   const std::string schema = json.value("schema", "");
   if (schema != kSchema)
     throw Error(fmt::format("its schema is {}, expected {}", shown(schema), kSchema));
-  profile.base = parse_profile(json.value("base", "refined"));
+  profile.base = find_profile(json.value("base", "refined"));
   PipelineOptions options;
   options.segment = profile_options(profile.base);
   const Json named = json.value("options", Json::object());
@@ -96,7 +96,7 @@ std::string profile_text(const ProfileFile& profile) {
 
 void set_profile(PipelineOptions& options, const std::string& name_or_file) {
   if (!names_file(name_or_file)) {
-    options.segment = profile_options(parse_profile(name_or_file));
+    options.segment = profile_options(find_profile(name_or_file));
     return;
   }
   const ProfileFile profile = read_profile(name_or_file);

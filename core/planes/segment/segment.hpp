@@ -62,6 +62,10 @@ struct PlaneRegion {
   PlaneFit fit;  // local coordinates; normal points up (h) or towards the sensor side (v)
   std::uint32_t points = 0;  // points of segment()'s input
   std::int32_t founded = 0;  // number of the plane in the trace: order of founding
+  // By how much the objective would rise if the plane were lost, or joined with its closest
+  // neighbor, whichever is less. Dimensionless, at least 0; infinite: no objective was minimized.
+  double margin = std::numeric_limits<double>::infinity();
+  bool undecided = false;  // the margin is below the threshold
 };
 
 /// How much the traversal did; the same for any thread count.

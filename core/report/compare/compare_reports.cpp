@@ -53,6 +53,7 @@ class PlaneComparer {
         result_.back().fate = PlaneFate::gained;
         result_.back().now = f;
       }
+    for (PlaneComparison& plane : result_) plane.undecided = is_undecided(plane);
     return std::move(result_);
   }
 
@@ -66,6 +67,15 @@ class PlaneComparer {
   bool is_part(double common, std::uint64_t part, std::uint64_t whole) const {
     return common > 0 && common >= kMostOfPart * static_cast<double>(part) &&
            common >= kLeastOfWhole * static_cast<double>(whole);
+  }
+
+  bool is_undecided(const PlaneComparison& plane) const {
+    const auto in = [](const std::vector<ReportPlane>& planes, int id) {
+      return id > 0 && planes[static_cast<std::size_t>(id) - 1].summary.undecided;
+    };
+    const std::vector<ReportPlane>& of_others = plane.fate == PlaneFate::split ? now_ : baseline_;
+    return in(baseline_, plane.baseline) || in(now_, plane.now) ||
+           std::ranges::any_of(plane.others, [&](int id) { return in(of_others, id); });
   }
 
   void find_splits() {

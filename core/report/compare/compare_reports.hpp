@@ -29,7 +29,8 @@ struct PlaneComparison {
   double iou = 0;             // of the samples on them
   double offset_m = 0;        // from the one plane to the centroid of the other, the larger of two
   double angle_deg = 0;
-  double area_ratio = 0;  // now / baseline
+  double area_ratio = 0;   // now / baseline
+  bool undecided = false;  // one of these planes is, in its run
 };
 
 /// Of frames of the same input: baseline's planes by their ids, then those gained. Where the

@@ -78,10 +78,28 @@ std::string Judgement::text() const {
     text.append("warn   ").append(lines[i]).append("\n");
   if (lines.size() > kMostLines)
     text += fmt::format("... and {} more\n", lines.size() - kMostLines);
+  for (std::size_t i = 0; i < std::min(notes.size(), kMostLines); ++i)
+    text += fmt::format("note   {}: {}\n", where(notes[i]), notes[i].text());
+  if (notes.size() > kMostLines)
+    text += fmt::format("... and {} more\n", notes.size() - kMostLines);
+  const std::string noted = notes.empty() ? "" : ", " + counted(notes.size(), "note");
   const std::string against = baseline ? " against " + baseline_file : "";
-  return text + fmt::format("{}, {}{}\n", counted(errors(), "error"),
-                            counted(warnings(), "warning"), against);
+  return text + fmt::format("{}, {}{}{}\n", counted(errors(), "error"),
+                            counted(warnings(), "warning"), noted, against);
 }
+
+namespace {
+
+Json breach_json(const Breach& breach) {
+  return {{"level", to_string(breach.rule.level)},
+          {"metric", breach.rule.metric},
+          {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
+          {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
+          {"value", breach.value},
+          {"message", breach.text()}};
+}
+
+}  // namespace
 
 Json judgement_json(const Judgement& judgement) {
   Json json = {{"baseline", judgement.baseline ? Json(judgement.baseline_file) : Json()},
@@ -89,15 +107,10 @@ Json judgement_json(const Judgement& judgement) {
                {"errors", judgement.errors()},
                {"warnings", judgement.warnings()},
                {"unguarded", judgement.unguarded()},
-               {"breaches", Json::array()}};
-  for (const Breach& breach : judgement.breaches)
-    json["breaches"].push_back(
-        {{"level", to_string(breach.rule.level)},
-         {"metric", breach.rule.metric},
-         {"recording", breach.recording.empty() ? Json() : Json(breach.recording)},
-         {"frame", breach.frame < 0 ? Json() : Json(breach.frame)},
-         {"value", breach.value},
-         {"message", breach.text()}});
+               {"breaches", Json::array()},
+               {"notes", Json::array()}};
+  for (const Breach& breach : judgement.breaches) json["breaches"].push_back(breach_json(breach));
+  for (const Breach& note : judgement.notes) json["notes"].push_back(breach_json(note));
   return json;
 }
 
@@ -126,6 +139,7 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
   judgement->comparison =
       compare_reports(judgement->baseline ? *judgement->baseline : none, report);
   judgement->breaches = broken_rules(rules_, judgement->comparison);
+  judgement->notes = noted_changes(rules_, judgement->comparison);
   const bool has_baseline = judgement->baseline.has_value();
   if (!is_first_) judgement->idle = idle_rules(rules_, judgement->comparison, has_baseline);
   if (has_baseline) judgement->added = added_frames(judgement->comparison);

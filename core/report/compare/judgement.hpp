@@ -19,6 +19,7 @@ struct Judgement {
   std::vector<Rule> rules;
   ReportComparison comparison;   // points into the baseline, and into the report that was judged
   std::vector<Breach> breaches;  // worst first
+  std::vector<Breach> notes;     // noted_changes(): neither errors nor warnings
   std::vector<IdleRule> idle;
   std::vector<std::string> added;  // "rec: is not in the baseline", a line for each recording
 

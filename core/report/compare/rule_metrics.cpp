@@ -11,10 +11,52 @@
 namespace planescope::report {
 namespace {
 
-template <PlaneFate kFate>
+enum class Counted : std::uint8_t { decided, all };
+
+template <PlaneFate kFate, Counted kCounted = Counted::decided>
 std::optional<double> planes_with(const FrameComparison& frame) {
   if (frame.fate != FrameFate::compared) return std::nullopt;
-  return frame.count(kFate);
+  return static_cast<double>(std::ranges::count_if(frame.planes, [](const PlaneComparison& plane) {
+    return plane.fate == kFate && (kCounted == Counted::all || !plane.undecided);
+  }));
+}
+
+/// Adds "plane 3 of the baseline (margin 0.02)" for those of the planes that are undecided.
+void add_undecided(const ReportFrame& frame,
+                   const std::vector<int>& ids,
+                   const char* of,
+                   std::vector<std::string>& texts) {
+  for (const int id : ids) {
+    if (id < 1) continue;
+    const PlaneSummary& plane = frame.planes.at(static_cast<std::size_t>(id) - 1).summary;
+    std::string text = fmt::format("plane {}{} (margin {:.2g})", id, of, plane.margin);
+    if (plane.undecided && std::ranges::count(texts, text) == 0) texts.push_back(std::move(text));
+  }
+}
+
+void add_undecided(const FrameComparison& frame,
+                   const PlaneComparison& plane,
+                   std::vector<std::string>& texts) {
+  const bool split = plane.fate == PlaneFate::split;
+  std::vector<int> was = {plane.baseline}, is = {plane.now};
+  std::vector<int>& with_others = split ? is : was;
+  with_others.insert(with_others.end(), plane.others.begin(), plane.others.end());
+  add_undecided(*frame.baseline, was, " of the baseline", texts);
+  add_undecided(*frame.now, is, "", texts);
+}
+
+template <PlaneFate kFate>
+std::string undecided_with(const FrameComparison& frame) {
+  std::vector<std::string> texts;
+  for (const PlaneComparison& plane : frame.planes)
+    if (plane.fate == kFate) add_undecided(frame, plane, texts);
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+template <PlaneFate kFate>
+MeasuredMetric counting(RuleMetric metric) {
+  return {metric, planes_with<kFate>, nullptr, planes_with<kFate, Counted::all>,
+          undecided_with<kFate>};
 }
 
 template <FrameFate kFate>
@@ -23,13 +65,37 @@ std::optional<double> frames_with(const FrameComparison& frame) {
   return frame.fate == kFate ? 1 : 0;
 }
 
-/// The largest such value among planes that are in both runs.
-std::optional<double> farthest(const FrameComparison& frame, double PlaneComparison::*value) {
-  if (frame.fate != FrameFate::compared) return std::nullopt;
-  double most = 0;
+/// Of planes that are in both runs, the one with the largest such value; null: none has any.
+template <double PlaneComparison::*kValue>
+const PlaneComparison* farthest(const FrameComparison& frame, Counted counted) {
+  const PlaneComparison* most = nullptr;
   for (const PlaneComparison& plane : frame.planes)
-    if (plane.fate <= PlaneFate::moved) most = std::max(most, plane.*value);
+    if (plane.fate <= PlaneFate::moved && (counted == Counted::all || !plane.undecided) &&
+        plane.*kValue > (most ? most->*kValue : 0))
+      most = &plane;
   return most;
+}
+
+template <double PlaneComparison::*kValue, int kScale, Counted kCounted>
+std::optional<double> largest_of(const FrameComparison& frame) {
+  if (frame.fate != FrameFate::compared) return std::nullopt;
+  const PlaneComparison* most = farthest<kValue>(frame, kCounted);
+  return most ? kScale * most->*kValue : 0;
+}
+
+template <double PlaneComparison::*kValue>
+std::string undecided_farthest(const FrameComparison& frame) {
+  std::vector<std::string> texts;
+  if (const PlaneComparison* most = farthest<kValue>(frame, Counted::all))
+    add_undecided(frame, *most, texts);
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// `kScale`: from the member's unit to the metric's.
+template <double PlaneComparison::*kValue, int kScale>
+MeasuredMetric largest_change(RuleMetric metric) {
+  return {metric, largest_of<kValue, kScale, Counted::decided>, nullptr,
+          largest_of<kValue, kScale, Counted::all>, undecided_farthest<kValue>};
 }
 
 const ReportFrame* done(const ReportFrame* frame) {
@@ -112,34 +178,28 @@ std::optional<double> change(const FrameComparison& frame) {
 const std::vector<MeasuredMetric>& measured_metrics() {
   using enum RuleFold;
   static const std::vector<MeasuredMetric> all = {
-      {{"planes_lost", "planes", "{n} of the baseline {are} gone",
-        "planes of the baseline that are gone", true, false, sum},
-       planes_with<PlaneFate::lost>},
-      {{"planes_gained", "planes", "{n} {are} not in the baseline",
-        "planes that the baseline has not", true, false, sum},
-       planes_with<PlaneFate::gained>},
-      {{"planes_merged", "planes", "{n} of the baseline {are} one with others now",
-        "planes of the baseline that are one now", true, false, sum},
-       planes_with<PlaneFate::merged>},
-      {{"planes_split", "planes", "{n} of the baseline {are} in several now",
-        "planes of the baseline that are several now", true, false, sum},
-       planes_with<PlaneFate::split>},
-      {{"planes_moved", "planes", "{n} moved by 5 mm or turned by 1 degree",
-        "planes moved by 5 mm or turned by 1 degree", true, false, sum},
-       planes_with<PlaneFate::moved>},
-      {{"planes_resized", "planes", "{n} {have} a quarter more area than in the baseline, or less",
-        "planes with a quarter more area, or less", true, false, sum},
-       planes_with<PlaneFate::resized>},
-      {{"offset_mm", "mm", "a plane moved by {n}", "the farthest that a plane moved", true, false,
-        largest},
-       [](const FrameComparison& frame) {
-         std::optional<double> offset = farthest(frame, &PlaneComparison::offset_m);
-         if (offset) *offset *= 1000;
-         return offset;
-       }},
-      {{"angle_deg", "degrees", "a plane turned by {n}", "the farthest that a plane turned", true,
-        false, largest},
-       [](const FrameComparison& frame) { return farthest(frame, &PlaneComparison::angle_deg); }},
+      counting<PlaneFate::lost>({"planes_lost", "planes", "{n} of the baseline {are} gone",
+                                 "planes of the baseline that are gone", true, false, sum}),
+      counting<PlaneFate::gained>({"planes_gained", "planes", "{n} {are} not in the baseline",
+                                   "planes that the baseline has not", true, false, sum}),
+      counting<PlaneFate::merged>({"planes_merged", "planes",
+                                   "{n} of the baseline {are} one with others now",
+                                   "planes of the baseline that are one now", true, false, sum}),
+      counting<PlaneFate::split>({"planes_split", "planes",
+                                  "{n} of the baseline {are} in several now",
+                                  "planes of the baseline that are several now", true, false, sum}),
+      counting<PlaneFate::moved>({"planes_moved", "planes",
+                                  "{n} moved by 5 mm or turned by 1 degree",
+                                  "planes moved by 5 mm or turned by 1 degree", true, false, sum}),
+      counting<PlaneFate::resized>({"planes_resized", "planes",
+                                    "{n} {have} a quarter more area than in the baseline, or less",
+                                    "planes with a quarter more area, or less", true, false, sum}),
+      largest_change<&PlaneComparison::offset_m, 1000>({"offset_mm", "mm", "a plane moved by {n}",
+                                                        "the farthest that a plane moved", true,
+                                                        false, largest}),
+      largest_change<&PlaneComparison::angle_deg, 1>(
+          {"angle_deg", "degrees", "a plane turned by {n}", "the farthest that a plane turned",
+           true, false, largest}),
       {{"frames_refused", "frames", "{n} that the baseline processed {are} refused now",
         "frames that the baseline processed and this does not", true, false, sum},
        frames_with<FrameFate::refused>},

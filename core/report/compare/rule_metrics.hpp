@@ -18,6 +18,10 @@ struct MeasuredMetric {
   FrameValue value;  // nullopt where the frame has none
   // More than the value tells, of a frame that has one; null: nothing.
   std::string (*why)(const FrameComparison&) = nullptr;
+  // Changes of undecided planes are not in `value`. The value with them; null: there is no such
+  // difference. And which undecided planes changed: "plane 3 (margin 0.02)".
+  FrameValue with_undecided = nullptr;
+  std::string (*undecided)(const FrameComparison&) = nullptr;
 };
 const std::vector<MeasuredMetric>& measured_metrics();
 

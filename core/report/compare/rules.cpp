@@ -22,25 +22,26 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "planescope.rules/1";
 constexpr std::uintmax_t kMostBytes = 1 << 20;
 
+double folded(const std::vector<double>& values, RuleFold fold) {
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  switch (fold) {
+    case RuleFold::largest:
+      return *std::ranges::max_element(values);
+    case RuleFold::sum:
+      return sum;
+    case RuleFold::mean:
+      break;
+  }
+  return sum / static_cast<double>(values.size());
+}
+
 /// The values that are held to one limit together: of a frame, of a recording, or of all.
 struct Group {
   std::string recording;
   int frame = -1;
   const FrameComparison* first = nullptr;  // of its frames
   std::vector<double> values;              // of its frames
-
-  double folded(RuleFold fold) const {
-    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-    switch (fold) {
-      case RuleFold::largest:
-        return *std::ranges::max_element(values);
-      case RuleFold::sum:
-        return sum;
-      case RuleFold::mean:
-        break;
-    }
-    return sum / static_cast<double>(values.size());
-  }
+  std::vector<double> with_undecided;      // likewise; empty: nothing of it is about planes
 };
 
 bool is_of(const Rule& rule, const FrameComparison& frame) {
@@ -48,8 +49,9 @@ bool is_of(const Rule& rule, const FrameComparison& frame) {
          (rule.frame < 0 || rule.frame == frame.index);
 }
 
-void apply(const Rule& rule, const ReportComparison& comparison, std::vector<Breach>& breaches) {
-  const MeasuredMetric& metric = find_metric(rule.metric);
+std::vector<Group> groups_of(const Rule& rule,
+                             const MeasuredMetric& metric,
+                             const ReportComparison& comparison) {
   std::vector<Group> groups;
   for (const FrameComparison& frame : comparison.frames) {
     const std::optional<double> value = is_of(rule, frame) ? metric.value(frame) : std::nullopt;
@@ -58,16 +60,48 @@ void apply(const Rule& rule, const ReportComparison& comparison, std::vector<Bre
     auto group = std::ranges::find(groups, recording, &Group::recording);
     if (rule.scope == RuleScope::frame || group == groups.end())
       group = groups.insert(
-          groups.end(), {recording, rule.scope == RuleScope::frame ? frame.index : -1, &frame, {}});
+          groups.end(),
+          {recording, rule.scope == RuleScope::frame ? frame.index : -1, &frame, {}, {}});
     group->values.push_back(*value);
+    if (metric.with_undecided)
+      group->with_undecided.push_back(metric.with_undecided(frame).value_or(*value));
   }
-  for (const Group& group : groups)
-    if (const double value = group.folded(metric.metric.fold);
-        value < rule.at_least || value > rule.at_most) {
-      breaches.push_back({rule, group.recording, group.frame, value, ""});
-      if (rule.scope == RuleScope::frame && metric.why)
-        breaches.back().why = metric.why(*group.first);
-    }
+  return groups;
+}
+
+bool breaks(double value, const Rule& rule) {
+  return value < rule.at_least || value > rule.at_most;
+}
+
+/// Where undecided planes make the difference, a rule is not broken.
+void add_breaches(const Rule& rule,
+                  const ReportComparison& comparison,
+                  std::vector<Breach>& breaches) {
+  const MeasuredMetric& metric = find_metric(rule.metric);
+  for (const Group& group : groups_of(rule, metric, comparison)) {
+    const double value = folded(group.values, metric.metric.fold);
+    if (!breaks(value, rule)) continue;
+    if (metric.with_undecided && !breaks(folded(group.with_undecided, metric.metric.fold), rule))
+      continue;
+    breaches.push_back({rule, group.recording, group.frame, value, ""});
+    if (rule.scope == RuleScope::frame && metric.why)
+      breaches.back().why = metric.why(*group.first);
+  }
+}
+
+void add_notes(const Rule& rule, const ReportComparison& comparison, std::vector<Breach>& notes) {
+  const MeasuredMetric& metric = find_metric(rule.metric);
+  if (!metric.with_undecided) return;
+  for (const Group& group : groups_of(rule, metric, comparison)) {
+    const double decided = folded(group.values, metric.metric.fold);
+    const double all = folded(group.with_undecided, metric.metric.fold);
+    if (decided == all || (!breaks(decided, rule) && !breaks(all, rule))) continue;
+    const std::string planes = rule.scope == RuleScope::frame
+                                   ? ": " + metric.undecided(*group.first)
+                                   : " planes make the difference";
+    notes.push_back({rule, group.recording, group.frame, breaks(all, rule) ? all : decided,
+                     "noted only; undecided" + planes});
+  }
 }
 
 Rule rule_of(const JsonPlace& place) {
@@ -266,7 +300,7 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison) {
   std::vector<Breach> breaches;
   for (const Rule& rule : rules)
-    if (rule.level != RuleLevel::off) apply(rule, comparison, breaches);
+    if (rule.level != RuleLevel::off) add_breaches(rule, comparison, breaches);
   // Frames that break most rules first; of those that break as many, the one that breaks them most.
   std::map<std::pair<std::string, int>, std::pair<int, double>> weights;
   for (const Breach& breach : breaches) {
@@ -280,6 +314,14 @@ std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
     return weights[{a.recording, a.frame}] > weights[{b.recording, b.frame}];
   });
   return breaches;
+}
+
+std::vector<Breach> noted_changes(const std::vector<Rule>& rules,
+                                  const ReportComparison& comparison) {
+  std::vector<Breach> notes;
+  for (const Rule& rule : rules)
+    if (rule.level != RuleLevel::off) add_notes(rule, comparison, notes);
+  return notes;
 }
 
 std::vector<IdleRule> idle_rules(const std::vector<Rule>& rules,

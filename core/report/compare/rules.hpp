@@ -71,9 +71,15 @@ struct Breach {
 };
 
 /// Worst first: errors before warnings, then frames by how much they break. Frames that are not in
-/// both reports are checked only against rules that need no baseline.
+/// both reports are checked only against rules that need no baseline. Changes of undecided planes
+/// break no rule.
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison);
+
+/// What would break rules if undecided planes were decided, in the order of the rules: `why` names
+/// these planes.
+std::vector<Breach> noted_changes(const std::vector<Rule>& rules,
+                                  const ReportComparison& comparison);
 
 /// A rule that nothing can break: its recording, frame or labels are not there, or no baseline is.
 struct IdleRule {

@@ -98,6 +98,8 @@ void plane_fields(Fields& fields, auto& plane, int id) {
   fields("area_m2", s.area_m2, kCompared | kRounded);
   fields("points", s.points, kCompared);
   fields("voxels", s.voxels, kCompared);
+  fields("margin", s.margin, kCompared | kLate | kRounded);  // null: infinite
+  fields("undecided", s.undecided, kCompared | kLate);
   fields.maybe_fields("outline_area_m2", plane.footing, kCompared,
                       [&](auto& of, auto& footing) { footing_fields(of, footing); });
 }
@@ -283,6 +285,7 @@ ReportFrame read_frame(const JsonPlace& place, Extent extent) {
   for (const ReportPlane& plane : frame.planes) {
     frame.planes_h += plane.summary.label == Label::h;
     frame.planes_v += plane.summary.label == Label::v;
+    frame.planes_undecided += plane.summary.undecided;
   }
   return frame;
 }

@@ -21,7 +21,8 @@ void FieldWriter::operator()(const char* name, const std::string& text, unsigned
   json_[name] = (kind & kOrNull) != 0 && text.empty() ? Json() : Json(text);
 }
 void FieldWriter::operator()(const char* name, double value, unsigned kind) {
-  json_[name] = (kind & kRounded) != 0 ? rounded(value) : value;  // NaN is written as null
+  json_[name] =
+      (kind & kRounded) != 0 ? rounded(value) : value;  // NaN and infinity are written as null
 }
 void FieldWriter::operator()(const char* name, bool value, unsigned) { json_[name] = value; }
 void FieldWriter::operator()(const char* name, int value, unsigned) { json_[name] = value; }

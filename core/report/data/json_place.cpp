@@ -143,8 +143,8 @@ Json read_report_json(
     const JsonPlace schema = place.at("schema");
     const std::string text = schema.text();
     if (text != "planescope.report/1" && text != "planescope.report/2" &&
-        text != "planescope.report/3")
-      schema.fail_kind("planescope.report/1, 2 or 3");
+        text != "planescope.report/3" && text != "planescope.report/4")
+      schema.fail_kind("planescope.report/1, 2, 3 or 4");
   });
   if (times_there > 1) throw Error(file.string() + ": has \"recordings\" twice");
   if (!first_error.empty()) throw Error(file.string() + ": " + first_error);

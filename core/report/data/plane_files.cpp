@@ -46,6 +46,7 @@ Json feature_json(const PlaneSummary& plane,
            {{"plane", plane.id},
             {"kind", kind},
             {"label", to_string(plane.label)},
+            {"undecided", plane.undecided},
             {"normal", vector_json(plane.normal)},
             {"offset_m", rounded(plane.offset_m)}}},
           {"geometry", {{"type", "MultiPolygon"}, {"coordinates", coordinates}}}};
@@ -168,7 +169,7 @@ std::string planar_terrain_text(const FramePlanes& found) {
 // ---- CSV ----
 
 std::string csv_number(double value) {
-  return std::isnan(value) ? std::string() : fmt::format("{}", rounded(value));
+  return std::isfinite(value) ? fmt::format("{}", rounded(value)) : std::string();
 }
 std::string csv_vector(const Vec3d& v) {
   return fmt::format("{},{},{}", csv_number(v.x()), csv_number(v.y()), csv_number(v.z()));
@@ -179,7 +180,7 @@ std::string csv_text(const FramePlanes& found) {
       "id,label,normal_x,normal_y,normal_z,centroid_x,centroid_y,centroid_z,offset_m,points,voxels,"
       "rms_m,area_m2,outline_area_m2,slope_deg,rough_rms_m,rough_step_m,support,best_x,best_y,"
       "best_z,clearance_m,tilt_sigma_1_deg,tilt_sigma_2_deg,offset_sigma_m,steppable,why_not,"
-      "foot_area_m2,pieces\n";
+      "foot_area_m2,pieces,margin,undecided\n";
   constexpr double kDeg = 180 / M_PI;
   for (std::size_t k = 0; k < found.summaries.size(); ++k) {
     const PlaneSummary& s = found.summaries[k];
@@ -207,10 +208,11 @@ std::string csv_text(const FramePlanes& found) {
                                             csv_number(certainty.sigma_offset_m)};
     text += fmt::format("{}", fmt::join(cells, ","));
     if (foothold.space)
-      text += fmt::format(",{},\"{}\",{},{}\n", foothold.steppable, foothold.why_not,
+      text += fmt::format(",{},\"{}\",{},{}", foothold.steppable, foothold.why_not,
                           csv_number(foothold.space->area_m2), foothold.space->pieces.size());
     else
-      text += ",,,,\n";
+      text += ",,,,";
+    text += fmt::format(",{},{}\n", csv_number(s.margin), s.undecided);
   }
   return text;
 }

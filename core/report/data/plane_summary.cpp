@@ -32,6 +32,8 @@ std::vector<PlaneSummary> summarize_planes(const planes::FrameResult& result, do
                      ? std::acos(std::min(1.0, std::abs(s.normal.z()))) * 180 / std::numbers::pi
                      : std::nan("");
     s.voxels = plane.points;
+    s.margin = plane.margin;
+    s.undecided = plane.undecided;
 
     const PlaneBasis basis = plane_basis(s.normal);
     const FlatPoints flat(result.cloud.points, runs[k], basis, s.normal, plane.fit.centroid);

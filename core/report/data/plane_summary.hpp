@@ -4,6 +4,7 @@
 // measurements are on.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct PlaneSummary {
   // Area covered by points: occupied cells of a grid in the plane, as wide as a voxel (2 cm where
   // there is no voxel grid). Unlike the hull's area it does not count holes and bays.
   double area_m2 = 0;
+  double margin = std::numeric_limits<double>::infinity();  // of PlaneRegion, as is `undecided`
+  bool undecided = false;
   std::vector<Vec3d> hull;  // convex hull of its points on the plane, counter-clockwise seen from
                             // where the normal points
 };

@@ -32,6 +32,7 @@ void add_to(ReportTotals& totals,
     totals.most_planes = std::max(totals.most_planes, planes);
     ++totals.frames_done;
     totals.planes += planes;
+    totals.planes_undecided += frame.planes_undecided;
     totals.points += frame.counts.kept;
     totals.points_on_planes += frame.points_on_planes;
     if (frame.metrics) metrics.push_back(*frame.metrics);
@@ -142,11 +143,13 @@ ReportFrame make_report_frame(const Frame& frame,
     plane.hull.clear();
     plane.normal = plane.normal.unaryExpr(&rounded);
     plane.centroid = plane.centroid.unaryExpr(&rounded);
-    for (double* value : {&plane.offset_m, &plane.tilt_deg, &plane.rms_m, &plane.area_m2})
+    for (double* value :
+         {&plane.offset_m, &plane.tilt_deg, &plane.rms_m, &plane.area_m2, &plane.margin})
       *value = rounded(*value);
     report.points_on_planes += plane.points;
     report.planes_h += plane.label == Label::h;
     report.planes_v += plane.label == Label::v;
+    report.planes_undecided += plane.undecided;
     report.planes.push_back({std::move(plane), "#888888"});
   }
   const std::vector<Footing> footings = footings_of(found);

@@ -94,6 +94,7 @@ struct ReportFrame {
   std::uint64_t voxels = 0;  // N_d
   std::uint64_t points_on_planes = 0;
   int planes_h = 0, planes_v = 0;  // both 0 where gravity is not known
+  int planes_undecided = 0;
   planes::SegmentCounts segment;
   ReportNoise noise;
   std::vector<ReportPlane> planes;
@@ -153,6 +154,7 @@ struct ReportTotals {
   int recordings = 0;
   int frames_asked = 0, frames_done = 0, frames_refused = 0;
   int planes = 0, fewest_planes = 0, most_planes = 0;
+  int planes_undecided = 0;
   std::uint64_t points = 0, points_on_planes = 0;
   std::optional<planes::Metrics> metrics;  // mean over the frames with ground truth
 };

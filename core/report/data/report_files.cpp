@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kRecordSchema = "planescope.report-frame/2";
+constexpr const char* kRecordSchema = "planescope.report-frame/3";
 constexpr const char* kFrameFile = "frame.json";
 constexpr const char* kTimingsFile = "timings.json";
 
@@ -48,7 +48,7 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
   const std::string start = fmt::format(
       "{},{},{},{},{}", quoted(recording.info.path.string()), frame.index, quoted(frame.name),
       frame.refused.empty() ? "done" : "refused", quoted(frame.refused));
-  if (!frame.refused.empty()) return start + std::string(25, ',') + "\n";
+  if (!frame.refused.empty()) return start + std::string(26, ',') + "\n";
   const planes::CloudCounts& c = frame.counts;
   const Vec3d& g = frame.gravity.direction;
   // Without gravity there is no direction, and no plane is h or v: left empty.
@@ -62,11 +62,11 @@ std::string csv_line(const ReportRecording& recording, const ReportFrame& frame)
     metrics = fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", frame.metrics->planes_truth,
                           frame.metrics->alpha_deg, frame.metrics->r_p, frame.metrics->r_m,
                           frame.metrics->point_accuracy, frame.metrics->mean_iou);
-  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+  return start + fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                              to_string(frame.gravity.source), gravity, c.pixels, c.no_measurement,
                              c.invalid, c.beyond_range, c.outside_cube, c.kept, frame.voxels,
                              classes, frame.points_on_planes, frame.segment.unassigned, metrics,
-                             terrain_cells(frame));
+                             terrain_cells(frame), frame.planes_undecided);
 }
 
 // junit.xml, valid against the schema of Ant's JUnit task and within what Jenkins and GitLab read.
@@ -79,7 +79,7 @@ std::string xml_text(const std::string& text) {
 }
 
 struct JunitSuite {
-  std::string name, cases;
+  std::string name, cases, notes;
   int tests = 0, failures = 0, errors = 0;
   double seconds = 0;
 
@@ -96,8 +96,9 @@ struct JunitSuite {
     return fmt::format(
         " <testsuite id=\"{}\" name=\"{}\" package=\"planescope\" hostname=\"localhost\" "
         "timestamp=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{:.6f}\">\n"
-        "  <properties/>\n{}  <system-out/>\n  <system-err/>\n </testsuite>\n",
-        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases);
+        "  <properties/>\n{}  <system-out{}\n  <system-err/>\n </testsuite>\n",
+        id, xml_text(name), created_utc.substr(0, 19), tests, failures, errors, seconds, cases,
+        notes.empty() ? "/>" : ">" + notes + "</system-out>");
   }
 };
 
@@ -113,6 +114,19 @@ std::string failure(const std::vector<const Breach*>& breaches,
   if (frame) text += fmt::format("planescope view --open report.json#{}\n", anchor);
   return fmt::format("   <failure message=\"{}\" type=\"{}\">{}</failure>\n",
                      xml_text(breaches[0]->text()), xml_text(breaches[0]->rule.metric), text);
+}
+
+/// What undecided planes changed, for whoever looks into a suite that passes. `recording` empty: of
+/// all.
+std::string notes_of(const Report& report, const std::string& recording) {
+  std::string text;
+  if (!report.judgement) return text;
+  for (const Breach& note : report.judgement->notes)
+    if (note.recording == recording)
+      text +=
+          fmt::format("note: {}{}\n", note.frame < 0 ? "" : fmt::format("frame {}: ", note.frame),
+                      xml_text(note.text()));
+  return text;
 }
 
 /// Errors of one frame, or with frame -1 of the whole recording.
@@ -181,7 +195,7 @@ std::string frames_csv(const Report& report) {
       "recording,frame,name,status,message,gravity_source,gravity_x,gravity_y,gravity_z,pixels,"
       "no_measurement,invalid,beyond_range,outside_cube,n_m,n_d,planes_h,planes_v,"
       "points_on_planes,voxels_in_no_plane,truth_planes,alpha_deg,r_p,r_m,point_accuracy,"
-      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m\n";
+      "mean_iou,steppable_area_m2,stairs_steps,rise_m,going_m,planes_undecided\n";
   for (const ReportRecording& recording : report.recordings)
     for (const ReportFrame& frame : recording.frames) text += csv_line(recording, frame);
   return text;
@@ -196,14 +210,17 @@ std::string junit_xml(const Report& report) {
     const ReportRecording& recording = report.recordings[r];
     JunitSuite suite;
     suite.name = recording.name;
+    suite.notes = notes_of(report, recording.name);
     for (const ReportFrame& frame : recording.frames)
       add_frame(suite, frame, html::frame_anchor(report.recordings.size(), r, frame.index), broken);
     add_rest(suite, broken, false);
     take(suite);
   }
-  if (!broken.empty()) {
+  const std::string notes = notes_of(report, "");
+  if (!broken.empty() || !notes.empty()) {
     JunitSuite suite;
     suite.name = "all recordings";
+    suite.notes = notes;
     add_rest(suite, broken, true);
     take(suite);
   }

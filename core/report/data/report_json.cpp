@@ -23,6 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kReportSchema = "planescope.report/4";
 constexpr Distortion kDistortions[] = {Distortion::none, Distortion::brown_conrady,
                                        Distortion::inverse_brown_conrady};
 
@@ -155,6 +156,7 @@ Json totals_json(const Report& report) {
           {"frames_done", totals.frames_done},
           {"frames_refused", totals.frames_refused},
           {"planes", totals.planes},
+          {"planes_undecided", totals.planes_undecided},
           {"points", totals.points},
           {"points_on_planes", totals.points_on_planes},
           {"metrics", totals.metrics ? metrics_json(*totals.metrics) : Json()}};
@@ -286,7 +288,7 @@ std::optional<int> numbered(const std::string& part, const std::string& letters)
 
 void write_report_json(std::ostream& out, const Report& report) {
   {
-    Json head = {{"schema", "planescope.report/3"}};
+    Json head = {{"schema", kReportSchema}};
     FieldWriter fields(head);
     head_fields(fields, report);
     head["totals"] = totals_json(report);
@@ -332,8 +334,8 @@ ReportHead read_report_head(const std::filesystem::path& file) {
     head.frames.emplace_back(recording, frame.at("index").whole(0));
   });
   read_place(file, json, [&](const JsonPlace& place) {
-    if (const JsonPlace schema = place.at("schema"); schema.text() != "planescope.report/3")
-      schema.fail_kind("planescope.report/3");
+    if (const JsonPlace schema = place.at("schema"); schema.text() != kReportSchema)
+      schema.fail_kind(kReportSchema);
     read_head(place, Extent::whole, head.report);
     planes::parse_method(head.report.method);  // throws where this build has none such
     place.at("recordings").each([](const JsonPlace& recording) {

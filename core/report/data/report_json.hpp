@@ -1,6 +1,6 @@
 #pragma once
 
-// report.json, schema "planescope.report/3" (docs/report.md, assets/schemas/report.schema.json):
+// report.json, schema "planescope.report/4" (docs/report.md, assets/schemas/report.schema.json):
 // written, read back, and pointed into.
 
 #include <filesystem>

@@ -58,6 +58,7 @@ RosJson ros_plane(const FramePlanes& found, std::size_t k) {
                      {"holes", ros_polygons(outline, part.holes)},
                      {"unknown", ros_polygons(outline, part.unknown)}});
   const double height = found.stairs.height_m[k];
+  const bool has_margin = std::isfinite(summary.margin);
   const bool has_height = !std::isnan(height);
   RosJson places = RosJson::array();
   if (foothold.space) places = ros_polygons(outline, foothold.space->pieces);
@@ -72,6 +73,9 @@ RosJson ros_plane(const FramePlanes& found, std::size_t k) {
           {"sigma_offset", rounded(foothold.certainty.sigma_offset_m)},
           {"points", summary.points},
           {"rms", rounded(summary.rms_m)},
+          {"undecided", summary.undecided},
+          {"has_margin", has_margin},
+          {"margin", has_margin ? rounded(summary.margin) : 0.0},
           {"outline", parts},
           {"area", rounded(outline.area_m2)},
           {"has_height", has_height},

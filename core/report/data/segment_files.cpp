@@ -192,7 +192,7 @@ std::string planes_json(const Frame& frame,
                         const FramePlanes& found,
                         const planes::PipelineOptions& options) {
   Json json;
-  json["schema"] = "planescope.planes/3";
+  json["schema"] = "planescope.planes/4";
   json["frame"] = {
       {"index", frame.index}, {"name", frame.name}, {"timestamp_s", frame.timestamp_s}};
   json["T_world_camera"] = to_json(result.cloud.T_world_sensor);
@@ -217,6 +217,8 @@ std::string planes_json(const Frame& frame,
     plane["voxels"] = s.voxels;
     plane["rms_m"] = rounded(s.rms_m);
     plane["area_m2"] = rounded(s.area_m2);
+    plane["margin"] = std::isfinite(s.margin) ? Json(rounded(s.margin)) : Json();
+    plane["undecided"] = s.undecided;
     plane["hull"] = Json::array();
     for (const Vec3d& corner : s.hull) plane["hull"].push_back(vector_json(corner));
     plane["outline"] = outline_json(outline);

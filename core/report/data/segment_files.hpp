@@ -17,7 +17,7 @@ namespace planescope::report {
 /// "frames/000123", the place of a frame's files below the output folder.
 std::filesystem::path frame_folder(int frame_index);
 
-/// schema "planescope.planes/3".
+/// schema "planescope.planes/4".
 std::string planes_json(const Frame& frame,
                         const planes::FrameResult& result,
                         const FramePlanes& found,

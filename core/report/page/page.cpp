@@ -77,6 +77,13 @@ void add_breaches(const Judgement& judgement, PagePlan& plan, std::vector<std::s
       plan.frames[k].breaches.push_back(&breach);
     }
   }
+  for (const Breach& note : judgement.notes) {
+    const auto found = by_name.find({note.recording, note.frame});
+    if (note.frame < 0 || found == by_name.end())
+      plan.general_notes.push_back(&note);
+    else
+      for (const std::size_t k : found->second) plan.frames[k].notes.push_back(&note);
+  }
 }
 
 void rank_frames(PagePlan& plan, std::vector<std::size_t> order, bool is_judged) {

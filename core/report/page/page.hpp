@@ -27,6 +27,7 @@ struct PageFrame {
   const FrameComparison* comparison = nullptr;  // null: the report is held to nothing
   std::string anchor;                           // "f012", of several recordings "r2/f012"
   std::vector<const Breach*> breaches;          // worst first
+  std::vector<const Breach*> notes;             // of undecided planes
   Standing standing = Standing::none;
   int rank = 0;           // 1: the worst
   bool embedded = false;  // with its pictures; others only with thumbnails
@@ -40,7 +41,8 @@ struct PagePlan {
   std::vector<PageFrame> frames;        // as in the report, then those that are missing
   std::vector<const PageFrame*> worst;  // to look at first, the worst first, at most ten
   std::vector<const Breach*> general;   // of a whole recording, or of all
-  int failed = 0;                       // frames
+  std::vector<const Breach*> general_notes;
+  int failed = 0;  // frames
 
   PagePlan() = default;
   PagePlan(PagePlan&&) = default;  // `worst` points into `frames`

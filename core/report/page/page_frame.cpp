@@ -92,6 +92,7 @@ Data fate_data(const PageFrame& frame, const PlaneComparison& plane, const Compa
   row.set("ratio", in_both ? fmt::format("{:.0f} %", 100 * plane.area_ratio) : "");
   row.set("iou", in_both ? fmt::format("{:.2f}", plane.iou) : "");
   row.set("changed", plane.fate != PlaneFate::same);
+  row.set("undecided", plane.undecided);
   return row;
 }
 
@@ -183,6 +184,8 @@ Data planes_data(const PageFrame& frame) {
     data.set("normal", fmt::format("{}, {}, {}", decimal(s.normal.x(), 3), decimal(s.normal.y(), 3),
                                    decimal(s.normal.z(), 3)));
     data.set("offset", decimal(s.offset_m, 3));
+    data.set("undecided",
+             s.undecided ? Data(fmt::format("undecided, margin {:.2g}", s.margin)) : Data(false));
     planes.push_back(data);
   }
   return planes;
@@ -396,6 +399,10 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   for (const Breach* breach : of.breaches) reasons.push_back(breach->text());
   data.set("has_reasons", !reasons.empty());
   data.set("reasons", list_of("text", reasons));
+  std::vector<std::string> notes;
+  for (const Breach* note : of.notes) notes.push_back(note->text());
+  data.set("has_notes", !notes.empty());
+  data.set("notes", list_of("text", notes));
   set_comparison(page, of, data);
   set_terrain_changes(of, data);
   if (of.is_refused()) {
@@ -409,6 +416,7 @@ Data frame_data(const PageSource& page, const PageFrame& of) {
   set_pictures(page, of, data);
   data.set("has_planes", !frame.planes.empty());
   data.set("planes", planes_data(of));
+  data.set("has_undecided", frame.planes_undecided > 0);
   set_terrain(of, data);
   const bool is_cloud = page.recording_of(of).info.width == 0;
   data.set("pixels_name", is_cloud ? "points" : "pixels");

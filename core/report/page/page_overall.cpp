@@ -104,7 +104,11 @@ Data tiles(const PageSource& page, const ReportTotals& totals) {
     result.push_back(tile);
   };
   add(totals.frames_done == 1 ? "Planes" : "Planes per frame",
-      range_text(totals.fewest_planes, totals.most_planes), "");
+      range_text(totals.fewest_planes, totals.most_planes),
+      totals.planes_undecided == 0
+          ? ""
+          : fmt::format("{} of {} undecided", totals.planes_undecided,
+                        counted(static_cast<std::size_t>(totals.planes), "plane")));
   add("Points on planes", share(totals.points_on_planes, totals.points), "");
   add("Frames", std::to_string(totals.frames_done),
       totals.frames_refused > 0 ? fmt::format("and {} refused", totals.frames_refused) : "");
@@ -121,8 +125,11 @@ Data tiles(const PageSource& page, const ReportTotals& totals) {
 }
 
 std::string counts_text(const Judgement& judgement) {
-  return fmt::format("{} and {}", counted(static_cast<std::size_t>(judgement.errors()), "error"),
-                     counted(static_cast<std::size_t>(judgement.warnings()), "warning"));
+  const std::string errors = counted(static_cast<std::size_t>(judgement.errors()), "error");
+  const std::string warnings = counted(static_cast<std::size_t>(judgement.warnings()), "warning");
+  if (judgement.notes.empty()) return errors + " and " + warnings;
+  return fmt::format("{}, {} and {} on undecided planes", errors, warnings,
+                     counted(judgement.notes.size(), "note"));
 }
 
 void set_banner(const PageSource& page, Data& data) {
@@ -203,14 +210,18 @@ Data general_data(const PagePlan& plan, const Judgement* judgement) {
     row.set("text", line);
     list.push_back(row);
   }
-  for (const Breach* breach : plan.general) {
+  const auto add = [&](const Breach& breach, const char* level, const char* css_class) {
     Data row;
-    row.set("level", to_string(breach->rule.level));
-    row.set("class", breach->rule.level == RuleLevel::error ? "failed" : "warning");
-    row.set("where", breach->recording.empty() ? "all frames" : breach->recording);
-    row.set("text", breach->text());
+    row.set("level", level);
+    row.set("class", css_class);
+    row.set("where", breach.recording.empty() ? "all frames" : breach.recording);
+    row.set("text", breach.text());
     list.push_back(row);
-  }
+  };
+  for (const Breach* breach : plan.general)
+    add(*breach, to_string(breach->rule.level),
+        breach->rule.level == RuleLevel::error ? "failed" : "warning");
+  for (const Breach* note : plan.general_notes) add(*note, "note", "note");
   return list;
 }
 

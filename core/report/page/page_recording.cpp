@@ -257,12 +257,12 @@ Data row_data(const PageSource& page, const PageFrame& frame) {
   row.set("standing_text", !now                 ? "missing"
                            : frame.is_refused() ? "refused"
                                                 : name_of(frame.standing));
-  row.set("reason", text_or_false(frame.is_refused()        ? now->refused
-                                  : !frame.breaches.empty() ? frame.breaches[0]->text()
-                                                            : ""));
-  row.set("more", frame.breaches.size() > 1
-                      ? Data(fmt::format("and {} more", frame.breaches.size() - 1))
-                      : Data(false));
+  const std::vector<const Breach*>& reasons = frame.breaches.empty() ? frame.notes : frame.breaches;
+  row.set("reason", text_or_false(frame.is_refused() ? now->refused
+                                  : !reasons.empty() ? reasons[0]->text()
+                                                     : ""));
+  row.set("more",
+          reasons.size() > 1 ? Data(fmt::format("and {} more", reasons.size() - 1)) : Data(false));
   row.set("has_change", page.has_baseline());
   if (page.has_baseline()) {
     row.set("change", changes_text(frame));

@@ -18,12 +18,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 30;
 
-Json read(const fs::path& file, const char* schema) {
+/// Of version 1 of the schema, which does not count undecided planes, or of 2.
+Json read(const fs::path& file, const std::string& schema) {
   if (!fs::exists(file))
     throw Error(file.string() + ": is missing, expected a folder that planescope map wrote");
   Json json = read_json<Json>(file, kMostBytes);
-  if (!json.is_object() || json.value("schema", Json()) != schema)
-    throw Error(fmt::format("{}: has not the schema {}", file.string(), schema));
+  const Json found = json.is_object() ? json.value("schema", Json()) : Json();
+  if (found != schema + "/1" && found != schema + "/2")
+    throw Error(fmt::format("{}: has not the schema {}/2", file.string(), schema));
   return json;
 }
 
@@ -89,13 +91,13 @@ std::shared_ptr<const KnownMap> read_known_map(const fs::path& dir,
                                                const planes::PipelineOptions& options) {
   const auto map = std::make_shared<KnownMap>();
   map->dir = dir;
-  const Json told = read(dir / "map.json", "planescope.map/1");
+  const Json told = read(dir / "map.json", "planescope.map");
   reading(dir / "map.json", [&] { take_map(told, recording, options, *map); });
   for (const char* name : {"tracks.json", "poses.tum"})
     if (const fs::path file = dir / name; sha256_hex_of_file(file) != told.at("files").at(name))
       throw Error(fmt::format("{}: is not what {} was written with", file.string(),
                               (dir / "map.json").string()));
-  const Json tracks = read(dir / "tracks.json", "planescope.tracks/1");
+  const Json tracks = read(dir / "tracks.json", "planescope.tracks");
   reading(dir / "tracks.json", [&] { take_tracks(tracks, *map); });
   map->poses = read_trajectory(dir / "poses.tum");
   for (const CameraPose& pose : map->poses.poses) {

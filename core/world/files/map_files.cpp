@@ -42,7 +42,8 @@ Json frames_json(const Track& track) {
   return {{"first", track.born},
           {"last", track.sightings.back().frame},
           {"seen", track.frames_seen},
-          {"missed", track.frames_missed}};
+          {"missed", track.frames_missed},
+          {"undecided", track.frames_undecided()}};
 }
 
 Json plane_json(const Track& track) {
@@ -141,7 +142,7 @@ namespace {
 std::string tracks_json(const WorldMap& map, const std::string& recording) {
   const Tracker& tracker = map.tracker;
   Json json;
-  json["schema"] = "planescope.tracks/1";
+  json["schema"] = "planescope.tracks/2";
   json["recording"] = recording;
   json["frames"] = Json::array();
   for (const FrameOfTracks& frame : tracker.frames()) {
@@ -170,6 +171,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
       told["in_map"] = track.is_sure(tracker.options());
       told["frames_seen"] = track.frames_seen;
       told["frames_missed"] = track.frames_missed;
+      told["frames_undecided"] = track.frames_undecided();
       told["seen"] = seen_json(track, tracker);
       told["gaps"] = Json::array();
       for (const Gap& gap : track.gaps) told["gaps"].push_back(gap_json(gap));
@@ -181,7 +183,7 @@ std::string tracks_json(const WorldMap& map, const std::string& recording) {
 
 std::string map_json(const WorldMap& map, const std::string& recording, const MapTexts& others) {
   Json json;
-  json["schema"] = "planescope.map/1";
+  json["schema"] = "planescope.map/2";
   json["recording"] = recording;
   json["pipeline"] = map.pipeline_key;
   json["files"] = {{"tracks.json", sha256_hex(others.tracks_json)},

@@ -137,8 +137,8 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
   if (seen.minor)
     return fmt::format("T{} is a minor plane of frame {}, {:.0f} px, too poor to be listed",
                        track.id, frame, seen.pixels);
-  const std::string name =
-      fmt::format("T{} is P{} of frame {}, {:.0f} px", track.id, seen.plane, frame, seen.pixels);
+  const std::string name = fmt::format("T{} is P{} of frame {}, {:.0f} px{}", track.id, seen.plane,
+                                       frame, seen.pixels, seen.undecided ? ", undecided" : "");
   if (seen.founding) return name + ": seen for the first time";
   return fmt::format("{}, {:.2f}\u00b0 and {:.1f} mm from what was known", name, seen.angle_deg,
                      1000 * seen.offset_m);

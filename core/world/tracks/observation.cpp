@@ -112,6 +112,7 @@ ObservedFrame observe(const Frame& frame,
     plane.normal = T_world_local.linear() * region.fit.normal;
     plane.centroid = T_world_local * (result.cloud.origin + region.fit.centroid);
     plane.rms_m = region.fit.rms_m();
+    plane.undecided = region.undecided;
     plane.certainty = certainties[region.id - 1];
     for (Vec3d& axis : plane.certainty.axes) axis = T_world_local.linear() * axis;
     plane.outline = planes::moved(std::move(outlines[region.id - 1]), T_world_local);

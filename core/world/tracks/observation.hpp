@@ -28,6 +28,7 @@ struct ObservedPlane {
   planes::Outline outline;      // in the world
   std::uint32_t pixels = 0;     // measurements on it
   double rms_m = 0;             // of its voxels
+  bool undecided = false;       // as PlaneRegion has it
 
   double distance_m(const Vec3d& p) const { return normal.dot(p - centroid); }
 };

@@ -125,6 +125,11 @@ double Track::sure_area_m2() const {
   return static_cast<double>(cells.sure_places().size()) * squared(cells.cell_m());
 }
 
+int Track::frames_undecided() const {
+  return static_cast<int>(std::ranges::count_if(
+      sightings, [](const Sighting& sighting) { return sighting.undecided && !sighting.part; }));
+}
+
 std::vector<Vec2d> Track::places() const {
   return state == TrackState::gone ? cells.gone_places() : cells.sure_places();
 }

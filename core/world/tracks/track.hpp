@@ -72,6 +72,7 @@ struct Sighting {
   bool founding = false;  // of a track, of this one or of one that was merged into it
   bool minor = false;     // by a plane that is too poor to be listed
   bool part = false;      // another plane of the frame stands for the track, this one too
+  bool undecided = false;
 };
 
 /// Frames first to last in a row in which the track is missing for one reason.
@@ -130,6 +131,8 @@ struct Track {
   /// Whether the map holds it.
   bool is_sure(const TrackOptions& options) const;
   double sure_area_m2() const;
+  /// Of frames_seen, those in which its plane was undecided.
+  int frames_undecided() const;
   /// Places of the grid that it covers, or, where it is gone, covered.
   std::vector<Vec2d> places() const;
 };

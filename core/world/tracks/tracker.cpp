@@ -254,6 +254,7 @@ void Tracker::take(Track& track,
   sighting.normal = plane.normal.cast<float>();
   sighting.centroid = plane.centroid.cast<float>();
   sighting.minor = plane.minor;
+  sighting.undecided = plane.undecided;
   sighting.founding = track.sightings.empty();
   if (!sighting.founding) {
     sighting.part = track.sightings.back().frame == frame.frame;

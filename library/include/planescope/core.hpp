@@ -203,8 +203,12 @@ struct Plane {
   double tilt_deg = 0;       // 0 a floor, 90 a wall; NaN: gravity is not known
   std::uint64_t points = 0;  // measurements on it
   std::uint64_t voxels = 0;
-  double rms_m = 0;        // of its measurements' distances
-  double area_m2 = 0;      // of the cells that hold points
+  double rms_m = 0;    // of its measurements' distances
+  double area_m2 = 0;  // of the cells that hold points
+  // By how much the objective of the segmentation would rise if the plane were lost or joined with
+  // its closest neighbor; infinite where none was minimized.
+  double margin = std::numeric_limits<double>::infinity();
+  bool undecided = false;  // the margin is below the threshold
   std::vector<Vec3> hull;  // convex, counter-clockwise from where the normal points
   Outline outline;
   double height_m = std::numeric_limits<double>::quiet_NaN();  // above the floor; NaN: not level

@@ -2,12 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/model/random.hpp"
+#include "core/report/data/frame_planes.hpp"
+#include "core/report/data/plane_files.hpp"
 #include "core/report/data/plane_summary.hpp"
+#include "core/report/data/ros_json.hpp"
+#include "core/report/data/segment_files.hpp"
 
 namespace planescope::report {
 namespace {
@@ -45,6 +51,62 @@ TEST(PlaneSummary, SizeTiltAndOffsetAreThoseOfTheSurface) {
   EXPECT_NEAR(summaries[0].offset_m, 5, 1e-6);
   EXPECT_NEAR(summaries[1].tilt_deg, 90, 1e-3);
   EXPECT_NEAR(summaries[1].offset_m, 202, 1e-5);
+}
+
+/// The two squares, the upright one undecided, and everything that files tell about them.
+struct TwoSquares {
+  planes::FrameResult result = two_squares(Vec3d::Zero());
+  FramePlanes found;
+
+  TwoSquares() {
+    result.cloud.kept.assign(result.cloud.points.size(), 0);  // they are of no image
+    result.segmentation.planes[1].undecided = true;
+    result.segmentation.planes[1].margin = 0.03125;
+    found.summaries = summarize_planes(result, 0.02);
+    found.outlines.resize(2);
+    found.footholds.resize(2);
+    found.stairs.height_m.assign(2, std::nan(""));
+  }
+};
+
+TEST(Undecided, IsInPlanesJsonWithTheMarginWhereItIsFinite) {
+  const TwoSquares squares;
+  const auto planes =
+      nlohmann::json::parse(planes_json(Frame{}, squares.result, squares.found, {}))["planes"];
+  EXPECT_EQ(planes[0]["undecided"], false);
+  EXPECT_TRUE(planes[0]["margin"].is_null());
+  EXPECT_EQ(planes[1]["undecided"], true);
+  EXPECT_EQ(planes[1]["margin"], 0.03125);
+}
+
+TEST(Undecided, IsInTheReportsFrame) {
+  const TwoSquares squares;
+  const ReportFrame frame = make_report_frame(Frame{}, squares.result, squares.found, {});
+  EXPECT_EQ(frame.planes_undecided, 1);
+  EXPECT_FALSE(frame.planes[0].summary.undecided);
+  EXPECT_TRUE(frame.planes[1].summary.undecided);
+  EXPECT_EQ(frame.planes[1].summary.margin, 0.03125);
+}
+
+TEST(Undecided, IsInTheMessageOfRosWhichHasNoInfinity) {
+  const TwoSquares squares;
+  const auto planes =
+      nlohmann::json::parse(ros_json(Frame{}, squares.result, squares.found))["planes"];
+  EXPECT_EQ(planes[0]["undecided"], false);
+  EXPECT_EQ(planes[0]["has_margin"], false);
+  EXPECT_EQ(planes[0]["margin"], 0.0);
+  EXPECT_EQ(planes[1]["undecided"], true);
+  EXPECT_EQ(planes[1]["has_margin"], true);
+  EXPECT_EQ(planes[1]["margin"], 0.03125);
+}
+
+TEST(Undecided, IsInTheTableOfPlanes) {
+  const TwoSquares squares;
+  const auto csv = std::ranges::find(plane_formats(), std::string("csv"), &PlaneFormat::name);
+  const std::string text = csv->text(squares.found);
+  EXPECT_NE(text.find(",margin,undecided\n"), std::string::npos);
+  EXPECT_NE(text.find(",,false\n"), std::string::npos) << text;
+  EXPECT_NE(text.find(",0.03125,true\n"), std::string::npos) << text;
 }
 
 TEST(PlaneSummary, WithoutGravityNothingIsTilted) {

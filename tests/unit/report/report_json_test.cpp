@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/planes/pipeline/options_table.hpp"
+#include "core/report/compare/rules.hpp"
 #include "support/empty_report.hpp"
 #include "support/refusal.hpp"
 #include "support/temp_dir.hpp"
@@ -99,6 +100,43 @@ TEST(ReadReport, AFileOfTheFirstSchemaIsStillRead) {
   EXPECT_TRUE(std::isnan(frame.metrics->pq));
 }
 
+TEST(ReadReport, ThatAPlaneIsUndecidedIsReadBackWithItsMargin) {
+  Report report = make_compared_report();
+  PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
+  plane.undecided = true;
+  plane.margin = 0.03125;
+  const Report read = read_report(written(report_json(report)));
+  const ReportFrame& frame = read.recordings[0].frames[0];
+  EXPECT_EQ(frame.planes_undecided, 1);
+  EXPECT_TRUE(frame.planes[1].summary.undecided);
+  EXPECT_EQ(frame.planes[1].summary.margin, 0.03125);
+  EXPECT_FALSE(frame.planes[0].summary.undecided);
+  EXPECT_TRUE(std::isinf(frame.planes[0].summary.margin)) << "null in the file";
+}
+
+TEST(ReadReport, AllPlanesOfAnEarlierVersionAreDecided) {
+  Report now = make_compared_report();
+  now.recordings[0].frames[0].planes[1].summary.undecided = true;
+  Json json = Json::parse(report_json(now));
+  json["schema"] = "planescope.report/3";
+  json["totals"].erase("planes_undecided");
+  for (Json& plane : json["recordings"][0]["frames"][0]["planes"]) {
+    plane.erase("margin");
+    plane.erase("undecided");
+  }
+  const Report old = read_report(written(json.dump()));
+  for (const ReportPlane& plane : old.recordings[0].frames[0].planes) {
+    EXPECT_FALSE(plane.summary.undecided);
+    EXPECT_TRUE(std::isinf(plane.summary.margin));
+  }
+  Report lost = make_compared_report();
+  lost.recordings[0].frames[0].planes.pop_back();
+  lost.recordings[0].frames[0].regions.runs = {{-1, 1}, {1, 2}, {0, 3}};
+  const ReportComparison comparison = compare_reports(old, lost);
+  EXPECT_EQ(broken_rules(built_in_rules(), comparison).at(0).rule.metric, "planes_lost");
+  EXPECT_TRUE(noted_changes(built_in_rules(), comparison).empty());
+}
+
 TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
   const Json good = Json::parse(report_json(make_compared_report()));
   const auto refusal_of = [](const Json& json) {
@@ -108,9 +146,9 @@ TEST(ReadReport, WhatIsWrongIsNamedWithItsPlace) {
     return text.substr(std::min(text.size(), file.string().size() + 2));
   };
   Json json = good;
-  json["schema"] = "planescope.report/4";
+  json["schema"] = "planescope.report/5";
   EXPECT_EQ(refusal_of(json),
-            "schema is \"planescope.report/4\", expected planescope.report/1, 2 or 3");
+            "schema is \"planescope.report/5\", expected planescope.report/1, 2, 3 or 4");
   json = good;
   json["recordings"][0]["frames"][0]["planes"][1]["normal"] = {1, "x", 3};
   EXPECT_EQ(refusal_of(json),

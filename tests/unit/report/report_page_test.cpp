@@ -181,6 +181,30 @@ TEST(ReportPage, PassesWhereNothingChanged) {
   EXPECT_TRUE(has(page, "All as in the baseline: 2 planes, each the same."));
 }
 
+TEST(ReportPage, MarksUndecidedPlanesAndNotesWhatTheyChange) {
+  const Report before = make_report(1);
+  const std::string decided = page_of(before);
+  EXPECT_FALSE(has(decided, "class=\"undecided\""));
+  EXPECT_FALSE(has(decided, "~ undecided"));
+  Report now = make_report(1);
+  ReportFrame& frame = now.recordings[0].frames[0];
+  frame.planes[1].summary.offset_m += 0.02;
+  frame.planes[1].summary.centroid.z() += 0.02;
+  frame.planes[1].summary.undecided = true;
+  frame.planes[1].summary.margin = 0.04;
+  frame.planes_undecided = 1;
+  judge(now, before);
+  const std::string page = page_of(now);
+  EXPECT_TRUE(has(page, "<tr id=\"f000/p2\" class=\"undecided\">"));
+  EXPECT_TRUE(has(page, "<abbr title=\"undecided, margin 0.04\">~</abbr>"));
+  EXPECT_FALSE(has(page, "<tr id=\"f000/p1\" class"));
+  EXPECT_TRUE(has(page, "~ undecided: ")) << "the legend";
+  EXPECT_TRUE(has(page, ">Passed<"));
+  EXPECT_TRUE(has(page, "0 errors, 0 warnings and 1 note on undecided planes"));
+  EXPECT_TRUE(has(page, "<ul class=\"reasons notes\"><li>a plane moved by 20 mm"));
+  EXPECT_TRUE(has(page, "<span class=\"fate\">moved</span> <small>undecided</small>"));
+}
+
 TEST(ReportPage, TellsTheVerdictThenWhatDiffersThenTheWorstFrameThenFigures) {
   const std::string page = page_of(make_failing_report());
   std::size_t before = 0;

@@ -312,7 +312,7 @@ TEST(FrameRecord, IsFoundByItsKeyAlone) {
   ASSERT_TRUE(find_frame_record(dir, "a"));
   EXPECT_EQ(find_frame_record(dir, "a")->index, 3);
   write_file_text(dir / "frame.json",
-                  "{\"schema\": \"planescope.report-frame/2\", \"key\": \"a\"}");
+                  "{\"schema\": \"planescope.report-frame/3\", \"key\": \"a\"}");
   try {
     find_frame_record(dir, "a");
     FAIL() << "a damaged record was read";
@@ -372,6 +372,49 @@ TEST(Junit, NamesFramesThatBreakRulesAndThoseThatWereRefused) {
       << xml;
   EXPECT_NE(xml.find("frames/000000/pictures/planes.png"), std::string::npos);
   EXPECT_NE(xml.find("<error message=\"gravity is not known, give --gravity\""), std::string::npos);
+}
+
+/// The plane more is undecided.
+Report make_noted_report() {
+  Report report = make_judged_report();
+  PlaneSummary& plane = report.recordings[0].frames[0].planes[1].summary;
+  plane.undecided = true;
+  plane.margin = 0.04;
+  report.recordings[0].frames[0].planes_undecided = 1;
+  report.judgement = ReportGuard(temp_dir() / "judged.json", "").judge(report);
+  return report;
+}
+
+TEST(Judgement, NotesWhatUndecidedPlanesChangeWithoutAnError) {
+  const Report report = make_noted_report();
+  EXPECT_EQ(report.judgement->errors(), 0);
+  EXPECT_EQ(report.judgement->warnings(), 0);
+  const std::string text = report.judgement->text();
+  EXPECT_NE(text.find("note   a<b>.bag frame 0: 1 plane is not in the baseline; the rule "
+                      "planes_gained allows none: noted only"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("0 errors, 0 warnings, 1 note against "), std::string::npos) << text;
+  const Json json = Json::parse(report_json(report));
+  EXPECT_EQ(schema_error(schema(), json), "");
+  EXPECT_TRUE(json["verdict"]["breaches"].empty());
+  EXPECT_EQ(json["verdict"]["notes"][0]["metric"], "planes_gained");
+  EXPECT_EQ(json["totals"]["planes_undecided"], 1);
+}
+
+TEST(Junit, TellsNotesWithoutAFailure) {
+  const std::string xml = junit_xml(make_noted_report());
+  EXPECT_NE(xml.find("failures=\"0\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<system-out>note: frame 0: 1 plane is not in the baseline"),
+            std::string::npos)
+      << xml;
+  EXPECT_EQ(junit_xml(make_judged_report()).find("<system-out>"), std::string::npos);
+}
+
+TEST(FramesCsv, CountsUndecidedPlanes) {
+  const std::string csv = frames_csv(make_noted_report());
+  EXPECT_NE(csv.find(",planes_undecided\n"), std::string::npos);
+  EXPECT_NE(csv.find(",1\n"), std::string::npos) << csv;
 }
 
 TEST(Thumbnail, ShrinksToTheMeanAndNeverEnlarges) {

@@ -104,6 +104,142 @@ TEST(Rules, AFrameThatIsMissingOrRefusedIsAnError) {
   EXPECT_EQ(found[1].rule.metric, "frames_refused");
 }
 
+// What undecided planes change is noted, and what decided ones change breaks rules.
+
+/// Plane 2 of frame 1 of "a" is undecided.
+Report with_undecided(Report report, double margin = 0.02) {
+  PlaneSummary& plane = report.recordings[0].frames[1].planes[1].summary;
+  plane.undecided = true;
+  plane.margin = margin;
+  return report;
+}
+
+/// `frame` is frame 1 of "a", with planes 1 and 2 there, turned and so on.
+Report with_frame(ReportFrame frame) {
+  Report report = baseline();
+  report.recordings[0].frames[1] = std::move(frame);
+  return report;
+}
+
+struct Outcome {
+  std::vector<Breach> broken, noted;
+};
+Outcome outcome_of(const Report& before,
+                   const Report& now,
+                   const std::vector<Rule>& rules = built_in_rules()) {
+  const ReportComparison comparison = compare_reports(before, now);
+  return {broken_rules(rules, comparison), noted_changes(rules, comparison)};
+}
+
+/// An error, or a warning, of decided planes; the same as a note where `before` or `now` has it
+/// undecided.
+void expect_noted_if_undecided(const Report& now, const std::string& text, bool undecided_now) {
+  const Outcome decided = outcome_of(baseline(), now);
+  ASSERT_EQ(decided.broken.size(), 1u);
+  EXPECT_TRUE(decided.noted.empty());
+  EXPECT_EQ(decided.broken[0].text(), text);
+  const Outcome undecided = undecided_now ? outcome_of(baseline(), with_undecided(now))
+                                          : outcome_of(with_undecided(baseline()), now);
+  EXPECT_TRUE(undecided.broken.empty());
+  ASSERT_EQ(undecided.noted.size(), 1u);
+  EXPECT_EQ(undecided.noted[0].recording, "a");
+  EXPECT_EQ(undecided.noted[0].frame, 1);
+  const char* plane = undecided_now ? "plane 2" : "plane 2 of the baseline";
+  EXPECT_EQ(undecided.noted[0].text(),
+            text + ": noted only; undecided: " + plane + " (margin 0.02)");
+}
+
+TEST(UndecidedPlanes, ThatAreLostAreNoted) {
+  expect_noted_if_undecided(with_frame(frame_with(1, {0})),
+                            "1 plane of the baseline is gone; the rule planes_lost allows none",
+                            false);
+}
+
+TEST(UndecidedPlanes, ThatAreNewAreNoted) {
+  Report before = with_frame(frame_with(1, {0}));
+  const Outcome decided = outcome_of(before, baseline());
+  ASSERT_EQ(decided.broken.size(), 1u);
+  EXPECT_EQ(decided.broken[0].rule.metric, "planes_gained");
+  EXPECT_EQ(decided.broken[0].rule.level, RuleLevel::error);
+  const Outcome undecided = outcome_of(before, with_undecided(baseline()));
+  EXPECT_TRUE(undecided.broken.empty());
+  ASSERT_EQ(undecided.noted.size(), 1u);
+  EXPECT_NE(undecided.noted[0].text().find("plane 2 (margin 0.02)"), std::string::npos);
+}
+
+TEST(UndecidedPlanes, OfEitherRunThatMovedTurnedOrGrewAreNoted) {
+  Report turned = baseline();
+  PlaneSummary& plane = turned.recordings[0].frames[1].planes[1].summary;
+  plane.normal = Vec3d(0, std::sin(0.05), std::cos(0.05));
+  plane.offset_m = plane.normal.dot(plane.centroid);
+  Report grown = baseline();
+  grown.recordings[0].frames[1].planes[1].summary.area_m2 = 2;
+  for (const bool now : {false, true}) {
+    expect_noted_if_undecided(with_frame(frame_with(1, {0, 0.206})),
+                              "a plane moved by 6 mm; the rule offset_mm allows at most 5 mm", now);
+    expect_noted_if_undecided(
+        turned, "a plane turned by 2.86 degrees; the rule angle_deg allows at most 1 degree", now);
+    expect_noted_if_undecided(grown,
+                              "1 plane has a quarter more area than in the baseline, or less; the "
+                              "rule planes_resized allows none",
+                              now);
+  }
+}
+
+TEST(UndecidedPlanes, ThatSplitOrMergeAreNotedWhicheverPartIsUndecided) {
+  ReportFrame one = frame_with(1, {0}), two = frame_with(1, {0, 0});
+  one.regions.runs = {{1, 10}};
+  two.regions.runs = {{1, 5}, {2, 5}};
+  const Report whole = with_frame(one), parts = with_frame(two);
+  EXPECT_EQ(outcome_of(whole, parts).broken.at(0).rule.metric, "planes_split");
+  EXPECT_EQ(outcome_of(parts, whole).broken.at(0).rule.metric, "planes_merged");
+  const Outcome split = outcome_of(whole, with_undecided(parts));
+  EXPECT_TRUE(split.broken.empty());
+  ASSERT_EQ(split.noted.size(), 1u);
+  EXPECT_NE(split.noted[0].text().find("undecided: plane 2 ("), std::string::npos);
+  const Outcome merged = outcome_of(with_undecided(parts), whole);
+  EXPECT_TRUE(merged.broken.empty());
+  ASSERT_EQ(merged.noted.size(), 1u);
+  EXPECT_EQ(merged.noted[0].value, 2);
+  EXPECT_NE(merged.noted[0].text().find("undecided: plane 2 of the baseline ("), std::string::npos);
+}
+
+TEST(UndecidedPlanes, DoNotHideADecidedOneBesideThem) {
+  const Outcome found = outcome_of(with_undecided(baseline()), with_frame(frame_with(1, {})));
+  ASSERT_EQ(found.broken.size(), 1u);
+  EXPECT_EQ(found.broken[0].value, 1);
+  ASSERT_EQ(found.noted.size(), 1u);
+  EXPECT_EQ(found.noted[0].value, 2);
+  const Outcome moved =
+      outcome_of(with_undecided(baseline()), with_frame(frame_with(1, {0.007, 0.229})));
+  ASSERT_EQ(moved.broken.size(), 1u);
+  EXPECT_NEAR(moved.broken[0].value, 7, 1e-9);
+  ASSERT_EQ(moved.noted.size(), 1u);
+  EXPECT_NEAR(moved.noted[0].value, 29, 1e-9);
+}
+
+TEST(UndecidedPlanes, AreNotedByRulesOverAllFramesToo) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  const std::vector<Rule> rules = {rule("planes_lost", -kAny, 0, RuleScope::recording)};
+  const Report now = with_frame(frame_with(1, {0}));
+  EXPECT_EQ(outcome_of(baseline(), now, rules).broken.size(), 1u);
+  const Outcome found = outcome_of(with_undecided(baseline()), now, rules);
+  EXPECT_TRUE(found.broken.empty());
+  ASSERT_EQ(found.noted.size(), 1u);
+  EXPECT_EQ(found.noted[0].frame, -1);
+  EXPECT_EQ(found.noted[0].text(),
+            "1 plane of the baseline is gone; the rule planes_lost allows none: noted only; "
+            "undecided planes make the difference");
+}
+
+TEST(UndecidedPlanes, ThatAreAsTheyWereAreNotNoted) {
+  const Report report = with_undecided(baseline());
+  EXPECT_TRUE(outcome_of(report, report).noted.empty());
+  std::vector<Rule> off = built_in_rules();
+  for (Rule& one : off) one.level = RuleLevel::off;
+  EXPECT_TRUE(outcome_of(report, with_frame(frame_with(1, {0})), off).noted.empty());
+}
+
 TEST(Rules, ScopesFoldFramesAsTheMetricMeans) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   Report now = baseline();

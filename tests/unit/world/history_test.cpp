@@ -51,6 +51,13 @@ TEST(History, TellsWhatATrackWasInAFrame) {
   EXPECT_FALSE(moment_of(track, 31).is_unlisted());
 }
 
+TEST(History, TellsThatThePlaneWasUndecided) {
+  Track track = made_track();
+  track.sightings[1].undecided = true;
+  EXPECT_EQ(moment_text(Tracker(), track, 31),
+            "T12 is P4 of frame 31, 2310 px, undecided, 0.30° and 1.2 mm from what was known");
+}
+
 TEST(History, WhereOnlyAMinorPlaneStandsForATrackNoneIsListed) {
   Track track = made_track();
   track.sightings[1].minor = true;

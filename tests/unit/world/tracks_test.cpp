@@ -80,6 +80,17 @@ TEST_F(Room, PlanesAreTheSameFromFrameToFrame) {
     EXPECT_EQ(track.is_sure({}) ? track.frames_missed : 0, 0) << track.id;
 }
 
+TEST_F(Room, TracksCountFramesInWhichTheirPlaneWasUndecided) {
+  for (int i = 0; i < 4; ++i) {
+    ObservedFrame seen = look(scene_);
+    for (ObservedPlane& plane : seen.planes) plane.undecided = i == 2;
+    tracker_.add(seen);
+  }
+  EXPECT_EQ(floor().frames_seen, 4);
+  EXPECT_EQ(floor().frames_undecided(), 1);
+  EXPECT_TRUE(floor().sightings[2].undecided);
+}
+
 TEST_F(Room, MinorPlanesGoOnWithTracksAndFoundNone) {
   for (int i = 0; i < 4; ++i) tracker_.add(look(scene_));
   const std::size_t tracks = tracker_.tracks().size();

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "core/model/error.hpp"
 #include "core/planes/pipeline/classifiers.hpp"
 #include "core/planes/pipeline/options_table.hpp"
+#include "support/refusal.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -98,6 +100,36 @@ TEST(OptionsTable, AMistypedNameIsAnsweredWithTheNearest) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("'voxel_size_m'"), std::string::npos) << error.what();
+  }
+}
+
+TEST(OptionsTable, ARemovedNameIsAnsweredWithWhatReplacesIt) {
+  const RemovedOption removed[] = {
+      {"r1_max_angle_deg", "merge"}, {"r99_knob", ""}, {"old", "paper"}};
+  EXPECT_EQ(removed_text("option", "r1_max_angle_deg", removed),
+            "option r1_max_angle_deg was removed in 0.2; see merge");
+  EXPECT_EQ(message_of([&] { find_option("r99_knob", removed); }),
+            "option r99_knob was removed in 0.2");
+  EXPECT_EQ(message_of([&] { find_profile("old", removed); }),
+            "profile old was removed in 0.2; see paper");
+  EXPECT_EQ(find_option("theta_n_in", removed).name, "theta_n_in");
+  EXPECT_EQ(find_profile("paper", removed), Profile::paper);
+  EXPECT_NE(message_of([&] { find_option("r99_knobs", removed); }).find("is unknown"),
+            std::string::npos)
+      << "no earlier version had it";
+  EXPECT_NE(message_of([&] { find_profile("odl", removed); }).find("expected paper"),
+            std::string::npos);
+}
+
+TEST(OptionsTable, NoOptionOrProfileThatIsThereIsRemoved) {
+  for (const RemovedOption& row : removed_options()) {
+    for (const OptionInfo& info : option_table()) EXPECT_NE(info.name, row.name);
+    for (const std::string& profile : find_option("profile").choices) EXPECT_NE(profile, row.name);
+    if (row.see.empty()) continue;
+    const auto& profiles = find_option("profile").choices;
+    const bool there = std::ranges::count(option_table(), row.see, &OptionInfo::name) > 0 ||
+                       std::ranges::count(profiles, row.see) > 0;
+    EXPECT_TRUE(there) << row.name << " points to " << row.see;
   }
 }
 
