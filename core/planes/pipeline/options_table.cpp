@@ -247,6 +247,12 @@ void append_refinements(std::vector<OptionInfo>& table) {
 #undef PLANESCOPE_ROWS
 }
 
+void append_objective(std::vector<OptionInfo>& table) {
+  Rows rows(
+      table, [](auto& o) -> auto& { return o.segment.objective; }, "objective");
+  ObjectiveOptions::describe(rows);
+}
+
 void append_foot(std::vector<OptionInfo>& table) {
   Rows rows(
       table, [](auto& o) -> auto& { return o.foot; }, "foot");
@@ -282,6 +288,7 @@ const std::vector<OptionInfo>& option_table() {
     append_classifier(rows);
     append_method(rows);
     append_criteria(rows);
+    append_objective(rows);
     append_refinements(rows);
     for (OptionInfo& row : rows)
       if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;

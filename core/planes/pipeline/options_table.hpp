@@ -32,7 +32,9 @@ struct OptionInfo {
   std::string needs = {};                 // the switch without which it means nothing; may be empty
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
-  bool steers_segmentation() const { return section == "criteria" || section == "refinements"; }
+  bool steers_segmentation() const {
+    return section == "criteria" || section == "objective" || section == "refinements";
+  }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
   /// Whether a run with these options reads it: rivals have their own options, options about h and
   /// v do nothing without gravity, and those of a foot nothing without one.

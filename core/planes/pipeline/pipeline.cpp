@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "core/model/error.hpp"
+#include "core/planes/depth/segment_depth.hpp"
 #include "core/planes/segment/segment.hpp"
 
 namespace planescope::planes {
@@ -183,14 +184,19 @@ PreparedFrame prepare_frame(const Frame& frame,
   Stopwatch watch;
   prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);
   prepared.timings.cloud_ms = watch.lap_ms();
-  prepared.voxels = voxelize(prepared.cloud, options.cloud.voxel_size_m);
+  const bool on_pixels = is_found_on_pixels(frame, options);
+  prepared.voxels = voxelize(prepared.cloud, on_pixels ? 0 : options.cloud.voxel_size_m);
   prepared.timings.t_d_ms = watch.lap_ms();
-  if (options.method == Method::ours && prepared.gravity.known())
+  if (options.method == Method::ours && prepared.gravity.known() && !on_pixels)
     prepared.classification = classify(prepared.voxels, classifier, truth, options.threads);
   else
     prepared.classification = unclassified(prepared.voxels);
   prepared.timings.t_c_ms = watch.lap_ms();
   return prepared;
+}
+
+bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options) {
+  return options.method == Method::ours && options.segment.objective.on && !frame.is_cloud();
 }
 
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
@@ -216,12 +222,51 @@ Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptio
   return more;
 }
 
+namespace {
+
+DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
+  const Cloud& cloud = prepared.cloud;
+  DepthInput input{.image = {.width = cloud.width,
+                             .height = cloud.height,
+                             .unit_m = frame.depth_unit_m,
+                             .rho = std::vector<float>(frame.depth.pixels(), 0.0f)},
+                   .points = prepared.voxels.points,
+                   .space = {.fx = frame.intrinsics.fx,
+                             .fy = frame.intrinsics.fy,
+                             .cx = frame.intrinsics.cx,
+                             .cy = frame.intrinsics.cy},
+                   .sensor = prepared.sensor(),
+                   .gravity_known = prepared.gravity.known()};
+  input.space.T_local_camera.linear() = cloud.T_world_sensor.linear();
+  input.space.T_local_camera.translation() = prepared.sensor();
+  input.pixel.reserve(prepared.voxels.points.size());
+  std::uint16_t farthest = 1;
+  for (std::size_t i = 0; i < cloud.source.size(); ++i) {
+    if (!cloud.kept[i]) continue;
+    const std::uint32_t pixel = cloud.source[i];
+    const std::uint16_t counts = frame.depth.data[pixel];
+    farthest = std::max(farthest, counts);
+    input.image.rho[pixel] = static_cast<float>(1 / (counts * frame.depth_unit_m));
+    input.pixel.push_back(pixel);
+  }
+  input.space.farthest_m = farthest * frame.depth_unit_m;
+  return input;
+}
+
+}  // namespace
+
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,
                           Trace* trace) {
   FoundRegions found;
-  if (options.method == Method::ours) {
+  if (is_found_on_pixels(frame, options)) {
+    Stopwatch watch;
+    const DepthInput input = depth_input(frame, prepared);
+    const double input_ms = watch.lap_ms();
+    found.segmentation = segment_depth(input, segment_options(prepared, options), trace);
+    found.segmentation.timings.build_ms += input_ms;
+  } else if (options.method == Method::ours) {
     Stopwatch watch;
     const Measurements more = more_measurements(prepared, options.segment);
     const double more_ms = watch.lap_ms();
@@ -255,7 +300,7 @@ FrameResult run_frame(const Frame& frame,
   FoundRegions found = find_regions(frame, result, options, trace);
   result.segmentation = std::move(found.segmentation);
   result.plane_of = std::move(found.plane_of);
-  if (options.method != Method::ours)
+  if (options.method != Method::ours || is_found_on_pixels(frame, options))
     result.classification.labels = labels_of_planes(result.segmentation);
   result.timings.t_b_ms = result.segmentation.timings.build_ms;
   result.timings.t_s_ms = result.segmentation.timings.traverse_ms;

@@ -75,6 +75,10 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const Classifier* classifier,
                             const FrameTruth* truth = nullptr);
 
+/// Whether the planes of this frame are found on its pixels, by segment_depth(). Its voxels are its
+/// pixels then.
+bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options);
+
 /// The segment options as they hold for this frame: noise is modelled by range only where the
 /// sensor's position is known, and labels are used only where gravity is.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);

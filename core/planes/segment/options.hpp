@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/planes/classify/classifier.hpp"
+#include "core/planes/depth/options.hpp"
 #include "core/planes/segment/refinement.hpp"
 #include "core/planes/segment/refinements.hpp"
 
@@ -123,6 +124,8 @@ struct SegmentOptions {
   CubeAnchor cube_anchor = CubeAnchor::center;
 
   NoiseOptions noise;  // thresholds from the measured noise
+
+  ObjectiveOptions objective;  // of depth images; on: nothing but these steers them
 
   // One member for each file of core/planes/segment/refine/: r1_merge_by_distance and so on.
 #define PLANESCOPE_OPTIONS(name) planes::name::Options name;

@@ -30,15 +30,20 @@ enum class Stage : std::uint8_t {
   criteria,  // Criteria 1-3, in the traversal
   merge,     // Criterion 4
   assign,    // of the leftovers
+  join,      // of depth images, see depth/regions.hpp: two regions that touch
+  grow,      // pixels change hands
+  hidden,    // two parts that something hides from each other
+  list,      // what is worth being a plane
 #define PLANESCOPE_STAGE(name) name,
   PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)
 #undef PLANESCOPE_STAGE
 };
-/// "criteria", "merge", "assign", or what the refinement calls itself: "R1" ... "split".
+/// "criteria", "merge", "assign", "join" ... "list", or what the refinement calls itself: "R1" ... "split".
 const char* to_string(Stage stage);
 /// Null for a stage of the paper.
 const RefinementInfo* refinement_of(Stage stage);
-/// The option that switches the refinement on, which is the name of its file.
+/// The option that switches the refinement on, which is the name of its file; null where there is
+/// none.
 const char* switch_of(Stage stage);
 /// All of them, in their order.
 const std::vector<Stage>& stages();

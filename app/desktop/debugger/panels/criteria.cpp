@@ -165,6 +165,7 @@ void draw_other(const Ui& ui, const Row& row) {
 
 const char* title_of(const std::string& section) {
   if (section == "criteria") return "Criteria 1-4, and what goes with them";
+  if (section == "objective") return "Objective";
   if (section == "refinements") return "Refinements";
   if (section == "classifier") return "Classifier";
   if (section == "gravity") return "Gravity";
@@ -178,7 +179,7 @@ const char* title_of(const std::string& section) {
 /// What can be set comes first; the method last where it is ours, as it is nearly always.
 std::vector<const char*> sections_of(planes::Method method) {
   if (method == planes::Method::ours)
-    return {"criteria", "refinements", "classifier", "cloud",
+    return {"criteria", "objective", "refinements", "classifier", "cloud",
             "gravity",  "foot",        "stairs",     "method"};
   return {"method", "rivals", "cloud", "gravity", "foot", "stairs"};
 }

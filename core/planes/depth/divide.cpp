@@ -1,0 +1,187 @@
+// Sun et al. 2023, Sec. IV-B and IV-C, on (u, v, rho) instead of space: the first regions are the
+// nodes of case IV. No labels of points take part: Criterion 1 asks for a second plane instead of a
+// second label.
+
+#include <algorithm>
+
+#include "core/planes/depth/regions.hpp"
+
+namespace planescope::planes {
+namespace {
+
+constexpr double kLeastPixels = 5;   // of a node that anything is asked of
+constexpr double kNotOnePlane = 1e30;  // cost
+constexpr double kLeastHalf = 8;     // px: of halves that may be two planes
+constexpr double kDevelops = 1.0 / 6;  // of the squared side of a cell: the mean squared distance of
+                                       // two of its pixels along one axis
+
+/// What decided a node's case: the value of the first criterion that failed, or of Criterion 3.
+struct Decision {
+  Case decided = Case::none;
+  double value = 0;
+};
+
+class Division {
+ public:
+  Division(DepthSegmentation& s, Octree& octree) : s_(s), octree_(octree) {}
+
+  void run() {
+    const std::vector<DepthCell>& roots = s_.cells.levels.back();
+    if (roots.empty()) return;
+    find_parts();
+    append(roots[0], 0, -1, 0);
+    // The array of nodes is the queue Q_N.
+    for (std::int32_t node = 0; node < static_cast<std::int32_t>(octree_.nodes.size()); ++node)
+      visit(node);
+  }
+
+ private:
+  int level_of(std::int32_t node) const { return s_.cells.depth() - octree_.nodes[node].depth; }
+
+  void append(const DepthCell& cell, std::uint32_t index, std::int32_t parent, int depth) {
+    OctreeNode node;
+    node.code = cell.code;
+    node.begin = cell.first_pixel;
+    node.end = cell.end_pixel;
+    node.parent = parent;
+    node.depth = static_cast<std::uint8_t>(depth);
+    octree_.nodes.push_back(node);
+    cell_of_.push_back(index);
+  }
+
+  void visit(std::int32_t index) {
+    Trace* const trace = s_.traced.trace;
+    if (trace) {
+      trace->events.push_back({.type = EventType::visit, .node = index});
+      trace->visited_at.push_back(trace->steps());
+    }
+    ++s_.counts.nodes_visited;
+    const int level = level_of(index);
+    const DepthCell& cell = s_.cells.levels[level][cell_of_[index]];
+    const InversePlane plane = cell.moments.fit();
+    const Decision decision = decide(index, cell, plane);
+    OctreeNode& node = octree_.nodes[index];
+    node.decided = decision.decided;
+    if (trace)
+      trace->events.push_back({.type = EventType::decide,
+                               .node_case = static_cast<std::uint8_t>(decision.decided),
+                               .node = index,
+                               .value = static_cast<float>(decision.value)});
+    ++s_.counts.nodes_per_case[static_cast<int>(decision.decided)];
+    ++s_.counts.nodes_per_case_depth[static_cast<int>(decision.decided)][node.depth];
+    if (trace) trace->decided_at.push_back(trace->steps());
+
+    if (decision.decided == Case::IV) {
+      found(index, cell, plane);
+    } else if (level > 0 && cell.moments.n >= kLeastPixels) {
+      divide(index, cell, level);
+    } else {
+      node.at_max_depth = decision.decided != Case::II;
+      s_.counts.leftovers += node.size();
+      if (trace)
+        for (std::uint32_t i = node.begin; i < node.end; ++i)
+          trace->points.push_back({i, {trace->steps(), -1, true}});
+    }
+  }
+
+  /// Per cell, what it costs to see it and every cell within it as one plane each, whichever is
+  /// dearest; infinite where a cell within it is not flat. So a small thing on a large plane keeps
+  /// the cell around it from being one region.
+  void find_parts() {
+    parts_.resize(s_.cells.levels.size());
+    for (int level = 1; level <= s_.cells.depth(); ++level) {
+      const std::vector<DepthCell>& below = s_.cells.levels[level - 1];
+      std::vector<double>& parts = parts_[level];
+      parts.reserve(s_.cells.levels[level].size());
+      for (const DepthCell& cell : s_.cells.levels[level]) {
+        double dearest = 0;
+        if (level > 1)
+          for (std::uint32_t k = cell.begin; k < cell.end; ++k)
+            dearest = std::max({dearest, parts_[level - 1][k],
+                                is_rough(below[k], level - 1) ? kNotOnePlane : 0});
+        if (dearest < kNotOnePlane && is_filled(cell, level))
+          dearest = std::max(dearest, two_planes(cell, level));
+        parts.push_back(dearest);
+      }
+    }
+  }
+
+  double filled(const DepthCell& cell, int level) const {
+    const double side = DepthCells::side_px(level);
+    return cell.moments.n / (side * side);
+  }
+  bool is_filled(const DepthCell& cell, int level) const {
+    return cell.moments.n >= kLeastPixels && filled(cell, level) >= s_.options.filled;
+  }
+  bool is_rough(const DepthCell& cell, int level) const {
+    return is_filled(cell, level) &&
+           flatness(cell, level, cell.moments.fit()) > s_.options.flat;
+  }
+
+  /// Variance of a cell about its plane, relative to what noise and bow explain.
+  double flatness(const DepthCell& cell, int level, const InversePlane& plane) const {
+    const double side = DepthCells::side_px(level), n = cell.moments.n;
+    const double expected = s_.noise.white2(plane) +
+                            s_.noise.bow2(plane) * s_.noise.developed(kDevelops * side * side);
+    return plane.sse / (n - 3) / expected;
+  }
+
+  Decision decide(std::int32_t index, const DepthCell& cell, const InversePlane& plane) const {
+    const int level = level_of(index);
+    if (!is_filled(cell, level)) return {Case::II, filled(cell, level)};
+    if (level > 0) {
+      const double two = parts_[level][cell_of_[index]];
+      if (two > s_.options.two_planes * s_.options.merge_cost) return {Case::I, two};
+    }
+    const double flat = flatness(cell, level, plane);
+    return {flat <= s_.options.flat ? Case::IV : Case::III, flat};
+  }
+
+  /// What it would cost to join the two halves of a cell: along u, v or rho, whichever is dearest.
+  double two_planes(const DepthCell& cell, int level) const {
+    const std::vector<DepthCell>& below = s_.cells.levels[level - 1];
+    double dearest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      PixelMoments half[2];
+      for (std::uint32_t k = cell.begin; k < cell.end; ++k)
+        half[below[k].code >> axis & 1] += below[k].moments;
+      if (half[0].n < kLeastHalf || half[1].n < kLeastHalf) continue;
+      dearest = std::max(dearest,
+                         s_.noise.join_cost(half[0], half[0].fit(), half[1], half[1].fit()));
+    }
+    return dearest;
+  }
+
+  void found(std::int32_t index, const DepthCell& cell, const InversePlane& plane) {
+    const auto region = static_cast<std::int32_t>(s_.regions.size());
+    DepthRegion& founded = s_.regions.emplace_back();
+    founded.moments = cell.moments;
+    founded.plane = plane;
+    const OctreeNode& node = octree_.nodes[index];
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      s_.region_of[s_.cells.pixels[i]] = region;
+    ++s_.counts.candidates;
+    log_founded(s_, octree_, region, index);
+  }
+
+  void divide(std::int32_t index, const DepthCell& cell, int level) {
+    octree_.nodes[index].first_child = static_cast<std::int32_t>(octree_.nodes.size());
+    octree_.nodes[index].child_count = static_cast<std::uint8_t>(cell.end - cell.begin);
+    const int depth = octree_.nodes[index].depth + 1;
+    for (std::uint32_t k = cell.begin; k < cell.end; ++k)
+      append(s_.cells.levels[level - 1][k], k, index, depth);
+    if (Trace* const trace = s_.traced.trace)
+      trace->queued_at.resize(octree_.nodes.size(), trace->steps());
+  }
+
+  DepthSegmentation& s_;
+  Octree& octree_;
+  std::vector<std::uint32_t> cell_of_;      // per node: index in its level
+  std::vector<std::vector<double>> parts_;  // per level and cell
+};
+
+}  // namespace
+
+void divide_image(DepthSegmentation& s, Octree& octree) { Division(s, octree).run(); }
+
+}  // namespace planescope::planes

@@ -1,0 +1,68 @@
+#pragma once
+
+// Planes in inverse depth. With rho = 1 / z [1/m] a plane is affine in pixel coordinates, and the
+// noise of stereo and structured-light cameras is the same at every distance. Ten sums describe a
+// set of pixels; they add, so that the fit of a union never touches a pixel again.
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace planescope::planes {
+
+/// rho of every pixel in raster order [1/m]; 0 where nothing was measured, or it is out of range.
+struct DepthImage {
+  int width = 0, height = 0;
+  double unit_m = 0;       // of one depth count; 0: depth is not quantized
+  std::vector<float> rho;  // [1/m]
+
+  std::size_t pixels() const { return rho.size(); }
+  double u(int x) const { return x - 0.5 * (width - 1); }  // [px] about the center of the image
+  double v(int y) const { return y - 0.5 * (height - 1); }
+};
+
+/// rho = a u + b v + c, with u and v about the center of the image.
+struct InversePlane {
+  double a = 0, b = 0;  // [1/m per px]
+  double c = 0;         // [1/m]
+  double sse = 0;       // of the pixels it was fitted to: sum of squared residuals [1/m^2]
+
+  double at(double u, double v) const { return a * u + b * v + c; }
+};
+
+/// Sums over pixels.
+struct PixelMoments {
+  double n = 0, u = 0, v = 0, r = 0;
+  double uu = 0, uv = 0, vv = 0, ur = 0, vr = 0, rr = 0;
+
+  void add(double x, double y, double rho) {
+    n += 1, u += x, v += y, r += rho;
+    uu += x * x, uv += x * y, vv += y * y, ur += x * rho, vr += y * rho, rr += rho * rho;
+  }
+  void remove(double x, double y, double rho) {
+    n -= 1, u -= x, v -= y, r -= rho;
+    uu -= x * x, uv -= x * y, vv -= y * y, ur -= x * rho, vr -= y * rho, rr -= rho * rho;
+  }
+  PixelMoments& operator+=(const PixelMoments& o) {
+    n += o.n, u += o.u, v += o.v, r += o.r;
+    uu += o.uu, uv += o.uv, vv += o.vv, ur += o.ur, vr += o.vr, rr += o.rr;
+    return *this;
+  }
+  PixelMoments& operator-=(const PixelMoments& o) {
+    n -= o.n, u -= o.u, v -= o.v, r -= o.r;
+    uu -= o.uu, uv -= o.uv, vv -= o.vv, ur -= o.ur, vr -= o.vr, rr -= o.rr;
+    return *this;
+  }
+  /// Least squares in rho; level where the pixels lie on a line.
+  InversePlane fit() const {
+    const double mu = u / n, mv = v / n, mr = r / n;
+    const double A = uu - u * mu, B = uv - u * mv, C = vv - v * mv;
+    const double D = ur - u * mr, E = vr - v * mr, F = rr - r * mr;
+    const double det = A * C - B * B;
+    if (det < 1e-9 * (A + C) * (A + C) + 1e-18) return {0, 0, mr, std::max(0.0, F)};
+    const double a = (D * C - E * B) / det, b = (A * E - B * D) / det;
+    return {a, b, mr - a * mu - b * mv, std::max(0.0, F - a * D - b * E)};
+  }
+};
+
+}  // namespace planescope::planes

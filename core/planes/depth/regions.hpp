@@ -1,0 +1,98 @@
+#pragma once
+
+// The segmentation of a depth image in progress: regions of pixels, each with its moments and plane.
+// Stages change it through these functions alone; with a trace, each logs what it did.
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/planes/depth/cells.hpp"
+#include "core/planes/depth/noise.hpp"
+#include "core/planes/segment/segment.hpp"
+
+namespace planescope::planes {
+
+inline constexpr std::int32_t kNoRegion = -1;
+
+struct DepthRegion {
+  PixelMoments moments;
+  InversePlane plane;
+  bool alive = true;
+  std::int32_t version = 0;  // counts the changes of moments, for costs that wait in a queue
+  double dearest_join = 0;   // greatest cost of a join of two large parts that made it
+  std::vector<std::pair<std::int32_t, int>> near;  // neighbors, ascending; pixels of common border
+};
+
+/// What the trace needs beside the regions; empty without one.
+struct DepthTrace {
+  Trace* trace = nullptr;
+  bool gravity_known = false;
+  std::vector<std::uint32_t> position;  // per pixel: Morton position
+  std::span<const Vec3f> points;        // by Morton position: local coordinates [m]
+  std::vector<GrowingPlane> planes;     // per region: in space
+
+  Label label_of(const PlaneFit& fit) const {
+    return gravity_known ? label_of_normal(fit.normal) : Label::unknown;
+  }
+};
+
+struct DepthSegmentation {
+  const DepthImage& image;
+  const ObjectiveOptions& options;
+  DepthCells cells = {};
+  DepthNoise noise = {};
+  std::vector<DepthRegion> regions = {};
+  std::vector<std::int32_t> region_of = {};  // per pixel
+  SegmentCounts counts = {};
+  DepthTrace traced = {};
+
+  double u(std::uint32_t pixel) const { return image.u(static_cast<int>(pixel) % image.width); }
+  double v(std::uint32_t pixel) const { return image.v(static_cast<int>(pixel) / image.width); }
+  /// rho of the pixel, less that of the plane [1/m].
+  double residual(std::uint32_t pixel, const InversePlane& plane) const {
+    return image.rho[pixel] - plane.at(u(pixel), v(pixel));
+  }
+  double join_cost(std::int32_t a, std::int32_t b) const {
+    const DepthRegion &p = regions[a], &q = regions[b];
+    return noise.join_cost(p.moments, p.plane, q.moments, q.plane);
+  }
+};
+
+// Every decision is logged before what follows from it. Without a trace these do nothing.
+
+/// The region of a node has just been founded.
+void log_founded(DepthSegmentation& s, const Octree& octree, std::int32_t region, std::int32_t node);
+void log_join(DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
+/// Pixels changed hands: `before` is what region_of was.
+void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before);
+/// A region ends: its pixels are free.
+void log_drop(DepthSegmentation& s, Stage stage, std::int32_t region, double value);
+
+/// `from` becomes part of `into`; region_of is left to the caller. `cost`: join_cost() of the two.
+void join_regions(
+    DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
+
+/// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec. IV-C).
+/// Fills the nodes of the octree.
+void divide_image(DepthSegmentation& s, Octree& octree);
+
+/// Counts the border that each two regions share, and sets `near` of both where it is at least
+/// `least` px. `gap`: pixels that may lie between them; `step`: largest difference of rho across it
+/// [1/m].
+void find_neighbors(DepthSegmentation& s, int least, int gap, double step);
+
+/// Joins neighbors, the lowest cost first, while a join costs less than a plane.
+void merge_regions(DepthSegmentation& s);
+
+/// Pixels at borders go to the region that explains them best; free ones to a region in reach.
+void grow_regions(DepthSegmentation& s);
+
+/// Joins parts of one plane that something nearer hides from each other.
+void join_hidden_parts(DepthSegmentation& s);
+
+/// What a region is worth: its pixels relative to a plane of 1 % RMS, in an image 640 px wide.
+double worth_px(const DepthSegmentation& s, const DepthRegion& region);
+
+}  // namespace planescope::planes

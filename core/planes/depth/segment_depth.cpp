@@ -1,0 +1,223 @@
+#include "core/planes/depth/segment_depth.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/planes/depth/regions.hpp"
+
+namespace planescope::planes {
+namespace {
+
+constexpr int kRounds = 3;            // of growing and joining
+constexpr double kCrumb = 100;        // px: smaller regions leave their pixels to those that grow
+constexpr int kLeastBorder = 8;       // px: of regions that join after growing
+constexpr double kStep = 3;           // sigma: a larger step of rho across it is no common border
+constexpr double kWorthWidth = 640;   // px: of the image that worth_px counts in
+constexpr double kMinor = 0.5;        // share of the least worth, for a plane to be listed as minor
+
+using Clock = std::chrono::steady_clock;
+double elapsed_ms(Clock::time_point since) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
+}
+
+/// Fills in what replay and pictures need of the octree; its nodes come from the traversal.
+void prepare_octree(Octree& octree, const DepthInput& input, const DepthSegmentation& s) {
+  octree.image = input.space;
+  octree.cube.max_depth = s.cells.depth();
+  octree.image->root_px = DepthCells::side_px(s.cells.depth());
+  octree.image->px_per_inverse_m = kPxPerInverseMeter;
+}
+
+void trace_octree(Octree& octree, const DepthInput& input, DepthSegmentation& s, Trace* trace) {
+  const std::vector<std::uint32_t>& pixels = s.cells.pixels;
+  std::vector<std::uint32_t> point_of(input.image.pixels(), 0);
+  for (std::uint32_t k = 0; k < input.pixel.size(); ++k) point_of[input.pixel[k]] = k;
+  octree.order.reserve(pixels.size());
+  s.traced.position.resize(input.image.pixels());
+  for (std::uint32_t i = 0; i < pixels.size(); ++i) {
+    octree.order.push_back(point_of[pixels[i]]);
+    octree.points.push_back(input.points[octree.order.back()]);
+    s.traced.position[pixels[i]] = i;
+  }
+  for (const DepthCell& leaf : s.cells.levels[0])
+    octree.keys.insert(octree.keys.end(), leaf.end_pixel - leaf.first_pixel, leaf.code);
+  octree.labels.assign(pixels.size(), Label::unknown);
+  octree.h_before.assign(pixels.size() + 1, 0);
+  s.traced.trace = trace;
+  s.traced.points = octree.points;
+  s.traced.gravity_known = input.gravity_known;
+  if (!pixels.empty()) trace->queued_at.push_back(0);
+}
+
+/// Small regions end; their pixels are free for others to grow over.
+void drop_crumbs(DepthSegmentation& s) {
+  bool any = false;
+  for (std::size_t k = 0; k < s.regions.size(); ++k)
+    if (DepthRegion& region = s.regions[k]; region.alive && region.moments.n < kCrumb) {
+      log_drop(s, Stage::grow, static_cast<std::int32_t>(k), region.moments.n);
+      region.alive = false;
+      any = true;
+    }
+  if (!any) return;
+  for (std::int32_t& region : s.region_of)
+    if (region >= 0 && !s.regions[region].alive) region = kNoRegion;
+}
+
+/// The plane that its pixels fit in inverse depth, in space. Eigenvalues are about that plane.
+PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const DepthInput& input) {
+  PlaneFit fit = fit_plane(moments);
+  // rho = a (u - u0) + b (v - v0) + c with u = fx x / z + cx: 1 = a fx x + b fy y + c' z.
+  const ImageSpace& k = input.space;
+  const double u0 = 0.5 * (input.image.width - 1), v0 = 0.5 * (input.image.height - 1);
+  const Vec3d camera(plane.a * k.fx, plane.b * k.fy,
+                     plane.c + plane.a * (k.cx - u0) + plane.b * (k.cy - v0));
+  const double norm = camera.norm();
+  if (!(norm > 0)) return fit;
+  const Vec3d normal = k.T_local_camera.linear() * (camera / norm);
+  const double offset = 1 / norm + normal.dot(k.T_local_camera.translation());
+  const double shift = offset - normal.dot(fit.centroid);
+  const Mat3d scatter = moments.scatter();
+  fit.eigenvalues[0] = std::max(0.0, normal.dot(scatter * normal)) + fit.count * shift * shift;
+  fit.eigenvalues[0] = std::min(fit.eigenvalues[0], fit.eigenvalues[1]);
+  fit.centroid += shift * normal;
+  fit.normal = normal.dot(fit.normal) < 0 ? Vec3d(-normal) : normal;
+  return fit;
+}
+
+/// How far the plane is from what would undo it, as a ratio: of its worth to the least, of the
+/// cheapest join with a neighbor to the cost of a plane, of that cost to the dearest join in it.
+std::vector<double> margins(const DepthSegmentation& s) {
+  std::vector<double> margin(s.regions.size(), 0);
+  for (std::size_t k = 0; k < s.regions.size(); ++k) {
+    const DepthRegion& region = s.regions[k];
+    if (!region.alive) continue;
+    margin[k] = worth_px(s, region) / s.options.worth_px;
+    if (region.dearest_join > 0)
+      margin[k] = std::min(margin[k], s.options.merge_cost / region.dearest_join);
+    for (const auto& [other, border] : region.near)
+      if (s.regions[other].alive)
+        margin[k] = std::min(margin[k], s.join_cost(static_cast<std::int32_t>(k), other) /
+                                            s.options.merge_cost);
+  }
+  return margin;
+}
+
+struct Listing {
+  std::vector<std::int32_t> planes, minor;  // regions, largest first
+};
+
+/// A plane is listed when it is worth its cost.
+Listing list_planes(DepthSegmentation& s) {
+  Listing listing;
+  for (std::size_t k = 0; k < s.regions.size(); ++k) {
+    const auto region = static_cast<std::int32_t>(k);
+    if (!s.regions[k].alive) continue;
+    const double worth = worth_px(s, s.regions[k]);
+    if (worth >= s.options.worth_px) {
+      listing.planes.push_back(region);
+      continue;
+    }
+    log_drop(s, Stage::list, region, worth);
+    if (worth >= kMinor * s.options.worth_px) listing.minor.push_back(region);
+  }
+  const auto size = [&](std::int32_t region) { return -s.regions[region].moments.n; };
+  std::ranges::stable_sort(listing.planes, {}, size);
+  std::ranges::stable_sort(listing.minor, {}, size);
+  return listing;
+}
+
+void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& result) {
+  const Listing listing = list_planes(s);
+  std::vector<std::int32_t> slot(s.regions.size(), -1);  // of planes, then of minor ones
+  for (const std::int32_t region : listing.planes)
+    slot[region] = static_cast<std::int32_t>(result.planes.size()), result.planes.emplace_back();
+  const auto planes = static_cast<std::int32_t>(result.planes.size());
+  for (const std::int32_t region : listing.minor)
+    slot[region] = planes + static_cast<std::int32_t>(result.minor.size()),
+    result.minor.emplace_back();
+
+  result.minor_points.resize(result.minor.size());
+  result.plane_of.assign(input.pixel.size(), 0);
+  result.plane_of_pixel.assign(input.image.pixels(), 0);
+  std::vector<Moments> moments(result.planes.size() + result.minor.size());
+  for (std::uint32_t k = 0; k < input.pixel.size(); ++k) {
+    const std::int32_t region = s.region_of[input.pixel[k]];
+    const std::int32_t at = region >= 0 ? slot[region] : -1;
+    if (at < 0 || at >= planes) ++s.counts.unassigned;
+    if (at < 0) continue;
+    moments[at].add(input.points[k].cast<double>());
+    if (at < planes)
+      result.plane_of[k] = result.plane_of_pixel[input.pixel[k]] = at + 1;
+    else
+      result.minor_points[at - planes].push_back(k);
+  }
+
+  const std::vector<double> margin = margins(s);
+  const auto fill = [&](PlaneRegion& region, std::int32_t from, int id) {
+    region.id = id;
+    const Moments& of = moments[slot[from]];
+    region.fit = fit_in_space(of, s.regions[from].plane, input);
+    if (input.gravity_known) region.label = label_of_normal(region.fit.normal);
+    region.fit.normal = outward_normal(region.fit, region.label, input.sensor);
+    region.points = static_cast<std::uint32_t>(of.count);
+    region.founded = from;
+    region.margin = margin[from];
+    region.undecided = margin[from] < s.options.undecided;
+  };
+  for (std::size_t k = 0; k < listing.planes.size(); ++k)
+    fill(result.planes[k], listing.planes[k], static_cast<int>(k) + 1);
+  for (std::size_t k = 0; k < listing.minor.size(); ++k) fill(result.minor[k], listing.minor[k], 0);
+}
+
+}  // namespace
+
+double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
+  // A grazing plane's RMS is taken across it: its sideways error says nothing against it.
+  const DepthNoise& noise = s.noise;
+  const double across =
+      1 + noise.sideways2(region.plane) / (noise.white * noise.white + noise.bow * noise.bow);
+  const double n = region.moments.n;
+  const double rms = std::sqrt(region.plane.sse / std::max(1.0, n - 3) / across);
+  const double scale = kWorthWidth / s.image.width;
+  return n * scale * scale * 0.01 * (region.moments.r / n) / std::max(rms, 1e-9);
+}
+
+Segmentation segment_depth(const DepthInput& input, const SegmentOptions& options, Trace* trace) {
+  Segmentation result;
+  const auto start = Clock::now();
+  DepthSegmentation s{input.image, options.objective};
+  s.cells = make_depth_cells(input.image);
+  s.noise = measure_depth_noise(s.cells.blocks, s.cells.block_columns, input.image.width,
+                                options.objective);
+  s.region_of.assign(input.image.pixels(), kNoRegion);
+  prepare_octree(result.octree, input, s);
+  if (trace) trace_octree(result.octree, input, s, trace);
+  result.timings.build_ms = elapsed_ms(start);
+
+  const auto built = Clock::now();
+  if (s.noise.white > 0) {
+    divide_image(s, result.octree);
+    find_neighbors(s, 1, 0, std::numeric_limits<double>::infinity());
+    merge_regions(s);
+    drop_crumbs(s);
+    for (int round = 0; round < kRounds; ++round) {
+      grow_regions(s);
+      find_neighbors(s, kLeastBorder, 1, kStep * (s.noise.white + s.noise.bow));
+      merge_regions(s);
+    }
+    join_hidden_parts(s);
+  }
+  conclude(s, input, result);
+  // An error of rho is one of z by z squared.
+  result.noise.options = options.noise;
+  result.noise.estimated = result.noise.by_range = s.noise.white > 0;
+  result.noise.growth_per_m = s.noise.wide;
+  result.counts = s.counts;
+  result.timings.traverse_ms = elapsed_ms(built);
+  return result;
+}
+
+}  // namespace planescope::planes
