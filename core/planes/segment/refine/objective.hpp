@@ -9,15 +9,15 @@ namespace planescope::planes::objective {
 
 struct Options {
   bool on = false;
-  double calm = 0.5;        // quantile of the cells' RMS that is the noise
-  double resolution = 0.1;  // of the points' spacing: sigma is at least this
-  double bow = 2.5;         // times the offset between neighboring cells that noise leaves open
-  double flat = 3;          // variance of a node (Criterion 3), over that of noise and bow
-  double merge = 10;        // regions merge below this ratio of squared offset to variance
-  double reach = 4.5;       // sigma: an unexplained point costs as much as one this far off
-  double label = 2;         // sigma: a plane of the other label seems this much farther off
-  double worth = 150;       // squared sigma: what a plane costs
-  int rounds = 4;           // of moving points, fitting and merging, at most
+  double calm = 0.5;         // quantile of the cells' RMS that is the noise
+  double resolution = 0.05;  // of the points' spacing: sigma is at least this
+  double bow = 2.5;          // times the offset between neighboring cells that noise leaves open
+  double flat = 3;           // variance of a node (Criterion 3), over that of noise and bow
+  double merge = 10;         // regions merge below this ratio of squared offset to variance
+  double reach = 4.5;        // sigma: an unexplained point costs as much as one this far off
+  double label = 2;          // sigma: a plane of the other label seems this much farther off
+  double worth = 220;        // squared sigma: what a plane costs
+  int rounds = 4;            // of moving points, fitting and merging, at most
 
   template <typename Rows>
   static void describe(Rows& rows) {
