@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/planes/depth/inverse_depth.hpp"
-#include "core/planes/depth/options.hpp"
+#include "core/planes/segment/objective.hpp"
 
 namespace planescope::planes {
 

@@ -12,7 +12,8 @@
 namespace planescope::planes {
 namespace {
 
-constexpr Stage kStage = Stage::objective;
+constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
+constexpr int kRounds = 4;          // of moving points, fitting and merging, at most
 
 /// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
 /// sum of squared distances to the least-squares plane [m^2].
@@ -73,7 +74,7 @@ class Roots {
 /// Merges touching regions, the lowest cost first.
 class Merger {
  public:
-  Merger(SegmentState& state, const CloudScales& scales, const objective::Options& options)
+  Merger(SegmentState& state, const CloudScales& scales, const ObjectiveOptions& options)
       : state_(state), scales_(scales), options_(options), roots_(state.planes.size()) {}
 
   /// How many it merged. `near`: planes near the cells of `grid`. `any_label`: regions of different
@@ -123,9 +124,9 @@ class Merger {
     const double apart_m2 = squares(p) + squares(q);
     const double explained_m2 = 3 * white2 + scales_.bow_m * scales_.bow_m * weight;
     const Cubic cubic(both);
-    if (cubic.least_root_is_beyond(apart_m2 + options_.merge * explained_m2)) return {};
+    if (cubic.least_root_is_beyond(apart_m2 + options_.merge_cost * explained_m2)) return {};
     const double cost = std::max(0.0, cubic.least_root() - apart_m2) / explained_m2;
-    if (cost >= options_.merge) return {};
+    if (cost >= options_.merge_cost) return {};
     return cost;
   }
 
@@ -140,7 +141,7 @@ class Merger {
     const auto [from, into] =
         size_[a] < size_[b] || (size_[a] == size_[b] && a > b) ? std::pair(a, b) : std::pair(b, a);
     log(state_, {.type = EventType::refine,
-                 .stage = kStage,
+                 .stage = Stage::join,
                  .plane = from,
                  .other = into,
                  .value = static_cast<float>(cost)});
@@ -187,7 +188,7 @@ class Merger {
 
   SegmentState& state_;
   const CloudScales& scales_;
-  const objective::Options& options_;
+  const ObjectiveOptions& options_;
   bool any_label_ = false;
   Roots roots_;
   std::vector<double> size_;                        // points, per plane
@@ -202,13 +203,13 @@ class PointMover {
  public:
   PointMover(SegmentState& state,
              const CloudScales& scales,
-             const objective::Options& options,
+             const ObjectiveOptions& options,
              const CellGrid& grid)
       : state_(state),
         options_(options),
         grid_(grid),
         variance_m2_(scales.variance_m2()),
-        label_m_(options.label * scales.measured_m) {}
+        label_m_(options.label_sigma * scales.measured_m) {}
 
   /// How many it moved.
   int move_all(const CellPlanes& near) {
@@ -237,7 +238,7 @@ class PointMover {
 
  private:
   bool move(std::uint32_t i, std::span<const std::int32_t> near) {
-    const double unexplained = options_.reach * options_.reach;
+    const double unexplained = options_.point_reach_sigma * options_.point_reach_sigma;
     double least = unexplained, next = unexplained;
     std::int32_t best = -1, second = -1;
     const Vec3d p = state_.point(i);
@@ -262,7 +263,7 @@ class PointMover {
     const std::int32_t from = state_.plane_of[i];
     if (best == from) return false;
     log(state_, {.type = best < 0 ? EventType::drop : EventType::assign,
-                 .stage = kStage,
+                 .stage = Stage::grow,
                  .plane = best,
                  .other = from,
                  .point = state_.input_index(i),
@@ -277,7 +278,7 @@ class PointMover {
   }
 
   SegmentState& state_;
-  const objective::Options& options_;
+  const ObjectiveOptions& options_;
   const CellGrid& grid_;
   const double variance_m2_, label_m_;
   std::vector<double> worth_;          // per plane
@@ -308,11 +309,11 @@ void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
 /// neighbor of it has just been dropped: it may be worth more now.
 int drop_worthless(SegmentState& state,
                    const PointMover& mover,
-                   const objective::Options& options,
+                   const ObjectiveOptions& options,
                    const CellGrid& grid) {
   std::vector<std::int32_t> order;
   for (std::int32_t k = 0; k < std::ssize(state.planes); ++k)
-    if (state.planes[k].alive && mover.worth(k) < options.worth) order.push_back(k);
+    if (state.planes[k].alive && mover.worth(k) < options.plane_cost) order.push_back(k);
   if (order.empty()) return 0;
   std::ranges::stable_sort(order, {}, [&](std::int32_t k) { return mover.worth(k); });
   const PlanePoints members = points_by_plane(state);
@@ -323,7 +324,7 @@ int drop_worthless(SegmentState& state,
     if (std::ranges::any_of(points, [&](std::uint32_t i) { return touched[grid.cell_of[i]]; }))
       continue;
     log(state, {.type = EventType::refine,
-                .stage = kStage,
+                .stage = Stage::list,
                 .plane = k,
                 .value = static_cast<float>(mover.worth(k))});
     drop_plane(state, k, points);
@@ -343,7 +344,7 @@ int drop_worthless(SegmentState& state,
 /// others go to the planes that explain them second best.
 void split_planes(SegmentState& state,
                   const PointMover& mover,
-                  const objective::Options& options,
+                  const ObjectiveOptions& options,
                   const CellGrid& grid,
                   int levels,
                   double gap_m) {
@@ -358,15 +359,15 @@ void split_planes(SegmentState& state,
     changed[plane] = 1;
     std::ranges::stable_sort(parts, std::greater<>(), &Part::size);
     for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
-      if (part->size() >= 3 && mover.worth(*part) >= options.worth) {
-        found_part(state, kStage, plane, *part);
+      if (part->size() >= 3 && mover.worth(*part) >= options.plane_cost) {
+        found_part(state, Stage::parts, plane, *part);
         continue;
       }
       for (const std::uint32_t i : *part) {
         const std::int32_t other = mover.second_plane(i);
         if (other < 0 || !state.planes[other].alive) continue;
         log(state, {.type = EventType::assign,
-                    .stage = kStage,
+                    .stage = Stage::parts,
                     .plane = other,
                     .other = plane,
                     .point = state.input_index(i)});
@@ -380,7 +381,7 @@ void split_planes(SegmentState& state,
 
 }  // namespace
 
-CloudScales measure_scales(const SegmentState& state, const objective::Options& options) {
+CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options) {
   constexpr double kCalm = 4;  // a patch with more variance, over that of noise, holds an edge
   const Octree& octree = state.octree;
   const CellGrid& grid = state.neighbour_cells();
@@ -407,7 +408,7 @@ CloudScales measure_scales(const SegmentState& state, const objective::Options& 
   CloudScales scales;
   if (variances.empty()) return scales;
   scales.spacing_m = std::sqrt(quantile(areas, 0.5));
-  const double measured2 = quantile(variances, options.calm);
+  const double measured2 = quantile(variances, kCalmCells);
   scales.measured_m = std::sqrt(measured2);
   scales.white_m = std::max(scales.measured_m, options.resolution * scales.spacing_m);
   for (auto& of_cell : patches)
@@ -436,12 +437,12 @@ CloudScales measure_scales(const SegmentState& state, const objective::Options& 
   return scales;
 }
 
-NoiseModel noise_of(const CloudScales& scales, const objective::Options& options) {
+NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options) {
   NoiseModel model;
   model.estimated = true;
   model.constant_m = std::sqrt(scales.variance_m2());
   model.options.theta_rms_sigmas = std::sqrt(options.flat);
-  model.options.tau_sigmas = options.reach;
+  model.options.tau_sigmas = options.point_reach_sigma;
   model.options.theta_rms_min_m = model.options.tau_min_m = 0;
   model.options.theta_rms_max_m = model.options.tau_max_m = INFINITY;
   return model;
@@ -449,7 +450,7 @@ NoiseModel noise_of(const CloudScales& scales, const objective::Options& options
 
 void find_cloud_regions(SegmentState& state,
                         const CloudScales& scales,
-                        const objective::Options& options) {
+                        const ObjectiveOptions& options) {
   constexpr double kStill = 0.005;  // share of points: fewer moves change no plane
   const double gap_m = std::max(state.options.split_disconnected.gap_m,
                                 state.options.split_disconnected.gap_spacings * scales.spacing_m);
@@ -468,10 +469,10 @@ void find_cloud_regions(SegmentState& state,
     around = near();
     const int moved = mover.move_all(around);
     fit_planes(state, mover.changed());
-    if (round >= options.rounds) break;
+    if (round >= kRounds) break;
     int redrawn = drop_worthless(state, mover, options, grid);
     redrawn += Merger(state, scales, options).merge_all(grid, around, true);
-    if (redrawn == 0 && moved <= kStill * state.plane_of.size()) break;
+    if (redrawn == 0 && moved <= kStill * static_cast<double>(state.plane_of.size())) break;
   }
   split_planes(state, mover, options, grid, levels, gap_m);
 }

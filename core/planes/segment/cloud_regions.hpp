@@ -16,14 +16,14 @@ struct CloudScales {
   double spacing_m = 0;   // of points on a surface
   double variance_m2() const { return white_m * white_m + bow_m * bow_m; }  // of a point
 };
-CloudScales measure_scales(const SegmentState& state, const objective::Options& options);
+CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options);
 
 /// The same as a model for Criterion 3 and for what shows theta_rms and tau.
-NoiseModel noise_of(const CloudScales& scales, const objective::Options& options);
+NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options);
 
 /// From the traversal's planes, one for each case IV node, and its leftovers to the final planes.
 void find_cloud_regions(SegmentState& state,
                         const CloudScales& scales,
-                        const objective::Options& options);
+                        const ObjectiveOptions& options);
 
 }  // namespace planescope::planes

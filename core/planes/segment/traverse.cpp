@@ -43,7 +43,7 @@ void divide_or_leave(SegmentState& state, std::int32_t index) {
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
   if (state.options.objective.on) {  // each node is a region; cloud_regions.cpp merges them
-    found(state, candidate, Stage::objective);
+    found(state, candidate, Stage::criteria);
   } else if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
     log(state, {.type = EventType::wait,
                 .stage = Stage::r3_weak_candidates,

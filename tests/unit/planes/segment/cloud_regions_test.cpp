@@ -1,6 +1,6 @@
 // Planes of clouds by one objective.
 
-#include "core/planes/segment/refine/objective.hpp"
+#include "core/planes/segment/objective.hpp"
 
 #include <gtest/gtest.h>
 
