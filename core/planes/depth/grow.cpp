@@ -38,14 +38,9 @@ class Growth {
     const int width = s_.image.width, height = s_.image.height;
     const std::vector<std::int32_t>& region = s_.region_of;
     std::vector<std::uint32_t> front;
+    front.reserve(region.size() / 4);
     for (int y = 1; y + 1 < height; ++y)
-      for (int x = 1; x + 1 < width; ++x) {
-        const auto i = static_cast<std::uint32_t>(y * width + x);
-        const std::int32_t own = region[i];
-        if (own >= 0 && ((region[i + 1] ^ own) | (region[i - 1] ^ own) | (region[i + width] ^ own) |
-                         (region[i - width] ^ own)) != 0)
-          front.push_back(i);
-      }
+      append_border_pixels(region, width, y, front);
     for (std::size_t head = 0; head < front.size(); ++head) {
       const std::uint32_t i = front[head];
       const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;

@@ -61,16 +61,10 @@ class HiddenParts {
 
  private:
   void find_rims() {
-    const int width = s_.image.width;
-    const std::vector<std::int32_t>& region = s_.region_of;
+    std::vector<std::uint32_t> borders;
     for (int y = 1; y + 1 < s_.image.height; ++y)
-      for (int x = 1; x + 1 < width; ++x) {
-        const auto i = static_cast<std::uint32_t>(y * width + x);
-        const std::int32_t own = region[i];
-        if (own >= 0 && ((region[i + 1] ^ own) | (region[i - 1] ^ own) | (region[i + width] ^ own) |
-                         (region[i - width] ^ own)) != 0)
-          rim_[own].push_back(i);
-      }
+      append_border_pixels(s_.region_of, s_.image.width, y, borders);
+    for (const std::uint32_t pixel : borders) rim_[s_.region_of[pixel]].push_back(pixel);
   }
 
   /// The shortest lines from one rim to the other.

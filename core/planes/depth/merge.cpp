@@ -79,8 +79,9 @@ class Merger {
       else
         this->join(join.a, join.b, join.cost);
     }
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(into_.size()); ++k) into_[k] = root(k);
     for (std::int32_t& region : s_.region_of)
-      if (region >= 0) region = root(region);
+      if (region >= 0) region = into_[region];
   }
 
  private:
@@ -178,9 +179,20 @@ void find_neighbors(DepthSegmentation& s, int least, int gap, double step) {
         const std::int32_t a = region[i], b = region[o];
         if (a != b && a >= 0 && b >= 0 && std::abs(rho[o] - rho[i]) < step) borders.add(a, b);
       };
-      for (int x = 0; x + d < width; ++x) look(row + x, row + x + d);
-      if (y + d < height)
-        for (int x = 0; x < width; ++x) look(row + x, row + x + static_cast<std::size_t>(d) * width);
+      // Most of an image lies inside of regions: whole runs are passed over at once.
+      const auto look_along = [&](std::size_t from, std::size_t to, int count) {
+        constexpr int kRun = 16;
+        int x = 0;
+        for (; x + kRun <= count; x += kRun) {
+          std::int32_t differs = 0;
+          for (int k = 0; k < kRun; ++k) differs |= region[from + x + k] ^ region[to + x + k];
+          if (differs == 0) continue;
+          for (int k = 0; k < kRun; ++k) look(from + x + k, to + x + k);
+        }
+        for (; x < count; ++x) look(from + x, to + x);
+      };
+      look_along(row, row + d, width - d);
+      if (y + d < height) look_along(row, row + static_cast<std::size_t>(d) * width, width);
     }
   for (DepthRegion& r : s.regions) r.near.clear();
   borders.each([&](std::int32_t a, std::int32_t b, int count) {

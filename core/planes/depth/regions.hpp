@@ -83,6 +83,31 @@ void divide_image(DepthSegmentation& s, Octree& octree);
 /// [1/m].
 void find_neighbors(DepthSegmentation& s, int least, int gap, double step);
 
+/// Appends the pixels of a row that have a region and a neighbor that is not in it. The row is none
+/// at the edge of the image.
+inline void append_border_pixels(const std::vector<std::int32_t>& region,
+                                 int width,
+                                 int y,
+                                 std::vector<std::uint32_t>& pixels) {
+  const std::int32_t* const row = region.data() + static_cast<std::size_t>(y) * width;
+  const auto differs = [&](int x) {
+    return (row[x + 1] ^ row[x]) | (row[x - 1] ^ row[x]) | (row[x + width] ^ row[x]) |
+           (row[x - width] ^ row[x]);
+  };
+  const auto look = [&](int x) {
+    if (row[x] >= 0 && differs(x) != 0) pixels.push_back(static_cast<std::uint32_t>(y * width + x));
+  };
+  constexpr int kRun = 16;  // most of an image lies inside of regions
+  int x = 1;
+  for (; x + kRun < width; x += kRun) {
+    std::int32_t any = 0;
+    for (int k = 0; k < kRun; ++k) any |= differs(x + k);
+    if (any == 0) continue;
+    for (int k = 0; k < kRun; ++k) look(x + k);
+  }
+  for (; x + 1 < width; ++x) look(x);
+}
+
 /// Joins neighbors, the lowest cost first, while a join costs less than a plane.
 void merge_regions(DepthSegmentation& s);
 

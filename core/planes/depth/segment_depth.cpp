@@ -87,20 +87,21 @@ PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const D
   return fit;
 }
 
-/// How far the plane is from what would undo it, as a ratio: of its worth to the least, of the
-/// cheapest join with a neighbor to the cost of a plane, of that cost to the dearest join in it.
+/// By how much the objective would rise if a region were lost, joined with the neighbor that it
+/// would join first, or parted at its dearest join; whichever is least, in units of a plane's cost.
 std::vector<double> margins(const DepthSegmentation& s) {
   std::vector<double> margin(s.regions.size(), 0);
   for (std::size_t k = 0; k < s.regions.size(); ++k) {
     const DepthRegion& region = s.regions[k];
     if (!region.alive) continue;
-    margin[k] = worth_px(s, region) / s.options.worth_px;
+    double least = worth_px(s, region) / s.options.worth_px;
     if (region.dearest_join > 0)
-      margin[k] = std::min(margin[k], s.options.merge_cost / region.dearest_join);
+      least = std::min(least, s.options.merge_cost / region.dearest_join);
     for (const auto& [other, border] : region.near)
       if (s.regions[other].alive)
-        margin[k] = std::min(margin[k], s.join_cost(static_cast<std::int32_t>(k), other) /
-                                            s.options.merge_cost);
+        least = std::min(
+            least, s.join_cost(static_cast<std::int32_t>(k), other) / s.options.merge_cost);
+    margin[k] = std::max(0.0, least - 1);
   }
   return margin;
 }

@@ -24,7 +24,7 @@ struct ObjectiveOptions {
   double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
   double worth_px = 7000;     // least worth of a listed plane: pixels at 1 % relative RMS, in an
                               // image 640 px wide
-  double undecided = 1.5;     // a plane whose margin is below this is undecided
+  double undecided = 0.5;     // a plane whose margin is below this is undecided
 
   // Of clouds; sigma is the noise measured in the cloud.
   double resolution = 0.05;       // sigma is at least this, in spacings of points
