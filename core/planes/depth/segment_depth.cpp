@@ -16,6 +16,7 @@ constexpr double kCrumb = 100;        // px: smaller regions leave their pixels 
 constexpr int kLeastBorder = 8;       // px: of regions that join after growing
 constexpr double kStep = 3;           // sigma: a larger step of rho across it is no common border
 constexpr double kWorthWidth = 640;   // px: of the image that worth_px counts in
+constexpr double kSideways = 0.25;    // share of the sideways error's variance that excuses a plane's
 constexpr double kMinor = 0.5;        // share of the least worth, for a plane to be listed as minor
 
 using Clock = std::chrono::steady_clock;
@@ -176,13 +177,12 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
 }  // namespace
 
 double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
-  // A grazing plane's RMS is taken across it: its sideways error says nothing against it.
+  const double n = region.moments.n, scale = kWorthWidth / s.image.width;
+  // A grazing plane is rough along the ray by its sideways error, which says little against it.
   const DepthNoise& noise = s.noise;
-  const double across =
-      1 + noise.sideways2(region.plane) / (noise.white * noise.white + noise.bow * noise.bow);
-  const double n = region.moments.n;
+  const double across = 1 + kSideways * noise.sideways2(region.plane) /
+                                (noise.white * noise.white + noise.bow * noise.bow);
   const double rms = std::sqrt(region.plane.sse / std::max(1.0, n - 3) / across);
-  const double scale = kWorthWidth / s.image.width;
   return n * scale * scale * 0.01 * (region.moments.r / n) / std::max(rms, 1e-9);
 }
 

@@ -22,7 +22,7 @@ struct ObjectiveOptions {
   double lateral_px = 2;      // sideways error of a pixel
   double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
   double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
-  double worth_px = 7000;     // least worth of a listed plane: pixels at 1 % relative RMS, in an
+  double worth_px = 6000;     // least worth of a listed plane: pixels at 1 % relative RMS, in an
                               // image 640 px wide
   double undecided = 0.5;     // a plane whose margin is below this is undecided
 
