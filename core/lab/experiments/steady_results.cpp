@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -145,12 +146,20 @@ std::string steady_cell(const std::optional<MeanAndError>& value, int digits) {
 
 Table steady_table(const SteadyResults& results) {
   Table table{"Steadiness", "", {"recording", "change", "method", "n"}, {}, 3};
-  for (const SteadyFigure& figure : steady_figures()) table.columns.emplace_back(figure.column);
+  std::vector<SteadyFigure> shown;  // those with a value in any row
+  for (const SteadyFigure& figure : steady_figures()) {
+    const auto has_value = [&](const SteadyRow& row) { return bool(steady_figure(figure, row)); };
+    if (std::ranges::any_of(results.recordings, [&](const SteadyScores& scores) {
+          return std::ranges::any_of(scores.rows, has_value);
+        }))
+      shown.push_back(figure);
+  }
+  for (const SteadyFigure& figure : shown) table.columns.emplace_back(figure.column);
   for (const SteadyScores& scores : results.recordings)
     for (const SteadyRow& row : scores.rows) {
       std::vector<std::string>& cells = table.rows.emplace_back();
       cells = {scores.recording, row.change, row.method, std::to_string(row.frames.size())};
-      for (const SteadyFigure& figure : steady_figures())
+      for (const SteadyFigure& figure : shown)
         cells.push_back(steady_cell(steady_figure(figure, row), figure.digits));
     }
   table.note =
