@@ -255,15 +255,15 @@ std::string percent(std::size_t part, std::size_t whole) {
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
 }
 
-void add_case_legend(std::span<const std::size_t> count, DrawList& list) {
+void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list) {
   const auto entry = [&](planes::Case c, const std::string& meaning) {
     list.legend.push_back({LegendEntry::Mark::box, case_color(c),
                            std::string(planes::to_string(c)) + "  " + meaning + "  " +
                                std::to_string(count[static_cast<int>(c)])});
   };
-  entry(planes::Case::I, "impure");
-  entry(planes::Case::II, "too few points");
-  entry(planes::Case::III, "not planar");
+  entry(planes::Case::I, on_image ? "two planes" : "impure");
+  entry(planes::Case::II, on_image ? "not filled" : "too few points");
+  entry(planes::Case::III, on_image ? "not flat" : "not planar");
   entry(planes::Case::IV, "plane candidate");
 }
 

@@ -69,8 +69,9 @@ void add_gravity(const planes::FrameResult& result, DrawList& list);
 /// "12.3 %" of the whole.
 std::string percent(std::size_t part, std::size_t whole);
 
-/// How many nodes ended in each case. `count`: indexed by Case.
-void add_case_legend(std::span<const std::size_t> count, DrawList& list);
+/// How many nodes ended in each case. `count`: indexed by Case. `on_image`: of a depth image's
+/// octree.
+void add_case_legend(std::span<const std::size_t> count, bool on_image, DrawList& list);
 
 /// The largest planes with their label and size.
 void add_plane_legend(const planes::FrameResult& result,

@@ -192,7 +192,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
   list.title = "Octree nodes by case";
   list.subtitle = std::to_string(result.segmentation.counts.nodes_visited) +
                   " nodes visited; voxels in the colour of the node that settled them";
-  add_case_legend(count, list);
+  add_case_legend(count, result.segmentation.octree.image.has_value(), list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
                            "I or III at full depth: left over  " + std::to_string(hatched)});

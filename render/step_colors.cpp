@@ -56,7 +56,8 @@ Rgba color_at_step(
 
 /// The classifier's label or, of methods that have none, that of the plane.
 Label label_of(const debug::Run& run, const StepState& state, std::size_t voxel) {
-  if (run.is_ours()) return run.subject->prepared.classification.labels[voxel];
+  if (run.is_ours() && !run.is_on_image())
+    return run.subject->prepared.classification.labels[voxel];
   const std::int32_t plane = state.plane_of[voxel];
   return plane >= 0 ? run.timeline.label_of_plane(plane) : Label::unknown;
 }
@@ -139,8 +140,9 @@ StepState step_state(const debug::Run& run, const StepLook& look) {
 }
 
 ColorBy told_by(const debug::Run& run, ColorBy asked) {
-  // Without gravity there is no margin either: all points are of neither class.
-  if (asked == ColorBy::margins && !run.subject->prepared.gravity.known()) return ColorBy::labels;
+  // Without labels there is no margin either: all points are of neither class.
+  const bool labelled = run.subject->prepared.gravity.known() && !run.is_on_image();
+  if (asked == ColorBy::margins && !labelled) return ColorBy::labels;
   if (run.is_ours()) return asked;
   if (asked == ColorBy::cases) return ColorBy::planes;
   return asked == ColorBy::margins ? ColorBy::labels : asked;

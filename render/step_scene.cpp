@@ -268,7 +268,7 @@ void add_cases(const debug::Run& run, std::int32_t step, Rgba waiting, DrawList&
       queued += run.timeline.queued_at()[i] <= step;
     }
   }
-  add_case_legend(count, list);
+  add_case_legend(count, run.is_on_image(), list);
   if (hatched > 0)
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
                            "at full depth: left over  " + std::to_string(hatched)});

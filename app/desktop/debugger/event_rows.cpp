@@ -33,7 +33,10 @@ std::int32_t end_of_traversal(const debug::Run& run) {
     if (type == planes::EventType::visit || type == planes::EventType::decide) last = step;
   }
   // What the last node led to.
-  while (last < run.steps() && run.event_at(last + 1)->stage == planes::Stage::merge) ++last;
+  const auto follows = [](planes::Stage stage) {
+    return stage == planes::Stage::merge || stage == planes::Stage::criteria;
+  };
+  while (last < run.steps() && follows(run.event_at(last + 1)->stage)) ++last;
   return last;
 }
 

@@ -60,7 +60,8 @@ struct MergeReport {
                                         // the nearest misses
   std::string outcome;                  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
 };
-/// Of a found or merge event (also R3's and R7's); an empty report for others.
+/// Of a found or merge event (also R3's and R7's), or a join of a depth image's regions; an empty
+/// report for others.
 MergeReport explain_merge(const Run& run, std::int32_t step);
 
 /// A leftover point against every plane that was considered for it.
@@ -103,6 +104,11 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
                                       const planes::SegmentOptions& options);
 /// R1, which measures distances instead.
 std::vector<Check> distance_checks(const planes::DistanceTerms& terms);
+
+/// Of a depth image: two regions become one, as stage `join` or `hidden`.
+bool is_join(const planes::TraceEvent& event);
+/// The cost of such a join against what a plane costs.
+Check join_check(const Run& run, const planes::TraceEvent& event);
 
 std::string distance_text(double metres);  // for sentences: "4.2 mm", "12.3 cm"
 

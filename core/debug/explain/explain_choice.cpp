@@ -168,6 +168,41 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
   return report;
 }
 
+MergeReport explain_founded(const Run& run, std::int32_t step) {
+  const planes::TraceEvent& event = *run.event_at(step);
+  const NodeFacts& facts = run.facts[event.node];
+  return {.node = event.node,
+          .label = event.label,
+          .points = facts.purity.n_in,
+          .candidate = facts.fit,
+          .partners = {},
+          .outcome = "founded " + plane_name(run, event.plane)};
+}
+
+/// Of a depth image: two regions that touch, or that something hides from each other.
+MergeReport explain_join(const Run& run, std::int32_t step) {
+  const planes::TraceEvent& event = *run.event_at(step);
+  const planes::PlaneChange& plane = *run.timeline.plane_at(event.plane, step - 1);
+  const planes::PlaneChange& other = *run.timeline.plane_at(event.other, step - 1);
+  MergeReport report;
+  report.label = plane.label;
+  report.points = static_cast<std::uint32_t>(plane.moments.count);
+  report.candidate = plane.fit;
+  const Check check = join_check(run, event);
+  report.partners.push_back({.plane = event.other,
+                             .checks = {check},
+                             .coplanar = true,
+                             .chosen = true,
+                             .cost = event.value});
+  report.outcome = fmt::format(
+      "{} ({:.0f} px) joined {} ({:.0f} px){}: one plane for both costs {:.3g} < {:.3g}",
+      plane_name(run, event.plane), plane.moments.count, plane_name(run, event.other),
+      other.moments.count,
+      event.stage == planes::Stage::hidden ? " behind what hides them from each other" : "",
+      event.value, check.threshold);
+  return report;
+}
+
 /// The last step before the assignment of leftovers that `step` belongs to. R2 makes a second one
 /// at the end.
 std::int32_t start_of_assignment(const Run& run, std::int32_t step) {
@@ -240,6 +275,22 @@ std::string outcome_of(const Run& run, const LeftoverReport& report) {
 
 }  // namespace
 
+bool is_join(const planes::TraceEvent& event) {
+  return event.type == planes::EventType::refine &&
+         (event.stage == planes::Stage::join || event.stage == planes::Stage::hidden);
+}
+
+Check join_check(const Run& run, const planes::TraceEvent& event) {
+  const planes::ObjectiveOptions& options = run.segment_options.objective;
+  const bool hidden = event.stage == planes::Stage::hidden;
+  Check check = at_most({planes::to_string(event.stage), "refined", "cost",
+                         "misfit of one plane for both, relative to what noise explains", "",
+                         hidden ? "hidden_share" : "merge_cost"},
+                        event.value, (hidden ? options.hidden_share : 1) * options.merge_cost);
+  check.op = "<";
+  return check;
+}
+
 MergeReport explain_merge(const Run& run, std::int32_t step) {
   MergeReport report;
   if (const planes::TraceEvent* event = run.event_at(step)) {
@@ -247,6 +298,10 @@ MergeReport explain_merge(const Run& run, std::int32_t step) {
                            event->stage == planes::Stage::r3_weak_candidates;
     if (event->type == planes::EventType::found && event->node < 0)
       report = explain_split(run, step);
+    else if (event->type == planes::EventType::found && run.is_on_image())
+      report = explain_founded(run, step);
+    else if (is_join(*event))
+      report = explain_join(run, step);
     else if (event->type == planes::EventType::found || event->type == planes::EventType::merge ||
              weak_left)
       report = explain_candidate(run, step);

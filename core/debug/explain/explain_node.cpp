@@ -75,6 +75,44 @@ void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks)
   questions.ask({check});
 }
 
+/// Criteria 1-3 on a depth image, in the order asked.
+std::vector<Check> image_checks(const Run& run, std::int32_t index) {
+  const planes::ObjectiveOptions& options = run.segment_options.objective;
+  const planes::ImageTerms& terms = run.trace.image_terms[index];
+  const planes::OctreeNode& node = run.octree().nodes[index];
+  const auto answer = [](Check check, double value, double threshold) {
+    if (value < 0) return not_asked(std::move(check));
+    if (value >= planes::kNotFlat) value = std::numeric_limits<double>::infinity();
+    return at_most(std::move(check), value, threshold);
+  };
+  std::vector<Check> checks;
+  checks.push_back(at_least({"Criterion 2", "Eq. (3)", "filled",
+                             "share of the cell's pixels that the node has", "", "filled"},
+                            terms.filled, options.filled));
+  if (node.decided == planes::Case::II) checks.back().verdict = Verdict::fail;  // or too few
+  if (node.depth < run.octree().cube.max_depth)
+    checks.push_back(answer({"Criterion 1", "Eq. (2)", "cost",
+                             "of one plane for two halves of the cell, or of a cell within it; "
+                             "infinite where one of these is not flat",
+                             "", "two_planes"},
+                            terms.two_planes, options.two_planes * options.merge_cost));
+  checks.push_back(answer({"Criterion 3", "Eq. (5)", "variance",
+                           "about the cell's plane, relative to what noise explains", "", "flat"},
+                          terms.variance, options.flat));
+  return checks;
+}
+
+std::string stopped_on_image(const NodeReport& report) {
+  for (const Check& check : report.checks) {
+    if (check.verdict != Verdict::fail) continue;
+    const std::string consequence = check.option == "filled"       ? "too few of its pixels"
+                                    : check.option == "two_planes" ? "more than one plane"
+                                                                   : "not flat";
+    return fmt::format("stopped at {}: {}", check.criterion, consequence);
+  }
+  return "all passed: a plane";
+}
+
 std::string stopped_at(const NodeReport& report) {
   for (const Check& check : report.checks) {
     if (check.verdict != Verdict::fail || check.criterion[0] != 'C') continue;
@@ -113,6 +151,16 @@ std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std
   if (node.child_count > 0) return fmt::format("{}: divided into {}", name, node.child_count);
   return fmt::format("{}{}: {} points left over", name,
                      node.at_max_depth ? " at the greatest depth" : "", node.size());
+}
+
+void append_outcome(const Run& run, NodeReport& report) {
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.node == report.node && event.type != planes::EventType::visit &&
+        event.type != planes::EventType::decide)
+      report.outcome_steps.push_back(step);
+  }
+  report.outcome = outcome_of(run, report.node, report.outcome_steps);
 }
 
 }  // namespace
@@ -213,6 +261,12 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
   NodeReport report;
   report.node = node;
+  if (run.is_on_image()) {
+    report.checks = image_checks(run, node);
+    report.stopped = stopped_on_image(report);
+    append_outcome(run, report);
+    return report;
+  }
   Questions questions(report.checks);
   const bool pure =
       questions.ask({at_most({"Criterion 1", "Eq. (2)", "N_out", "points of the minority label",
@@ -230,14 +284,7 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
                            kDeg * facts.sigma_ang, options.r3_weak_candidates.sure_sigma_ang_deg)});
   report.stopped = stopped_at(report);
   if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
-
-  for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const planes::TraceEvent& event = *run.event_at(step);
-    if (event.node == node && event.type != planes::EventType::visit &&
-        event.type != planes::EventType::decide)
-      report.outcome_steps.push_back(step);
-  }
-  report.outcome = outcome_of(run, node, report.outcome_steps);
+  append_outcome(run, report);
   return report;
 }
 

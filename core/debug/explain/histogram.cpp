@@ -120,6 +120,36 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
          "m²", "theta_e_n_m2", options.theta_e_n_m2, true, logarithmic_bins(e_n)});
 }
 
+/// Criteria 1-3 of the nodes of a depth image, each where it was asked, and what joins cost.
+void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
+  const planes::ObjectiveOptions& options = run.segment_options.objective;
+  Samples filled, two_planes, variance, cost, worth;
+  for (std::size_t i = 0; i < run.trace.image_terms.size(); ++i) {
+    const planes::ImageTerms& terms = run.trace.image_terms[i];
+    const Judgement judgement = judgement_at(run, run.timeline.decided_at()[i]);
+    filled.push_back({terms.filled, judgement});
+    if (terms.two_planes >= 0 && terms.two_planes < planes::kNotFlat)
+      two_planes.push_back({terms.two_planes, judgement});
+    if (terms.variance >= 0) variance.push_back({terms.variance, judgement});
+  }
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.stage == planes::Stage::join) cost.push_back({event.value, judgement_at(run, step)});
+    if (event.stage == planes::Stage::list) worth.push_back({event.value, judgement_at(run, step)});
+  }
+  const auto append = [&](const char* title, const char* unit, const char* option, double threshold,
+                          const Samples& samples, double most) {
+    histograms.push_back({"", title, unit, option, threshold, false, linear_bins(samples, most)});
+  };
+  const double two = options.two_planes * options.merge_cost;
+  append("cost of two planes", "", "", two, two_planes, kRoom * two);
+  append("filled", "", "filled", options.filled, filled, 1);
+  append("variance", "", "flat", options.flat, variance, kRoom * options.flat);
+  append("cost of joins", "", "merge_cost", options.merge_cost, cost, options.merge_cost);
+  append("worth of what is not listed", "px", "worth_px", options.worth_px, worth,
+         options.worth_px);
+}
+
 /// The pair to show for a candidate: with the plane it joined or, where it founded one, with the
 /// plane that it came nearest to joining.
 std::optional<planes::Pair> pair_of(const planes::SegmentState& state,
@@ -188,6 +218,10 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
 std::vector<Histogram> histograms_of(const Run& run) {
   std::vector<Histogram> histograms;
   if (!run.is_ours()) return histograms;
+  if (run.is_on_image()) {
+    append_image_terms(run, histograms);
+    return histograms;
+  }
   append_nodes(run, histograms);
   append_merges(run, histograms);
   return histograms;

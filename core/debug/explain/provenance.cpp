@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/debug/explain/explain.hpp"
 #include "core/debug/explain/score.hpp"
@@ -41,6 +43,7 @@ std::string describe_label(const Run& run, std::uint32_t voxel) {
   if (!run.is_ours())
     return fmt::format("not labelled: method {} labels no points",
                        planes::to_string(run.options.method));
+  if (run.is_on_image()) return "not labelled: planes of a depth image are found without labels";
   if (!run.subject->prepared.gravity.known())
     return "not labelled: nobody knows gravity, so nothing is h or v";
   const planes::Classification& labels = run.subject->prepared.classification;
@@ -68,7 +71,7 @@ std::string station_of(const planes::TraceEvent& event) {
     case planes::EventType::leave:
       return "leftover";
     case planes::EventType::refine:
-      return "refinement";
+      return planes::switch_of(event.stage) ? "refinement" : planes::to_string(event.stage);
     default:
       return "node";
   }
@@ -115,6 +118,13 @@ std::string rounded_up(double value) {
   return fmt::format("{:.6g}", std::ceil(value / unit) * unit);
 }
 
+/// Three digits, not above the value.
+std::string rounded_down(double value) {
+  if (!(value > 0)) return "0";
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  return fmt::format("{:.6g}", std::floor(value / unit) * unit);
+}
+
 Remedy switched_off(const char* option, const std::string& effect) {
   return {fmt::format("{} = off would {}", option, effect), option, "off"};
 }
@@ -153,7 +163,35 @@ Cause outlier(const Run& run, std::int32_t node, std::int32_t voxel) {
           true};
 }
 
+/// Of a node of an image's octree that was not divided.
+Cause left_on_image(const Run& run, std::int32_t node) {
+  const NodeFacts& facts = run.facts[node];
+  Cause cause{fmt::format("node {} ({}) founds no region, and none in reach took the point", node,
+                          decision_text(run, node))};
+  if (run.octree().nodes[node].decided == planes::Case::III) {
+    const std::string flat = rounded_up(facts.e_n);
+    cause.remedy = {fmt::format("flat >= {} would take node {} for a plane", flat, node), "flat",
+                    flat};
+  } else if (facts.e_n < facts.theta_e_n) {
+    const std::string filled = rounded_down(facts.e_n);
+    cause.remedy = {fmt::format("filled <= {} would ask for a plane in node {}", filled, node),
+                    "filled", filled};
+  }
+  return cause;
+}
+
+/// A plane of a depth image ended.
+Cause ended_on_image(const Run& run, const planes::TraceEvent& event) {
+  const std::string why = filled_in(planes::refinement_of(event.stage)->why_dropped, run, event);
+  if (event.stage != planes::Stage::list) return {why + ", and no region in reach took the point"};
+  const std::string worth = rounded_down(event.value);
+  return {why, {fmt::format("worth_px <= {} would list it", worth), "worth_px", worth}};
+}
+
 Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t voxel) {
+  if (run.is_on_image())
+    return event.type == planes::EventType::decide ? left_on_image(run, event.node)
+                                                   : ended_on_image(run, event);
   if (event.type == planes::EventType::decide) {
     const planes::OctreeNode& node = run.octree().nodes[event.node];
     if (node.decided == planes::Case::II) return too_few(run, event.node);
@@ -231,6 +269,37 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   return fused;
 }
 
+/// On a depth image: the join from which on the voxel's plane has regions founded on both true
+/// planes; 0 if there is none.
+std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, std::int32_t most) {
+  std::vector<std::pair<bool, bool>> has(static_cast<std::size_t>(run.timeline.plane_count()));
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    const planes::TraceEvent& event = *run.event_at(step);
+    if (event.type == planes::EventType::found) {
+      const std::int32_t truth = run.facts[event.node].truth_plane;
+      has[event.plane] = {truth == own, truth == most};
+    }
+    if (!is_join(event)) continue;
+    const auto from = has[event.plane], into = has[event.other];
+    auto& both = has[event.other];
+    both = {from.first || into.first, from.second || into.second};
+    const bool had = (from.first && from.second) || (into.first && into.second);
+    if (both.first && both.second && !had &&
+        run.timeline.point_at(voxel, step).plane == event.other)
+      return step;
+  }
+  return 0;
+}
+
+/// The option below which a join would not have happened.
+Remedy kept_apart(const Run& run, const planes::TraceEvent& event) {
+  const bool hidden = event.stage == planes::Stage::hidden;
+  const double scale = hidden ? run.segment_options.objective.merge_cost : 1;
+  const std::string limit = rounded_down(event.value / scale);
+  const char* option = hidden ? "hidden_share" : "merge_cost";
+  return {fmt::format("{} <= {} would have kept them apart", option, limit), option, limit};
+}
+
 WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   const std::int32_t id = run.segmentation.plane_of[voxel];
   WhyNot why;
@@ -250,12 +319,15 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
                         : std::string(", but it belongs to no plane");
   why.answer += fmt::format(", and most of that plane to {}", most);
-  const std::int32_t merge = step_of_fusion(run, id, own, most);
+  const std::int32_t merge =
+      run.is_on_image() ? step_of_join(run, voxel, own, most) : step_of_fusion(run, id, own, most);
   if (merge == 0) return why;
   why.step = merge;
   why.node = run.event_at(merge)->node;
   why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
-  if (!run.segment_options.r1_merge_by_distance.on)
+  if (run.is_on_image())
+    why.remedy = kept_apart(run, *run.event_at(merge));
+  else if (!run.segment_options.r1_merge_by_distance.on)
     why.remedy = {fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
                               run.event_at(merge)->value, why.node),
                   "merge_offset_m", fmt::format("{:.2g}", 0.95 * run.event_at(merge)->value)};

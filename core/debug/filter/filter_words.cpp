@@ -68,10 +68,14 @@ using Facts = const NodeFacts&;
 
 bool is_decide(View e) { return e.event.type == planes::EventType::decide; }
 
+/// The facts where points have labels and a metric noise; null on a depth image.
+const NodeFacts* facts_in_space(View e) { return e.run.is_on_image() ? nullptr : e.facts(); }
+
 /// The facts where the fit came to be: asked for by Criterion 3, or the candidate's own.
 const NodeFacts* fitted(View e) {
   const NodeFacts* known = e.facts();
   if (!known) return nullptr;
+  if (e.run.is_on_image() && !is_decide(e)) return known;
   const bool asked = is_decide(e) ? e.event.node_case >= static_cast<int>(planes::Case::III)
                                   : e.event.label == known->purity.inlier;
   return asked ? known : nullptr;
@@ -92,7 +96,8 @@ double of_node(View e) {
 }
 template <auto get>
 double of_facts(View e) {
-  return e.facts() ? static_cast<double>(get(*e.facts())) : kAbsent;
+  const NodeFacts* facts = facts_in_space(e);
+  return facts ? static_cast<double>(get(*facts)) : kAbsent;
 }
 
 std::uint32_t count_of(Facts f, Label label) {
@@ -106,6 +111,7 @@ Vec3d position_of(View e) {
 /// A threshold where it happens: at the node's fit, or the point, about the cloud's origin.
 template <double (Run::*threshold)(const Vec3d&) const>
 double at_place(View e) {
+  if (e.run.is_on_image()) return kAbsent;
   if (const NodeFacts* facts = e.facts()) return (e.run.*threshold)(facts->fit.centroid);
   return e.event.point >= 0 ? (e.run.*threshold)(position_of(e)) : kAbsent;
 }
@@ -127,7 +133,7 @@ double label_of(View e) {
   if (e.event.label != Label::unknown) return static_cast<double>(e.event.label);
   if (e.event.point >= 0)
     return value_of(e.run.subject->prepared.classification.labels[e.event.point]);
-  if (const NodeFacts* facts = e.facts()) return value_of(facts->purity.inlier);
+  if (const NodeFacts* facts = facts_in_space(e)) return value_of(facts->purity.inlier);
   if (e.event.plane >= 0) return value_of(e.run.timeline.label_of_plane(e.event.plane));
   return kAbsent;
 }
@@ -147,7 +153,13 @@ double sigma_ang_deg(View e) {
       e.event.type == planes::EventType::wait || e.event.type == planes::EventType::leave;
   if (stated && e.event.node >= 0) return e.event.value * kDegreesPerRadian;
   const NodeFacts* facts = fitted(e);
-  return facts ? facts->sigma_ang * kDegreesPerRadian : kAbsent;
+  return facts && !e.run.is_on_image() ? facts->sigma_ang * kDegreesPerRadian : kAbsent;
+}
+
+/// Of a depth image: what decided, in the unit of the stage. Of a refinement: by what it did.
+double value_of_event(View e) {
+  const bool decided = is_decide(e) && e.run.is_on_image();
+  return decided || e.event.type == planes::EventType::refine ? e.event.value : kAbsent;
 }
 
 double true_plane(View e) {
@@ -187,6 +199,8 @@ std::vector<FilterSymbol> fields_of_events() {
        [](View e) { return e.event.type == merge ? e.event.value : kAbsent; }},
       {"distance", "assign, drop, R5: distance of the point from the plane [m]", number,
        [](View e) { return e.event.point >= 0 && e.event.value >= 0 ? e.event.value : kAbsent; }},
+      {"value", "depth images: value that decided; refine: cost, or change or worth in px", number,
+       value_of_event},
 
       {"case", "decide: case of the node, I II III IV", node_case,
        [](View e) { return is_decide(e) ? e.event.node_case : kAbsent; }},
@@ -204,7 +218,9 @@ std::vector<FilterSymbol> fields_of_events() {
       {"n_h", "points labelled h", number, of_facts<[](Facts f) { return count_of(f, Label::h); }>},
       {"n_v", "points labelled v", number, of_facts<[](Facts f) { return count_of(f, Label::v); }>},
       {"mse", "decide: e_n as Criterion 3 judged it [m², or m by RMS]", number,
-       [](View e) { return is_decide(e) && fitted(e) ? fitted(e)->e_n : kAbsent; }},
+       [](View e) {
+         return is_decide(e) && fitted(e) && facts_in_space(e) ? fitted(e)->e_n : kAbsent;
+       }},
       {"rms", "RMS of the node's fit [m]", number,
        [](View e) { return fitted(e) ? fitted(e)->fit.rms_m() : kAbsent; }},
       {"sigma_ang", "standard deviation of the normal's direction [deg]", number, sigma_ang_deg},

@@ -13,11 +13,34 @@ namespace {
 constexpr double kMm = 1e3;
 constexpr double kDegrees = 57.29577951308232;  // per radian
 
-std::string decision(const Run& run, const planes::TraceEvent& event) {
-  const NodeFacts& facts = run.facts[event.node];
+std::string decision_on_image(const Run& run, std::int32_t node) {
+  const NodeFacts& facts = run.facts[node];
+  const planes::Case decided = run.octree().nodes[node].decided;
+  switch (decided) {
+    case planes::Case::none:
+      break;
+    case planes::Case::I:
+      if (facts.e_n >= planes::kNotFlat) return "case I, a part of it is not flat";
+      return fmt::format("case I, two planes cost {:.3g} > {:.3g}", facts.e_n, facts.theta_e_n);
+    case planes::Case::II:
+      if (facts.e_n >= facts.theta_e_n)
+        return fmt::format("case II, {} are too few", counted(facts.purity.n_in, "point"));
+      return fmt::format("case II, {:.3g} % filled < {:.3g} %", 100 * facts.e_n,
+                         100 * facts.theta_e_n);
+    case planes::Case::III:
+    case planes::Case::IV:
+      return fmt::format("case {}, variance {:.3g} {} {:.3g} × the expected",
+                         planes::to_string(decided), facts.e_n,
+                         decided == planes::Case::IV ? "≤" : ">", facts.theta_e_n);
+  }
+  return "not settled";
+}
+
+std::string decision_in_space(const Run& run, std::int32_t node) {
+  const NodeFacts& facts = run.facts[node];
   const planes::SegmentOptions& options = run.segment_options;
   const planes::Purity& purity = facts.purity;
-  const auto decided = static_cast<planes::Case>(event.node_case);
+  const planes::Case decided = run.octree().nodes[node].decided;
   switch (decided) {
     case planes::Case::none:
       break;
@@ -43,16 +66,19 @@ std::string decision(const Run& run, const planes::TraceEvent& event) {
 /// Who the event is about: "node 41 (h, 35 points)".
 std::string candidate(const Run& run, const planes::TraceEvent& event) {
   const planes::OctreeNode& node = run.octree().nodes[event.node];
-  if (event.label == Label::unknown)  // gravity is not known: all of the node's points
+  if (event.label == Label::unknown || run.is_on_image())  // all of the node's points
     return fmt::format("node {} ({})", event.node, counted(node.size(), "point"));
   const std::uint32_t h = run.segment_options.use_labels ? node.count_h : node.size();
   return fmt::format("node {} ({}, {})", event.node, to_string(event.label, "?"),
                      counted(event.label == Label::h ? h : node.size() - h, "point"));
 }
 
-std::string refinement(const Run& run, const planes::TraceEvent& event) {
-  return fmt::format("{}: {}", planes::to_string(event.stage),
-                     filled_in(planes::refinement_of(event.stage)->says, run, event));
+std::string refinement(const Run& run, const planes::TraceEvent& event, std::int32_t step) {
+  const planes::RefinementInfo& info = *planes::refinement_of(event.stage);
+  const bool ends =
+      event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive;
+  return fmt::format("{}: {}", info.name,
+                     filled_in(ends ? info.why_dropped : info.says, run, event));
 }
 
 /// Counts the true planes of one node after the other.
@@ -101,8 +127,45 @@ VoxelTruth truth_by_voxel(const planes::PreparedFrame& prepared, const planes::S
   return result;
 }
 
+/// The threshold of the criterion that decides a case.
+double threshold_of(planes::Case decided, const planes::ObjectiveOptions& options) {
+  switch (decided) {
+    case planes::Case::I:
+      return options.two_planes * options.merge_cost;
+    case planes::Case::II:
+      return options.filled;
+    default:
+      return options.flat;
+  }
+}
+
+std::vector<NodeFacts> facts_on_image(const Run& run) {
+  const planes::Octree& octree = run.octree();
+  const VoxelTruth& truth = run.subject->voxel_truth;
+  TruthCounter counter(octree, truth);
+  std::vector<NodeFacts> result(octree.nodes.size());
+  for (const planes::TraceEvent& event : run.trace.events)
+    if (event.type == planes::EventType::decide) result[event.node].e_n = event.value;
+  // Children stand behind their parents, and have all of its points.
+  std::vector<Moments> moments(octree.nodes.size());
+  for (std::size_t n = octree.nodes.size(); n-- > 0;) {
+    const planes::OctreeNode& node = octree.nodes[n];
+    if (node.first_child < 0)
+      for (std::uint32_t i = node.begin; i < node.end; ++i) octree.add_point(moments[n], i);
+    for (int k = 0; node.first_child >= 0 && k < node.child_count; ++k)
+      moments[n] += moments[node.first_child + k];
+    NodeFacts& facts = result[n];
+    facts.purity = planes::purity_of(node, false, Label::unknown);
+    facts.fit = fit_plane(moments[n]);
+    facts.theta_e_n = threshold_of(node.decided, run.segment_options.objective);
+    if (truth.known()) counter.count(node, facts);
+  }
+  return result;
+}
+
 /// Run::facts, where the segmentation is there.
 std::vector<NodeFacts> facts_of(const Run& run) {
+  if (run.is_on_image()) return facts_on_image(run);
   const planes::Octree& octree = run.octree();
   const planes::SegmentOptions& options = run.segment_options;
   const planes::NoiseModel& noise = run.segmentation.noise;
@@ -142,6 +205,10 @@ std::int32_t node_at_step(const Run& run, std::int32_t step) {
   return -1;
 }
 
+std::string decision_text(const Run& run, std::int32_t node) {
+  return run.is_on_image() ? decision_on_image(run, node) : decision_in_space(run, node);
+}
+
 std::string plane_name(const Run& run, std::int32_t plane) {
   return plane < 0 ? "-" : fmt::format("P{}", run.timeline.number_of_plane(plane));
 }
@@ -168,7 +235,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
     }
     case planes::EventType::decide:
       return fmt::format("node {} (depth {}): {}", event->node,
-                         run.octree().nodes[event->node].depth, decision(run, *event));
+                         run.octree().nodes[event->node].depth, decision_text(run, event->node));
     case planes::EventType::found:
       if (event->node < 0)
         return fmt::format("{}: {} parts from {}: {}", planes::to_string(event->stage), plane,
@@ -187,7 +254,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       return fmt::format("point {} stays without a plane: the nearest is {:.1f} mm off",
                          event->point, event->value * kMm);
     case planes::EventType::refine:
-      return refinement(run, *event);
+      return refinement(run, *event, step);
     case planes::EventType::wait:
       return fmt::format("{} waits: its normal is known to {:.1f}° only", candidate(run, *event),
                          event->value * kDegrees);
@@ -246,6 +313,7 @@ std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,
       planes::find_regions(run->subject->frame, prepared, options, &run->trace);
   run->segmentation = std::move(found.segmentation);
   run->plane_of = std::move(found.plane_of);
+  if (run->is_on_image()) run->segment_options.use_labels = false;
   run->timeline = run->is_ours() ? Timeline(run->trace, run->segmentation)
                                  : Timeline(run->segmentation, prepared.voxels.points);
   run->facts = facts_of(*run);

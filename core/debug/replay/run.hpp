@@ -45,7 +45,9 @@ std::shared_ptr<const Subject> make_subject(Frame frame,
                                             const planes::Classifier* classifier);
 
 /// What the criteria saw of a node, recomputed by the functions that the traversal called. The fit
-/// is there for every node, also where the traversal never came to make it.
+/// is there for every node, also where the traversal never came to make it. On a depth image all
+/// points are inliers, and e_n and theta_e_n are of the criterion that decided: Trace::image_terms
+/// has the others.
 struct NodeFacts {
   planes::Purity purity;
   PlaneFit fit;          // of the inliers
@@ -74,6 +76,8 @@ struct Run {
   /// step 0 on, and no nodes, no events and no labels of points.
   bool is_ours() const { return options.method == planes::Method::ours; }
   const planes::Octree& octree() const { return segmentation.octree; }
+  /// The octree divides a depth image: no labels of points take part.
+  bool is_on_image() const { return octree().image.has_value(); }
   std::int32_t steps() const { return timeline.steps(); }
   /// The event that led to step k; null at step 0.
   const planes::TraceEvent* event_at(std::int32_t step) const {
@@ -94,6 +98,8 @@ std::int32_t node_at_step(const Run& run, std::int32_t step);
 /// Name of a plane of the trace, "P1" for plane 1 of the result: Timeline::number_of_plane(). "-"
 /// for none, -1.
 std::string plane_name(const Run& run, std::int32_t plane);
+/// "case III, variance 3.4 > 2 × the expected": how a node was settled.
+std::string decision_text(const Run& run, std::int32_t node);
 /// What a refinement says of its event, RefinementInfo::says or why_dropped, filled in.
 std::string filled_in(const char* text, const Run& run, const planes::TraceEvent& event);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
@@ -111,7 +117,9 @@ bool is_pure_in_truth(const NodeFacts& facts, const planes::SegmentOptions& opti
 ///  - a node of mixed truth is settled as case IV, one pure in truth as I or III;
 ///  - a plane is founded for a true plane that another one stands for already;
 ///  - a candidate, or a leftover point, joins a plane that stands for another true plane;
-///  - a point of a true plane is dropped.
+///  - a point of a true plane is dropped;
+///  - on a depth image, where a cell founds no plane yet: planes that stand for two true planes are
+///    joined, or the last that stands for a true plane is not listed.
 /// A plane stands for the true plane that most of its points belong to. Empty without truth.
 std::vector<std::uint8_t> wrong_decisions(const Run& run);
 

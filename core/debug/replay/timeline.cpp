@@ -59,6 +59,10 @@ Timeline::Timeline(const planes::Trace& trace, const planes::Segmentation& segme
   to_rows(
       trace.planes, [](const planes::Trace::Plane& record) { return record.plane; }, planes,
       planes_first_, plane_changes_);
+  joins_.resize(planes);
+  for (const planes::Trace::Plane& record : trace.planes)
+    if (record.change.into >= 0 && joins_[record.plane].into < 0)
+      joins_[record.plane] = {record.change.step, record.change.into};
   result_of_plane_.assign(planes, 0);
   for (const planes::PlaneRegion& region : segmentation.planes)
     if (region.founded < plane_count()) result_of_plane_[region.founded] = region.id;
@@ -93,6 +97,7 @@ Timeline::Timeline(const planes::Segmentation& segmentation, std::span<const Vec
     planes_first_.push_back(static_cast<std::uint32_t>(k + 1));
     result_of_plane_.push_back(region.id);
   }
+  joins_.resize(count);
   number_planes(segmentation);
   leaf_of_point_.assign(points.size(), -1);
 }
@@ -124,13 +129,26 @@ NodeState Timeline::node_state(std::int32_t node, std::int32_t step) const {
   return queued_at_[node] <= step ? NodeState::queued : NodeState::unborn;
 }
 
-std::span<const planes::PointChange> Timeline::changes_of_point(std::int32_t point) const {
-  return row(point_changes_, points_first_, point);
+std::vector<planes::PointChange> Timeline::changes_of_point(std::int32_t point) const {
+  const std::span<const planes::PointChange> written = row(point_changes_, points_first_, point);
+  std::vector<planes::PointChange> changes;
+  for (std::size_t k = 0; k < written.size(); ++k) {
+    changes.push_back(written[k]);
+    const std::int32_t until = k + 1 < written.size() ? written[k + 1].step : planes::kNever;
+    for (std::int32_t plane = written[k].plane; plane >= 0 && joins_[plane].step < until;
+         plane = joins_[plane].into)
+      changes.push_back({joins_[plane].step, joins_[plane].into});
+  }
+  return changes;
 }
 
 planes::PointChange Timeline::point_at(std::int32_t point, std::int32_t step) const {
-  const planes::PointChange* change = last_until(changes_of_point(point), step);
-  return change ? *change : planes::PointChange{};
+  const planes::PointChange* written = last_until(row(point_changes_, points_first_, point), step);
+  if (!written) return {};
+  planes::PointChange change = *written;
+  while (change.plane >= 0 && joins_[change.plane].step <= step)
+    change = {joins_[change.plane].step, joins_[change.plane].into};
+  return change;
 }
 
 std::int32_t Timeline::node_of_point(std::int32_t point, std::int32_t step) const {
@@ -149,6 +167,11 @@ std::vector<std::int32_t> Timeline::path_of_point(std::int32_t point) const {
 
 std::span<const planes::PlaneChange> Timeline::changes_of_plane(std::int32_t plane) const {
   return row(plane_changes_, planes_first_, plane);
+}
+
+std::int32_t Timeline::joined_plane(std::int32_t plane, std::int32_t step) const {
+  while (joins_[plane].step <= step) plane = joins_[plane].into;
+  return plane;
 }
 
 const planes::PlaneChange* Timeline::plane_at(std::int32_t plane, std::int32_t step) const {

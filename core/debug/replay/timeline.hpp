@@ -37,7 +37,8 @@ class Timeline {
   NodeState node_state(std::int32_t node, std::int32_t step) const;
 
   // Points, by their index in segment()'s input.
-  std::span<const planes::PointChange> changes_of_point(std::int32_t point) const;  // by step
+  // A point follows its plane into the planes that this one joins; each join is a change.
+  std::vector<planes::PointChange> changes_of_point(std::int32_t point) const;  // by step
   planes::PointChange point_at(std::int32_t point, std::int32_t step) const;
   /// The node that holds the point among those settled or queued at `step`: the deepest born one;
   /// -1 where there is no octree.
@@ -51,6 +52,8 @@ class Timeline {
   /// Null before it is founded.
   const planes::PlaneChange* plane_at(std::int32_t plane, std::int32_t step) const;
   Label label_of_plane(std::int32_t plane) const { return changes_of_plane(plane).front().label; }
+  /// The plane that it has become by a step, through the planes that it joined; or itself.
+  std::int32_t joined_plane(std::int32_t plane, std::int32_t step) const;
   /// Id in the result (PlaneRegion::id), 0 where it is not part of it.
   std::int32_t result_of_plane(std::int32_t plane) const { return result_of_plane_[plane]; }
   /// What a plane is called by at every step, from 1: its id in the result, as planes.json has it.
@@ -61,6 +64,12 @@ class Timeline {
   std::int32_t greatest_number() const;  // 0: there are no planes
 
  private:
+  /// Where a plane ends by joining another; kNever where it does not.
+  struct Join {
+    std::int32_t step = planes::kNever;
+    std::int32_t into = -1;
+  };
+
   void number_planes(const planes::Segmentation& segmentation);
 
   std::int32_t steps_ = 0;
@@ -68,6 +77,7 @@ class Timeline {
   std::vector<std::uint32_t> points_first_, planes_first_{0};
   std::vector<planes::PointChange> point_changes_;
   std::vector<planes::PlaneChange> plane_changes_;
+  std::vector<Join> joins_;  // per plane
   std::vector<std::int32_t> result_of_plane_, number_of_plane_, plane_of_number_;
   std::vector<std::int32_t> leaf_of_point_;  // the deepest node that ever held each point
   std::vector<std::int32_t> parents_;

@@ -51,13 +51,17 @@ class TruthChecker {
       case planes::EventType::decide:
         return is_wrong_case(event);
       case planes::EventType::found:
-        return event.node >= 0 && stands_already(truth_of_candidate(event), step - 1);
+        // The cells of an image found regions that join later.
+        return event.node >= 0 && !run_.is_on_image() &&
+               stands_already(truth_of_candidate(event), step - 1);
       case planes::EventType::merge:
         return differ(truth_of_candidate(event), event.plane);
       case planes::EventType::assign:
         return differ(truth_of(event.point), event.plane);
       case planes::EventType::drop:
         return truth_of(event.point) > 0;
+      case planes::EventType::refine:
+        return is_wrong_change(event, step);
       default:
         return false;
     }
@@ -70,17 +74,28 @@ class TruthChecker {
       // All that one event gives to a plane comes at once.
       const planes::PointChange first = changes[taken_].change;
       TruthTally given;
+      take_joins_until(first.step - 1);
       for (; taken_ < changes.size() && changes[taken_].change.step == first.step &&
              changes[taken_].change.plane == first.plane;
            ++taken_) {
         const std::uint32_t i = changes[taken_].point;
         const std::int32_t truth = truth_of(static_cast<std::int32_t>(run_.octree().order[i]));
-        if (truth > 0 && plane_of_[i] >= 0) tallies_[plane_of_[i]].add(truth, -1);
+        if (truth > 0 && plane_of_[i] >= 0)
+          tallies_[run_.timeline.joined_plane(plane_of_[i], first.step - 1)].add(truth, -1);
         if (truth > 0) given.add(truth);
         plane_of_[i] = first.plane;
       }
       if (first.plane >= 0) tallies_[first.plane].add(given);
     }
+    take_joins_until(step);
+  }
+  /// Planes of an image join with their points: no change of these says so.
+  void take_joins_until(std::int32_t step) {
+    const std::vector<planes::Trace::Plane>& changes = run_.trace.planes;
+    for (; joined_ < changes.size() && changes[joined_].change.step <= step; ++joined_)
+      if (const planes::PlaneChange& change = changes[joined_].change;
+          run_.is_on_image() && change.into >= 0)
+        tallies_[change.into].add(tallies_[changes[joined_].plane]);
   }
 
   bool is_wrong_case(const planes::TraceEvent& event) const {
@@ -94,6 +109,15 @@ class TruthChecker {
       default:
         return false;
     }
+  }
+
+  /// On an image: two true planes are joined, or a true plane is not listed.
+  bool is_wrong_change(const planes::TraceEvent& event, std::int32_t step) const {
+    if (event.stage == planes::Stage::join || event.stage == planes::Stage::hidden)
+      return differ(tallies_[event.plane].majority(), event.other);
+    if (event.stage != planes::Stage::list) return false;
+    const std::int32_t truth = tallies_[event.plane].majority();
+    return truth > 0 && !stands_already(truth, step);
   }
 
   std::int32_t truth_of_candidate(const planes::TraceEvent& event) const {
@@ -114,7 +138,7 @@ class TruthChecker {
     for (std::int32_t k = 0; truth > 0 && k < run_.timeline.plane_count(); ++k) {
       const planes::PlaneChange* plane = run_.timeline.plane_at(k, step);
       if (!plane) break;  // the others are founded later
-      if (plane->alive && tallies_[k].majority() == truth) return true;
+      if (tallies_[k].majority() == truth && plane->alive) return true;
     }
     return false;
   }
@@ -124,7 +148,7 @@ class TruthChecker {
   }
 
   const Run& run_;
-  std::size_t taken_ = 0;               // of the trace's changes
+  std::size_t taken_ = 0, joined_ = 0;  // of the trace's changes of points, of planes
   std::vector<std::int32_t> plane_of_;  // per Morton-ordered point
   std::vector<TruthTally> tallies_;     // per plane of the trace
 };

@@ -10,15 +10,16 @@ namespace planescope::planes {
 namespace {
 
 constexpr double kLeastPixels = 5;   // of a node that anything is asked of
-constexpr double kNotOnePlane = 1e30;  // cost
 constexpr double kLeastHalf = 8;     // px: of halves that may be two planes
 constexpr double kDevelops = 1.0 / 6;  // of the squared side of a cell: the mean squared distance of
                                        // two of its pixels along one axis
 
-/// What decided a node's case: the value of the first criterion that failed, or of Criterion 3.
+/// A node's case, and the value that decided it: of the first criterion that failed, or of
+/// Criterion 3.
 struct Decision {
   Case decided = Case::none;
   double value = 0;
+  ImageTerms terms = {};
 };
 
 class Division {
@@ -62,11 +63,13 @@ class Division {
     const Decision decision = decide(index, cell, plane);
     OctreeNode& node = octree_.nodes[index];
     node.decided = decision.decided;
-    if (trace)
+    if (trace) {
       trace->events.push_back({.type = EventType::decide,
                                .node_case = static_cast<std::uint8_t>(decision.decided),
                                .node = index,
                                .value = static_cast<float>(decision.value)});
+      trace->image_terms.push_back(decision.terms);
+    }
     ++s_.counts.nodes_per_case[static_cast<int>(decision.decided)];
     ++s_.counts.nodes_per_case_depth[static_cast<int>(decision.decided)][node.depth];
     if (trace) trace->decided_at.push_back(trace->steps());
@@ -98,8 +101,8 @@ class Division {
         if (level > 1)
           for (std::uint32_t k = cell.begin; k < cell.end; ++k)
             dearest = std::max({dearest, parts_[level - 1][k],
-                                is_rough(below[k], level - 1) ? kNotOnePlane : 0});
-        if (dearest < kNotOnePlane && is_filled(cell, level))
+                                is_rough(below[k], level - 1) ? kNotFlat : 0});
+        if (dearest < kNotFlat && is_filled(cell, level))
           dearest = std::max(dearest, two_planes(cell, level));
         parts.push_back(dearest);
       }
@@ -128,13 +131,16 @@ class Division {
 
   Decision decide(std::int32_t index, const DepthCell& cell, const InversePlane& plane) const {
     const int level = level_of(index);
-    if (!is_filled(cell, level)) return {Case::II, filled(cell, level)};
+    ImageTerms terms{.filled = static_cast<float>(filled(cell, level))};
+    if (!is_filled(cell, level)) return {Case::II, terms.filled, terms};
     if (level > 0) {
       const double two = parts_[level][cell_of_[index]];
-      if (two > s_.options.two_planes * s_.options.merge_cost) return {Case::I, two};
+      terms.two_planes = static_cast<float>(two);
+      if (two > s_.options.two_planes * s_.options.merge_cost) return {Case::I, two, terms};
     }
     const double flat = flatness(cell, level, plane);
-    return {flat <= s_.options.flat ? Case::IV : Case::III, flat};
+    terms.variance = static_cast<float>(flat);
+    return {flat <= s_.options.flat ? Case::IV : Case::III, flat, terms};
   }
 
   /// What it would cost to join the two halves of a cell: along u, v or rho, whichever is dearest.

@@ -11,7 +11,7 @@ constexpr int kMostTries = 7;        // how often a pixel may be asked for by an
 constexpr double kClearlyBetter = 0.8;  // of the misfit: a taken pixel changes hands below this
 constexpr int kPatch = 2;            // px around a pixel that testify for it
 constexpr double kSameSurface = 4;   // sigma: a larger step of rho ends the surface
-constexpr double kLeastPixels = 32;  // of a region
+constexpr double kLeastRegion = 32;  // of a region
 
 /// The pixels around one that lie on its surface, by their sums.
 struct Patch {
@@ -106,7 +106,7 @@ void grow_regions(DepthSegmentation& s) {
   for (DepthRegion& region : s.regions) {
     if (!region.alive) continue;
     ++region.version;
-    region.alive = region.moments.n >= kLeastPixels;
+    region.alive = region.moments.n >= kLeastRegion;
     dropped |= !region.alive;
     if (region.alive) region.plane = region.moments.fit();
   }

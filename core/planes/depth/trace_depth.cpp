@@ -62,8 +62,7 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
   DepthTrace& traced = s.traced;
   if (!traced.trace) return;
   // An event for each region that takes pixels or loses some, in order.
-  std::vector<std::vector<std::uint32_t>> taken(s.regions.size());
-  std::vector<std::uint32_t> freed;
+  std::vector<std::vector<std::uint32_t>> taken(s.regions.size()), freed(s.regions.size());
   std::vector<std::uint32_t> lost(s.regions.size(), 0);
   std::vector<Moments> moments(s.regions.size());
   std::vector<Bounds> bounds(s.regions.size());
@@ -79,7 +78,7 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
     if (is >= 0)
       taken[is].push_back(traced.position[pixel]);
     else
-      freed.push_back(traced.position[pixel]);
+      freed[was].push_back(traced.position[pixel]);
   }
   for (std::int32_t region = 0; region < static_cast<std::int32_t>(taken.size()); ++region) {
     GrowingPlane& plane = traced.planes[region];
@@ -89,7 +88,9 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
         {.type = EventType::refine,
          .stage = Stage::grow,
          .plane = region,
-         .value = static_cast<float>(taken[region].size()) - static_cast<float>(lost[region])});
+         .value = ends ? static_cast<float>(s.regions[region].moments.n)
+                       : static_cast<float>(taken[region].size()) -
+                             static_cast<float>(lost[region])});
     plane.moments = moments[region];
     plane.bounds = bounds[region];
     refit(plane);
@@ -97,9 +98,9 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
     write_plane(traced, region);
     for (const std::uint32_t i : taken[region])
       traced.trace->points.push_back({i, {traced.trace->steps(), region, false}});
+    for (const std::uint32_t i : freed[region])
+      traced.trace->points.push_back({i, {traced.trace->steps(), kNoRegion, true}});
   }
-  for (const std::uint32_t i : freed)
-    traced.trace->points.push_back({i, {traced.trace->steps(), kNoRegion, true}});
 }
 
 void log_drop(DepthSegmentation& s, Stage stage, std::int32_t region, double value) {

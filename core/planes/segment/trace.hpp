@@ -39,7 +39,8 @@ enum class Stage : std::uint8_t {
   PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)
 #undef PLANESCOPE_STAGE
 };
-/// "criteria", "merge", "assign", "join" ... "list", or what the refinement calls itself: "R1" ... "split".
+/// "criteria", "merge", "assign", "join" ... "list", or what the refinement calls itself: "R1" ...
+/// "split".
 const char* to_string(Stage stage);
 /// Null for a stage of the paper.
 const RefinementInfo* refinement_of(Stage stage);
@@ -104,8 +105,19 @@ struct Strains {
   std::vector<float> angle, distance;
 };
 
+/// The cost of seeing a cell as one plane where a cell within it is not flat.
+inline constexpr double kNotFlat = 1e30;
+
+/// What Criteria 1-3 computed of a node of a depth image's octree; -1 where not asked.
+struct ImageTerms {
+  float filled = -1;      // Criterion 2, asked first: share of its pixels that it holds
+  float two_planes = -1;  // Criterion 1: cost of seeing it, or a cell within it, as one plane
+  float variance = -1;    // Criterion 3: relative to the expected
+};
+
 struct Trace {
   std::vector<TraceEvent> events;
+  std::vector<ImageTerms> image_terms;  // per node; empty for an octree of space
 
   // All changes, in the order of their steps.
   std::vector<std::int32_t> queued_at, visited_at, decided_at;  // per node, from which step on

@@ -214,8 +214,19 @@ std::string sign_of(const planes::TraceEvent& event) {
     case planes::EventType::drop:
       return "✗";
     case planes::EventType::refine:
-      return event.stage == planes::Stage::split_disconnected ? "÷"
-                                                              : planes::to_string(event.stage);
+      switch (event.stage) {
+        case planes::Stage::join:
+        case planes::Stage::hidden:
+          return "⊕";
+        case planes::Stage::grow:
+          return "±";
+        case planes::Stage::list:
+          return "✗";
+        case planes::Stage::split_disconnected:
+          return "÷";
+        default:
+          return planes::to_string(event.stage);
+      }
     case planes::EventType::wait:
       return "…";
     case planes::EventType::leave:

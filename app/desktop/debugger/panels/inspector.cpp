@@ -210,12 +210,14 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   }
   const bool labelled = run.subject->prepared.gravity.known();
   fact(ui, "points",
-       labelled ? fmt::format("{}: {} level, {} upright", node.size(), node.count_h,
-                              node.size() - node.count_h)
-                : fmt::format("{}, of no class: gravity is not known", node.size()));
-  fact(ui, "inliers",
-       fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
-                   facts.purity.n_out));
+       run.is_on_image() ? std::to_string(node.size())
+       : labelled        ? fmt::format("{}: {} level, {} upright", node.size(), node.count_h,
+                                       node.size() - node.count_h)
+                         : fmt::format("{}, of no class: gravity is not known", node.size()));
+  if (!run.is_on_image())
+    fact(ui, "inliers",
+         fmt::format("{} {}, {} outliers", facts.purity.n_in, word_of(facts.purity.inlier),
+                     facts.purity.n_out));
   if (facts.truth_planes > 0)
     fact(ui, "truth",
          fmt::format("{} {} on true plane {}{}", facts.truth_points,
@@ -238,7 +240,8 @@ void draw_node(const Ui& ui, const debug::Run& run, std::int32_t index) {
   draw_checks(ui, "node", report.checks);
   paragraph(ui.colors.muted, report.stopped);
   if (std::any_of(report.checks.begin(), report.checks.end(), [](const debug::Check& c) {
-        return c.criterion == "PCA" && c.verdict != debug::Verdict::not_asked;
+        return (c.criterion == "PCA" || c.option == "flat") &&
+               c.verdict != debug::Verdict::not_asked;
       }))
     draw_fit(ui, facts.fit);
   math_paragraph(ui, ui.colors.text, report.outcome);

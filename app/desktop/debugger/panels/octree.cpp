@@ -80,26 +80,32 @@ void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape&
 }
 
 /// What the shapes mean, in one line.
-void draw_shape_key(const Ui& ui) {
+void draw_shape_key(const Ui& ui, bool on_image) {
   struct Entry {
     NodeShape shape;
     const char* name;
     const char* meaning;
   };
   const debug::NodeState settled = debug::NodeState::settled;
-  const std::array<Entry, 7> entries = {{
+  std::vector<Entry> entries = {
       {{debug::NodeState::queued}, "queued", "waits in the queue Q_N"},
-      {{settled, planes::Case::I}, "I", "case I, impure: divided"},
+      {{settled, planes::Case::I},
+       "I",
+       on_image ? "case I, more than one plane: divided" : "case I, impure: divided"},
       {{settled, planes::Case::II},
        "II",
-       "case II, too few inliers: a dead end, its points are left over"},
-      {{settled, planes::Case::III}, "III", "case III, not planar: divided"},
+       on_image ? "case II, too few of its pixels: divided"
+                : "case II, too few inliers: a dead end, its points are left over"},
+      {{settled, planes::Case::III},
+       "III",
+       on_image ? "case III, not flat: divided" : "case III, not planar: divided"},
       {{settled, planes::Case::IV}, "IV", "case IV: a plane candidate"},
       {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: left over"},
       {{settled, planes::Case::I, false, true},
        "R4",
        "R4 fitted each label's points instead of dividing"},
-  }};
+  };
+  if (on_image) entries.pop_back();
   const float line = ImGui::GetTextLineHeight();
   const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   bool first = true;
@@ -125,8 +131,26 @@ const planes::OctreeNode& node_of(const debug::Run& run, std::int32_t node) {
   return run.octree().nodes[static_cast<std::size_t>(node)];
 }
 
+std::string reason_on_image(const debug::Run& run, std::int32_t node) {
+  const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
+  switch (node_of(run, node).decided) {
+    case planes::Case::none:
+      return {};
+    case planes::Case::I:
+      return facts.e_n >= planes::kNotFlat ? "not flat inside"
+                                           : fmt::format("cost {:.3g}", facts.e_n);
+    case planes::Case::II:
+      return fmt::format("{:.0f} % filled", 100 * facts.e_n);
+    case planes::Case::III:
+    case planes::Case::IV:
+      return fmt::format("variance {:.2g}", facts.e_n);
+  }
+  return {};
+}
+
 /// By what it was settled: "N_out 12", "e_n 0.0071".
 std::string reason_of(const debug::Run& run, std::int32_t node) {
+  if (run.is_on_image()) return reason_on_image(run, node);
   const debug::NodeFacts& facts = run.facts[static_cast<std::size_t>(node)];
   switch (node_of(run, node).decided) {
     case planes::Case::none:
@@ -296,7 +320,7 @@ void draw_octree(const Ui& ui) {
   if (!problem.message.empty()) {
     colored(ui.colors.bad, problem.message);
   } else {
-    draw_shape_key(ui);
+    draw_shape_key(ui, run->is_on_image());
   }
   ImGui::BeginChild("##octree");
   draw_rows(ui, *run, rows, follow);

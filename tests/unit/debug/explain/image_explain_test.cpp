@@ -1,0 +1,103 @@
+// Why a depth image's nodes, regions and pixels became what they are.
+
+#include <gtest/gtest.h>
+
+#include "core/debug/explain/explain.hpp"
+#include "core/debug/explain/histogram.hpp"
+#include "core/debug/explain/provenance.hpp"
+#include "core/debug/explain/trace_text.hpp"
+#include "core/planes/pipeline/options_table.hpp"
+#include "support/box_scene.hpp"
+
+namespace planescope::debug {
+namespace {
+
+std::shared_ptr<const Run> with_option(const Run& run, const Remedy& remedy) {
+  planes::PipelineOptions options = run.options;
+  planes::find_option(remedy.option).set(options, remedy.value);
+  return make_run(run.subject, options);
+}
+
+TEST(ImageExplain, ANodeFailsTheCriterionThatItsCaseNames) {
+  const auto& run = *test::box_run();
+  for (std::size_t n = 0; n < run.octree().nodes.size(); n += 7) {
+    const NodeReport report = explain_node(run, static_cast<std::int32_t>(n));
+    const char* failed = "";
+    for (const Check& check : report.checks)
+      if (check.verdict == Verdict::fail)
+        failed = check.option == "filled" ? "II" : check.option == "two_planes" ? "I" : "III";
+    const planes::Case decided = run.octree().nodes[n].decided;
+    EXPECT_STREQ(failed, decided == planes::Case::IV ? "" : planes::to_string(decided)) << n;
+    EXPECT_TRUE(report.outcome.starts_with(std::string("case ") + planes::to_string(decided)));
+  }
+}
+
+TEST(ImageExplain, AJoinHasItsCostAgainstWhatAPlaneCosts) {
+  const auto& run = *test::box_run();
+  int joins = 0;
+  for (std::int32_t step = 1; step <= run.steps(); ++step) {
+    if (!is_join(*run.event_at(step))) continue;
+    ++joins;
+    const MergeReport report = explain_merge(run, step);
+    ASSERT_EQ(report.partners.size(), 1u);
+    EXPECT_EQ(report.partners[0].plane, run.event_at(step)->other);
+    EXPECT_TRUE(all_pass(report.partners[0].checks));
+    EXPECT_EQ(report.points, run.timeline.plane_at(run.event_at(step)->plane, step)->moments.count);
+  }
+  EXPECT_GT(joins, 0);
+}
+
+TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
+  const auto& run = *test::box_run();
+  const WhyNot why = why_not(run, test::kSmallBoxPixel);
+  EXPECT_NE(why.answer.find("less than worth_px"), std::string::npos) << why.answer;
+  ASSERT_EQ(why.remedy.option, "worth_px");
+  const auto listed = with_option(run, why.remedy);
+  EXPECT_GT(listed->segmentation.plane_of[listed->subject->voxel_of_source(test::kSmallBoxPixel)],
+            0);
+}
+
+TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
+  planes::PipelineOptions options = test::image_options();
+  options.segment.objective.merge_cost = 3000;
+  options.segment.objective.two_planes = 0.001;
+  const auto run = make_run(test::box_run()->subject, options);
+  int named = 0;
+  for (std::size_t source = 0; source < run->subject->point_of_source.size(); source += 3001) {
+    const WhyNot why = why_not(*run, source);
+    if (why.answer.find("they were fused") == std::string::npos) continue;
+    ++named;
+    EXPECT_TRUE(is_join(*run->event_at(why.step)));
+    EXPECT_TRUE(why.remedy.option == "merge_cost" || why.remedy.option == "hidden_share");
+    EXPECT_LE(std::stod(why.remedy.value), run->event_at(why.step)->value);
+  }
+  EXPECT_GT(named, 0);
+}
+
+TEST(ImageExplain, EveryPixelHasALifeAndWhatIsInNoPlaneACause) {
+  const auto& run = *test::box_run();
+  for (std::size_t source = 0; source < run.subject->point_of_source.size(); source += 1501) {
+    EXPECT_GE(life_of(run, source).size(), 4u);
+    const auto voxel = run.subject->voxel_of_source(source);
+    if (voxel == planes::kNoVoxel || run.segmentation.plane_of[voxel] > 0) continue;
+    const WhyNot why = why_not(run, source);
+    EXPECT_TRUE(why.answer.starts_with("Lost at step ")) << why.answer;
+  }
+}
+
+TEST(ImageExplain, HistogramsShowItsOwnCriteria) {
+  const auto histograms = histograms_of(*test::box_run());
+  ASSERT_EQ(histograms.size(), 5u);
+  for (const Histogram& histogram : histograms)
+    EXPECT_FALSE(histogram.bins.empty()) << histogram.title;
+}
+
+TEST(ImageExplain, TheTraceHasATextWithEveryStep) {
+  const auto& run = *test::box_run();
+  const std::string text = trace_text(run, &run);
+  EXPECT_NE(text.find("step " + std::to_string(run.steps()) + ": "), std::string::npos);
+  EXPECT_NE(text.find("by list"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace planescope::debug
