@@ -106,7 +106,7 @@ FoundBySteady find_planes(const Frame& frame,
     found.gravity = result.gravity;
     found.planes = result.segmentation.planes;
     for (const planes::PlaneRegion& plane : found.planes)
-      found.undecided.push_back(is_undecided(plane));
+      found.undecided.push_back(plane.undecided);
     if (!with_report) return found;
     report::FramePlanes summaries;
     summaries.summaries = report::summarize_planes(result, options.cloud.voxel_size_m);

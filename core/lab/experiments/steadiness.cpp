@@ -8,8 +8,6 @@
 
 namespace planescope::lab {
 
-bool is_undecided(const planes::PlaneRegion& /*plane*/) { return false; }
-
 double Agreement::self_pq() const {
   return all.iou_sum / std::max(1.0, (all.planes + second_planes) / 2.0);
 }

@@ -21,9 +21,6 @@ inline constexpr std::uint64_t kBigPlanePixels = 3000;
 /// Two frames see the same surface if their depths differ by less than this share.
 inline constexpr double kDepthAgreement = 0.03;
 
-/// Whether the method itself says that another run could end differently for this plane.
-bool is_undecided(const planes::PlaneRegion& plane);
-
 /// How planes of the first image are found again in the second.
 struct KeptPlanes {
   int planes = 0;      // of the first image, with at least one compared pixel
