@@ -10,10 +10,11 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kLeastPart = 500;       // px
+constexpr double kLeastPart = 500;          // px
 constexpr double kWidestGap = 200.0 / 640;  // of the image's width
 constexpr double kWidestHole = 40.0 / 640;  // likewise, where nothing was measured between them
-constexpr int kLinesFrom = 64, kLinesTo = 256;  // pixels of either rim that lines are tried from, to
+constexpr int kLinesFrom = 64,
+              kLinesTo = 256;     // pixels of either rim that lines are tried from, to
 constexpr double kInFront = 0.9;  // least share of what was measured between them
 
 struct Pair {
@@ -103,7 +104,8 @@ class HiddenParts {
       const int dx = static_cast<int>(line.to) % width - x;
       const int dy = static_cast<int>(line.to) / width - y;
       for (int t = 1; t < steps; ++t) {
-        const auto at = static_cast<std::uint32_t>((y + dy * t / steps) * width + x + dx * t / steps);
+        const auto at =
+            static_cast<std::uint32_t>((y + dy * t / steps) * width + x + dx * t / steps);
         if (s_.image.rho[at] <= 0) continue;
         const std::int32_t region = s_.region_of[at];
         if (region >= 0 && (root(region) == a || root(region) == b)) continue;

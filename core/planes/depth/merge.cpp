@@ -37,7 +37,10 @@ void set(Neighbors& near, std::int32_t region, int border) {
 }
 
 /// Neighbors of either but the two themselves; borders with a third add.
-void unite(const Neighbors& a, const Neighbors& b, std::int32_t self, std::int32_t other,
+void unite(const Neighbors& a,
+           const Neighbors& b,
+           std::int32_t self,
+           std::int32_t other,
            Neighbors& both) {
   both.clear();
   auto i = a.begin();
@@ -125,7 +128,8 @@ class BorderTable {
   }
   void add(std::int32_t a, std::int32_t b) {
     if (a > b) std::swap(a, b);
-    const std::uint64_t key = (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
+    const std::uint64_t key =
+        (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
     for (std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 20 & (slots_.size() - 1);;
          at = (at + 1) & (slots_.size() - 1)) {
       if (slots_[at].key == key) {
@@ -207,8 +211,8 @@ void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost) {
   DepthRegion &gone = s.regions[from], &grown = s.regions[into];
   const double smaller = std::min(gone.moments.n, grown.moments.n);
-  grown.dearest_join = std::max(
-      {grown.dearest_join, gone.dearest_join, smaller >= kLargePart ? cost : 0});
+  grown.dearest_join =
+      std::max({grown.dearest_join, gone.dearest_join, smaller >= kLargePart ? cost : 0});
   log_join(s, stage, from, into, cost);
   grown.moments += gone.moments;
   grown.plane = grown.moments.fit();

@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kSmall = 2, kWide = 8;  // sides of squares, in blocks of 4 px
 constexpr int kStride = 2;            // blocks between wide squares: they overlap
-// RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from frame
-// to frame than any one of them.
+// RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
+// frame to frame than any one of them.
 constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
 constexpr double kFull = 0.95;           // share of its pixels that a square must have measured
 constexpr std::size_t kLeast = 6;        // squares
@@ -62,8 +62,8 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   // Wide squares are put together of small ones.
   const Squares parts = squares_of(blocks, columns, kSmall, kSmall);
   const double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
-  const double wide = calm_rms(
-      squares_of(parts.moments, parts.columns, kWide / kSmall, kStride / kSmall), 1024);
+  const double wide =
+      calm_rms(squares_of(parts.moments, parts.columns, kWide / kSmall, kStride / kSmall), 1024);
   if (small < 0) return noise;
   noise.white = small;
   // Where nothing is wide enough to show the bow, it is taken to be as usual. It is never nothing:

@@ -1,7 +1,7 @@
 #pragma once
 
-// The segmentation of a depth image in progress: regions of pixels, each with its moments and plane.
-// Stages change it through these functions alone; with a trace, each logs what it did.
+// The segmentation of a depth image in progress: regions of pixels, each with its moments and
+// plane. Stages change it through these functions alone; with a trace, each logs what it did.
 
 #include <cstdint>
 #include <span>
@@ -63,7 +63,10 @@ struct DepthSegmentation {
 // Every decision is logged before what follows from it. Without a trace these do nothing.
 
 /// The region of a node has just been founded.
-void log_founded(DepthSegmentation& s, const Octree& octree, std::int32_t region, std::int32_t node);
+void log_founded(DepthSegmentation& s,
+                 const Octree& octree,
+                 std::int32_t region,
+                 std::int32_t node);
 void log_join(DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
 /// Pixels changed hands: `before` is what region_of was.
 void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before);
@@ -74,8 +77,8 @@ void log_drop(DepthSegmentation& s, Stage stage, std::int32_t region, double val
 void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
 
-/// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec. IV-C).
-/// Fills the nodes of the octree.
+/// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec.
+/// IV-C). Fills the nodes of the octree.
 void divide_image(DepthSegmentation& s, Octree& octree);
 
 /// Counts the border that each two regions share, and sets `near` of both where it is at least

@@ -11,13 +11,13 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kRounds = 3;            // of growing and joining
-constexpr double kCrumb = 100;        // px: smaller regions leave their pixels to those that grow
-constexpr int kLeastBorder = 8;       // px: of regions that join after growing
-constexpr double kStep = 3;           // sigma: a larger step of rho across it is no common border
-constexpr double kWorthWidth = 640;   // px: of the image that worth_px counts in
-constexpr double kSideways = 0.25;    // share of the sideways error's variance that excuses a plane's
-constexpr double kMinor = 0.5;        // share of the least worth, for a plane to be listed as minor
+constexpr int kRounds = 3;           // of growing and joining
+constexpr double kCrumb = 100;       // px: smaller regions leave their pixels to those that grow
+constexpr int kLeastBorder = 8;      // px: of regions that join after growing
+constexpr double kStep = 3;          // sigma: a larger step of rho across it is no common border
+constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
+constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
+constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
 
 using Clock = std::chrono::steady_clock;
 double elapsed_ms(Clock::time_point since) {
@@ -100,8 +100,8 @@ std::vector<double> margins(const DepthSegmentation& s) {
       least = std::min(least, s.options.merge_cost / region.dearest_join);
     for (const auto& [other, border] : region.near)
       if (s.regions[other].alive)
-        least = std::min(
-            least, s.join_cost(static_cast<std::int32_t>(k), other) / s.options.merge_cost);
+        least = std::min(least,
+                         s.join_cost(static_cast<std::int32_t>(k), other) / s.options.merge_cost);
     margin[k] = std::max(0.0, least - 1);
   }
   return margin;

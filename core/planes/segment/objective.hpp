@@ -1,8 +1,8 @@
 #pragma once
 
-// The numbers of the one objective by which `refined` finds planes: misfit over the measured noise, a
-// cost for each plane, and one for each unexplained pixel or point. None depends on the camera or is
-// a length: what differs between sensors is measured in the frame.
+// The numbers of the one objective by which `refined` finds planes: misfit over the measured noise,
+// a cost for each plane, and one for each unexplained pixel or point. None depends on the camera or
+// is a length: what differs between sensors is measured in the frame.
 
 #include "core/planes/segment/refinement.hpp"
 
@@ -27,10 +27,10 @@ struct ObjectiveOptions {
   double undecided = 0.5;     // a plane whose margin is below this is undecided
 
   // Of clouds; sigma is the noise measured in the cloud.
-  double resolution = 0.05;       // sigma is at least this, in spacings of points
+  double resolution = 0.05;        // sigma is at least this, in spacings of points
   double point_reach_sigma = 4.5;  // cost of an unexplained point, as a distance
-  double label_sigma = 2;         // a plane of the other label seems this much farther off
-  double plane_cost = 220;        // squared sigma: what a plane costs
+  double label_sigma = 2;          // a plane of the other label seems this much farther off
+  double plane_cost = 220;         // squared sigma: what a plane costs
 
   template <typename Rows>
   static void describe(Rows& rows) {
@@ -52,9 +52,8 @@ struct ObjectiveOptions {
                 &O::filled, {0, 1});
     rows.number("lateral_px", "px", "depth images: sideways error of a pixel", &O::lateral_px,
                 {0, 100});
-    rows.number("reach_sigma", "sigma",
-                "depth images: cost of an unexplained pixel, as a residual", &O::reach_sigma,
-                {0, 100});
+    rows.number("reach_sigma", "sigma", "depth images: cost of an unexplained pixel, as a residual",
+                &O::reach_sigma, {0, 100});
     rows.number("hidden_share", "share",
                 "depth images: parts hidden from each other join below this share of merge_cost",
                 &O::hidden_share, {0, 100});
@@ -65,9 +64,8 @@ struct ObjectiveOptions {
                 &O::undecided, {0, 1e6});
     rows.number("resolution", "spacings", "clouds: sigma is at least this, in spacings of points",
                 &O::resolution, {0, 100});
-    rows.number("point_reach_sigma", "sigma",
-                "clouds: cost of an unexplained point, as a distance", &O::point_reach_sigma,
-                {0, 1000});
+    rows.number("point_reach_sigma", "sigma", "clouds: cost of an unexplained point, as a distance",
+                &O::point_reach_sigma, {0, 1000});
     rows.number("label_sigma", "sigma",
                 "clouds: a plane of the other label counts as farther from a point by this",
                 &O::label_sigma, {0, 1000});

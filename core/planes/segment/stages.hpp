@@ -19,12 +19,12 @@ inline constexpr RefinementInfo kGrowInfo{
 inline constexpr RefinementInfo kHiddenInfo{
     .name = "hidden",
     .title = "join hidden parts",
-    .says = "{plane} joins {other} behind what hides them from each other: their misfit costs "
-            "{value:.3g}",
+    .says =
+        "{plane} joins {other} behind what hides them from each other: their misfit costs "
+        "{value:.3g}",
     .on_pixels = true};
-inline constexpr RefinementInfo kPartsInfo{.name = "parts",
-                                           .title = "part planes",
-                                           .why_parted = "they do not touch"};
+inline constexpr RefinementInfo kPartsInfo{
+    .name = "parts", .title = "part planes", .why_parted = "they do not touch"};
 inline constexpr RefinementInfo kListInfo{
     .name = "list",
     .title = "list planes",

@@ -39,8 +39,7 @@ double least_iou(const FrameResult& a, const FrameResult& b) {
   std::map<int, double> best;
   for (const auto& [pair, n] : both)
     if (pair.first > 0 && pair.second > 0)
-      best[pair.first] =
-          std::max(best[pair.first], n / (in_a[pair.first] + in_b[pair.second] - n));
+      best[pair.first] = std::max(best[pair.first], n / (in_a[pair.first] + in_b[pair.second] - n));
   double least = 1;
   for (const auto& [plane, n] : in_a)
     if (plane > 0) least = std::min(least, best[plane]);
@@ -73,7 +72,8 @@ TEST(InverseDepth, MomentsOfAUnionAreTheSum) {
   Random random(3);
   PixelMoments all, left, right;
   for (int k = 0; k < 500; ++k) {
-    const double u = random.normal() * 50, v = random.normal() * 50, rho = 1 + 0.01 * random.normal();
+    const double u = random.normal() * 50, v = random.normal() * 50,
+                 rho = 1 + 0.01 * random.normal();
     all.add(u, v, rho);
     (k % 3 ? left : right).add(u, v, rho);
   }
@@ -95,7 +95,8 @@ DepthImage image_of(int width, int height, const std::function<double(int, int)>
 TEST(DepthCells, HoldEachMeasuredPixelOnce) {
   Random random(5);
   const DepthImage image = image_of(101, 67, [&](int u, int v) {
-    return (u * 7 + v) % 5 == 0 ? 0.0 : 0.3 + 0.01 * u + 0.5 * ((u / 20) % 2) + 0.001 * random.normal();
+    return (u * 7 + v) % 5 == 0 ? 0.0
+                                : 0.3 + 0.01 * u + 0.5 * ((u / 20) % 2) + 0.001 * random.normal();
   });
   const DepthCells cells = make_depth_cells(image);
   std::vector<std::uint32_t> pixels = cells.pixels;
@@ -116,8 +117,7 @@ TEST(DepthCells, HoldEachMeasuredPixelOnce) {
 }
 
 TEST(DepthCells, KeepSurfacesApartThatAreFarFromEachOther) {
-  const DepthImage image =
-      image_of(64, 64, [](int u, int v) { return (u + v) % 2 ? 1.0 : 0.5; });
+  const DepthImage image = image_of(64, 64, [](int u, int v) { return (u + v) % 2 ? 1.0 : 0.5; });
   for (const DepthCell& leaf : make_depth_cells(image).levels[0])
     EXPECT_LT(leaf.moments.fit().sse, 1e-9);
 }
@@ -208,17 +208,13 @@ TEST(DepthPlanes, KeepATreadOfTwoCentimeters) {
 }
 
 /// A wall, in two parts behind a post: or two walls, with a view between them.
-double parted(double x, bool post) {
-  return std::abs(x) < 0.06 ? (post ? 0.8 : 3.0) : 1.5;
-}
+double parted(double x, bool post) { return std::abs(x) < 0.06 ? (post ? 0.8 : 3.0) : 1.5; }
 
 TEST(DepthPlanes, JoinBehindWhatHidesTheirParts) {
-  const FrameResult post =
-      planes_of(depth_frame([](double x, double) { return parted(x, true); }));
+  const FrameResult post = planes_of(depth_frame([](double x, double) { return parted(x, true); }));
   EXPECT_GT(plane_at(post, 100, 240), 0);
   EXPECT_EQ(plane_at(post, 100, 240), plane_at(post, 540, 240));
-  const FrameResult gap =
-      planes_of(depth_frame([](double x, double) { return parted(x, false); }));
+  const FrameResult gap = planes_of(depth_frame([](double x, double) { return parted(x, false); }));
   EXPECT_GT(plane_at(gap, 100, 240), 0);
   EXPECT_NE(plane_at(gap, 100, 240), plane_at(gap, 540, 240));
 }
@@ -230,7 +226,8 @@ TEST(DepthPlanes, AreUndecidedWhereASmallChangeWouldUndoThem) {
     EXPECT_TRUE(std::isfinite(plane.margin));
   }
   // Listed only just.
-  const PlaneRegion& least = *std::ranges::min_element(result.segmentation.planes, {}, &PlaneRegion::margin);
+  const PlaneRegion& least =
+      *std::ranges::min_element(result.segmentation.planes, {}, &PlaneRegion::margin);
   const FrameResult near = planes_of(depth_frame(room), [&](PipelineOptions& options) {
     options.segment.objective.undecided = least.margin * 1.01 + 1e-6;
   });

@@ -1,11 +1,10 @@
 // Planes of clouds by one objective.
 
-#include "core/planes/segment/objective.hpp"
-
 #include <gtest/gtest.h>
 
 #include "core/lab/synthetic/evaluation_sets.hpp"
 #include "core/planes/evaluate/metrics.hpp"
+#include "core/planes/segment/objective.hpp"
 #include "core/planes/segment/segment.hpp"
 #include "support/scenes.hpp"
 
