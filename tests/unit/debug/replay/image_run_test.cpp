@@ -33,7 +33,7 @@ std::vector<std::int32_t> some_steps(const Run& run) {
   return {steps.begin(), steps.end()};
 }
 
-std::vector<std::int32_t> steps_of(const Run& run, const std::string& text) {
+std::vector<std::int32_t> steps_matching(const Run& run, const std::string& text) {
   FilterProblem problem;
   const auto filter = Filter::parse(text, problem);
   EXPECT_TRUE(filter) << problem.message;
@@ -171,20 +171,22 @@ TEST(ImageRun, AJoinOfTwoTruePlanesIsWrong) {
   options.segment.objective.merge_cost = 3000;
   options.segment.objective.two_planes = 0.001;
   const auto run = make_run(test::box_run()->subject, options);
-  EXPECT_FALSE(steps_of(*run, "stage==join && truth.wrong").empty());
+  EXPECT_FALSE(steps_matching(*run, "stage==join && truth.wrong").empty());
 }
 
 TEST(ImageRun, FiltersKnowItsStagesAndValues) {
   const auto& run = *test::box_run();
-  EXPECT_FALSE(steps_of(run, "stage==list").empty());
-  EXPECT_EQ(steps_of(run, "stage==list && value<worth_px"), steps_of(run, "refinement==list"));
-  EXPECT_EQ(steps_of(run, "stage==join && value<merge_cost"), steps_of(run, "stage==join"));
-  EXPECT_EQ(steps_of(run, "case==IV && value<=flat"), steps_of(run, "case==IV"));
-  EXPECT_EQ(steps_of(run, "case==II && value<filled"), steps_of(run, "case==II"));
+  EXPECT_FALSE(steps_matching(run, "stage==list").empty());
+  EXPECT_EQ(steps_matching(run, "stage==list && value<worth_px"),
+            steps_matching(run, "refinement==list"));
+  EXPECT_EQ(steps_matching(run, "stage==join && value<merge_cost"),
+            steps_matching(run, "stage==join"));
+  EXPECT_EQ(steps_matching(run, "case==IV && value<=flat"), steps_matching(run, "case==IV"));
+  EXPECT_EQ(steps_matching(run, "case==II && value<filled"), steps_matching(run, "case==II"));
   for (const char* word : {"n_in", "n_out", "r_out", "n_h", "n_v", "mse", "sigma_ang", "theta_mse",
                            "theta_rms", "tau"})
-    EXPECT_TRUE(steps_of(run, std::string(word) + ">=0").empty()) << word;
-  EXPECT_TRUE(steps_of(run, "decide && (label==h || label==v)").empty());
+    EXPECT_TRUE(steps_matching(run, std::string(word) + ">=0").empty()) << word;
+  EXPECT_TRUE(steps_matching(run, "decide && (label==h || label==v)").empty());
 }
 
 }  // namespace

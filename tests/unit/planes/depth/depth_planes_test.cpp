@@ -118,8 +118,9 @@ TEST(DepthCells, HoldEachMeasuredPixelOnce) {
 
 TEST(DepthCells, KeepSurfacesApartThatAreFarFromEachOther) {
   const DepthImage image = image_of(64, 64, [](int u, int v) { return (u + v) % 2 ? 1.0 : 0.5; });
-  for (const DepthCell& leaf : make_depth_cells(image).levels[0])
-    EXPECT_LT(leaf.moments.fit().sse, 1e-9);
+  const DepthCells cells = make_depth_cells(image);
+  EXPECT_EQ(cells.levels[0].size(), 2u * 16 * 16);
+  for (const DepthCell& leaf : cells.levels[0]) EXPECT_LT(leaf.moments.fit().sse, 1e-9);
 }
 
 TEST(DepthNoise, IsMeasuredInTheImage) {
