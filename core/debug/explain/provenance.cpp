@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "core/debug/explain/explain.hpp"
@@ -269,24 +268,23 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   return fused;
 }
 
-/// On a depth image: the join from which on the voxel's plane has regions founded on both true
-/// planes; 0 if there is none.
+/// On a depth image: the join of a region of one true plane with one of the other by which the
+/// voxel came to be in the same plane as both; 0 if there is none.
 std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, std::int32_t most) {
-  std::vector<std::pair<bool, bool>> has(static_cast<std::size_t>(run.timeline.plane_count()));
+  // Per plane, points of `own` less those of `most`, by the nodes that founded it.
+  std::vector<double> surplus(static_cast<std::size_t>(run.timeline.plane_count()));
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (event.type == planes::EventType::found) {
-      const std::int32_t truth = run.facts[event.node].truth_plane;
-      has[event.plane] = {truth == own, truth == most};
+      const NodeFacts& facts = run.facts[event.node];
+      if (facts.truth_plane == own) surplus[event.plane] = facts.truth_points;
+      if (facts.truth_plane == most) surplus[event.plane] = -1.0 * facts.truth_points;
     }
     if (!is_join(event)) continue;
-    const auto from = has[event.plane], into = has[event.other];
-    auto& both = has[event.other];
-    both = {from.first || into.first, from.second || into.second};
-    const bool had = (from.first && from.second) || (into.first && into.second);
-    if (both.first && both.second && !had &&
+    if (surplus[event.plane] * surplus[event.other] < 0 &&
         run.timeline.point_at(voxel, step).plane == event.other)
       return step;
+    surplus[event.other] += surplus[event.plane];
   }
   return 0;
 }

@@ -16,7 +16,7 @@ namespace planescope::debug {
 struct LifeEvent {
   std::string stage;  // "pixel", "voxel", "label", "node", "merge", "leftover", "refinement",
                       // "result"; on a depth image also "join", "grow", "hidden", "list"
-  std::string text;  // "case III at depth 5: e_n 0.0071 m² > 0.005"
+  std::string text;   // "case III at depth 5: e_n 0.0071 m² > 0.005"
   std::int32_t step = -1;
   std::int32_t node = -1;
   std::int32_t plane = -1;

@@ -59,8 +59,8 @@ TEST(ImageExplain, APlaneThatIsNotListedIsWithTheWorthThatTheRemedyNames) {
 
 TEST(ImageExplain, APixelThatWasFusedNamesTheJoinAndTheCostThatKeepsItApart) {
   planes::PipelineOptions options = test::image_options();
-  options.segment.objective.merge_cost = 3000;
-  options.segment.objective.two_planes = 0.001;
+  options.segment.objective.merge_cost = 1e5;
+  options.segment.objective.two_planes = 3e-5;  // cells are divided as they were
   const auto run = make_run(test::box_run()->subject, options);
   int named = 0;
   for (std::size_t source = 0; source < run->subject->point_of_source.size(); source += 3001) {

@@ -168,8 +168,8 @@ TEST(ImageRun, ATruePlaneThatIsNotListedIsWrong) {
 
 TEST(ImageRun, AJoinOfTwoTruePlanesIsWrong) {
   planes::PipelineOptions options = test::image_options();
-  options.segment.objective.merge_cost = 3000;
-  options.segment.objective.two_planes = 0.001;
+  options.segment.objective.merge_cost = 1e5;
+  options.segment.objective.two_planes = 3e-5;  // cells are divided as they were
   const auto run = make_run(test::box_run()->subject, options);
   EXPECT_FALSE(steps_of(*run, "stage==join && truth.wrong").empty());
 }
