@@ -16,6 +16,7 @@ void define_bench_classifier(CLI::App* bench, Line& line);
 void define_bench_desktop(CLI::App* bench, Line& line);
 void define_bench_speed(CLI::App* bench, Line& line);
 void define_bench_stairs(CLI::App* bench, Line& line);
+void define_bench_steady(CLI::App* bench, Line& line);
 void define_synth_sets(CLI::App& app, Line& line);
 
 /// --only PART,... of the parts there are; none is all of them.

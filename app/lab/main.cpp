@@ -17,9 +17,9 @@ namespace {
 
 void define_bench(CLI::App& app, Line& line) {
   CLI::App* bench = app.add_subcommand("bench", "Measure what planescope can do, and how fast");
-  for (const auto define :
-       {define_bench_paper, define_bench_real, define_bench_outlines, define_bench_map,
-        define_bench_stairs, define_bench_classifier, define_bench_desktop, define_bench_speed})
+  for (const auto define : {define_bench_paper, define_bench_real, define_bench_steady,
+                            define_bench_outlines, define_bench_map, define_bench_stairs,
+                            define_bench_classifier, define_bench_desktop, define_bench_speed})
     define(bench, line);
 }
 

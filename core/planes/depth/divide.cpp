@@ -9,10 +9,10 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kLeastPixels = 5;   // of a node that anything is asked of
-constexpr double kLeastHalf = 8;     // px: of halves that may be two planes
-constexpr double kDevelops = 1.0 / 6;  // of the squared side of a cell: the mean squared distance of
-                                       // two of its pixels along one axis
+constexpr double kLeastPixels = 5;     // of a node that anything is asked of
+constexpr double kLeastHalf = 8;       // px: of halves that may be two planes
+constexpr double kDevelops = 1.0 / 6;  // of the squared side of a cell: the mean squared distance
+                                       // of two of its pixels along one axis
 
 /// A node's case, and the value that decided it: of the first criterion that failed, or of
 /// Criterion 3.
@@ -100,8 +100,8 @@ class Division {
         double dearest = 0;
         if (level > 1)
           for (std::uint32_t k = cell.begin; k < cell.end; ++k)
-            dearest = std::max({dearest, parts_[level - 1][k],
-                                is_rough(below[k], level - 1) ? kNotFlat : 0});
+            dearest = std::max(
+                {dearest, parts_[level - 1][k], is_rough(below[k], level - 1) ? kNotFlat : 0});
         if (dearest < kNotFlat && is_filled(cell, level))
           dearest = std::max(dearest, two_planes(cell, level));
         parts.push_back(dearest);
@@ -117,15 +117,14 @@ class Division {
     return cell.moments.n >= kLeastPixels && filled(cell, level) >= s_.options.filled;
   }
   bool is_rough(const DepthCell& cell, int level) const {
-    return is_filled(cell, level) &&
-           flatness(cell, level, cell.moments.fit()) > s_.options.flat;
+    return is_filled(cell, level) && flatness(cell, level, cell.moments.fit()) > s_.options.flat;
   }
 
   /// Variance of a cell about its plane, relative to what noise and bow explain.
   double flatness(const DepthCell& cell, int level, const InversePlane& plane) const {
     const double side = DepthCells::side_px(level), n = cell.moments.n;
-    const double expected = s_.noise.white2(plane) +
-                            s_.noise.bow2(plane) * s_.noise.developed(kDevelops * side * side);
+    const double expected =
+        s_.noise.white2(plane) + s_.noise.bow2(plane) * s_.noise.developed(kDevelops * side * side);
     return plane.sse / (n - 3) / expected;
   }
 
@@ -152,8 +151,8 @@ class Division {
       for (std::uint32_t k = cell.begin; k < cell.end; ++k)
         half[below[k].code >> axis & 1] += below[k].moments;
       if (half[0].n < kLeastHalf || half[1].n < kLeastHalf) continue;
-      dearest = std::max(dearest,
-                         s_.noise.join_cost(half[0], half[0].fit(), half[1], half[1].fit()));
+      dearest =
+          std::max(dearest, s_.noise.join_cost(half[0], half[0].fit(), half[1], half[1].fit()));
     }
     return dearest;
   }
@@ -164,8 +163,7 @@ class Division {
     founded.moments = cell.moments;
     founded.plane = plane;
     const OctreeNode& node = octree_.nodes[index];
-    for (std::uint32_t i = node.begin; i < node.end; ++i)
-      s_.region_of[s_.cells.pixels[i]] = region;
+    for (std::uint32_t i = node.begin; i < node.end; ++i) s_.region_of[s_.cells.pixels[i]] = region;
     ++s_.counts.candidates;
     log_founded(s_, octree_, region, index);
   }

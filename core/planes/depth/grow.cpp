@@ -7,11 +7,11 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kMostTries = 7;        // how often a pixel may be asked for by another region
+constexpr int kMostTries = 7;           // how often a pixel may be asked for by another region
 constexpr double kClearlyBetter = 0.8;  // of the misfit: a taken pixel changes hands below this
-constexpr int kPatch = 2;            // px around a pixel that testify for it
-constexpr double kSameSurface = 4;   // sigma: a larger step of rho ends the surface
-constexpr double kLeastRegion = 32;  // of a region
+constexpr int kPatch = 2;               // px around a pixel that testify for it
+constexpr double kSameSurface = 4;      // sigma: a larger step of rho ends the surface
+constexpr double kLeastRegion = 32;     // of a region
 
 /// The pixels around one that lie on its surface, by their sums.
 struct Patch {
@@ -27,9 +27,8 @@ class Growth {
     for (const DepthRegion& region : s.regions) {
       const double sigma = std::sqrt(s.noise.pixel2(region.plane));
       reach_.push_back(s.options.reach_sigma * sigma);
-      same_.push_back(static_cast<float>(
-          kSameSurface *
-          (std::sqrt(s.noise.white2(region.plane)) + std::sqrt(s.noise.bow2(region.plane)))));
+      same_.push_back(static_cast<float>(kSameSurface * (std::sqrt(s.noise.white2(region.plane)) +
+                                                         std::sqrt(s.noise.bow2(region.plane)))));
     }
   }
 
@@ -38,14 +37,8 @@ class Growth {
     const int width = s_.image.width, height = s_.image.height;
     const std::vector<std::int32_t>& region = s_.region_of;
     std::vector<std::uint32_t> front;
-    for (int y = 1; y + 1 < height; ++y)
-      for (int x = 1; x + 1 < width; ++x) {
-        const auto i = static_cast<std::uint32_t>(y * width + x);
-        const std::int32_t own = region[i];
-        if (own >= 0 && ((region[i + 1] ^ own) | (region[i - 1] ^ own) | (region[i + width] ^ own) |
-                         (region[i - width] ^ own)) != 0)
-          front.push_back(i);
-      }
+    front.reserve(region.size() / 4);
+    for (int y = 1; y + 1 < height; ++y) append_border_pixels(region, width, y, front);
     for (std::size_t head = 0; head < front.size(); ++head) {
       const std::uint32_t i = front[head];
       const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;

@@ -10,10 +10,11 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kLeastPart = 500;       // px
+constexpr double kLeastPart = 500;          // px
 constexpr double kWidestGap = 200.0 / 640;  // of the image's width
 constexpr double kWidestHole = 40.0 / 640;  // likewise, where nothing was measured between them
-constexpr int kLinesFrom = 64, kLinesTo = 256;  // pixels of either rim that lines are tried from, to
+constexpr int kLinesFrom = 64,
+              kLinesTo = 256;     // pixels of either rim that lines are tried from, to
 constexpr double kInFront = 0.9;  // least share of what was measured between them
 
 struct Pair {
@@ -61,16 +62,10 @@ class HiddenParts {
 
  private:
   void find_rims() {
-    const int width = s_.image.width;
-    const std::vector<std::int32_t>& region = s_.region_of;
+    std::vector<std::uint32_t> borders;
     for (int y = 1; y + 1 < s_.image.height; ++y)
-      for (int x = 1; x + 1 < width; ++x) {
-        const auto i = static_cast<std::uint32_t>(y * width + x);
-        const std::int32_t own = region[i];
-        if (own >= 0 && ((region[i + 1] ^ own) | (region[i - 1] ^ own) | (region[i + width] ^ own) |
-                         (region[i - width] ^ own)) != 0)
-          rim_[own].push_back(i);
-      }
+      append_border_pixels(s_.region_of, s_.image.width, y, borders);
+    for (const std::uint32_t pixel : borders) rim_[s_.region_of[pixel]].push_back(pixel);
   }
 
   /// The shortest lines from one rim to the other.
@@ -109,7 +104,8 @@ class HiddenParts {
       const int dx = static_cast<int>(line.to) % width - x;
       const int dy = static_cast<int>(line.to) / width - y;
       for (int t = 1; t < steps; ++t) {
-        const auto at = static_cast<std::uint32_t>((y + dy * t / steps) * width + x + dx * t / steps);
+        const auto at =
+            static_cast<std::uint32_t>((y + dy * t / steps) * width + x + dx * t / steps);
         if (s_.image.rho[at] <= 0) continue;
         const std::int32_t region = s_.region_of[at];
         if (region >= 0 && (root(region) == a || root(region) == b)) continue;

@@ -37,7 +37,10 @@ void set(Neighbors& near, std::int32_t region, int border) {
 }
 
 /// Neighbors of either but the two themselves; borders with a third add.
-void unite(const Neighbors& a, const Neighbors& b, std::int32_t self, std::int32_t other,
+void unite(const Neighbors& a,
+           const Neighbors& b,
+           std::int32_t self,
+           std::int32_t other,
            Neighbors& both) {
   both.clear();
   auto i = a.begin();
@@ -79,8 +82,9 @@ class Merger {
       else
         this->join(join.a, join.b, join.cost);
     }
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(into_.size()); ++k) into_[k] = root(k);
     for (std::int32_t& region : s_.region_of)
-      if (region >= 0) region = root(region);
+      if (region >= 0) region = into_[region];
   }
 
  private:
@@ -124,7 +128,8 @@ class BorderTable {
   }
   void add(std::int32_t a, std::int32_t b) {
     if (a > b) std::swap(a, b);
-    const std::uint64_t key = (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
+    const std::uint64_t key =
+        (static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint32_t>(b)) + 1;
     for (std::size_t at = (key * 0x9e3779b97f4a7c15u) >> 20 & (slots_.size() - 1);;
          at = (at + 1) & (slots_.size() - 1)) {
       if (slots_[at].key == key) {
@@ -178,9 +183,20 @@ void find_neighbors(DepthSegmentation& s, int least, int gap, double step) {
         const std::int32_t a = region[i], b = region[o];
         if (a != b && a >= 0 && b >= 0 && std::abs(rho[o] - rho[i]) < step) borders.add(a, b);
       };
-      for (int x = 0; x + d < width; ++x) look(row + x, row + x + d);
-      if (y + d < height)
-        for (int x = 0; x < width; ++x) look(row + x, row + x + static_cast<std::size_t>(d) * width);
+      // Most of an image lies inside of regions: whole runs are passed over at once.
+      const auto look_along = [&](std::size_t from, std::size_t to, int count) {
+        constexpr int kRun = 16;
+        int x = 0;
+        for (; x + kRun <= count; x += kRun) {
+          std::int32_t differs = 0;
+          for (int k = 0; k < kRun; ++k) differs |= region[from + x + k] ^ region[to + x + k];
+          if (differs == 0) continue;
+          for (int k = 0; k < kRun; ++k) look(from + x + k, to + x + k);
+        }
+        for (; x < count; ++x) look(from + x, to + x);
+      };
+      look_along(row, row + d, width - d);
+      if (y + d < height) look_along(row, row + static_cast<std::size_t>(d) * width, width);
     }
   for (DepthRegion& r : s.regions) r.near.clear();
   borders.each([&](std::int32_t a, std::int32_t b, int count) {
@@ -195,8 +211,8 @@ void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost) {
   DepthRegion &gone = s.regions[from], &grown = s.regions[into];
   const double smaller = std::min(gone.moments.n, grown.moments.n);
-  grown.dearest_join = std::max(
-      {grown.dearest_join, gone.dearest_join, smaller >= kLargePart ? cost : 0});
+  grown.dearest_join =
+      std::max({grown.dearest_join, gone.dearest_join, smaller >= kLargePart ? cost : 0});
   log_join(s, stage, from, into, cost);
   grown.moments += gone.moments;
   grown.plane = grown.moments.fit();

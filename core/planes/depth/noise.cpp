@@ -1,34 +1,53 @@
 #include "core/planes/depth/noise.hpp"
 
 #include <cmath>
+#include <numeric>
 
 namespace planescope::planes {
 namespace {
 
-constexpr int kBlock = 4;             // px
-constexpr double kCalm = 0.25;        // quantile of the RMS that stands for squares on one plane
-constexpr double kFull = 0.95;        // share of its pixels that a square must have measured
-constexpr std::size_t kLeast = 6;     // squares
-constexpr double kLeastRms = 1e-5;    // [1/m]
+constexpr int kSmall = 2, kWide = 8;  // sides of squares, in blocks of 4 px
+constexpr int kStride = 2;            // blocks between wide squares: they overlap
+// RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
+// frame to frame than any one of them.
+constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
+constexpr double kFull = 0.95;           // share of its pixels that a square must have measured
+constexpr std::size_t kLeast = 6;        // squares
+constexpr double kLeastRms = 1e-5;       // [1/m]
 constexpr double kBowLength = 1.0 / 32;  // of the image's width
 
-/// RMS of calm squares of `side` px about their planes [1/m], -1 where there are too few.
-double calm_rms(const std::vector<PixelMoments>& blocks, int columns, int side) {
-  const int step = side / kBlock, rows = static_cast<int>(blocks.size()) / std::max(1, columns);
-  std::vector<double> rms;
-  for (int y = 0; y + step <= rows; y += step)
-    for (int x = 0; x + step <= columns; x += step) {
-      PixelMoments square;
-      for (int j = y; j < y + step; ++j)
-        for (int i = x; i < x + step; ++i)
-          square += blocks[static_cast<std::size_t>(j) * columns + i];
-      if (square.n >= kFull * side * side)
-        rms.push_back(std::sqrt(square.fit().sse / (square.n - 3)));
+/// Squares of `side` parts at every `stride`; `columns` parts to a row.
+struct Squares {
+  std::vector<PixelMoments> moments;
+  int columns = 0;
+};
+Squares squares_of(const std::vector<PixelMoments>& parts, int columns, int side, int stride) {
+  const int rows = static_cast<int>(parts.size()) / std::max(1, columns);
+  Squares squares;
+  squares.columns = columns >= side ? (columns - side) / stride + 1 : 0;
+  for (int y = 0; y + side <= rows; y += stride)
+    for (int x = 0; x + side <= columns; x += stride) {
+      PixelMoments& square = squares.moments.emplace_back();
+      for (int j = y; j < y + side; ++j)
+        for (int i = x; i < x + side; ++i)
+          square += parts[static_cast<std::size_t>(j) * columns + i];
     }
+  return squares;
+}
+
+/// RMS of calm squares about their planes [1/m], -1 where there are too few. `pixels`: of a square.
+double calm_rms(const Squares& squares, double pixels) {
+  std::vector<double> rms;
+  for (const PixelMoments& square : squares.moments)
+    if (square.n >= kFull * pixels) rms.push_back(std::sqrt(square.fit().sse / (square.n - 3)));
   if (rms.size() < kLeast) return -1;
-  const auto calm = rms.begin() + static_cast<std::ptrdiff_t>(kCalm * static_cast<double>(rms.size()));
-  std::nth_element(rms.begin(), calm, rms.end());
-  return std::max(kLeastRms, *calm);
+  const auto at = [&](double share) {
+    return rms.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(rms.size()));
+  };
+  const auto from = at(kCalmFrom), to = at(kCalmTo) + 1;
+  std::nth_element(rms.begin(), from, rms.end());
+  std::nth_element(from, to - 1, rms.end());
+  return std::max(kLeastRms, std::accumulate(from, to, 0.0) / static_cast<double>(to - from));
 }
 
 }  // namespace
@@ -40,7 +59,11 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   DepthNoise noise;
   noise.lateral_px = options.lateral_px;
   noise.length_px = kBowLength * width_px;
-  const double small = calm_rms(blocks, columns, 8), wide = calm_rms(blocks, columns, 32);
+  // Wide squares are put together of small ones.
+  const Squares parts = squares_of(blocks, columns, kSmall, kSmall);
+  const double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
+  const double wide =
+      calm_rms(squares_of(parts.moments, parts.columns, kWide / kSmall, kStride / kSmall), 1024);
   if (small < 0) return noise;
   noise.white = small;
   // Where nothing is wide enough to show the bow, it is taken to be as usual. It is never nothing:

@@ -1,25 +1,25 @@
 #pragma once
 
-// How noisy a depth image is, measured in the image itself at two scales: white noise, which differs
-// from pixel to pixel, and the bow, the sensor's low-frequency error (none in a scanner, about a
-// centimeter at 1 to 3 m in a D400).
+// How noisy a depth image is, measured in the image itself at two scales: white noise, which
+// differs from pixel to pixel, and the bow, the sensor's low-frequency error (none in a scanner,
+// about a centimeter at 1 to 3 m in a D400).
 
 #include <vector>
 
 #include "core/planes/depth/inverse_depth.hpp"
-#include "core/planes/depth/options.hpp"
+#include "core/planes/segment/objective.hpp"
 
 namespace planescope::planes {
 
 struct DepthNoise {
-  double white = 0;    // standard deviation of rho [1/m]; 0: too little depth to measure it
-  double bow = 0;      // likewise, over distances of length_px and more
-  double wide = 0;     // of single pixels about planes of wide squares: white noise and bow [1/m]
+  double white = 0;  // standard deviation of rho [1/m]; 0: too little depth to measure it
+  double bow = 0;    // likewise, over distances of length_px and more
+  double wide = 0;   // of single pixels about planes of wide squares: white noise and bow [1/m]
   double length_px = 20;  // over which the bow develops
   double lateral_px = 2;  // sideways error of a pixel
 
-  /// Variance of a pixel about a plane, and of the bow [1/m^2]. A sideways error counts by the slope
-  /// of rho: on a grazing surface it is most of the noise.
+  /// Variance of a pixel about a plane, and of the bow [1/m^2]. A sideways error counts by the
+  /// slope of rho: on a grazing surface it is most of the noise.
   double white2(const InversePlane& p) const { return white * white + sideways2(p); }
   double bow2(const InversePlane& p) const { return bow * bow + sideways2(p); }
   double sideways2(const InversePlane& p) const {
@@ -32,8 +32,8 @@ struct DepthNoise {
   }
 
   /// What joining two sets of pixels adds to the misfit: the mean squared offset between their
-  /// planes over the variance that noise and bow explain. The cost of a plane, options.merge_cost, is
-  /// what joining them saves.
+  /// planes over the variance that noise and bow explain. The cost of a plane, options.merge_cost,
+  /// is what joining them saves.
   double join_cost(const PixelMoments& a,
                    const InversePlane& plane_a,
                    const PixelMoments& b,

@@ -1,7 +1,7 @@
 #pragma once
 
-// The segmentation of a depth image in progress: regions of pixels, each with its moments and plane.
-// Stages change it through these functions alone; with a trace, each logs what it did.
+// The segmentation of a depth image in progress: regions of pixels, each with its moments and
+// plane. Stages change it through these functions alone; with a trace, each logs what it did.
 
 #include <cstdint>
 #include <span>
@@ -63,7 +63,10 @@ struct DepthSegmentation {
 // Every decision is logged before what follows from it. Without a trace these do nothing.
 
 /// The region of a node has just been founded.
-void log_founded(DepthSegmentation& s, const Octree& octree, std::int32_t region, std::int32_t node);
+void log_founded(DepthSegmentation& s,
+                 const Octree& octree,
+                 std::int32_t region,
+                 std::int32_t node);
 void log_join(DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
 /// Pixels changed hands: `before` is what region_of was.
 void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before);
@@ -74,14 +77,39 @@ void log_drop(DepthSegmentation& s, Stage stage, std::int32_t region, double val
 void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
 
-/// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec. IV-C).
-/// Fills the nodes of the octree.
+/// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec.
+/// IV-C). Fills the nodes of the octree.
 void divide_image(DepthSegmentation& s, Octree& octree);
 
 /// Counts the border that each two regions share, and sets `near` of both where it is at least
 /// `least` px. `gap`: pixels that may lie between them; `step`: largest difference of rho across it
 /// [1/m].
 void find_neighbors(DepthSegmentation& s, int least, int gap, double step);
+
+/// Appends the pixels of a row that have a region and a neighbor that is not in it. The row is none
+/// at the edge of the image.
+inline void append_border_pixels(const std::vector<std::int32_t>& region,
+                                 int width,
+                                 int y,
+                                 std::vector<std::uint32_t>& pixels) {
+  const std::int32_t* const row = region.data() + static_cast<std::size_t>(y) * width;
+  const auto differs = [&](int x) {
+    return (row[x + 1] ^ row[x]) | (row[x - 1] ^ row[x]) | (row[x + width] ^ row[x]) |
+           (row[x - width] ^ row[x]);
+  };
+  const auto look = [&](int x) {
+    if (row[x] >= 0 && differs(x) != 0) pixels.push_back(static_cast<std::uint32_t>(y * width + x));
+  };
+  constexpr int kRun = 16;  // most of an image lies inside of regions
+  int x = 1;
+  for (; x + kRun < width; x += kRun) {
+    std::int32_t any = 0;
+    for (int k = 0; k < kRun; ++k) any |= differs(x + k);
+    if (any == 0) continue;
+    for (int k = 0; k < kRun; ++k) look(x + k);
+  }
+  for (; x + 1 < width; ++x) look(x);
+}
 
 /// Joins neighbors, the lowest cost first, while a join costs less than a plane.
 void merge_regions(DepthSegmentation& s);

@@ -11,12 +11,13 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kRounds = 3;            // of growing and joining
-constexpr double kCrumb = 100;        // px: smaller regions leave their pixels to those that grow
-constexpr int kLeastBorder = 8;       // px: of regions that join after growing
-constexpr double kStep = 3;           // sigma: a larger step of rho across it is no common border
-constexpr double kWorthWidth = 640;   // px: of the image that worth_px counts in
-constexpr double kMinor = 0.5;        // share of the least worth, for a plane to be listed as minor
+constexpr int kRounds = 3;           // of growing and joining
+constexpr double kCrumb = 100;       // px: smaller regions leave their pixels to those that grow
+constexpr int kLeastBorder = 8;      // px: of regions that join after growing
+constexpr double kStep = 3;          // sigma: a larger step of rho across it is no common border
+constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
+constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
+constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
 
 using Clock = std::chrono::steady_clock;
 double elapsed_ms(Clock::time_point since) {
@@ -87,20 +88,21 @@ PlaneFit fit_in_space(const Moments& moments, const InversePlane& plane, const D
   return fit;
 }
 
-/// How far the plane is from what would undo it, as a ratio: of its worth to the least, of the
-/// cheapest join with a neighbor to the cost of a plane, of that cost to the dearest join in it.
+/// By how much the objective would rise if a region were lost, joined with the neighbor that it
+/// would join first, or parted at its dearest join; whichever is least, in units of a plane's cost.
 std::vector<double> margins(const DepthSegmentation& s) {
   std::vector<double> margin(s.regions.size(), 0);
   for (std::size_t k = 0; k < s.regions.size(); ++k) {
     const DepthRegion& region = s.regions[k];
     if (!region.alive) continue;
-    margin[k] = worth_px(s, region) / s.options.worth_px;
+    double least = worth_px(s, region) / s.options.worth_px;
     if (region.dearest_join > 0)
-      margin[k] = std::min(margin[k], s.options.merge_cost / region.dearest_join);
+      least = std::min(least, s.options.merge_cost / region.dearest_join);
     for (const auto& [other, border] : region.near)
       if (s.regions[other].alive)
-        margin[k] = std::min(margin[k], s.join_cost(static_cast<std::int32_t>(k), other) /
-                                            s.options.merge_cost);
+        least = std::min(least,
+                         s.join_cost(static_cast<std::int32_t>(k), other) / s.options.merge_cost);
+    margin[k] = std::max(0.0, least - 1);
   }
   return margin;
 }
@@ -175,13 +177,12 @@ void conclude(DepthSegmentation& s, const DepthInput& input, Segmentation& resul
 }  // namespace
 
 double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
-  // A grazing plane's RMS is taken across it: its sideways error says nothing against it.
+  const double n = region.moments.n, scale = kWorthWidth / s.image.width;
+  // A grazing plane is rough along the ray by its sideways error, which says little against it.
   const DepthNoise& noise = s.noise;
-  const double across =
-      1 + noise.sideways2(region.plane) / (noise.white * noise.white + noise.bow * noise.bow);
-  const double n = region.moments.n;
+  const double across = 1 + kSideways * noise.sideways2(region.plane) /
+                                (noise.white * noise.white + noise.bow * noise.bow);
   const double rms = std::sqrt(region.plane.sse / std::max(1.0, n - 3) / across);
-  const double scale = kWorthWidth / s.image.width;
   return n * scale * scale * 0.01 * (region.moments.r / n) / std::max(rms, 1e-9);
 }
 

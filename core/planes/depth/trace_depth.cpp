@@ -29,10 +29,8 @@ void log_founded(DepthSegmentation& s,
   }
   refit(plane);
   plane.label = traced.label_of(plane.fit);
-  traced.trace->events.push_back({.type = EventType::found,
-                                  .label = plane.label,
-                                  .node = node,
-                                  .plane = region});
+  traced.trace->events.push_back(
+      {.type = EventType::found, .label = plane.label, .node = node, .plane = region});
   traced.planes.push_back(plane);
   write_plane(traced, region);
   for (std::uint32_t i = octree.nodes[node].begin; i < octree.nodes[node].end; ++i)
@@ -84,13 +82,12 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
     GrowingPlane& plane = traced.planes[region];
     if (!plane.alive || (taken[region].empty() && lost[region] == 0)) continue;
     const bool ends = !s.regions[region].alive;
-    traced.trace->events.push_back(
-        {.type = EventType::refine,
-         .stage = Stage::grow,
-         .plane = region,
-         .value = ends ? static_cast<float>(s.regions[region].moments.n)
-                       : static_cast<float>(taken[region].size()) -
-                             static_cast<float>(lost[region])});
+    traced.trace->events.push_back({.type = EventType::refine,
+                                    .stage = Stage::grow,
+                                    .plane = region,
+                                    .value = ends ? static_cast<float>(s.regions[region].moments.n)
+                                                  : static_cast<float>(taken[region].size()) -
+                                                        static_cast<float>(lost[region])});
     plane.moments = moments[region];
     plane.bounds = bounds[region];
     refit(plane);

@@ -115,6 +115,8 @@ CellPlanes planes_near_cells(const CellGrid& grid,
     seen[plane] = stamp;
     into.push_back(plane);
   };
+  constexpr std::int32_t kNone = -1, kSeveral = -2;
+  std::vector<std::int32_t> only;  // per cell, its plane where it has one
   std::vector<std::uint32_t> own_first{0};
   std::vector<std::int32_t> own;
   for (std::size_t c = 0; c < grid.size(); ++c) {
@@ -122,14 +124,22 @@ CellPlanes planes_near_cells(const CellGrid& grid,
     std::int32_t last = -1;  // mostly that of the point before
     for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
       if (plane_of[i] != last) collect(own, last = plane_of[i]);
+    const std::size_t count = own.size() - own_first.back();
+    only.push_back(count == 0 ? kNone : count == 1 ? own.back() : kSeveral);
     own_first.push_back(static_cast<std::uint32_t>(own.size()));
   }
   CellPlanes result;
   result.first.push_back(0);
   for (std::size_t c = 0; c < grid.size(); ++c) {
     ++stamp;
+    std::int32_t last = kNone;  // most neighbors have the plane of the one before, or none
     for (std::uint32_t k = grid.neighbour_first[c]; k < grid.neighbour_first[c + 1]; ++k) {
       const std::uint32_t n = grid.neighbours[k];
+      if (only[n] == last || only[n] == kNone) continue;
+      if (only[n] != kSeveral) {
+        collect(result.planes, last = only[n]);
+        continue;
+      }
       for (std::uint32_t j = own_first[n]; j < own_first[n + 1]; ++j)
         collect(result.planes, own[j]);
     }

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/planes/classify/classifier.hpp"
-#include "core/planes/depth/options.hpp"
+#include "core/planes/segment/objective.hpp"
 #include "core/planes/segment/refinement.hpp"
 #include "core/planes/segment/refinements.hpp"
 

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <chrono>
 
+#include "core/planes/segment/cloud_regions.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes {
@@ -106,11 +107,18 @@ Segmentation segment(std::span<const Vec3f> points,
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();
-  state.noise = measure_noise(state.octree, state.sensor, options);
-  traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
-  refine(state, After::merging);
-  assign_leftovers(state);
-  refine(state, After::assignment);
+  if (options.objective.on) {
+    const CloudScales scales = measure_scales(state, options.objective);
+    state.noise = noise_of(scales, options.objective);
+    traverse(state);
+    find_cloud_regions(state, scales, options.objective);
+  } else {
+    state.noise = measure_noise(state.octree, state.sensor, options);
+    traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
+    refine(state, After::merging);
+    assign_leftovers(state);
+    refine(state, After::assignment);
+  }
   conclude(state, result);
   result.timings.traverse_ms = elapsed_ms(built);
   return result;

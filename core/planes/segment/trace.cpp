@@ -6,19 +6,20 @@
 #include <cassert>
 #include <cctype>
 
-#include "core/planes/depth/stages.hpp"
+#include "core/planes/segment/stages.hpp"
 
 namespace planescope::planes {
 namespace {
 
 constexpr std::array kPaperStages{"criteria", "merge", "assign"};
 #define PLANESCOPE_INFO(name) &name::kInfo,
-constexpr const RefinementInfo* kRefinements[] = {&kJoinInfo, &kGrowInfo, &kHiddenInfo, &kListInfo,
-                                                  PLANESCOPE_REFINEMENTS(PLANESCOPE_INFO)};
+constexpr const RefinementInfo* kRefinements[] = {
+    &kJoinInfo,  &kGrowInfo, &kHiddenInfo,
+    &kPartsInfo, &kListInfo, PLANESCOPE_REFINEMENTS(PLANESCOPE_INFO)};
 #undef PLANESCOPE_INFO
 #define PLANESCOPE_NAME(name) #name,
-constexpr const char* kSwitches[] = {nullptr, nullptr, nullptr, nullptr,
-                                     PLANESCOPE_REFINEMENTS(PLANESCOPE_NAME)};
+constexpr const char* kSwitches[] = {nullptr, nullptr, nullptr,
+                                     nullptr, nullptr, PLANESCOPE_REFINEMENTS(PLANESCOPE_NAME)};
 #undef PLANESCOPE_NAME
 
 }  // namespace

@@ -30,9 +30,10 @@ enum class Stage : std::uint8_t {
   criteria,  // Criteria 1-3, in the traversal
   merge,     // Criterion 4
   assign,    // of the leftovers
-  join,      // of depth images, see depth/regions.hpp: two regions that touch
-  grow,      // pixels change hands
+  join,      // by the objective: two regions that touch
+  grow,      // pixels or points change hands
   hidden,    // two parts that something hides from each other
+  parts,     // of a plane that do not touch
   list,      // what is worth being a plane
 #define PLANESCOPE_STAGE(name) name,
   PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)

@@ -42,7 +42,9 @@ void divide_or_leave(SegmentState& state, std::int32_t index) {
 
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
-  if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
+  if (state.options.objective.on) {  // each node is a region; cloud_regions.cpp merges them
+    found(state, candidate, Stage::criteria);
+  } else if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
     log(state, {.type = EventType::wait,
                 .stage = Stage::r3_weak_candidates,
                 .label = candidate.label,
@@ -81,7 +83,8 @@ void visit(SegmentState& state, std::int32_t index) {
 
   if (!is_pure(purity, state.options)) {  // Case I
     settle(state, index, Case::I, 0);
-    if (state.options.r4_fit_impure_nodes.on && conquer_by_label(state, index, purity)) return;
+    const bool by_label = state.options.r4_fit_impure_nodes.on || state.options.objective.on;
+    if (by_label && conquer_by_label(state, index, purity)) return;
     divide_or_leave(state, index);
     return;
   }

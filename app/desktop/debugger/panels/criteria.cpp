@@ -180,7 +180,7 @@ const char* title_of(const std::string& section) {
 std::vector<const char*> sections_of(planes::Method method) {
   if (method == planes::Method::ours)
     return {"criteria", "objective", "refinements", "classifier", "cloud",
-            "gravity",  "foot",        "stairs",     "method"};
+            "gravity",  "foot",      "stairs",      "method"};
   return {"method", "rivals", "cloud", "gravity", "foot", "stairs"};
 }
 

@@ -11,6 +11,7 @@
 
 #include "core/model/disjoint_sets.hpp"
 #include "core/planes/segment/cells.hpp"
+#include "core/planes/segment/parts.hpp"
 #include "core/planes/segment/state.hpp"
 
 namespace planescope::planes::split_disconnected {
@@ -263,139 +264,6 @@ bool Sight::is_open_between(std::span<const std::uint32_t> a, std::span<const st
 
 constexpr Stage kStage = Stage::split_disconnected;
 
-using Part = std::vector<std::uint32_t>;  // points, ascending Morton positions
-
-/// Finds the parts of one plane after the other.
-class PartFinder {
- public:
-  PartFinder(const SegmentState& state, double gap_m)
-      : octree_(state.octree),
-        gap_m_(gap_m),
-        levels_(levels_of(octree_.cube, gap_m)),
-        own_grid_(levels_ == state.options.noise.neighbour_levels
-                      ? CellGrid{}
-                      : make_cell_grid(octree_, levels_)),
-        grid_(own_grid_.starts.empty() ? state.neighbour_cells() : own_grid_),
-        cell_of_(grid_.size(), -1) {}
-
-  /// Points that are linked by steps of at most gap_m make a part; parts by their first points.
-  std::vector<Part> parts_of(std::span<const std::uint32_t> points) {
-    gather(points);
-    DisjointSets sets(clumps_.size());
-    for (std::size_t c = 0; c < cells_.size(); ++c) {
-      link_within(points, cells_[c], sets);
-      cell_of_[cells_[c].number] = static_cast<std::int32_t>(c);
-      const std::uint32_t number = cells_[c].number;
-      for (std::uint32_t n = grid_.neighbour_first[number]; n < grid_.neighbour_first[number + 1];
-           ++n)
-        if (const std::int32_t other = cell_of_[grid_.neighbours[n]];
-            other >= 0 && other < static_cast<std::int32_t>(c))
-          link(points, cells_[c], cells_[other], sets);
-    }
-    for (const Cell& cell : cells_) cell_of_[cell.number] = -1;
-    return parts_in(points, sets);
-  }
-
- private:
-  /// Points are in Morton order, so that those of a cell, and of a clump in it, stand side by side.
-  struct Clump {
-    std::uint32_t begin = 0, end = 0;  // so near each other that they touch
-  };
-  struct Cell {
-    std::uint32_t number = 0, begin = 0, end = 0;  // clumps
-    bool whole = false;                            // linked among themselves
-  };
-
-  /// Cells no smaller than the gap, so that what touches is in touching cells.
-  static int levels_of(const Cube& cube, double gap_m) {
-    const double leaf = cube.edge_m / std::pow(2.0, cube.max_depth);
-    return std::clamp(static_cast<int>(std::ceil(std::log2(gap_m / leaf))), 0, cube.max_depth);
-  }
-
-  void gather(std::span<const std::uint32_t> points) {
-    constexpr int kClumpLevels = 2;  // a quarter of a cell: its diagonal is less than the gap
-    const int shift = 3 * (levels_ - kClumpLevels);
-    cells_.clear();
-    clumps_.clear();
-    std::uint64_t clump = 0;
-    for (std::uint32_t k = 0; k < points.size(); ++k) {
-      const std::uint32_t number = grid_.cell_of[points[k]];
-      const auto at = static_cast<std::uint32_t>(clumps_.size());
-      const bool new_cell = cells_.empty() || cells_.back().number != number;
-      if (new_cell) cells_.push_back({number, at, at});
-      const std::uint64_t now = shift >= 0 ? octree_.keys[points[k]] >> shift : k;
-      if (new_cell || now != clump) {
-        clumps_.push_back({k, k});
-        ++cells_.back().end;
-        clump = now;
-      }
-      clumps_.back().end = k + 1;
-    }
-  }
-
-  void link_within(std::span<const std::uint32_t> points, Cell& cell, DisjointSets& sets) const {
-    std::uint32_t apart = 0;  // sets among the clumps so far
-    for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
-      ++apart;
-      for (std::uint32_t j = i; j-- > cell.begin && apart > 1;)
-        if (join(points, i, j, sets)) --apart;
-    }
-    cell.whole = apart == 1;
-  }
-
-  void link(std::span<const std::uint32_t> points,
-            const Cell& a,
-            const Cell& b,
-            DisjointSets& sets) const {
-    const bool both_whole = a.whole && b.whole;
-    if (both_whole && sets.root(a.begin) == sets.root(b.begin)) return;
-    for (std::uint32_t i = a.begin; i < a.end; ++i)
-      for (std::uint32_t j = b.begin; j < b.end; ++j)
-        if (join(points, i, j, sets) && both_whole) return;
-  }
-
-  /// Joins two clumps that touch; false where they do not, or were joined before.
-  bool join(std::span<const std::uint32_t> points,
-            std::uint32_t i,
-            std::uint32_t j,
-            DisjointSets& sets) const {
-    if (sets.root(i) == sets.root(j) || !touch(points, clumps_[i], clumps_[j])) return false;
-    sets.join(i, j);
-    return true;
-  }
-
-  bool touch(std::span<const std::uint32_t> points, const Clump& a, const Clump& b) const {
-    for (std::uint32_t i = a.begin; i < a.end; ++i)
-      for (std::uint32_t j = b.begin; j < b.end; ++j)
-        if ((octree_.points[points[i]] - octree_.points[points[j]]).norm() <= gap_m_) return true;
-    return false;
-  }
-
-  std::vector<Part> parts_in(std::span<const std::uint32_t> points, DisjointSets& sets) const {
-    std::vector<Part> parts;
-    std::vector<std::uint32_t> number(clumps_.size());
-    for (std::uint32_t c = 0; c < clumps_.size(); ++c) {
-      const std::uint32_t root = sets.root(c);
-      if (root == c) {
-        number[c] = static_cast<std::uint32_t>(parts.size());
-        parts.emplace_back();
-      }
-      Part& part = parts[number[root]];
-      part.insert(part.end(), points.begin() + clumps_[c].begin, points.begin() + clumps_[c].end);
-    }
-    return parts;
-  }
-
-  const Octree& octree_;
-  const double gap_m_;
-  const int levels_;
-  const CellGrid own_grid_;  // where the refinements' common one is of other cells
-  const CellGrid& grid_;
-  std::vector<Clump> clumps_;
-  std::vector<Cell> cells_;            // of the plane
-  std::vector<std::int32_t> cell_of_;  // per cell of the grid, -1 where the plane has none so far
-};
-
 /// Could the part found a plane? What holds for candidates with uncertain normals holds for it.
 bool is_plane_of_its_own(const SegmentState& state, const Part& part) {
   const PlaneFit fit = fit_plane(moments_of(state, part));
@@ -454,8 +322,12 @@ void run(SegmentState& state, const Options& options) {
   const auto least = static_cast<std::size_t>(std::max(3, state.options.theta_n_in));
   const bool seen = options.rule == SplitRule::seen;
   const double spacing_m = std::sqrt(typical_area_per_point(state));
-  PartFinder finder(
-      state, seen ? std::max(options.gap_m, options.gap_spacings * spacing_m) : options.gap_m);
+  const double gap_m =
+      seen ? std::max(options.gap_m, options.gap_spacings * spacing_m) : options.gap_m;
+  const int levels = levels_of_gap(state.octree.cube, gap_m);
+  const bool shared = levels == state.options.noise.neighbour_levels;
+  const CellGrid own = shared ? CellGrid{} : make_cell_grid(state.octree, levels);
+  PartFinder finder(state.octree, shared ? state.neighbour_cells() : own, levels, gap_m);
   const PlanePoints members = points_by_plane(state);
   std::optional<Rays> rays;  // from the first plane in several parts on
   const auto founded = static_cast<std::int32_t>(state.planes.size());

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/planes/pipeline/options_table.hpp"
 #include "support/gap_scenes.hpp"
 #include "support/scenes.hpp"
+#include "support/wall_scene.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -56,6 +60,7 @@ class Clouds {
  public:
   /// Does the number change anything on some cloud in some setting?
   bool feel(const OptionInfo& info) {
+    if (info.section == "objective") return feel_on_pixels(info) || feel_by_objective(info);
     for (const double factor : {2.0, 0.5, 10.0, 0.1, 1000.0, 0.0})
       for (std::size_t s = 0; s < settings_.size(); ++s)
         for (std::uint64_t seed = 1; seed <= kClouds; ++seed) {
@@ -72,6 +77,39 @@ class Clouds {
 
  private:
   static constexpr std::uint64_t kClouds = 40;
+
+  static PipelineOptions changed(const OptionInfo& info, double factor) {
+    PipelineOptions options = test::wall_options();
+    options.segment.objective.on = true;
+    info.set(options, number_text(info, factor * number_of(info, options)));
+    return options;
+  }
+  /// On a depth image: a post before a wall, curved at one side, and a floor.
+  bool feel_on_pixels(const OptionInfo& info) {
+    static const Frame frame = test::depth_frame([](double x, double y) {
+      if (std::abs(x + 0.2) < 0.02) return 0.9;
+      const double wall = 1.5 + 0.1 * std::max(0.0, x) + 0.5 * x * std::max(0.0, x - 0.3);
+      return std::min(wall, y > 0.1 ? 0.5 / y : wall);
+    });
+    const auto planes_of = [](const PipelineOptions& options) {
+      const FrameResult result = run_frame(frame, options, nullptr);
+      std::vector<std::int32_t> planes = result.plane_of;
+      for (const PlaneRegion& plane : result.segmentation.planes) planes.push_back(plane.undecided);
+      return planes;
+    };
+    static const std::vector<std::int32_t> as_it_is = planes_of(changed(info, 1));
+    for (const double factor : {2.0, 0.5, 10.0, 0.1, 1000.0, 0.0})
+      if (planes_of(changed(info, factor)) != as_it_is) return true;
+    return false;
+  }
+  bool feel_by_objective(const OptionInfo& info) {
+    for (const double factor : {2.0, 0.5, 10.0, 0.1, 1000.0, 0.0})
+      for (std::uint64_t seed = 1; seed <= kClouds; ++seed)
+        if (planes_of(cloud(seed), changed(info, factor).segment) !=
+            planes_of(cloud(seed), changed(info, 1).segment))
+          return true;
+    return false;
+  }
   std::vector<std::int32_t> planes_in(const Setting& setting,
                                       const SegmentOptions& options,
                                       std::uint64_t seed) {

@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "app/cli/output.hpp"
+#include "app/cli/progress.hpp"
+#include "app/commands/report_frames.hpp"
+#include "app/lab/lab.hpp"
+#include "core/lab/experiments/measure_steady.hpp"
+#include "core/model/error.hpp"
+#include "core/model/file_bytes.hpp"
+#include "core/planes/pipeline/profile_file.hpp"
+
+namespace planescope::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchSteadyArgs {
+  InputArgs input;
+  std::set<std::string> only;
+  fs::path poses;  // --poses; "none": pixel by pixel; empty: those of the recording
+  int turns = 20;
+  fs::path out;  // -o; empty: nothing is written
+  bool json = false;
+  std::set<lab::SteadyPart> parts;
+  std::vector<lab::SteadyMethod> methods;
+  std::string same_command;
+};
+
+std::vector<std::string> part_names() {
+  std::vector<std::string> names;
+  for (const lab::SteadyPart part : lab::steady_parts()) names.emplace_back(lab::to_string(part));
+  return names;
+}
+
+/// --poses, else the recording's own, else a file poses.tum in its folder.
+lab::FramePoses read_poses(const OpenInput& input, const fs::path& typed) {
+  if (typed == "none") return {};
+  if (!typed.empty())
+    return lab::poses_of_recording(*input.recording, world::read_trajectory(typed));
+  lab::FramePoses own = lab::poses_of_recording(*input.recording, {});
+  const fs::path file = input.path / "poses.tum";
+  if (!own.empty() || !fs::is_regular_file(file)) return own;
+  return lab::poses_of_recording(*input.recording, world::read_trajectory(file));
+}
+
+/// Writes steady.json and steady.md, prints the table, and returns 0; throws Cancelled on stop.
+int run_bench_steady(const BenchSteadyArgs& args, std::stop_token stop) {
+  if (!args.out.empty()) check_output_dir(args.out);
+  InputArgs depth_only = args.input;
+  depth_only.recording.color = false;
+  const std::vector<OpenInput> inputs = open_inputs(depth_only);
+  if (inputs.size() > 1 && !args.poses.empty() && args.poses != "none")
+    throw Error(fmt::format("--poses: belongs to one recording, found {}", inputs.size()));
+  std::vector<lab::FramePoses> poses;
+  for (const OpenInput& input : inputs)
+    poses.push_back(args.parts.contains(lab::SteadyPart::next) ? read_poses(input, args.poses)
+                                                               : lab::FramePoses());
+  planes::PipelineOptions ours = args.methods.front().options;
+  const planes::ChosenClassifier chosen = choose_classifier(ours);
+
+  lab::SteadyResults results;
+  results.command = args.same_command;
+  results.build = report::build_info();
+  if (chosen.weights) results.weights = *chosen.weights;
+  const std::vector<std::string> names = recording_names(inputs);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const auto units = static_cast<int>(inputs[i].frames.size() * args.methods.size());
+    const FrameThreads threads = threads_for_frames(args.input.pipeline, units);
+    lab::SteadyJob job;
+    job.recording = inputs[i].recording.get();
+    job.name = names[i];
+    job.frames = inputs[i].frames;
+    job.methods = args.methods;
+    for (lab::SteadyMethod& method : job.methods) method.options.threads = threads.pipeline.threads;
+    job.classifier = chosen.classifier.get();
+    job.parts = args.parts;
+    job.poses = std::move(poses[i]);
+    job.turns = args.turns;
+    job.threads = threads.at_once;
+    job.progress = Bar("steady", stop);
+    job.stop = stop;
+    results.recordings.push_back(lab::measure_steady(job));
+    for (const std::string& line : results.recordings.back().refused)
+      notice("left out: {}, {}", inputs[i].path.string(), line);
+  }
+  const std::string json = lab::steady_json(results);
+  if (!args.out.empty()) {
+    make_output_dir(args.out);
+    write_file_text(args.out / "steady.json", json);
+    write_file_text(args.out / "steady.md", lab::steady_markdown(results));
+  }
+  fmt::print("{}", args.json ? json : lab::to_text(lab::steady_table(results)));
+  return 0;
+}
+
+std::vector<std::string> typed_values(const CLI::App& command, const char* name) {
+  return command.get_option(name)->results();
+}
+
+/// Ours in the profiles paper and refined and every rival of this build, or what --profile and
+/// --method name; all with what --set says.
+std::vector<lab::SteadyMethod> methods_to_measure(const CLI::App& command,
+                                                  const planes::PipelineOptions& typed) {
+  const std::vector<std::string> set = typed_values(command, "--set");
+  const bool one_method =
+      !typed_values(command, "--method").empty() || typed.method != planes::Method::ours;
+  std::vector<lab::SteadyMethod> methods;
+  for (const planes::Method method : planes::built_methods()) {
+    if (one_method && method != typed.method) continue;
+    if (method != planes::Method::ours) {
+      methods.push_back({planes::to_string(method), typed});
+      methods.back().options.method = method;
+      continue;
+    }
+    std::vector<std::string> profiles = typed_values(command, "--profile");
+    for (const std::string& assignment : set)
+      if (assignment.starts_with("profile=")) profiles = {assignment.substr(8)};
+    if (profiles.empty()) profiles = {"paper", "refined"};
+    for (const std::string& profile : profiles) {
+      planes::PipelineOptions options = typed;
+      planes::set_profile(options, profile);
+      for (const std::string& assignment : set) set_pipeline_option(options, "--set", assignment);
+      methods.push_back({"ours " + fs::path(profile).filename().string(), options});
+    }
+  }
+  return methods;
+}
+
+void finish(BenchSteadyArgs& args, const CLI::App& typed) {
+  const planes::PipelineOptions& pipeline = args.input.pipeline;
+  const bool knows_gravity = pipeline.gravity.mode != planes::GravityMode::none;
+  for (const lab::SteadyPart part : lab::steady_parts())
+    if (args.only.empty() ? part != lab::SteadyPart::gravity || knows_gravity
+                          : args.only.contains(lab::to_string(part)))
+      args.parts.insert(part);
+  if (!knows_gravity && args.parts.contains(lab::SteadyPart::gravity))
+    throw Error("--only gravity: turns gravity, which --gravity none leaves unknown");
+  if (pipeline.classifier == "truth")
+    throw Error("--classifier truth: bench steady does not take it; it needs labels of each frame");
+  args.methods = methods_to_measure(typed, pipeline);
+  args.same_command = "planescope-lab bench steady";
+  for (const fs::path& path : args.input.inputs)
+    args.same_command +=
+        " " + (path.has_filename() ? path : path.parent_path()).filename().string();
+  args.same_command +=
+      typed_text(typed, {"--only", "--turns", "--frames", "--intrinsics", "--depth-unit",
+                         "--gravity", "--max-range", "--voxel", "--classifier", "--method"});
+  for (const char* name : {"--poses", "--profile"})
+    for (const std::string& value : typed_values(typed, name))
+      args.same_command += fmt::format(" {} {}", name, fs::path(value).filename().string());
+  for (const std::string& assignment : typed_values(typed, "--set"))
+    args.same_command += " --set " + assignment;
+}
+
+}  // namespace
+
+void define_bench_steady(CLI::App* bench, Line& line) {
+  CLI::App* steady = bench->add_subcommand(
+      "steady",
+      "How many planes stay the same under changes that mean nothing, and in the next frame:\n"
+      "ours (profiles paper and refined) and every other method. Measures every 8th frame\n"
+      "unless --frames says otherwise. With -o: steady.json and steady.md.");
+  const auto args = std::make_shared<BenchSteadyArgs>();
+  args->input.frames.step = 8;
+  add_inputs(steady, args->input, "Recordings of depth images");
+  add_out(steady, args->out);
+  add_json(steady, args->json);
+  add_parts(steady, args->only, part_names(),
+            fmt::format("Only these changes: {}; default all", fmt::join(part_names(), ", ")));
+  add(steady, "--poses", args->poses, "FILE|none",
+      "Camera poses, as `planescope map` reads them; default: those of the recording, or poses.tum "
+      "in its folder. none: compare with the next frame pixel by pixel");
+  add(steady, "--turns", args->turns, "N", "Turns of gravity for each frame, default 20")
+      ->transform(whole(1, 1000));
+  add_method(steady, args->input.pipeline);
+  runs(steady, line, args, run_bench_steady, [args, steady] { finish(*args, *steady); });
+}
+
+}  // namespace planescope::app

@@ -1,0 +1,480 @@
+#include "core/planes/segment/cloud_regions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <queue>
+
+#include "core/planes/segment/parts.hpp"
+
+namespace planescope::planes {
+namespace {
+
+constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
+constexpr int kRounds = 4;          // of moving points, fitting and merging, at most
+
+/// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
+/// sum of squared distances to the least-squares plane [m^2].
+struct Cubic {
+  double a = 0, b = 0, c = 0;
+
+  explicit Cubic(const Moments& moments) {
+    const Mat3d s = moments.scatter();
+    const double xy2 = s(0, 1) * s(0, 1), xz2 = s(0, 2) * s(0, 2), yz2 = s(1, 2) * s(1, 2);
+    a = s(0, 0) + s(1, 1) + s(2, 2);
+    b = s(0, 0) * s(1, 1) + s(0, 0) * s(2, 2) + s(1, 1) * s(2, 2) - xy2 - xz2 - yz2;
+    c = s(0, 0) * s(1, 1) * s(2, 2) + 2 * s(0, 1) * s(0, 2) * s(1, 2) - s(0, 0) * yz2 -
+        s(1, 1) * xz2 - s(2, 2) * xy2;
+  }
+  double at(double x) const { return ((x - a) * x + b) * x - c; }
+  double slope_at(double x) const { return (3 * x - 2 * a) * x + b; }
+  /// Certainly, and quickly told: it may be beyond without.
+  bool least_root_is_beyond(double x) const { return at(x) < 0 && slope_at(x) > 0 && 3 * x < a; }
+  /// By Newton's method, which rises from 0 to it.
+  double least_root() const {
+    double x = 0;
+    for (int i = 0; i < 40; ++i) {
+      const double slope = slope_at(x);
+      if (slope <= 0) break;
+      const double step = -at(x) / slope;
+      x += step;
+      if (step <= 1e-9 * x + 1e-16 * a) break;
+    }
+    return std::max(0.0, x);
+  }
+  /// Of the other two roots, where the least is small [m^4].
+  double product_of_others() const { return std::max(0.0, b); }
+};
+
+double quantile(std::vector<double>& values, double share) {
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+// ---- Merging ----
+
+/// Which plane a merged one has become.
+class Roots {
+ public:
+  explicit Roots(std::size_t count) : into_(count) { std::iota(into_.begin(), into_.end(), 0); }
+  std::int32_t root(std::int32_t k) {
+    while (into_[k] != k) k = into_[k] = into_[into_[k]];
+    return k;
+  }
+  void join_into(std::int32_t from, std::int32_t into) { into_[from] = into; }
+
+ private:
+  std::vector<std::int32_t> into_;
+};
+
+/// Merges touching regions, the lowest cost first.
+class Merger {
+ public:
+  Merger(SegmentState& state, const CloudScales& scales, const ObjectiveOptions& options)
+      : state_(state), scales_(scales), options_(options), roots_(state.planes.size()) {}
+
+  /// How many it merged. `near`: planes near the cells of `grid`. `any_label`: regions of different
+  /// labels, too.
+  int merge_all(const CellGrid& grid, const CellPlanes& near, bool any_label) {
+    any_label_ = any_label;
+    size_.resize(state_.planes.size());
+    for (std::size_t k = 0; k < size_.size(); ++k) size_[k] = state_.planes[k].moments.count;
+    for (const auto& [a, b] : touching_pairs(grid, near)) offer(a, b);
+    int merged = 0;
+    while (!offers_.empty()) {
+      const Offer best = offers_.top();
+      offers_.pop();
+      const std::int32_t a = roots_.root(best.a), b = roots_.root(best.b);
+      if (a == b) continue;
+      if (size_[a] + size_[b] > best.points) {  // one of them has grown since
+        offer(a, b);
+        continue;
+      }
+      merge(a, b, best.cost);
+      ++merged;
+    }
+    return merged;
+  }
+
+ private:
+  struct Offer {
+    double cost = 0;
+    double points = 0;  // of both, when it was made
+    std::int32_t a = -1, b = -1;
+    bool operator<(const Offer& other) const {  // the greatest comes first
+      return cost != other.cost ? cost > other.cost : std::pair(a, b) > std::pair(other.a, other.b);
+    }
+  };
+
+  /// What the objective gains from a second plane: the squares that it saves, over what noise and
+  /// bow explain of them. No plane is credited with fewer squares than noise alone makes: cells cut
+  /// a noisy surface into layers flatter than it. No value where that is not below the limit.
+  std::optional<double> cost(const GrowingPlane& p, const GrowingPlane& q) const {
+    Moments both = p.moments;
+    both += q.moments;
+    const double white2 = scales_.white_m * scales_.white_m;
+    const auto squares = [&](const GrowingPlane& r) {
+      return std::max(r.fit.eigenvalues[0], (r.moments.count - 3) * white2);
+    };
+    const double weight = p.moments.count * q.moments.count / both.count;
+    const double apart_m2 = squares(p) + squares(q);
+    const double explained_m2 = 3 * white2 + scales_.bow_m * scales_.bow_m * weight;
+    const Cubic cubic(both);
+    if (cubic.least_root_is_beyond(apart_m2 + options_.merge_cost * explained_m2)) return {};
+    const double cost = std::max(0.0, cubic.least_root() - apart_m2) / explained_m2;
+    if (cost >= options_.merge_cost) return {};
+    return cost;
+  }
+
+  void offer(std::int32_t a, std::int32_t b) {
+    const GrowingPlane &p = state_.planes[a], &q = state_.planes[b];
+    if (!any_label_ && p.label != q.label) return;
+    if (const std::optional<double> c = cost(p, q))
+      offers_.push({*c, size_[a] + size_[b], std::min(a, b), std::max(a, b)});
+  }
+
+  void merge(std::int32_t a, std::int32_t b, double cost) {
+    const auto [from, into] =
+        size_[a] < size_[b] || (size_[a] == size_[b] && a > b) ? std::pair(a, b) : std::pair(b, a);
+    log(state_, {.type = EventType::refine,
+                 .stage = Stage::join,
+                 .plane = from,
+                 .other = into,
+                 .value = static_cast<float>(cost)});
+    ++state_.counts.merges;
+    if (points_.empty()) gather_points();
+    join_planes(state_, from, into, points_[from]);
+    points_[into].insert(points_[into].end(), points_[from].begin(), points_[from].end());
+    points_[from].clear();
+    size_[into] += size_[from];
+    roots_.join_into(from, into);
+  }
+
+  void gather_points() {
+    const PlanePoints members = points_by_plane(state_);
+    points_.resize(state_.planes.size());
+    for (std::int32_t k = 0; k < std::ssize(points_); ++k)
+      points_[k].assign(members.of(k).begin(), members.of(k).end());
+  }
+
+  /// Regions with points in touching cells, each pair once.
+  std::vector<std::pair<std::int32_t, std::int32_t>> touching_pairs(const CellGrid& grid,
+                                                                    const CellPlanes& near) const {
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+    std::vector<std::vector<std::int32_t>> partners(state_.planes.size());  // of the lower number
+    for (std::uint32_t cell = 0; cell < grid.size(); ++cell) {
+      const auto planes = near.near(cell);
+      if (planes.size() < 2) continue;
+      std::int32_t last = -1;
+      for (std::uint32_t i = grid.starts[cell]; i < grid.starts[cell + 1]; ++i) {
+        const std::int32_t a = state_.plane_of[i];
+        if (a < 0 || a == last) continue;
+        last = a;
+        for (const std::int32_t b : planes) {
+          if (a == b || !state_.planes[b].alive) continue;
+          const auto [low, high] = std::minmax(a, b);
+          if (std::ranges::find(partners[low], high) != partners[low].end()) continue;
+          partners[low].push_back(high);
+          pairs.emplace_back(low, high);
+        }
+      }
+    }
+    return pairs;
+  }
+
+  SegmentState& state_;
+  const CloudScales& scales_;
+  const ObjectiveOptions& options_;
+  bool any_label_ = false;
+  Roots roots_;
+  std::vector<double> size_;                        // points, per plane
+  std::vector<std::vector<std::uint32_t>> points_;  // likewise, from the first merge on
+  std::priority_queue<Offer> offers_;
+};
+
+// ---- Points ----
+
+/// Gives each point to the plane that explains it best.
+class PointMover {
+ public:
+  PointMover(SegmentState& state,
+             const CloudScales& scales,
+             const ObjectiveOptions& options,
+             const CellGrid& grid)
+      : state_(state),
+        options_(options),
+        grid_(grid),
+        variance_m2_(scales.variance_m2()),
+        label_m_(options.label_sigma * scales.measured_m) {}
+
+  /// How many it moved.
+  int move_all(const CellPlanes& near) {
+    worth_.assign(state_.planes.size(), 0);
+    second_.assign(state_.plane_of.size(), {});
+    changed_.assign(state_.planes.size(), 0);
+    int moved = 0;
+    for (std::uint32_t cell = 0; cell < grid_.size(); ++cell)
+      for (std::uint32_t i = grid_.starts[cell]; i < grid_.starts[cell + 1]; ++i)
+        moved += move(i, near.near(cell)) ? 1 : 0;
+    return moved;
+  }
+
+  /// By how much the objective would rise without the plane, its own cost apart.
+  double worth(std::int32_t plane) const { return worth_[plane]; }
+  /// Likewise, if the point's plane were another than that of these points alone.
+  double worth(std::span<const std::uint32_t> points) const {
+    double sum = 0;
+    for (const std::uint32_t i : points) sum += second_[i].loss;
+    return sum;
+  }
+  /// Per plane, whether it gained or lost points.
+  std::span<const std::uint8_t> changed() const { return changed_; }
+  /// The plane that explains the point second best; -1 none.
+  std::int32_t second_plane(std::uint32_t i) const { return second_[i].plane; }
+
+ private:
+  bool move(std::uint32_t i, std::span<const std::int32_t> near) {
+    const double unexplained = options_.point_reach_sigma * options_.point_reach_sigma;
+    double least = unexplained, next = unexplained;
+    std::int32_t best = -1, second = -1;
+    const Vec3d p = state_.point(i);
+    for (const std::int32_t k : near) {
+      const GrowingPlane& plane = state_.planes[k];
+      if (!plane.alive) continue;
+      const double off_m =
+          std::abs(plane.fit.distance_m(p)) + (state_.has_label(i, plane.label) ? 0 : label_m_);
+      const double cost = off_m * off_m / variance_m2_;
+      if (cost < least) {
+        next = least;
+        second = best;
+        least = cost;
+        best = k;
+      } else if (cost < next) {
+        next = cost;
+        second = k;
+      }
+    }
+    second_[i] = {second, next - least};
+    if (best >= 0) worth_[best] += next - least;
+    const std::int32_t from = state_.plane_of[i];
+    if (best == from) return false;
+    log(state_, {.type = best < 0 ? EventType::drop : EventType::assign,
+                 .stage = Stage::grow,
+                 .plane = best,
+                 .other = from,
+                 .point = state_.input_index(i),
+                 .value = static_cast<float>(std::sqrt(least * variance_m2_))});
+    if (best < 0)
+      leave_point(state_, i);
+    else
+      give_point(state_, i, best);
+    for (const std::int32_t k : {from, best})
+      if (k >= 0) changed_[k] = 1;
+    return true;
+  }
+
+  SegmentState& state_;
+  const ObjectiveOptions& options_;
+  const CellGrid& grid_;
+  const double variance_m2_, label_m_;
+  std::vector<double> worth_;          // per plane
+  std::vector<std::uint8_t> changed_;  // likewise
+  struct Second {
+    std::int32_t plane = -1;
+    double loss = 0;  // squared sigma
+  };
+  std::vector<Second> second_;  // per point
+};
+
+/// Fits planes that changed to their points; those without points end.
+void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
+  std::vector<Moments> moments(state.planes.size());
+  for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
+    if (const std::int32_t k = state.plane_of[i]; k >= 0 && changed[k])
+      state.octree.add_point(moments[k], i);
+  for (std::int32_t k = 0; k < std::ssize(changed); ++k) {
+    if (!state.planes[k].alive || !changed[k]) continue;
+    if (moments[k].count >= 3)
+      fit_again(state, k, moments[k]);
+    else if (moments[k].count == 0)
+      end_plane(state, k);
+  }
+}
+
+/// Drops planes that cost more than they are worth, those worth least first. A plane stays while a
+/// neighbor of it has just been dropped: it may be worth more now.
+int drop_worthless(SegmentState& state,
+                   const PointMover& mover,
+                   const ObjectiveOptions& options,
+                   const CellGrid& grid) {
+  std::vector<std::int32_t> order;
+  for (std::int32_t k = 0; k < std::ssize(state.planes); ++k)
+    if (state.planes[k].alive && mover.worth(k) < options.plane_cost) order.push_back(k);
+  if (order.empty()) return 0;
+  std::ranges::stable_sort(order, {}, [&](std::int32_t k) { return mover.worth(k); });
+  const PlanePoints members = points_by_plane(state);
+  std::vector<std::uint8_t> touched(grid.size(), 0);
+  int dropped = 0;
+  for (const std::int32_t k : order) {
+    const auto points = members.of(k);
+    if (std::ranges::any_of(points, [&](std::uint32_t i) { return touched[grid.cell_of[i]]; }))
+      continue;
+    log(state, {.type = EventType::refine,
+                .stage = Stage::list,
+                .plane = k,
+                .value = static_cast<float>(mover.worth(k))});
+    drop_plane(state, k, points);
+    ++dropped;
+    for (const std::uint32_t i : points) {
+      const std::uint32_t cell = grid.cell_of[i];
+      for (std::uint32_t n = grid.neighbour_first[cell]; n < grid.neighbour_first[cell + 1]; ++n)
+        touched[grid.neighbours[n]] = 1;
+    }
+  }
+  return dropped;
+}
+
+// ---- Parts ----
+
+/// Parts of a plane that do not touch become planes of their own where they are worth it. Points of
+/// others go to the planes that explain them second best.
+void split_planes(SegmentState& state,
+                  const PointMover& mover,
+                  const ObjectiveOptions& options,
+                  const CellGrid& grid,
+                  int levels,
+                  double gap_m) {
+  PartFinder finder(state.octree, grid, levels, gap_m);
+  const PlanePoints members = points_by_plane(state);
+  const auto count = static_cast<std::int32_t>(state.planes.size());
+  std::vector<std::uint8_t> changed(state.planes.size(), 0);
+  for (std::int32_t plane = 0; plane < count; ++plane) {
+    if (!state.planes[plane].alive) continue;
+    std::vector<Part> parts = finder.parts_of(members.of(plane));
+    if (parts.size() < 2) continue;
+    changed[plane] = 1;
+    std::ranges::stable_sort(parts, std::greater<>(), &Part::size);
+    for (auto part = parts.begin() + 1; part != parts.end(); ++part) {
+      if (part->size() >= 3 && mover.worth(*part) >= options.plane_cost) {
+        found_part(state, Stage::parts, plane, *part);
+        continue;
+      }
+      for (const std::uint32_t i : *part) {
+        const std::int32_t other = mover.second_plane(i);
+        if (other < 0 || !state.planes[other].alive) continue;
+        log(state, {.type = EventType::assign,
+                    .stage = Stage::parts,
+                    .plane = other,
+                    .other = plane,
+                    .point = state.input_index(i)});
+        give_point(state, i, other);
+        changed[other] = 1;
+      }
+    }
+  }
+  fit_planes(state, changed);
+}
+
+}  // namespace
+
+CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options) {
+  constexpr double kCalm = 4;  // a patch with more variance, over that of noise, holds an edge
+  const Octree& octree = state.octree;
+  const CellGrid& grid = state.neighbour_cells();
+  struct Patch {
+    Moments moments;
+    double misfit_m2 = 0;
+    bool calm = false;
+  };
+  std::vector<std::array<Patch, 2>> patches(grid.size());  // by label
+  std::vector<double> variances, areas;
+  for (std::size_t c = 0; c < grid.size(); ++c) {
+    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
+      octree.add_point(patches[c][state.options.use_labels && octree.labels[i] == Label::h].moments,
+                       i);
+    for (Patch& patch : patches[c]) {
+      const double count = patch.moments.count;
+      if (count < state.options.noise.sigma_min_points) continue;
+      const Cubic cubic(patch.moments);
+      patch.misfit_m2 = cubic.least_root();
+      variances.push_back(patch.misfit_m2 / (count - 3));
+      areas.push_back(12 * std::sqrt(cubic.product_of_others()) / (count * count));
+    }
+  }
+  CloudScales scales;
+  if (variances.empty()) return scales;
+  scales.spacing_m = std::sqrt(quantile(areas, 0.5));
+  const double measured2 = quantile(variances, kCalmCells);
+  scales.measured_m = std::sqrt(measured2);
+  scales.white_m = std::max(scales.measured_m, options.resolution * scales.spacing_m);
+  for (auto& of_cell : patches)
+    for (Patch& patch : of_cell)
+      patch.calm = patch.moments.count >= state.options.noise.sigma_min_points &&
+                   patch.misfit_m2 <= kCalm * measured2 * (patch.moments.count - 3);
+  std::vector<double> offsets;
+  for (std::uint32_t c = 0; c < grid.size(); ++c)
+    for (int label = 0; label < 2; ++label) {
+      const Patch& p = patches[c][label];
+      if (!p.calm) continue;
+      for (std::uint32_t n = grid.neighbour_first[c]; n < grid.neighbour_first[c + 1]; ++n) {
+        const std::uint32_t other = grid.neighbours[n];
+        const Patch& q = patches[other][label];
+        if (other <= c || !q.calm) continue;
+        Moments both = p.moments;
+        both += q.moments;
+        const double weight = p.moments.count * q.moments.count / both.count;
+        offsets.push_back((Cubic(both).least_root() - p.misfit_m2 - q.misfit_m2 - 3 * measured2) /
+                          weight);
+      }
+    }
+  double bow2 = 0;
+  if (!offsets.empty()) bow2 = std::max(0.0, quantile(offsets, 0.5));
+  scales.bow_m = options.bow * std::max(std::sqrt(bow2), 0.2 * scales.white_m);
+  return scales;
+}
+
+NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options) {
+  NoiseModel model;
+  model.estimated = true;
+  model.constant_m = std::sqrt(scales.variance_m2());
+  model.options.theta_rms_sigmas = std::sqrt(options.flat);
+  model.options.tau_sigmas = options.point_reach_sigma;
+  model.options.theta_rms_min_m = model.options.tau_min_m = 0;
+  model.options.theta_rms_max_m = model.options.tau_max_m = INFINITY;
+  return model;
+}
+
+void find_cloud_regions(SegmentState& state,
+                        const CloudScales& scales,
+                        const ObjectiveOptions& options) {
+  constexpr double kStill = 0.005;  // share of points: fewer moves change no plane
+  const double gap_m = std::max(state.options.split_disconnected.gap_m,
+                                state.options.split_disconnected.gap_spacings * scales.spacing_m);
+  const int levels = levels_of_gap(state.octree.cube, gap_m);
+  const bool shared = levels == state.options.noise.neighbour_levels;
+  const CellGrid own = shared ? CellGrid{} : make_cell_grid(state.octree, levels);
+  const CellGrid& grid = shared ? state.neighbour_cells() : own;
+  state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());
+  if (scales.variance_m2() <= 0) return;
+  const auto near = [&] { return planes_near_cells(grid, state.plane_of, state.planes.size()); };
+  CellPlanes around = near();
+  Merger(state, scales, options).merge_all(grid, around, false);
+  PointMover mover(state, scales, options, grid);
+
+  for (int round = 0;; ++round) {
+    around = near();
+    const int moved = mover.move_all(around);
+    fit_planes(state, mover.changed());
+    if (round >= kRounds) break;
+    int redrawn = drop_worthless(state, mover, options, grid);
+    redrawn += Merger(state, scales, options).merge_all(grid, around, true);
+    if (redrawn == 0 && moved <= kStill * static_cast<double>(state.plane_of.size())) break;
+  }
+  split_planes(state, mover, options, grid, levels, gap_m);
+}
+
+}  // namespace planescope::planes

@@ -1,0 +1,76 @@
+#pragma once
+
+// The numbers of the one objective by which `refined` finds planes: misfit over the measured noise,
+// a cost for each plane, and one for each unexplained pixel or point. None depends on the camera or
+// is a length: what differs between sensors is measured in the frame.
+
+#include "core/planes/segment/refinement.hpp"
+
+namespace planescope::planes {
+
+struct ObjectiveOptions {
+  bool on = false;  // instead of all refinements
+
+  // Of depth images (core/planes/depth) and of clouds (cloud_regions.hpp).
+  double flat = 3;         // Criterion 3: largest variance of a cell, relative to the expected
+  double bow = 2.5;        // the low-frequency error, in units of what it is measured by
+  double merge_cost = 10;  // of a plane: regions join where their misfit costs less
+
+  // Of depth images.
+  double two_planes = 0.3;    // Criterion 1: halves of a cell part above this share of merge_cost
+  double filled = 0.4;        // Criterion 2: least share of a cell's pixels that it holds
+  double lateral_px = 2;      // sideways error of a pixel
+  double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
+  double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
+  double worth_px = 6000;     // least worth of a listed plane: pixels at 1 % relative RMS, in an
+                              // image 640 px wide
+  double undecided = 0.5;     // a plane whose margin is below this is undecided
+
+  // Of clouds; sigma is the noise measured in the cloud.
+  double resolution = 0.05;        // sigma is at least this, in spacings of points
+  double point_reach_sigma = 4.5;  // cost of an unexplained point, as a distance
+  double label_sigma = 2;          // a plane of the other label seems this much farther off
+  double plane_cost = 220;         // squared sigma: what a plane costs
+
+  template <typename Rows>
+  static void describe(Rows& rows) {
+    using O = ObjectiveOptions;
+    rows.flag("objective", "find planes by one objective in place of all refinements", &O::on);
+    rows.only_with("objective");
+    rows.number("flat", "1", "Criterion 3: largest variance of a cell, relative to the expected",
+                &O::flat, {0, 1e6, true});
+    rows.number("bow", "1", "low-frequency error, in units of what it is measured by", &O::bow,
+                {0, 100});
+    rows.number("merge_cost", "1", "cost of a plane: regions join where their misfit costs less",
+                &O::merge_cost, {0, 1e6});
+    rows.number("two_planes", "share",
+                "depth images, Criterion 1: halves of a cell are two planes above this share of "
+                "merge_cost",
+                &O::two_planes, {0, 1e6});
+    rows.number("filled", "share",
+                "depth images, Criterion 2: least share of a cell's pixels that it holds",
+                &O::filled, {0, 1});
+    rows.number("lateral_px", "px", "depth images: sideways error of a pixel", &O::lateral_px,
+                {0, 100});
+    rows.number("reach_sigma", "sigma", "depth images: cost of an unexplained pixel, as a residual",
+                &O::reach_sigma, {0, 100});
+    rows.number("hidden_share", "share",
+                "depth images: parts hidden from each other join below this share of merge_cost",
+                &O::hidden_share, {0, 100});
+    rows.number("worth_px", "px",
+                "depth images: least worth of a listed plane, in pixels at 1 % relative RMS",
+                &O::worth_px, {0, 1e9});
+    rows.number("undecided", "1", "depth images: planes with a smaller margin are undecided",
+                &O::undecided, {0, 1e6});
+    rows.number("resolution", "spacings", "clouds: sigma is at least this, in spacings of points",
+                &O::resolution, {0, 100});
+    rows.number("point_reach_sigma", "sigma", "clouds: cost of an unexplained point, as a distance",
+                &O::point_reach_sigma, {0, 1000});
+    rows.number("label_sigma", "sigma",
+                "clouds: a plane of the other label counts as farther from a point by this",
+                &O::label_sigma, {0, 1000});
+    rows.number("plane_cost", "sigma2", "clouds: cost of a plane", &O::plane_cost, {0, 1e9});
+  }
+};
+
+}  // namespace planescope::planes
