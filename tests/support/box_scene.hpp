@@ -1,8 +1,9 @@
 #pragma once
 
 // A depth image with known planes: a floor and a wall, a step, a pole that hides the middle of
-// both, and a box that is too small to be listed.
+// both, a box that is too small to be listed; and a bush before the wall, which is no plane.
 
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -32,6 +33,8 @@ inline std::pair<double, int> box_scene_at(double x, double y) {
   level(0.15, -0.3, 0, 0.8, 1.2, kStepTop);
   upright(0.9, 0.3, 0.367, 0.233, 0.3, kSmallBox);
   upright(0.5, 0.1, 0.12, -9, 9, kPole);
+  if (x > -0.7 && x < -0.55 && y > -0.5 && y < -0.35)
+    nearest = {0.7 + 0.02 * std::sin(200 * x) * std::sin(200 * y), 0};
   return nearest;
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "core/debug/explain/explain.hpp"
@@ -125,7 +124,9 @@ std::string rounded_down(double value) {
   return fmt::format("{:.6g}", std::floor(value / unit) * unit);
 }
 
+/// Of a stage that an option switches on.
 Remedy switched_off(const char* option, const std::string& effect) {
+  if (!option) return {};
   return {fmt::format("{} = off would {}", option, effect), option, "off"};
 }
 
@@ -180,30 +181,29 @@ Cause left_on_image(const Run& run, std::int32_t node) {
   return cause;
 }
 
-/// A plane of a depth image ended.
-Cause ended_on_image(const Run& run, const planes::TraceEvent& event) {
+Cause dropped(const Run& run, const planes::TraceEvent& event) {
   const std::string why = filled_in(planes::refinement_of(event.stage)->why_dropped, run, event);
-  if (event.stage != planes::Stage::list) return {why + ", and no region in reach took the point"};
-  const std::string worth = rounded_down(event.value);
-  return {why, {fmt::format("worth_px <= {} would list it", worth), "worth_px", worth}};
+  Cause cause{fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
+                          planes::to_string(event.stage), why.empty() ? "" : ": ", why),
+              switched_off(planes::switch_of(event.stage), "keep it")};
+  if (event.stage == planes::Stage::grow) cause.text += ", and no region in reach took the point";
+  if (event.stage == planes::Stage::list && run.is_on_image()) {
+    const std::string worth = rounded_down(event.value);
+    cause.remedy = {fmt::format("worth_px <= {} would list it", worth), "worth_px", worth};
+  }
+  return cause;
 }
 
 Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t voxel) {
-  if (run.is_on_image())
-    return event.type == planes::EventType::decide ? left_on_image(run, event.node)
-                                                   : ended_on_image(run, event);
+  if (event.type == planes::EventType::decide && run.is_on_image())
+    return left_on_image(run, event.node);
   if (event.type == planes::EventType::decide) {
     const planes::OctreeNode& node = run.octree().nodes[event.node];
     if (node.decided == planes::Case::II) return too_few(run, event.node);
     if (node.at_max_depth) return at_greatest_depth(run, event.node);
     return outlier(run, event.node, voxel);
   }
-  if (event.type == planes::EventType::refine) {
-    const std::string why = filled_in(planes::refinement_of(event.stage)->why_dropped, run, event);
-    return {fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
-                        planes::to_string(event.stage), why.empty() ? "" : ": ", why),
-            switched_off(planes::switch_of(event.stage), "keep it")};
-  }
+  if (event.type == planes::EventType::refine) return dropped(run, event);
   if (event.node < 0)
     return {plane_name(run, event.plane) + ", split off for not touching, has too few points",
             switched_off(planes::switch_of(event.stage), "keep it")};
@@ -269,24 +269,23 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   return fused;
 }
 
-/// On a depth image: the join from which on the voxel's plane has regions founded on both true
-/// planes; 0 if there is none.
+/// On a depth image: the join of a region of one true plane with one of the other by which the
+/// voxel came to be in the same plane as both; 0 if there is none.
 std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, std::int32_t most) {
-  std::vector<std::pair<bool, bool>> has(static_cast<std::size_t>(run.timeline.plane_count()));
+  // Per plane, points of `own` less those of `most`, by the nodes that founded it.
+  std::vector<double> surplus(static_cast<std::size_t>(run.timeline.plane_count()));
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (event.type == planes::EventType::found) {
-      const std::int32_t truth = run.facts[event.node].truth_plane;
-      has[event.plane] = {truth == own, truth == most};
+      const NodeFacts& facts = run.facts[event.node];
+      if (facts.truth_plane == own) surplus[event.plane] = facts.truth_points;
+      if (facts.truth_plane == most) surplus[event.plane] = -1.0 * facts.truth_points;
     }
     if (!is_join(event)) continue;
-    const auto from = has[event.plane], into = has[event.other];
-    auto& both = has[event.other];
-    both = {from.first || into.first, from.second || into.second};
-    const bool had = (from.first && from.second) || (into.first && into.second);
-    if (both.first && both.second && !had &&
+    if (surplus[event.plane] * surplus[event.other] < 0 &&
         run.timeline.point_at(voxel, step).plane == event.other)
       return step;
+    surplus[event.other] += surplus[event.plane];
   }
   return 0;
 }

@@ -75,10 +75,10 @@ std::string candidate(const Run& run, const planes::TraceEvent& event) {
 
 std::string refinement(const Run& run, const planes::TraceEvent& event, std::int32_t step) {
   const planes::RefinementInfo& info = *planes::refinement_of(event.stage);
-  const bool ends =
-      event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive;
-  return fmt::format("{}: {}", info.name,
-                     filled_in(ends ? info.why_dropped : info.says, run, event));
+  if (event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive)
+    return fmt::format("{}: {} ends: {}", info.name, plane_name(run, event.plane),
+                       filled_in(info.why_dropped, run, event));
+  return fmt::format("{}: {}", info.name, filled_in(info.says, run, event));
 }
 
 /// Counts the true planes of one node after the other.

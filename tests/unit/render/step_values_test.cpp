@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/palette.hpp"
+#include "support/box_scene.hpp"
 #include "support/render_depth.hpp"
 
 namespace planescope::render {
@@ -36,6 +37,23 @@ StepLook look_by(const debug::Run& run, ColorBy by) {
 
 std::vector<float> values_of(const debug::Run& run, const StepLook& look) {
   return voxel_values(run, look, step_state(run, look));
+}
+
+TEST(StepState, OfADepthImageShowsThePlanesThatOthersJoined) {
+  const auto run = test::box_run();
+  StepLook look = look_by(*run, ColorBy::planes);
+  for (const std::int32_t plane : step_state(*run, look).plane_of)
+    ASSERT_TRUE(plane == StepState::kLeftover || run->timeline.result_of_plane(plane) > 0);
+  for (const int tenths : {0, 5, 9}) {
+    look.step = run->steps() * tenths / 10;
+    std::size_t in_planes = 0;
+    for (const std::int32_t plane : step_state(*run, look).plane_of) {
+      if (plane < 0) continue;
+      ++in_planes;
+      ASSERT_TRUE(run->timeline.plane_at(plane, look.step)->alive) << "at step " << look.step;
+    }
+    EXPECT_EQ(in_planes > 0, tenths > 0);
+  }
 }
 
 TEST(StepValues, DepthIsWhatTheCameraMeasuredThere) {
