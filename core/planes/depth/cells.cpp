@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kLeavesPerInverseMeter = static_cast<float>(kPxPerInverseMeter) / kLeafPx;
 constexpr int kMostLevels = 21;  // three coordinates of 21 bits make a 64-bit code
+constexpr float kLastBin = (1 << kMostLevels) - 1;
 constexpr int kBlockPixels = kLeafPx * kLeafPx;
 
 /// The pixels of one square that share a bin of rho.
@@ -100,7 +101,8 @@ class LeafMaker {
       const float* const rho = &image_.rho[static_cast<std::size_t>(y0 + y) * image_.width + x0];
       for (int x = 0; x < columns; ++x) {
         if (rho[x] <= 0) continue;
-        const auto bin = static_cast<std::uint32_t>(rho[x] * kLeavesPerInverseMeter);
+        const auto bin =
+            static_cast<std::uint32_t>(std::min(rho[x] * kLeavesPerInverseMeter, kLastBin));
         int k = 0;
         while (k < count && found[k].bin != bin) ++k;
         if (k == count) found[count++] = {bin, 0};
@@ -112,9 +114,8 @@ class LeafMaker {
       const PixelMoments moments = found[k].mask == 0xffff
                                        ? moments_of_full(image_, x0, y0)
                                        : moments_of(image_, x0, y0, found[k].mask);
-      const std::uint32_t bin = std::min(found[k].bin, (1u << kMostLevels) - 1);
-      greatest_bin = std::max(greatest_bin, bin);
-      codes.push_back(morton_code(x0 / kLeafPx, y0 / kLeafPx, bin));
+      greatest_bin = std::max(greatest_bin, found[k].bin);
+      codes.push_back(morton_code(x0 / kLeafPx, y0 / kLeafPx, found[k].bin));
       leaves.push_back({found[k].mask, static_cast<std::uint16_t>(x0 / kLeafPx),
                         static_cast<std::uint16_t>(y0 / kLeafPx), moments});
       all += moments;
