@@ -231,6 +231,7 @@ DepthInput depth_input(const Frame& frame, const PreparedFrame& prepared) {
                              .unit_m = frame.depth_unit_m,
                              .rho = std::vector<float>(frame.depth.pixels(), 0.0f)},
                    .points = prepared.voxels.points,
+                   .pixel = {},
                    .space = {.fx = frame.intrinsics.fx,
                              .fy = frame.intrinsics.fy,
                              .cx = frame.intrinsics.cx,

@@ -175,7 +175,8 @@ TEST(DepthPlanes, StayWhenSomePixelsMoveByOneCount) {
   const FrameResult before = planes_of(frame);
   Random random(11);
   for (std::uint16_t& counts : frame.depth.data)
-    if (counts > 1 && random.uniform() < 0.05) counts += random.uniform() < 0.5 ? 1 : -1;
+    if (counts > 1 && random.uniform() < 0.05)
+      counts = static_cast<std::uint16_t>(counts + (random.uniform() < 0.5 ? 1 : -1));
   const FrameResult after = planes_of(frame);
   EXPECT_EQ(after.segmentation.planes.size(), before.segmentation.planes.size());
   EXPECT_GE(least_iou(before, after), 0.98);
