@@ -115,7 +115,7 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--errors", "much"},
        "clean, noise, d435"},
       {{"planescope-lab", "bench"},
-       "bench needs one of: paper, real, outlines, map, stairs, classifier"},
+       "bench needs one of: paper, real, steady, outlines, map, stairs, classifier"},
       {{"planescope-lab", "bench", "classifier", "--only", "spede"},
        "accuracy, gravity, chain, speed, frames"},
       {{"planescope-lab", "bench", "classifier", "--count", "0"}, "--count"},
