@@ -74,8 +74,8 @@ std::string hash_of_planes(const fs::path& out) {
   for (const fs::path& frame : frames) {
     Json planes = Json::parse(read_text(frame / "planes.json")).at("planes");
     for (Json& plane : planes)
-      for (const char* made_from_it :
-           {"outline", "outline_area_m2", "height_m", "surface", "certainty", "foot"})
+      for (const char* made_from_it : {"outline", "outline_area_m2", "height_m", "surface",
+                                       "certainty", "foot", "margin", "undecided"})
         plane.erase(made_from_it);
     text += planes.dump();
   }
