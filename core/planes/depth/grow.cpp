@@ -108,9 +108,7 @@ void grow_regions(DepthSegmentation& s) {
     dropped |= !region.alive;
     if (region.alive) region.plane = region.moments.fit();
   }
-  if (dropped)
-    for (std::int32_t& region : s.region_of)
-      if (region >= 0 && !s.regions[region].alive) region = kNoRegion;
+  if (dropped) free_pixels_of_ended(s);
   log_growth(s, before);
 }
 

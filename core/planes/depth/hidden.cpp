@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/planes/depth/regions.hpp"
+#include "core/planes/segment/roots.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -29,9 +29,8 @@ struct Line {
 
 class HiddenParts {
  public:
-  explicit HiddenParts(DepthSegmentation& s) : s_(s), rim_(s.regions.size()), into_(rim_.size()) {
-    std::iota(into_.begin(), into_.end(), 0);
-  }
+  explicit HiddenParts(DepthSegmentation& s)
+      : s_(s), rim_(s.regions.size()), roots_(s.regions.size()) {}
 
   void run() {
     const double limit = s_.options.hidden_share * s_.options.merge_cost;
@@ -48,16 +47,15 @@ class HiddenParts {
     std::ranges::stable_sort(pairs, {}, &Pair::cost);
     find_rims();
     for (const Pair& pair : pairs) {
-      const std::int32_t a = root(pair.a), b = root(pair.b);
+      const std::int32_t a = roots_.root(pair.a), b = roots_.root(pair.b);
       if (a == b) continue;
       const double cost = s_.join_cost(a, b);
       if (cost >= limit || !is_hidden_between(pair, a, b)) continue;
       const bool first = s_.regions[a].moments.n >= s_.regions[b].moments.n;
       join_regions(s_, Stage::hidden, first ? b : a, first ? a : b, cost);
-      into_[first ? b : a] = first ? a : b;
+      roots_.join_into(first ? b : a, first ? a : b);
     }
-    for (std::int32_t& region : s_.region_of)
-      if (region >= 0) region = root(region);
+    roots_.apply_to(s_.region_of);
   }
 
  private:
@@ -108,7 +106,7 @@ class HiddenParts {
             static_cast<std::uint32_t>((y + dy * t / steps) * width + x + dx * t / steps);
         if (s_.image.rho[at] <= 0) continue;
         const std::int32_t region = s_.region_of[at];
-        if (region >= 0 && (root(region) == a || root(region) == b)) continue;
+        if (region >= 0 && (roots_.root(region) == a || roots_.root(region) == b)) continue;
         measured += 1;
         in_front += s_.residual(at, plane) > behind;
       }
@@ -117,14 +115,9 @@ class HiddenParts {
     return in_front >= kInFront * measured;
   }
 
-  std::int32_t root(std::int32_t region) {
-    while (into_[region] != region) region = into_[region] = into_[into_[region]];
-    return region;
-  }
-
   DepthSegmentation& s_;
   std::vector<std::vector<std::uint32_t>> rim_;  // per region
-  std::vector<std::int32_t> into_;
+  Roots roots_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <queue>
 
 #include "core/planes/depth/regions.hpp"
+#include "core/planes/segment/roots.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -61,9 +62,7 @@ void unite(const Neighbors& a,
 
 class Merger {
  public:
-  explicit Merger(DepthSegmentation& s) : s_(s) {
-    into_.resize(s.regions.size());
-    for (std::size_t k = 0; k < into_.size(); ++k) into_[k] = static_cast<std::int32_t>(k);
+  explicit Merger(DepthSegmentation& s) : s_(s), roots_(s.regions.size()) {
     for (std::int32_t a = 0; a < static_cast<std::int32_t>(s.regions.size()); ++a)
       if (s.regions[a].alive)
         for (const auto& [b, border] : s.regions[a].near)
@@ -82,9 +81,7 @@ class Merger {
       else
         this->join(join.a, join.b, join.cost);
     }
-    for (std::int32_t k = 0; k < static_cast<std::int32_t>(into_.size()); ++k) into_[k] = root(k);
-    for (std::int32_t& region : s_.region_of)
-      if (region >= 0) region = into_[region];
+    roots_.apply_to(s_.region_of);
   }
 
  private:
@@ -96,7 +93,7 @@ class Merger {
 
   void join(std::int32_t from, std::int32_t into, double cost) {
     join_regions(s_, Stage::join, from, into, cost);
-    into_[from] = into;
+    roots_.join_into(from, into);
     DepthRegion &gone = s_.regions[from], &grown = s_.regions[into];
     unite(grown.near, gone.near, into, from, both_);
     for (const auto& [third, border] : gone.near)
@@ -107,13 +104,8 @@ class Merger {
     for (const auto& [third, border] : grown.near) consider(into, third);
   }
 
-  std::int32_t root(std::int32_t region) {
-    while (into_[region] != region) region = into_[region] = into_[into_[region]];
-    return region;
-  }
-
   DepthSegmentation& s_;
-  std::vector<std::int32_t> into_;
+  Roots roots_;
   std::priority_queue<Join> queue_;
   Neighbors both_;
 };

@@ -77,6 +77,12 @@ void log_drop(DepthSegmentation& s, Stage stage, std::int32_t region, double val
 void join_regions(
     DepthSegmentation& s, Stage stage, std::int32_t from, std::int32_t into, double cost);
 
+/// Pixels of regions that ended become free.
+inline void free_pixels_of_ended(DepthSegmentation& s) {
+  for (std::int32_t& region : s.region_of)
+    if (region >= 0 && !s.regions[region].alive) region = kNoRegion;
+}
+
 /// Founds the first regions: cells of the octree that one plane explains (Sun et al. 2023, Sec.
 /// IV-C). Fills the nodes of the octree.
 void divide_image(DepthSegmentation& s, Octree& octree);

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/planes/depth/regions.hpp"
 
@@ -62,9 +61,7 @@ void drop_crumbs(DepthSegmentation& s) {
       region.alive = false;
       any = true;
     }
-  if (!any) return;
-  for (std::int32_t& region : s.region_of)
-    if (region >= 0 && !s.regions[region].alive) region = kNoRegion;
+  if (any) free_pixels_of_ended(s);
 }
 
 /// The plane that its pixels fit in inverse depth, in space. Eigenvalues are about that plane.

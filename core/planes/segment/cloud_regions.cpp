@@ -8,6 +8,7 @@
 #include <queue>
 
 #include "core/planes/segment/parts.hpp"
+#include "core/planes/segment/roots.hpp"
 
 namespace planescope::planes {
 namespace {
@@ -56,20 +57,6 @@ double quantile(std::vector<double>& values, double share) {
 }
 
 // ---- Merging ----
-
-/// Which plane a merged one has become.
-class Roots {
- public:
-  explicit Roots(std::size_t count) : into_(count) { std::iota(into_.begin(), into_.end(), 0); }
-  std::int32_t root(std::int32_t k) {
-    while (into_[k] != k) k = into_[k] = into_[into_[k]];
-    return k;
-  }
-  void join_into(std::int32_t from, std::int32_t into) { into_[from] = into; }
-
- private:
-  std::vector<std::int32_t> into_;
-};
 
 /// Merges touching regions, the lowest cost first.
 class Merger {
