@@ -6,8 +6,9 @@
 namespace planescope::planes {
 namespace {
 
-constexpr int kSmall = 2, kWide = 8;  // sides of squares, in blocks of 4 px
-constexpr int kStride = 2;            // blocks between wide squares: they overlap
+constexpr int kSmall = 2, kWide = 8, kHuge = 32;  // sides of squares, in blocks of 4 px
+constexpr int kWideStride = 2, kHugeStride = 4;   // blocks between squares: they overlap
+constexpr double kOfHuge = 0.64;  // of what huge squares show of the bow, where it is the less
 // RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
 // frame to frame than any one of them.
 constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
@@ -62,15 +63,23 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   // Wide squares are put together of small ones.
   const Squares parts = squares_of(blocks, columns, kSmall, kSmall);
   const double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
-  const double wide =
-      calm_rms(squares_of(parts.moments, parts.columns, kWide / kSmall, kStride / kSmall), 1024);
   if (small < 0) return noise;
+  const auto rms_of = [&](int side, int stride) {
+    return calm_rms(squares_of(parts.moments, parts.columns, side / kSmall, stride / kSmall),
+                    16.0 * side * side);
+  };
+  const double wide = rms_of(kWide, kWideStride), huge = rms_of(kHuge, kHugeStride);
   noise.white = small;
-  // Where nothing is wide enough to show the bow, it is taken to be as usual. It is never nothing:
-  // the squares measure it to a fifth of the white noise.
-  const double more2 = wide < 0 ? 4 * small * small : wide * wide - small * small;
   noise.wide = std::max(small, wide);
-  noise.bow = options.bow * std::sqrt(std::max(0.04 * small * small, more2));
+  // It is never nothing: the squares measure it to a fifth of the white noise.
+  const auto bow_of = [&](double rms) {
+    return std::sqrt(std::max(0.04 * small * small, rms * rms - small * small));
+  };
+  // Where nothing is wide enough to show the bow, it is taken to be as usual. Few frames have huge
+  // squares on one plane; those that do tell how far the bow goes on.
+  noise.bow = wide < 0 ? 2 * small : bow_of(wide);
+  if (huge >= 0) noise.bow = std::min(noise.bow, kOfHuge * bow_of(huge));
+  noise.bow *= options.bow;
   return noise;
 }
 

@@ -15,6 +15,7 @@ constexpr double kCrumb = 100;       // px: smaller regions leave their pixels t
 constexpr int kLeastBorder = 8;      // px: of regions that join after growing
 constexpr double kStep = 3;          // sigma: a larger step of rho across it is no common border
 constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
+constexpr double kPrecision = 0.75;   // exponent of a plane's precision in its worth
 constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
 constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
 
@@ -179,8 +180,9 @@ double worth_px(const DepthSegmentation& s, const DepthRegion& region) {
   const DepthNoise& noise = s.noise;
   const double across = 1 + kSideways * noise.sideways2(region.plane) /
                                 (noise.white * noise.white + noise.bow * noise.bow);
-  const double rms = std::sqrt(region.plane.sse / std::max(1.0, n - 3) / across);
-  return n * scale * scale * 0.01 * (region.moments.r / n) / std::max(rms, 1e-9);
+  const double variance = std::max(1e-18, region.plane.sse / std::max(1.0, n - 3) / across);
+  const double mean_rho = region.moments.r / n;
+  return n * scale * scale * std::pow(0.01 * mean_rho * noise.white / variance, kPrecision);
 }
 
 Segmentation segment_depth(const DepthInput& input, const SegmentOptions& options, Trace* trace) {

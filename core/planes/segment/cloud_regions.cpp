@@ -363,6 +363,7 @@ void split_planes(SegmentState& state,
       }
     }
   }
+  changed.resize(state.planes.size(), 0);
   fit_planes(state, changed);
 }
 

@@ -22,8 +22,7 @@ struct ObjectiveOptions {
   double lateral_px = 2;      // sideways error of a pixel
   double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
   double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
-  double worth_px = 6000;     // least worth of a listed plane: pixels at 1 % relative RMS, in an
-                              // image 640 px wide
+  double worth_px = 1200;     // least worth of a listed plane
   double undecided = 0.5;     // a plane whose margin is below this is undecided
 
   // Of clouds; sigma is the noise measured in the cloud.
@@ -58,7 +57,7 @@ struct ObjectiveOptions {
                 "depth images: parts hidden from each other join below this share of merge_cost",
                 &O::hidden_share, {0, 100});
     rows.number("worth_px", "px",
-                "depth images: least worth of a listed plane, in pixels at 1 % relative RMS",
+                "depth images: least worth of a listed plane, in pixels that are as precise as noise and 1 %",
                 &O::worth_px, {0, 1e9});
     rows.number("undecided", "1", "depth images: planes with a smaller margin are undecided",
                 &O::undecided, {0, 1e6});
