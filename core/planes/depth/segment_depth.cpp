@@ -15,7 +15,7 @@ constexpr double kCrumb = 100;       // px: smaller regions leave their pixels t
 constexpr int kLeastBorder = 8;      // px: of regions that join after growing
 constexpr double kStep = 3;          // sigma: a larger step of rho across it is no common border
 constexpr double kWorthWidth = 640;  // px: of the image that worth_px counts in
-constexpr double kPrecision = 0.75;   // exponent of a plane's precision in its worth
+constexpr double kPrecision = 0.75;  // exponent of a plane's precision in its worth
 constexpr double kSideways = 0.25;  // share of the sideways error's variance that excuses a plane's
 constexpr double kMinor = 0.5;      // share of the least worth, for a plane to be listed as minor
 

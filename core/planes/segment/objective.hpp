@@ -57,7 +57,8 @@ struct ObjectiveOptions {
                 "depth images: parts hidden from each other join below this share of merge_cost",
                 &O::hidden_share, {0, 100});
     rows.number("worth_px", "px",
-                "depth images: least worth of a listed plane, in pixels that are as precise as noise and 1 %",
+                "depth images: least worth of a listed plane, in pixels that are as precise as "
+                "noise and 1 %",
                 &O::worth_px, {0, 1e9});
     rows.number("undecided", "1", "depth images: planes with a smaller margin are undecided",
                 &O::undecided, {0, 1e6});
