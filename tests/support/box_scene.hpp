@@ -41,6 +41,7 @@ inline std::pair<double, int> box_scene_at(double x, double y) {
 inline planes::PipelineOptions image_options() {
   planes::PipelineOptions options = wall_options();
   options.segment = planes::profile_options(planes::Profile::refined);
+  options.segment.objective.worth_px = 14000;  // the small box is worth less
   options.segment.objective.on = true;
   return options;
 }

@@ -16,11 +16,21 @@ struct ImageRuns : OpenDesktop {
   }
 };
 
+TEST_F(ImageRuns, TheObjectiveIsSwitchedOffAndOnAgain) {
+  const auto planes = state().run()->segmentation.planes.size();
+  play(R"({"do": "option.set", "with": "objective=off"})");
+  EXPECT_FALSE(state().run()->is_on_image());
+  EXPECT_GT(state().run()->segmentation.planes.size(), 0u);
+  play(R"({"do": "option.set", "with": "objective=on"})");
+  EXPECT_TRUE(state().run()->is_on_image());
+  EXPECT_EQ(state().run()->segmentation.planes.size(), planes);
+}
+
 TEST_F(ImageRuns, EveryTabShowsEveryKindOfEvent) {
   ASSERT_TRUE(state().run());
   ASSERT_TRUE(state().run()->is_on_image());
-  for (const char* filter : {"visit", "case==I", "case==II", "case==IV", "found", "stage==join",
-                             "stage==grow", "stage==list"}) {
+  for (const char* filter :
+       {"visit", "case==I", "case==II", "case==IV", "found", "stage==join", "stage==grow"}) {
     play(fmt::format(R"("step.first", "filter.set {}", "filter.next")", filter));
     ASSERT_GT(state().view.step, 0) << filter;
     for (const Tab& tab : kInspectorTabs) play(fmt::format(R"("tab.inspector {}")", tab.name));

@@ -152,6 +152,7 @@ void LearnJobs::pursue_doubt(State& state) {
       if (!wants[i]) continue;
       if (stop.stop_requested()) return;
       wanted.frame = static_cast<int>(i);
+      wanted.options.segment.objective.on = false;  // it asks no classifier about depth images
       std::optional<double> share;
       try {
         std::string refused_labels;

@@ -200,7 +200,10 @@ std::vector<Fix> find_fixes(const Run& run,
   if (target.voxels.empty() || is_recovered(run, target)) return fixes;
   std::vector<const planes::OptionInfo*> options;  // those that steer the segmentation
   for (const planes::OptionInfo& info : planes::option_table())
-    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
+    // With or without the objective the frame is prepared otherwise.
+    if (info.steers_segmentation() && info.name != "objective" &&
+        !planes::is_idle(info, run.options))
+      options.push_back(&info);
   for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
     Search(run, target, *options[i], stop).append_to(fixes);
     if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));

@@ -1,5 +1,6 @@
 #include "core/planes/depth/noise.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -12,7 +13,8 @@ constexpr double kOfHuge = 0.64;  // of what huge squares show of the bow, where
 // RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
 // frame to frame than any one of them.
 constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
-constexpr double kFull = 0.95;           // share of its pixels that a square must have measured
+// Share of its pixels that a square must have measured; the less where few have the more.
+constexpr double kFull[] = {0.95, 0.5};
 constexpr std::size_t kLeast = 6;        // squares
 constexpr double kLeastRms = 1e-5;       // [1/m]
 constexpr double kBowLength = 1.0 / 32;  // of the image's width
@@ -39,8 +41,12 @@ Squares squares_of(const std::vector<PixelMoments>& parts, int columns, int side
 /// RMS of calm squares about their planes [1/m], -1 where there are too few. `pixels`: of a square.
 double calm_rms(const Squares& squares, double pixels) {
   std::vector<double> rms;
-  for (const PixelMoments& square : squares.moments)
-    if (square.n >= kFull * pixels) rms.push_back(std::sqrt(square.fit().sse / (square.n - 3)));
+  for (const double full : kFull) {
+    if (rms.size() >= kLeast) break;
+    rms.clear();
+    for (const PixelMoments& square : squares.moments)
+      if (square.n >= full * pixels) rms.push_back(std::sqrt(square.fit().sse / (square.n - 3)));
+  }
   if (rms.size() < kLeast) return -1;
   const auto at = [&](double share) {
     return rms.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(rms.size()));
@@ -51,19 +57,32 @@ double calm_rms(const Squares& squares, double pixels) {
   return std::max(kLeastRms, std::accumulate(from, to, 0.0) / static_cast<double>(to - from));
 }
 
+/// Standard deviation that rounding to a depth unit makes, at the median of rho [1/m].
+double quantization(const std::vector<PixelMoments>& blocks, double unit_m) {
+  std::vector<double> rho;
+  for (const PixelMoments& block : blocks)
+    if (block.n > 0) rho.push_back(block.r / block.n);
+  if (rho.empty()) return 0;
+  const auto middle = rho.begin() + static_cast<std::ptrdiff_t>(rho.size() / 2);
+  std::nth_element(rho.begin(), middle, rho.end());
+  return unit_m * *middle * *middle / std::sqrt(12.0);
+}
+
 }  // namespace
 
 DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
                                int columns,
                                int width_px,
+                               double unit_m,
                                const ObjectiveOptions& options) {
   DepthNoise noise;
   noise.lateral_px = options.lateral_px;
   noise.length_px = kBowLength * width_px;
   // Wide squares are put together of small ones.
   const Squares parts = squares_of(blocks, columns, kSmall, kSmall);
-  const double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
+  double small = calm_rms(squares_of(blocks, columns, kSmall, 1), 64);
   if (small < 0) return noise;
+  small = std::max(small, quantization(blocks, unit_m));
   const auto rms_of = [&](int side, int stride) {
     return calm_rms(squares_of(parts.moments, parts.columns, side / kSmall, stride / kSmall),
                     16.0 * side * side);

@@ -40,8 +40,11 @@ struct DepthNoise {
                    const InversePlane& plane_b) const {
     PixelMoments both = a;
     both += b;
-    const double offset2 =
-        std::max(0.0, both.fit().sse - plane_a.sse - plane_b.sse) * both.n / (a.n * b.n);
+    // No plane is credited with less misfit than noise makes: a cell's face cuts noise in two
+    // layers, each flatter than it.
+    const double apart = std::max(plane_a.sse, (a.n - 3) * white * white) +
+                         std::max(plane_b.sse, (b.n - 3) * white * white);
+    const double offset2 = std::max(0.0, both.fit().sse - apart) * both.n / (a.n * b.n);
     const double du = a.u / a.n - b.u / b.n, dv = a.v / a.n - b.v / b.n;
     const double explained = 3 * (white2(plane_a) / a.n + white2(plane_b) / b.n) +
                              std::min(bow2(plane_a), bow2(plane_b)) * developed(du * du + dv * dv);
@@ -49,10 +52,12 @@ struct DepthNoise {
   }
 };
 
-/// `blocks`: moments of all full squares of 4 px, row by row, `columns` to a row.
+/// `blocks`: moments of all full squares of 4 px, row by row, `columns` to a row. `unit_m`: what
+/// depth is rounded to, 0: nothing.
 DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
                                int columns,
                                int width_px,
+                               double unit_m,
                                const ObjectiveOptions& options);
 
 }  // namespace planescope::planes

@@ -191,7 +191,7 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   DepthSegmentation s{input.image, options.objective};
   s.cells = make_depth_cells(input.image);
   s.noise = measure_depth_noise(s.cells.blocks, s.cells.block_columns, input.image.width,
-                                options.objective);
+                                input.image.unit_m, options.objective);
   s.region_of.assign(input.image.pixels(), kNoRegion);
   prepare_octree(result.octree, input, s);
   if (trace) trace_octree(result.octree, input, s, trace);

@@ -184,7 +184,7 @@ PreparedFrame prepare_frame(const Frame& frame,
   Stopwatch watch;
   prepared.cloud = make_cloud(frame, prepared.gravity, options.cloud);
   prepared.timings.cloud_ms = watch.lap_ms();
-  const bool on_pixels = is_found_on_pixels(frame, options);
+  const bool on_pixels = prepared.of_pixels = is_found_on_pixels(frame, options);
   prepared.voxels = voxelize(prepared.cloud, on_pixels ? 0 : options.cloud.voxel_size_m);
   prepared.timings.t_d_ms = watch.lap_ms();
   if (options.method == Method::ours && prepared.gravity.known() && !on_pixels)
@@ -261,7 +261,9 @@ FoundRegions find_regions(const Frame& frame,
                           const PipelineOptions& options,
                           Trace* trace) {
   FoundRegions found;
-  if (is_found_on_pixels(frame, options)) {
+  if (is_found_on_pixels(frame, options) != prepared.of_pixels)
+    throw Error("the frame was prepared with another objective, expected that of the options");
+  if (prepared.of_pixels) {
     Stopwatch watch;
     const DepthInput input = depth_input(frame, prepared);
     const double input_ms = watch.lap_ms();

@@ -56,6 +56,7 @@ struct PreparedFrame {
   Classification classification;  // per voxel; of rivals, and where gravity is not known: unknown,
                                   // with margins of 0
   bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
+  bool of_pixels = false;         // is_found_on_pixels() of the options: voxels are pixels
   double noise_growth_per_m = 0;  // as the frame knows it
   FrameTimings timings;
 

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
 constexpr int kRounds = 4;          // of moving points, fitting and merging, at most
+constexpr int kPatchLevels = 3;     // the scales are measured in cells this far above the leaves
+constexpr int kLeastPoints = 8;     // of a patch that says something of them
 
 /// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
 /// sum of squared distances to the least-squares plane [m^2].
@@ -198,16 +200,16 @@ class PointMover {
         variance_m2_(scales.variance_m2()),
         label_m_(options.label_sigma * scales.measured_m) {}
 
-  /// How many it moved.
+  /// How many points that were in no plane it gave to one.
   int move_all(const CellPlanes& near) {
     worth_.assign(state_.planes.size(), 0);
     second_.assign(state_.plane_of.size(), {});
     changed_.assign(state_.planes.size(), 0);
-    int moved = 0;
+    int added = 0;
     for (std::uint32_t cell = 0; cell < grid_.size(); ++cell)
       for (std::uint32_t i = grid_.starts[cell]; i < grid_.starts[cell + 1]; ++i)
-        moved += move(i, near.near(cell)) ? 1 : 0;
-    return moved;
+        added += move(i, near.near(cell)) ? 1 : 0;
+    return added;
   }
 
   /// By how much the objective would rise without the plane, its own cost apart.
@@ -224,6 +226,21 @@ class PointMover {
   std::int32_t second_plane(std::uint32_t i) const { return second_[i].plane; }
 
  private:
+  /// -1: none.
+  std::int32_t nearest_of(const Vec3d& p, std::span<const std::int32_t> planes) const {
+    std::int32_t nearest = -1;
+    double least = INFINITY;
+    for (const std::int32_t k : planes) {
+      if (!state_.planes[k].alive) continue;
+      const double off = std::abs(state_.planes[k].fit.distance_m(p));
+      if (off >= least) continue;
+      least = off;
+      nearest = k;
+    }
+    return nearest;
+  }
+
+  /// Whether it gave the point to a plane and the point was in none.
   bool move(std::uint32_t i, std::span<const std::int32_t> near) {
     const double unexplained = options_.point_reach_sigma * options_.point_reach_sigma;
     double least = unexplained, next = unexplained;
@@ -249,19 +266,22 @@ class PointMover {
     if (best >= 0) worth_[best] += next - least;
     const std::int32_t from = state_.plane_of[i];
     if (best == from) return false;
-    log(state_, {.type = best < 0 ? EventType::drop : EventType::assign,
-                 .stage = Stage::grow,
-                 .plane = best,
-                 .other = from,
-                 .point = state_.input_index(i),
-                 .value = static_cast<float>(std::sqrt(least * variance_m2_))});
+    const std::int32_t told = best >= 0 ? best : nearest_of(p, near);
+    log(state_,
+        {.type = best < 0 ? EventType::drop : EventType::assign,
+         .stage = Stage::grow,
+         .plane = best,
+         .other = from,
+         .point = state_.input_index(i),
+         .value =
+             told < 0 ? -1 : static_cast<float>(std::abs(state_.planes[told].fit.distance_m(p)))});
     if (best < 0)
       leave_point(state_, i);
     else
       give_point(state_, i, best);
     for (const std::int32_t k : {from, best})
       if (k >= 0) changed_[k] = 1;
-    return true;
+    return from < 0;
   }
 
   SegmentState& state_;
@@ -277,30 +297,41 @@ class PointMover {
   std::vector<Second> second_;  // per point
 };
 
-/// Fits planes that changed to their points; those without points end.
+/// Fits planes that changed to their points; those without points end. The label follows the
+/// normal: a level layer of a low riser then pays for points of the other label, and is dropped.
 void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
   std::vector<Moments> moments(state.planes.size());
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
     if (const std::int32_t k = state.plane_of[i]; k >= 0 && changed[k])
-      state.octree.add_point(moments[k], i);
+      moments[k].add(state.point(i));
   for (std::int32_t k = 0; k < std::ssize(changed); ++k) {
-    if (!state.planes[k].alive || !changed[k]) continue;
-    if (moments[k].count >= 3)
+    GrowingPlane& plane = state.planes[k];
+    if (!plane.alive || !changed[k]) continue;
+    if (moments[k].count >= 3) {
+      if (state.options.use_labels) plane.label = label_of_normal(plane.fit.normal);
       fit_again(state, k, moments[k]);
-    else if (moments[k].count == 0)
+    } else if (moments[k].count == 0) {
       end_plane(state, k);
+    }
   }
 }
 
-/// Drops planes that cost more than they are worth, those worth least first. A plane stays while a
+/// Drops planes that cost more than they are worth, and those no wider than the noise, those worth
+/// least first. A plane stays while a
 /// neighbor of it has just been dropped: it may be worth more now.
 int drop_worthless(SegmentState& state,
                    const PointMover& mover,
+                   const CloudScales& scales,
                    const ObjectiveOptions& options,
                    const CellGrid& grid) {
+  const auto is_line = [&](const PlaneFit& fit) {
+    return fit.eigenvalues[1] <= fit.count * scales.variance_m2();
+  };
   std::vector<std::int32_t> order;
   for (std::int32_t k = 0; k < std::ssize(state.planes); ++k)
-    if (state.planes[k].alive && mover.worth(k) < options.plane_cost) order.push_back(k);
+    if (state.planes[k].alive &&
+        (mover.worth(k) < options.plane_cost || is_line(state.planes[k].fit)))
+      order.push_back(k);
   if (order.empty()) return 0;
   std::ranges::stable_sort(order, {}, [&](std::int32_t k) { return mover.worth(k); });
   const PlanePoints members = points_by_plane(state);
@@ -357,7 +388,9 @@ void split_planes(SegmentState& state,
                     .stage = Stage::parts,
                     .plane = other,
                     .other = plane,
-                    .point = state.input_index(i)});
+                    .point = state.input_index(i),
+                    .value = static_cast<float>(
+                        std::abs(state.planes[other].fit.distance_m(state.point(i))))});
         give_point(state, i, other);
         changed[other] = 1;
       }
@@ -367,32 +400,51 @@ void split_planes(SegmentState& state,
   fit_planes(state, changed);
 }
 
+// ---- Scales ----
+
+struct Patch {
+  Moments moments;
+  double misfit_m2 = 0;
+  bool calm = false;
+};
+struct Patches {
+  CellGrid grid;
+  std::vector<std::array<Patch, 2>> of_cell;  // by label
+  std::vector<double> variances, areas;       // of those with enough points; a point's [m^2]
+};
+
+/// Points of one label each, in cells some levels above the leaves.
+Patches make_patches(const SegmentState& state, int levels) {
+  const Octree& octree = state.octree;
+  Patches made{make_cell_grid(octree, levels), {}, {}, {}};
+  const CellGrid& grid = made.grid;
+  made.of_cell.resize(grid.size());
+  for (std::size_t c = 0; c < grid.size(); ++c) {
+    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
+      made.of_cell[c][state.options.use_labels && octree.labels[i] == Label::h].moments.add(
+          octree.points[i].cast<double>());
+    for (Patch& patch : made.of_cell[c]) {
+      const double count = patch.moments.count;
+      if (count < kLeastPoints) continue;
+      const Cubic cubic(patch.moments);
+      patch.misfit_m2 = cubic.least_root();
+      made.variances.push_back(patch.misfit_m2 / (count - 3));
+      made.areas.push_back(12 * std::sqrt(cubic.product_of_others()) / (count * count));
+    }
+  }
+  return made;
+}
+
 }  // namespace
 
 CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options) {
   constexpr double kCalm = 4;  // a patch with more variance, over that of noise, holds an edge
-  const Octree& octree = state.octree;
-  const CellGrid& grid = state.neighbour_cells();
-  struct Patch {
-    Moments moments;
-    double misfit_m2 = 0;
-    bool calm = false;
-  };
-  std::vector<std::array<Patch, 2>> patches(grid.size());  // by label
-  std::vector<double> variances, areas;
-  for (std::size_t c = 0; c < grid.size(); ++c) {
-    for (std::uint32_t i = grid.starts[c]; i < grid.starts[c + 1]; ++i)
-      octree.add_point(patches[c][state.options.use_labels && octree.labels[i] == Label::h].moments,
-                       i);
-    for (Patch& patch : patches[c]) {
-      const double count = patch.moments.count;
-      if (count < state.options.noise.sigma_min_points) continue;
-      const Cubic cubic(patch.moments);
-      patch.misfit_m2 = cubic.least_root();
-      variances.push_back(patch.misfit_m2 / (count - 3));
-      areas.push_back(12 * std::sqrt(cubic.product_of_others()) / (count * count));
-    }
-  }
+  Patches made = make_patches(state, kPatchLevels);
+  // A sparse cloud has too few points in small cells.
+  for (int levels = kPatchLevels + 1;
+       made.variances.empty() && levels <= state.octree.cube.max_depth; ++levels)
+    made = make_patches(state, levels);
+  auto& [grid, patches, variances, areas] = made;
   CloudScales scales;
   if (variances.empty()) return scales;
   scales.spacing_m = std::sqrt(quantile(areas, 0.5));
@@ -401,7 +453,7 @@ CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& op
   scales.white_m = std::max(scales.measured_m, options.resolution * scales.spacing_m);
   for (auto& of_cell : patches)
     for (Patch& patch : of_cell)
-      patch.calm = patch.moments.count >= state.options.noise.sigma_min_points &&
+      patch.calm = patch.moments.count >= kLeastPoints &&
                    patch.misfit_m2 <= kCalm * measured2 * (patch.moments.count - 3);
   std::vector<double> offsets;
   for (std::uint32_t c = 0; c < grid.size(); ++c)
@@ -414,9 +466,10 @@ CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& op
         if (other <= c || !q.calm) continue;
         Moments both = p.moments;
         both += q.moments;
+        const double misfit_m2 = Cubic(both).least_root();
+        if (misfit_m2 > kCalm * kCalm * measured2 * (both.count - 3)) continue;  // an edge, no bow
         const double weight = p.moments.count * q.moments.count / both.count;
-        offsets.push_back((Cubic(both).least_root() - p.misfit_m2 - q.misfit_m2 - 3 * measured2) /
-                          weight);
+        offsets.push_back((misfit_m2 - p.misfit_m2 - q.misfit_m2 - 3 * measured2) / weight);
       }
     }
   double bow2 = 0;
@@ -439,15 +492,19 @@ NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options) 
 void find_cloud_regions(SegmentState& state,
                         const CloudScales& scales,
                         const ObjectiveOptions& options) {
-  constexpr double kStill = 0.005;  // share of points: fewer moves change no plane
   const double gap_m = std::max(state.options.split_disconnected.gap_m,
                                 state.options.split_disconnected.gap_spacings * scales.spacing_m);
   const int levels = levels_of_gap(state.octree.cube, gap_m);
-  const bool shared = levels == state.options.noise.neighbour_levels;
-  const CellGrid own = shared ? CellGrid{} : make_cell_grid(state.octree, levels);
-  const CellGrid& grid = shared ? state.neighbour_cells() : own;
+  const CellGrid grid = make_cell_grid(state.octree, levels);
   state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());
-  if (scales.variance_m2() <= 0) return;
+  if (scales.variance_m2() <= 0) {  // nothing is as wide as a plane
+    const PlanePoints members = points_by_plane(state);
+    for (std::int32_t k = 0; k < std::ssize(state.planes); ++k) {
+      log(state, {.type = EventType::refine, .stage = Stage::list, .plane = k});
+      drop_plane(state, k, members.of(k));
+    }
+    return;
+  }
   const auto near = [&] { return planes_near_cells(grid, state.plane_of, state.planes.size()); };
   CellPlanes around = near();
   Merger(state, scales, options).merge_all(grid, around, false);
@@ -455,12 +512,12 @@ void find_cloud_regions(SegmentState& state,
 
   for (int round = 0;; ++round) {
     around = near();
-    const int moved = mover.move_all(around);
+    const int added = mover.move_all(around);
     fit_planes(state, mover.changed());
     if (round >= kRounds) break;
-    int redrawn = drop_worthless(state, mover, options, grid);
+    int redrawn = drop_worthless(state, mover, scales, options, grid);
     redrawn += Merger(state, scales, options).merge_all(grid, around, true);
-    if (redrawn == 0 && moved <= kStill * static_cast<double>(state.plane_of.size())) break;
+    if (redrawn == 0 && added == 0) break;  // narrow tips grow by a cell a round
   }
   split_planes(state, mover, options, grid, levels, gap_m);
 }

@@ -22,7 +22,7 @@ struct ObjectiveOptions {
   double lateral_px = 2;      // sideways error of a pixel
   double reach_sigma = 3;     // cost of an unexplained pixel, as a residual
   double hidden_share = 0.5;  // parts that something hides join below this share of merge_cost
-  double worth_px = 1200;     // least worth of a listed plane
+  double worth_px = 1000;     // least worth of a listed plane
   double undecided = 0.5;     // a plane whose margin is below this is undecided
 
   // Of clouds; sigma is the noise measured in the cloud.

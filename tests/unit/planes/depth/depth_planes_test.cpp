@@ -129,7 +129,7 @@ TEST(DepthNoise, IsMeasuredInTheImage) {
       image_of(640, 480, [&](int u, int) { return 0.5 + 1e-4 * u + 0.002 * random.normal(); });
   const auto measured = [](const DepthImage& image) {
     const DepthCells cells = make_depth_cells(image);
-    return measure_depth_noise(cells.blocks, cells.block_columns, image.width, {});
+    return measure_depth_noise(cells.blocks, cells.block_columns, image.width, 0, {});
   };
   EXPECT_NEAR(measured(white).white, 0.002, 2e-4);
   EXPECT_LT(measured(white).bow, 0.0025);  // 2.5 times the fifth that it is at least
