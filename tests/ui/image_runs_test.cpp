@@ -12,6 +12,7 @@ struct ImageRuns : OpenDesktop {
   static State opened() {
     State state = RefinedDesktop::opened();
     state.document.options.segment.objective.on = true;
+    state.document.options.segment.objective.worth_px = 14000;  // not all are listed
     return state;
   }
 };
@@ -29,8 +30,8 @@ TEST_F(ImageRuns, TheObjectiveIsSwitchedOffAndOnAgain) {
 TEST_F(ImageRuns, EveryTabShowsEveryKindOfEvent) {
   ASSERT_TRUE(state().run());
   ASSERT_TRUE(state().run()->is_on_image());
-  for (const char* filter :
-       {"visit", "case==I", "case==II", "case==IV", "found", "stage==join", "stage==grow"}) {
+  for (const char* filter : {"visit", "case==I", "case==II", "case==IV", "found", "stage==join",
+                             "stage==grow", "stage==list"}) {
     play(fmt::format(R"("step.first", "filter.set {}", "filter.next")", filter));
     ASSERT_GT(state().view.step, 0) << filter;
     for (const Tab& tab : kInspectorTabs) play(fmt::format(R"("tab.inspector {}")", tab.name));

@@ -9,11 +9,12 @@ namespace {
 
 constexpr int kSmall = 2, kWide = 8, kHuge = 32;  // sides of squares, in blocks of 4 px
 constexpr int kWideStride = 2, kHugeStride = 4;   // blocks between squares: they overlap
-constexpr double kOfHuge = 0.64;  // of what huge squares show of the bow, where it is the less
+constexpr double kOfHuge = 0.64;  // the bow is at most this share of what huge squares show
 // RMS of calm squares: of those on one plane. Their mean between two quantiles moves less from
 // frame to frame than any one of them.
 constexpr double kCalmFrom = 0.15, kCalmTo = 0.35;
-// Share of its pixels that a square must have measured; the less where few have the more.
+// Least share of measured pixels in a square; the second is tried if too few squares reach the
+// first.
 constexpr double kFull[] = {0.95, 0.5};
 constexpr std::size_t kLeast = 6;        // squares
 constexpr double kLeastRms = 1e-5;       // [1/m]
@@ -94,8 +95,8 @@ DepthNoise measure_depth_noise(const std::vector<PixelMoments>& blocks,
   const auto bow_of = [&](double rms) {
     return std::sqrt(std::max(0.04 * small * small, rms * rms - small * small));
   };
-  // Where nothing is wide enough to show the bow, it is taken to be as usual. Few frames have huge
-  // squares on one plane; those that do tell how far the bow goes on.
+  // Without wide squares, assume a typical bow. Huge squares that lie on one plane show whether the
+  // bow keeps growing beyond the wide ones; few frames have any.
   noise.bow = wide < 0 ? 2 * small : bow_of(wide);
   if (huge >= 0) noise.bow = std::min(noise.bow, kOfHuge * bow_of(huge));
   noise.bow *= options.bow;

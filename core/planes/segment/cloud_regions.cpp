@@ -16,7 +16,7 @@ namespace {
 constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
 constexpr int kRounds = 4;          // of moving points, fitting and merging, at most
 constexpr int kPatchLevels = 3;     // the scales are measured in cells this far above the leaves
-constexpr int kLeastPoints = 8;     // of a patch that says something of them
+constexpr int kLeastPoints = 8;     // a patch with fewer is ignored
 
 /// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
 /// sum of squared distances to the least-squares plane [m^2].
@@ -266,15 +266,15 @@ class PointMover {
     if (best >= 0) worth_[best] += next - least;
     const std::int32_t from = state_.plane_of[i];
     if (best == from) return false;
-    const std::int32_t told = best >= 0 ? best : nearest_of(p, near);
-    log(state_,
-        {.type = best < 0 ? EventType::drop : EventType::assign,
-         .stage = Stage::grow,
-         .plane = best,
-         .other = from,
-         .point = state_.input_index(i),
-         .value =
-             told < 0 ? -1 : static_cast<float>(std::abs(state_.planes[told].fit.distance_m(p)))});
+    const std::int32_t shown = best >= 0 ? best : nearest_of(p, near);
+    log(state_, {.type = best < 0 ? EventType::drop : EventType::assign,
+                 .stage = Stage::grow,
+                 .plane = best,
+                 .other = from,
+                 .point = state_.input_index(i),
+                 .value = shown < 0 ? -1
+                                    : static_cast<float>(
+                                          std::abs(state_.planes[shown].fit.distance_m(p)))});
     if (best < 0)
       leave_point(state_, i);
     else
@@ -410,7 +410,7 @@ struct Patch {
 struct Patches {
   CellGrid grid;
   std::vector<std::array<Patch, 2>> of_cell;  // by label
-  std::vector<double> variances, areas;       // of those with enough points; a point's [m^2]
+  std::vector<double> variances, areas;       // per patch with enough points; area per point [m^2]
 };
 
 /// Points of one label each, in cells some levels above the leaves.
