@@ -266,7 +266,7 @@ class PointMover {
     if (best >= 0) worth_[best] += next - least;
     const std::int32_t from = state_.plane_of[i];
     if (best == from) return false;
-    const std::int32_t shown = best >= 0 ? best : nearest_of(p, near);
+    const std::int32_t shown = best >= 0 || !state_.trace ? best : nearest_of(p, near);
     log(state_, {.type = best < 0 ? EventType::drop : EventType::assign,
                  .stage = Stage::grow,
                  .plane = best,
