@@ -19,7 +19,7 @@ static_assert(offsetof(Event, plane) == offsetof(CoreEvent, plane));
 static_assert(offsetof(Event, other) == offsetof(CoreEvent, other));
 static_assert(offsetof(Event, point) == offsetof(CoreEvent, point));
 static_assert(offsetof(Event, value) == offsetof(CoreEvent, value));
-static_assert(static_cast<int>(EventType::leave) == static_cast<int>(planes::EventType::leave));
+static_assert(static_cast<int>(EventType::refine) == static_cast<int>(planes::EventType::refine));
 static_assert(Node::kNever == planes::kNever);
 
 View<Event> Trace::events() const& {

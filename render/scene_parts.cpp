@@ -160,7 +160,7 @@ double numeral_edge_m(const planes::Octree& octree,
 }
 
 std::string case_numeral(const planes::OctreeNode& node) {
-  return std::string(planes::to_string(node.decided)) + (node.impure_fit ? "*" : "");
+  return std::string(planes::to_string(node.decided)) + (node.by_label ? "*" : "");
 }
 
 void add_gravity(const planes::FrameResult& result, DrawList& list) {

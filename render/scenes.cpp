@@ -159,7 +159,7 @@ DrawList scene_cases(const planes::FrameResult& result) {
   std::size_t count[5] = {}, hatched = 0, label_fits = 0;
   DrawPoints points = voxel_points(result.voxels);
   points.colors.assign(points.positions.size(), case_color(planes::Case::none));
-  DrawPoints fitted;  // marks of nodes that R4 fitted label by label
+  DrawPoints fitted;  // marks of nodes that were fitted label by label
   fitted.size_m = 0;
   fitted.min_px = 6;
   const double least_edge_m = least_numeral_edge_m(result.voxels.points);
@@ -178,10 +178,10 @@ DrawList scene_cases(const planes::FrameResult& result) {
         box.style = BoxStyle::hatched;
         ++hatched;
       }
-      label_fits += node.impure_fit;
+      label_fits += node.by_label;
       if (numeral_edge_m(octree, node, box) >= least_edge_m)
         numerals.push_back({&node, middle_of(box)});
-      else if (node.impure_fit)  // larger ones get a numeral with a star
+      else if (node.by_label)  // larger ones get a numeral with a star
         fitted.positions.push_back(middle_of(box));
     }
     list.boxes.push_back(box);
@@ -197,8 +197,8 @@ DrawList scene_cases(const planes::FrameResult& result) {
     list.legend.push_back({Mark::hatched_box, case_color(planes::Case::III),
                            "I or III at full depth: left over  " + std::to_string(hatched)});
   if (label_fits > 0)
-    list.legend.push_back({Mark::dot, kSceneText,
-                           "or I*: fitted label by label (R4)  " + std::to_string(label_fits)});
+    list.legend.push_back(
+        {Mark::dot, kSceneText, "or I*: fitted label by label  " + std::to_string(label_fits)});
   fitted.colors.assign(fitted.positions.size(), kSceneText);
   list.points.push_back(std::move(fitted));
   add_gravity(result, list);

@@ -50,8 +50,10 @@ render::Lens lens_of(const State& state, double aspect) {
 
 /// From which all of the frame fills the view. Gravity's direction is down.
 render::Camera whole_camera(const State& state, double aspect) {
-  if (!state.run_view()) return {};
-  const render::Home& home = state.run_view()->home;
+  // The current run's, also while another is shown: the view stays where it is.
+  const RunView* view = state.results.current ? state.results.current.get() : state.run_view();
+  if (!view) return {};
+  const render::Home& home = view->home;
   const Vec3d level(home.forward.x(), home.forward.y(), 0);
   const Vec3d ahead = level.norm() > 1e-9 ? Vec3d(level.normalized()) : Vec3d(Vec3d::UnitX());
   render::Lens lens = lens_of(state, aspect);

@@ -71,6 +71,8 @@ std::vector<lab::FrameRow> time_frames(const BenchClassifierArgs& args,
                                        const std::vector<Contender>& contenders,
                                        const std::stop_token& stop) {
   planes::PipelineOptions options = args.input.pipeline;
+  if (options.segment.by_objective())  // it finds planes of depth images without labels
+    options.segment = planes::profile_options(planes::Profile::paper);
   std::set<int> thread_counts = {1, options.threads};
   std::vector<lab::FrameRow> rows;
   for (const OpenInput& input : open_inputs(args.input))

@@ -76,7 +76,6 @@ struct Frame {
 
   std::optional<PointSet> cloud;       // set for cloud recordings; then depth is empty
   std::optional<Gravity> gravity;      // from the recording itself (IMU, sidecar), sensor frame
-  double noise_growth_per_m = 0;       // of the recording as a whole, where it is known; else 0
   std::optional<Pose> T_world_camera;  // likewise; the world's z is up
 
   bool is_cloud() const { return cloud.has_value(); }

@@ -10,11 +10,6 @@ namespace planescope {
 // Sun et al. 2023, Sec. IV-D "Plane Merging": N, sum of points and X X^T, which add when two sets
 // of points are joined, so that a merge never touches the points again.
 
-/// Covariance of the measurements that a point is the mean of, upper triangle [m^2].
-struct Spread {
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-};
-
 /// Zeroth, first and second moments of a set of points about a fixed origin (the frame's own:
 /// metres; keep it within a few metres of the points, or the scatter cancels).
 struct Moments {
@@ -32,16 +27,6 @@ struct Moments {
     yy += p.y() * p.y();
     yz += p.y() * p.z();
     zz += p.z() * p.z();
-  }
-  /// A point that stands for many: the second moments of one point drawn at random from them.
-  void add(const Vec3d& p, const Spread& spread) {
-    add(p);
-    xx += spread.xx;
-    xy += spread.xy;
-    xz += spread.xz;
-    yy += spread.yy;
-    yz += spread.yz;
-    zz += spread.zz;
   }
   /// Eq. (8)-(10): X1 X1^T <- X1 X1^T + X2 X2^T, mu and N likewise.
   Moments& operator+=(const Moments& other) {

@@ -18,7 +18,6 @@ namespace planescope::world {
 namespace {
 
 constexpr int kGravityFrames = 60;  // looked at, spread over the recording
-constexpr int kNoiseFrames = 20;    // likewise
 constexpr double kMostSame = 0.8;   // share of the poses given that repeat the one before
 constexpr double kLeastKept = 0.2;  // share of pixels on planes that go on in the next frame
 
@@ -198,31 +197,10 @@ planes::PipelineOptions turn_to_map(Frame& frame,
   const SharedGravity& gravity = upright.gravity[static_cast<std::size_t>(pose.segment)];
   if (gravity.known && options.gravity.mode != planes::GravityMode::none)
     frame.gravity = gravity_at(pose.T_world_camera, gravity);
-  frame.noise_growth_per_m = upright.noise.growth_per_m;
   return options_of_map(std::move(options));
 }
 
 namespace {
-
-/// As frames spread over the recording have it.
-SharedNoise noise_of_frames(const MapJob& job, const UprightPoses& upright) {
-  const planes::NoiseOptions& options_of_noise = job.pipeline.segment.noise;
-  if (job.pipeline.method != planes::Method::ours || !options_of_noise.estimate_sigma ||
-      !options_of_noise.sigma_by_range)
-    return {};
-  const int looked = looked_at(upright.poses, kNoiseFrames);
-  std::vector<double> growths(looked, 0);
-  look_at_some(job, upright.poses, looked, "noise", [&](int i, const CameraPose& pose) {
-    Frame frame = job.recording->frame(pose.frame);
-    planes::PipelineOptions options = turn_to_map(frame, job.pipeline, pose, upright);
-    options.threads = 1;
-    const planes::NoiseModel noise =
-        planes::run_frame(frame, options, job.classifier).segmentation.noise;
-    if (noise.by_range) growths[i] = noise.growth_per_m;
-  });
-  std::erase(growths, 0);
-  return shared_noise(growths);
-}
 
 UprightPoses upright_poses(const MapJob& job) {
   const std::string path = job.recording->info().path.string();
@@ -238,7 +216,6 @@ UprightPoses upright_poses(const MapJob& job) {
         fmt::format("time goes back at frame {}: frames are taken in their order", back->frame));
   upright.gravity = turn_upright_by_frames(job, upright.poses);
   for (CameraPose& pose : poses) settle(pose);
-  upright.noise = noise_of_frames(job, upright);
   return upright;
 }
 

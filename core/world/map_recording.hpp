@@ -22,8 +22,7 @@ namespace planescope::world {
 struct UprightPoses {
   Trajectory poses;                    // of the frames that have one
   std::vector<SharedGravity> gravity;  // by segment of the poses
-  SharedNoise noise;
-  std::vector<std::string> told;  // what was odd, a line each
+  std::vector<std::string> told;       // what was odd, a line each
 };
 
 struct MapJob {

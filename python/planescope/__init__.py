@@ -126,9 +126,7 @@ class EventType(enum.IntEnum):
     MERGE = 3  # a node's candidate joins `plane`; value: |n . dmu| [m]
     ASSIGN = 4  # a leftover point goes to `plane`; value: distance [m]
     DROP = 5  # a leftover point stays without a plane
-    REFINE = 6  # a refinement changed `plane` or `point`
-    WAIT = 7  # a candidate waits for surer ones; value: sigma of its normal [rad]
-    LEAVE = 8  # points go back to the leftovers
+    REFINE = 6  # the objective joined, changed or dropped `plane`
 
 
 def _numbers(values: Any, what: str, expected: str) -> NDArray[np.float64]:
@@ -447,7 +445,7 @@ class Trace:
 
     @property
     def stages(self) -> list[str]:
-        """"criteria", "merge", "assign", then the refinements."""
+        """"criteria", "merge" or "assign"; "join" to "list" by the objective."""
         return self._core.stages()
 
     def describe(self, step: int) -> str:

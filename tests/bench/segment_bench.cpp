@@ -51,8 +51,7 @@ void plain(benchmark::State& state, planes::Profile profile) {
   const planes::SegmentOptions options = planes::profile_options(profile);
   const test::LabelledCloud& c = staircase();
   for (auto _ : state)
-    benchmark::DoNotOptimize(
-        reference::segment(c.points, c.labels, c.cube, Vec3d::Zero(), options));
+    benchmark::DoNotOptimize(reference::segment(c.points, c.labels, c.cube, options));
 }
 
 void octree_ours(benchmark::State& state) {

@@ -243,8 +243,8 @@ TEST(InstanceField, ARoomOfASimulatedLaserScannerKeepsItsAccuracy) {
            (std::filesystem::path(data) / "NOT_REAL_synpeb_ppe/test_500.pcd").string()});
   ASSERT_EQ(ran.code, 0) << ran.err;
   const Json mean = Json::parse(ran.out)["mean"];
-  EXPECT_GE(mean["mean_iou"].get<double>(), 93);
-  EXPECT_GE(mean["pq"].get<double>(), 90);
+  EXPECT_GE(mean["mean_iou"].get<double>(), 94);
+  EXPECT_GE(mean["pq"].get<double>(), 89);
   EXPECT_GE(mean["detected_iou80"], 37);
 }
 
@@ -371,7 +371,7 @@ TEST(SynthSample, ARecordingIsWrittenThatEveryCommandReads) {
 
   const Ran eval = run({"eval", "--json", "--classifier", "truth", rec});
   ASSERT_EQ(eval.code, 0) << eval.err;
-  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 80);
+  EXPECT_GT(Json::parse(eval.out)["mean"]["point_accuracy"].get<double>(), 70);
 
   const Ran segment = run({"segment", rec, "-o", (dir / "out").string()});
   ASSERT_EQ(segment.code, 0) << segment.err;

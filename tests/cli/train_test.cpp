@@ -79,7 +79,8 @@ fs::path write_recording(const fs::path& dir, int seed) {
 
 /// In per cent, away from edges.
 double label_accuracy(const fs::path& recording, const fs::path& weights) {
-  const Ran ran = run({"eval", recording.string(), "--json", "--classifier", weights.string()});
+  const Ran ran = run({"eval", recording.string(), "--json", "--profile", "paper", "--classifier",
+                       weights.string()});
   EXPECT_EQ(ran.code, 0) << ran.err;
   return Json::parse(ran.out)["mean"]["label_accuracy_inner"].get<double>();
 }

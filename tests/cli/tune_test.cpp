@@ -47,16 +47,11 @@ void write_without_wall(const fs::path& dir, int frame) {
 /// On the recording `rec` of a folder, into its folder `out`. PCA labels are not perfect: there is
 /// something to gain.
 std::vector<std::string> tune(const fs::path& dir, const std::string& out) {
-  return {"tune",
-          (dir / "rec").string(),
-          "-o",
-          (dir / out).string(),
-          "--gravity",
-          "0,1,0",
-          "--classifier",
-          "pca",
-          "--only",
-          "pca_neighbours,voxel_size_m,theta_coplane,r10_pixels,r11_reach_m,r11_pixel_borders"};
+  return {"tune",         (dir / "rec").string(),
+          "-o",           (dir / out).string(),
+          "--gravity",    "0,1,0",
+          "--classifier", "pca",
+          "--only",       "pca_neighbours,voxel_size_m,merge_cost,worth_px,reach_sigma,use_labels"};
 }
 
 Ran run_with(std::vector<std::string> words, const std::vector<std::string>& more) {
@@ -83,10 +78,10 @@ std::string refusal_of(const Ran& ran) {
 TEST(ProfileOfOnesOwn, IsTakenAndWhatIsTypedBesideItWins) {
   const auto file = scratch() / "mine.json";
   write_text(file, R"({"schema": "planescope.profile/1", "base": "paper",
-                      "options": {"theta_n_in": 12, "theta_coplane": 0.9, "r7_second_merge": true}})");
+                      "options": {"theta_n_in": 12, "theta_coplane": 0.9, "criterion4_n2": false}})");
   EXPECT_EQ(value_of({"--profile", file.string()}, "theta_n_in"), "12");
   EXPECT_EQ(value_of({"--profile", file.string()}, "profile"), "paper");
-  EXPECT_EQ(value_of({"--profile", file.string()}, "r7_second_merge"), "on");
+  EXPECT_EQ(value_of({"--profile", file.string()}, "criterion4_n2"), "off");
   const std::vector<std::string> both = {"--set", "theta_n_in=20", "--profile", file.string()};
   EXPECT_EQ(value_of(both, "theta_n_in"), "20");
   EXPECT_EQ(value_of(both, "theta_coplane"), "0.9");

@@ -76,14 +76,16 @@ TEST(Usage, WhatIsNotUnderstoodIsOneLineWithTheNearestName) {
       {{"options", "--set", "theta_n_in"}, "is not NAME=VALUE"},
       {{"options", "--set", "theta_n_in=many"}, "'many' is not a whole number"},
       {{"options", "--set", "theta_r_out=2"}, "out of range"},
-      {{"options", "--set", "r1_merge_by_distance=perhaps"}, "is not on or off"},
+      {{"options", "--set", "use_labels=perhaps"}, "is not on or off"},
+      {{"options", "--set", "r1_merge_by_distance=on"},
+       "option r1_merge_by_distance was removed in 0.2; see merge_cost"},
       {{"options", "--set", "merge_partner=worst"}, "first or best"},
       {{"options", "--profile", "polished"}, "paper-closest"},
       {{"options", "--threads", "0"}, "--threads"},
       {{"options", "--threads", "two"}, "--threads"},
       {{"options", "--classifier", "gcm"}, "expected gcn, pca, truth or a weights file"},
       {{"options", "--method", "hough"}, "expected one of ours, "},
-      {{"options", "--set", "sigma_min_points=-2"}, "out of range"},
+      {{"options", "--set", "worth_px=-2"}, "out of range"},
       {{"planescope-lab", "bench", "classifier", "--set", "method=region-growing"},
        "measures method ours"},
       {{"planescope-lab", "bench", "desktop", "--method", "ransac"}, "unknown option '--method'"},
@@ -147,7 +149,7 @@ TEST(Usage, OptionsShowTheValuesThatACommandWouldUse) {
   EXPECT_EQ(values["max_range_m"], "3");
   EXPECT_EQ(values["range_for_clouds"], "on");
   EXPECT_EQ(values["gravity"], "0,1,0");
-  EXPECT_EQ(values["r1_merge_by_distance"], "off");
+  EXPECT_EQ(values["criterion4_n2"], "on");
 }
 
 TEST(Usage, EveryValueThatIsShownCanBeSet) {

@@ -81,8 +81,9 @@ Json frame_in(const fs::path& report) {
 }
 
 TEST_F(ViewReport, ALostPlaneLeadsToTheDecisionThatLostIt) {
-  const fs::path before = report("before", {sample, "--frames", "0"});
-  const fs::path after = report("after", {sample, "--frames", "0", "--set", "theta_n_in=60"});
+  const fs::path before = report("before", {sample, "--frames", "0", "--profile", "paper"});
+  const fs::path after =
+      report("after", {sample, "--frames", "0", "--profile", "paper", "--set", "theta_n_in=60"});
   const int lost = lost_plane(frame_in(before), frame_in(after));
   const std::string target = after.string() + "#f000/was" + std::to_string(lost);
 

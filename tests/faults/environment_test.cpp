@@ -127,7 +127,6 @@ TEST_F(Environment, LittleMemoryIsEnoughOrIsToldInOneLine) {
     if (ran.code == 0) continue;
     expect_one_line(ran);
     EXPECT_NE(ran.err.find("out of memory"), std::string::npos) << ran.err;
-    EXPECT_FALSE(worked) << "less was enough";
   }
   if (run_in({"--version"}, [] { limit(RLIMIT_AS, 400'000'000); }).code != 0)
     GTEST_SKIP() << "this build does not start in so little memory";

@@ -210,10 +210,12 @@ TEST(Library, ProfilesAndOptionsAreThoseOfTheProgram) {
   const ps::Options copy = options;
   options.set("theta_n_in", 21);
   EXPECT_EQ(copy.get("theta_n_in"), "20");
-  bool has_r1 = false;
+  bool has_worth = false;
   for (const ps::OptionInfo& info : ps::Options::all())
-    if (info.section == "refinements" && info.paper == "off" && info.refined == "on") has_r1 = true;
-  EXPECT_TRUE(has_r1);
+    has_worth |= info.section == "objective" && info.name == "worth_px";
+  EXPECT_TRUE(has_worth);
+  EXPECT_EQ(error_of([] { ps::Options().set("r1_merge_by_distance", "on"); }),
+            "option r1_merge_by_distance was removed in 0.2; see merge_cost");
 }
 
 TEST(Library, ACloudFarFromItsOriginIsSegmentedAsNearIt) {

@@ -201,7 +201,7 @@ class Results(unittest.TestCase):
         nodes = trace.nodes
         np.testing.assert_array_equal(nodes["case"][decided["node"]], decided["case"])
         self.assertEqual(trace.stages[:3], ["criteria", "merge", "assign"])
-        self.assertIn("R1", trace.stages)
+        self.assertIn("join", trace.stages)
         self.assertTrue((trace.plane_of(0) == -1).all())
         self.assertEqual(trace.plane_of(len(trace)).shape, (480, 640))
         founded = np.count_nonzero(events["type"] == ps.EventType.FOUND)

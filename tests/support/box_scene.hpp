@@ -42,7 +42,6 @@ inline planes::PipelineOptions image_options() {
   planes::PipelineOptions options = wall_options();
   options.segment = planes::profile_options(planes::Profile::refined);
   options.segment.objective.worth_px = 14000;  // the small box is worth less
-  options.segment.objective.on = true;
   return options;
 }
 

@@ -28,27 +28,6 @@ inline planes::Cube cube_around(const std::vector<Vec3f>& points) {
   return cube;
 }
 
-/// The points as a camera sees them that looks along x from `sensor`; of those behind one another
-/// the nearest.
-inline planes::PixelGrid picture_of(const std::vector<Vec3f>& points, const Vec3d& sensor) {
-  planes::PixelGrid picture{160, 120, 90, {}, {}};
-  const std::size_t pixels = 160 * 120;
-  picture.measured.resize(pixels);
-  picture.point.assign(pixels, planes::PixelGrid::kNoPoint);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3d to = points[i].cast<double>() - sensor;
-    if (to.x() < 0.05) continue;
-    const double u = 80 - 90 * to.y() / to.x(), v = 60 - 90 * to.z() / to.x();
-    if (u < 0 || v < 0 || u >= 160 || v >= 120) continue;
-    const std::size_t at = picture.at(static_cast<int>(u), static_cast<int>(v));
-    if (picture.has(at) && (picture.measured[at].cast<double>() - sensor).norm() < to.norm())
-      continue;
-    picture.measured[at] = points[i];
-    picture.point[at] = static_cast<std::uint32_t>(i);
-  }
-  return picture;
-}
-
 /// Up to six rectangles, level, upright or tilted, with noise, clutter and some wrong labels.
 inline LabelledCloud random_cloud(std::uint64_t seed) {
   Random random(seed);

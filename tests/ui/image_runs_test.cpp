@@ -11,21 +11,10 @@ struct ImageRuns : OpenDesktop {
   ImageRuns() : OpenDesktop(opened()) {}
   static State opened() {
     State state = RefinedDesktop::opened();
-    state.document.options.segment.objective.on = true;
     state.document.options.segment.objective.worth_px = 14000;  // not all are listed
     return state;
   }
 };
-
-TEST_F(ImageRuns, TheObjectiveIsSwitchedOffAndOnAgain) {
-  const auto planes = state().run()->segmentation.planes.size();
-  play(R"({"do": "option.set", "with": "objective=off"})");
-  EXPECT_FALSE(state().run()->is_on_image());
-  EXPECT_GT(state().run()->segmentation.planes.size(), 0u);
-  play(R"({"do": "option.set", "with": "objective=on"})");
-  EXPECT_TRUE(state().run()->is_on_image());
-  EXPECT_EQ(state().run()->segmentation.planes.size(), planes);
-}
 
 TEST_F(ImageRuns, EveryTabShowsEveryKindOfEvent) {
   ASSERT_TRUE(state().run());

@@ -78,7 +78,7 @@ TEST_F(Measuring, StaysWhereItWasThroughOptionsAndEndsWithTheFrame) {
   play(R"({"do": "measure.end", "with": "voxel 5"}, {"do": "measure.end", "with": "voxel 900"})");
   const std::string before = fact("measured");
   play(
-      R"({"do": "option.set", "with": "tau_sigmas=4"}, {"do": "option.set", "with": "profile=paper"})");
+      R"({"do": "option.set", "with": "merge_cost=8"}, {"do": "option.set", "with": "profile=paper"})");
   EXPECT_EQ(fact("measured"), before);
   play(R"({"key": "U"}, "frame.next", {"expect": {"measured": "", "click": ""}})");
 }

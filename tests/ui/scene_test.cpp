@@ -292,7 +292,7 @@ TEST_F(Scene, EveryKindOfStepHasItsRowInTheTree) {
     if (state().view.selected.node < 0) without.insert(type);
     EXPECT_EQ(look_of(state()).node, -1) << "what the step is about is no choice of the user's";
   }
-  EXPECT_GE(kinds.size(), 6u);
+  EXPECT_GE(kinds.size(), 4u);
   EXPECT_TRUE(without.empty());
 }
 
@@ -375,7 +375,14 @@ TEST_F(Compared, TheOtherRunIsShownAtTheSamePlace) {
   run("run.wiper");
   EXPECT_EQ(other_look_of(state()).step, state().results.pinned->run->steps());
   run("select.voxel", "100");
-  EXPECT_EQ(other_look_of(state()).voxel, 100);
+  const auto place_of = [](const debug::Run& run, int voxel) {
+    return run.subject->prepared.voxels.points.at(static_cast<std::size_t>(voxel));
+  };
+  EXPECT_LT((place_of(*state().results.pinned->run, other_look_of(state()).voxel) -
+             place_of(*state().run(), 100))
+                .norm(),
+            0.03)
+      << "the voxel is a pixel of the other run";
   run("step.goto", "3");
   EXPECT_EQ(other_look_of(state()).step,
             debug::same_step(*state().run(), 3, *state().results.pinned->run));

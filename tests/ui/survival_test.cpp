@@ -161,7 +161,8 @@ TEST_P(RealRecordings, AreSteppedThroughAndSearched) {
   NoStage stage(shell);
   settle(shell, stage, {});
   ASSERT_TRUE(shell.state().run()) << shell.state().results.refusal;
-  EXPECT_GT(shell.state().run()->segmentation.planes.size(), 0u);
+  const planes::Segmentation& found = shell.state().run()->segmentation;
+  EXPECT_GT(found.planes.size() + found.minor.size(), 0u);
   for (const Command& command : std::vector<Command>{{"step.first", ""},
                                                      {"filter.set", "case==IV"},
                                                      {"filter.next", ""},

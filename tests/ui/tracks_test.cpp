@@ -89,6 +89,8 @@ TEST_F(Tracks, KeepTheirColourFromFrameToFrame) {
 }
 
 TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
+  play(R"({"do": "option.set", "with": "filled=0.9"})");  // few cells are a plane
+
   follow();
   const world::Track& track = missed();
   const int frame = frame_missed(map(), track, -1, 1);
@@ -100,7 +102,8 @@ TEST_F(Tracks, AGapLeadsToTheDecisionThatLostThePlane) {
                 fmt::format("T{} is not in frame {}: not detected", track.id, frame)),
             std::string::npos)
       << state().view.message;
-  EXPECT_NE(state().view.message.find("left over at step"), std::string::npos);
+  EXPECT_NE(state().view.message.find("left over at step"), std::string::npos)
+      << state().view.message;
   EXPECT_LT(state().view.step, state().run()->steps());
   EXPECT_FALSE(state().document.marked.empty()) << "its place";
   // The same place in the frame before, where the plane was seen.

@@ -130,20 +130,6 @@ std::vector<Action> option_actions() {
          s.view.tool_tab = "criteria";
          const planes::OptionInfo& info = planes::find_option(name);
          s.view.focus = "criteria." + info.name;
-         if (!info.group.empty()) s.view.unfolded.insert(info.group);
-       },
-       {},
-       {}},
-      {"option.unfold",
-       "Show or hide the numbers of a group of options",
-       "",
-       "",
-       "GROUP",
-       [](State& s, const std::string& group) {
-         if (std::ranges::find(planes::option_table(), group, &planes::OptionInfo::group) ==
-             planes::option_table().end())
-           throw Error(fmt::format("action option.unfold: there is no group '{}'", group));
-         if (!s.view.unfolded.erase(group)) s.view.unfolded.insert(group);
        },
        {},
        {}},

@@ -54,13 +54,6 @@ SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile
   return scale;
 }
 
-bool is_folded(const State& state, const planes::OptionInfo& info) {
-  if (info.group.empty() || !info.is_number() || state.view.unfolded.contains(info.group))
-    return false;
-  const planes::PipelineOptions& options = state.document.options;
-  return info.get(options) == planes::default_value(info, options.segment.profile);
-}
-
 double HistogramAxis::share(double value) const {
   const auto& bins = histogram_.bins;
   const auto at = std::find_if(bins.begin(), bins.end(),
@@ -144,14 +137,12 @@ std::vector<TimelineColumn> timeline_columns(const debug::Run& run, int count) {
         ++column.assigned;
         break;
       case planes::EventType::drop:
-      case planes::EventType::leave:
         ++column.dropped;
         break;
       case planes::EventType::refine:
         ++column.refined;
         break;
       case planes::EventType::visit:
-      case planes::EventType::wait:
         break;
     }
   }

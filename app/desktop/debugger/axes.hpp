@@ -28,9 +28,6 @@ struct SliderScale {
 /// Wide enough to hold the default a few times over, within the option's range.
 SliderScale slider_scale(const planes::OptionInfo& info, planes::Profile profile);
 
-/// The numbers of a group of options are folded away, but for those that are not their default.
-bool is_folded(const State& state, const planes::OptionInfo& info);
-
 // ---- Histograms --------------------------------------------------------------------------------
 
 /// Where values stand across a histogram that gives every bin the same width: the last bin takes

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "core/model/text.hpp"
-#include "core/planes/segment/refinement.hpp"
 #include "core/planes/segment/trace.hpp"
 
 namespace planescope::desktop {
@@ -22,7 +21,7 @@ bool same_kind(const planes::TraceEvent& a, const planes::TraceEvent& b) {
   if (is_leftover(a)) return is_leftover(b);
   if (a.type != planes::EventType::refine || b.type != a.type) return false;
   // What looks at pixels goes by place, not plane by plane.
-  return planes::refinement_of(a.stage)->on_pixels || (a.plane == b.plane && a.other == b.other);
+  return planes::info_of(a.stage)->on_pixels || (a.plane == b.plane && a.other == b.other);
 }
 
 /// The last step at which a node is dequeued or settled.
@@ -41,8 +40,7 @@ std::int32_t end_of_traversal(const debug::Run& run) {
 }
 
 std::string title_of(planes::Stage stage) {
-  if (const planes::RefinementInfo* refinement = planes::refinement_of(stage))
-    return planes::heading_of(*refinement);
+  if (const planes::StageInfo* info = planes::info_of(stage)) return info->title;
   return stage == planes::Stage::assign ? "leftovers" : "merging";
 }
 

@@ -99,7 +99,7 @@ std::string stamp_of(const std::string& classifier) {
 /// The options of some sections as one text.
 std::string options_key(const planes::PipelineOptions& options, bool preparing) {
   std::string key = preparing ? stamp_of(options.classifier) : "";
-  if (preparing) key += options.segment.objective.on ? "of pixels|" : "of voxels|";
+  if (preparing) key += options.segment.by_objective() ? "of pixels|" : "of voxels|";
   for (const planes::OptionInfo& info : planes::option_table()) {
     if (is_about_planes(info)) continue;
     const bool segments = info.steers_segmentation() || info.section == "rivals";

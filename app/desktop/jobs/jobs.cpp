@@ -6,7 +6,6 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "app/desktop/actions/actions.hpp"
@@ -76,7 +75,6 @@ struct Jobs::Impl {
   std::shared_ptr<const RunView> planes_of;  // what is told of this run's planes ...
   std::string planes_by;                     // ... by these options
   std::shared_ptr<const RunView> compared_a, compared_b, sensitivity_of_run;
-  std::set<std::string> sensitivity_unfolded;
   Against compared_against = Against::nothing;
   Analysis analysing = Analysis::none;
   int analysis_number = 0;  // as strip_number
@@ -423,13 +421,12 @@ void Jobs::Impl::pursue_fix(State& state) {
 void Jobs::Impl::pursue_sensitivity(State& state) {
   const auto& view = state.results.current;
   const bool fixing = analysing == Analysis::search || analysing == Analysis::check;
-  const bool done = view == sensitivity_of_run && state.view.unfolded == sensitivity_unfolded;
+  const bool done = view == sensitivity_of_run;
   if (state.view.mode == Mode::labels) {  // shows no sliders
     if (analysing == Analysis::sensitivity) stop_analysis();
     return;
   }
   if (done || state.view.tool_tab != "criteria" || runs.busy() || fixing) return;
-  sensitivity_unfolded = state.view.unfolded;
   if (!view || !view->run->is_ours()) {  // what steers other methods takes too long to sweep
     stop_analysis();
     sensitivity_of_run = view;
@@ -437,7 +434,8 @@ void Jobs::Impl::pursue_sensitivity(State& state) {
   }
   std::vector<std::string> shown;
   for (const planes::OptionInfo& info : planes::option_table())
-    if (info.is_number() && info.steers_segmentation() && !is_folded(state, info) &&
+    if (info.is_number() && info.steers_segmentation() &&
+        !planes::is_idle(info, state.document.options) &&
         !state.results.sensitivity.contains(info.name))
       shown.push_back(info.name);
   analyse(Analysis::sensitivity, [this, view, shown](std::stop_token stop, int number) {

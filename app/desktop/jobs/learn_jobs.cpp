@@ -152,7 +152,8 @@ void LearnJobs::pursue_doubt(State& state) {
       if (!wants[i]) continue;
       if (stop.stop_requested()) return;
       wanted.frame = static_cast<int>(i);
-      wanted.options.segment.objective.on = false;  // it asks no classifier about depth images
+      // The objective asks no classifier about depth images.
+      wanted.options.segment = planes::profile_options(planes::Profile::paper);
       std::optional<double> share;
       try {
         std::string refused_labels;

@@ -11,7 +11,6 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -312,7 +311,6 @@ struct ViewState {
   std::string inspector_tab = "inspector";  // inspector | planes | point | stairs | bookmarks
   std::string tool_tab = "criteria";        // criteria | histograms | compare | fix
   std::string list_tab = "events";          // events | tracks
-  std::set<std::string> unfolded;           // groups of options that show all of their numbers
   std::string octree_search;
   bool only_matches = false;  // the event list shows what the filter finds
   bool show_keys = false, show_palette = false, show_timing = false;

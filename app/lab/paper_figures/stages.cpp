@@ -16,15 +16,15 @@ constexpr int kStageWidth = 720, kStageHeight = 540;
 lab::PaperFigure stages(const Work& work) {
   work.begin("stages");
   const Frame frame = lab::make_sample_frame({.seed = work.results.seed}, 0).frame;
-  const planes::PipelineOptions options = options_of(lab::with_ours({}, "refined", "gcn"), work);
+  const planes::PipelineOptions options = options_of(lab::with_ours({}, "paper", "gcn"), work);
   const planes::FrameResult result = planes::run_frame(frame, options, work.network.get());
 
   lab::PaperFigure figure;
   figure.id = "stages";
   figure.title = "The framework, stage by stage";
   figure.note = fmt::format(
-      "Stairs through the camera model, profile refined, labels of the 3D-GCN. To look into it: "
-      "planescope synth sample --seed {} -o sample; planescope sample",
+      "Stairs through the camera model, profile paper, labels of the 3D-GCN. To look into it: "
+      "planescope synth sample --seed {} -o sample; planescope sample --profile paper",
       work.results.seed);
   const render::Camera camera =
       render::frame_camera(result, static_cast<double>(kStageWidth) / kStageHeight);

@@ -18,8 +18,8 @@ enum class Verdict : std::uint8_t { pass, fail, not_asked };
 /// One comparison: first what is asked, then the answer. margin > 0: passes with that share of
 /// the threshold to spare.
 struct Check {
-  std::string criterion = {};  // "Criterion 1", "R1"
-  std::string equation = {};   // "Eq. (2)", or the section of docs/method.md for a refinement
+  std::string criterion = {};  // "Criterion 1", "join"
+  std::string equation = {};   // "Eq. (2)", or "refined"
   std::string quantity = {};   // "N_out", "e_n", "|n1·n2|" (UTF-8)
   std::string meaning = {};    // one phrase
   std::string unit = {};       // "m²", "deg", ""
@@ -60,7 +60,7 @@ struct MergeReport {
                                         // the nearest misses
   std::string outcome;                  // "merged into P3, 1.2 cm off it", "founded P9: no partner"
 };
-/// Of a found or merge event (also R3's and R7's), or a join of a depth image's regions; an empty
+/// Of a found or merge event, or a join by the objective; an empty
 /// report for others.
 MergeReport explain_merge(const Run& run, std::int32_t step);
 
@@ -69,10 +69,9 @@ struct LeftoverPlane {
   std::int32_t plane = -1;
   double distance_m = 0;
   double limit_m = 0;      // leftover_distance_m or tau
-  double penalty_m = 0;    // for the other label
-  bool considered = true;  // false: no points of it in the neighbouring cells, or found before
+  bool considered = true;  // false: an earlier one took the point
   bool chosen = false;
-  std::string why_not;  // "too far", "no points within 10 cm", "another is nearer"
+  std::string why_not;  // "too far", "an earlier plane took it"
 };
 struct LeftoverReport {
   std::int32_t step = 0;
@@ -94,7 +93,8 @@ bool all_pass(const std::vector<Check>& checks);
 /// The margin of the check that passes by least, or fails by most.
 double least_margin(const std::vector<Check>& checks);
 
-/// Criterion 3 as the options have it: of e_n, or of the RMS. `criterion`: "Criterion 3" or "R4".
+/// Criterion 3 as the options have it: of e_n, or of the RMS. `criterion`: "Criterion 3" or "By
+/// label".
 Check planarity_check(const std::string& criterion,
                       const planes::SegmentOptions& options,
                       double value,
@@ -102,10 +102,7 @@ Check planarity_check(const std::string& criterion,
 /// Criterion 4, Eq. (6).
 std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
                                       const planes::SegmentOptions& options);
-/// R1, which measures distances instead.
-std::vector<Check> distance_checks(const planes::DistanceTerms& terms);
-
-/// Of a depth image: two regions become one, as stage `join` or `hidden`.
+/// Two regions become one, as stage `join` or `hidden`.
 bool is_join(const planes::TraceEvent& event);
 /// The cost of such a join against what a plane costs.
 Check join_check(const Run& run, const planes::TraceEvent& event);

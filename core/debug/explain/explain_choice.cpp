@@ -1,11 +1,10 @@
-// Which plane a candidate joined, and why none of the others: Sun et al. 2023, Sec. IV-C; R1, R3
-// and R7. Which plane a leftover point went to: its last paragraph, and R1's rule.
+// Which plane a candidate joined, and why none of the others: Sun et al. 2023, Sec. IV-C, or the
+// objective. Which plane a leftover point went to: its last paragraph.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "core/debug/explain/explain.hpp"
@@ -16,13 +15,10 @@ namespace planescope::debug {
 namespace {
 
 PartnerReport report_of(const planes::Pair& pair, const planes::SegmentOptions& options) {
-  const auto* by_distance = std::get_if<planes::DistanceTerms>(&pair.terms);
   return {.plane = pair.plane,
-          .checks = by_distance
-                        ? distance_checks(*by_distance)
-                        : coplanarity_checks(std::get<planes::Coplanarity>(pair.terms), options),
+          .checks = coplanarity_checks(pair.terms, options),
           .coplanar = pair.coplanar,
-          .cost = pair.cost};
+          .cost = pair.terms.offset_m};
 }
 
 /// Repeats a choice: the planes that it asks about, and the partner that it takes.
@@ -41,36 +37,15 @@ std::vector<PartnerReport> partners_asked(const planes::SegmentOptions& options,
 void append_never_asked(const planes::SegmentState& state,
                         const planes::Candidate& candidate,
                         std::vector<PartnerReport>& partners) {
-  const planes::MeasuredPlane measured = state.measured(candidate);
   const std::int32_t asked = partners.empty() ? -1 : partners.back().plane;
   for (auto k = asked + 1; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
-    const std::optional<planes::Pair> pair = planes::compare(state, k, candidate, measured);
-    if (!pair) continue;
-    partners.push_back(report_of(*pair, state.options));
+    if (!state.planes[k].alive) continue;
+    const planes::Coplanarity terms = planes::coplanarity(state.planes[k].fit, candidate.fit);
+    partners.push_back(report_of({k, terms, false}, state.options));
     partners.back().never_asked = true;
     partners.back().coplanar = false;
     for (Check& check : partners.back().checks) check = not_asked(check);
   }
-}
-
-/// The step at which the strong candidates had all been merged: R3's first event follows.
-std::int32_t end_of_strong(const Run& run) {
-  const auto first = std::ranges::find_if(run.trace.events, [](const planes::TraceEvent& event) {
-    return event.stage == planes::Stage::r3_weak_candidates &&
-           event.type != planes::EventType::wait;
-  });
-  return static_cast<std::int32_t>(first - run.trace.events.begin());
-}
-
-std::vector<PartnerReport> partners_of_weak(const Run& run,
-                                            StateWalk& walk,
-                                            std::int32_t step,
-                                            const planes::Candidate& candidate) {
-  const planes::Neighbourhood strong(walk.advance_to(end_of_strong(run)));
-  const planes::SegmentState& state = walk.advance_to(step);
-  return partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
-    return planes::choose_partner_of_weak(state, candidate, strong, visitor);
-  });
 }
 
 std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
@@ -82,18 +57,6 @@ std::vector<PartnerReport> partners_in_list(const planes::SegmentState& state,
   return partners;
 }
 
-/// R7: a plane against those that are no smaller.
-std::vector<PartnerReport> partners_of_plane(const planes::SegmentState& state,
-                                             std::int32_t plane) {
-  std::vector<std::int32_t> larger;
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
-    if (k != plane && state.planes[k].moments.count >= state.planes[plane].moments.count)
-      larger.push_back(k);
-  return partners_asked(state.options, [&](const planes::PairVisitor* visitor) {
-    return planes::choose_partner_of_plane(state, plane, larger, visitor);
-  });
-}
-
 /// The chosen one, coplanar ones by cost, the nearest misses, what was never asked.
 void sort_for_reading(std::vector<PartnerReport>& partners) {
   const auto key = [](const PartnerReport& p) {
@@ -103,54 +66,27 @@ void sort_for_reading(std::vector<PartnerReport>& partners) {
   std::ranges::stable_sort(partners, {}, key);
 }
 
-std::string outcome_of(const Run& run,
-                       const MergeReport& report,
-                       const planes::TraceEvent& event,
-                       double sigma_ang) {
+std::string outcome_of(const Run& run, const MergeReport& report, const planes::TraceEvent& event) {
   if (event.type == planes::EventType::merge)
     return fmt::format("merged into {}, {} off it", plane_name(run, event.plane),
                        distance_text(event.value));
-  const std::string because =
-      report.partners.empty() ? "nothing to compare with" : "no coplanar plane";
-  if (event.stage != planes::Stage::r3_weak_candidates)
-    return fmt::format("founded {}: {}", plane_name(run, event.plane), because);
-  const std::string known = fmt::format("{} points, normal known to {:.2g}°", report.points,
-                                        sigma_ang * 180 / std::numbers::pi);
-  if (event.type == planes::EventType::found)
-    return fmt::format("founded {}: {}; {}", plane_name(run, event.plane), because, known);
-  return fmt::format("left over: {}, and too weak for a plane of its own ({})", because, known);
+  return fmt::format("founded {}: {}", plane_name(run, event.plane),
+                     report.partners.empty() ? "nothing to compare with" : "no coplanar plane");
 }
 
 MergeReport explain_candidate(const Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   StateWalk walk(run);
-  const planes::Candidate candidate = planes::candidate_of(walk.state(), event.node, event.label);
+  const planes::Candidate candidate =
+      planes::fit_label(run.octree(), event.node, event.label, run.segment_options.use_labels);
 
   MergeReport report;
   report.node = event.node;
   report.label = event.label;
   report.points = static_cast<std::uint32_t>(candidate.moments.count);
   report.candidate = candidate.fit;
-  report.partners = event.stage == planes::Stage::r3_weak_candidates
-                        ? partners_of_weak(run, walk, step - 1, candidate)
-                        : partners_in_list(walk.advance_to(step - 1), candidate);
-  report.outcome = outcome_of(run, report, event, candidate.sigma_ang);
-  return report;
-}
-
-MergeReport explain_second_merge(const Run& run, std::int32_t step) {
-  const planes::TraceEvent& event = *run.event_at(step);
-  StateWalk walk(run);
-  const planes::SegmentState& state = walk.advance_to(step - 1);
-  const planes::GrowingPlane& plane = state.planes[event.plane];
-  MergeReport report;
-  report.label = plane.label;
-  report.points = static_cast<std::uint32_t>(plane.moments.count);
-  report.candidate = plane.fit;
-  report.partners = partners_of_plane(state, event.plane);
-  const double offset = state.planes[event.other].fit.distance_m(plane.fit.centroid);
-  report.outcome = fmt::format("{} merged into {} (R7), {} off it", plane_name(run, event.plane),
-                               plane_name(run, event.other), distance_text(std::abs(offset)));
+  report.partners = partners_in_list(walk.advance_to(step - 1), candidate);
+  report.outcome = outcome_of(run, report, event);
   return report;
 }
 
@@ -158,13 +94,9 @@ MergeReport explain_split(const Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   MergeReport report;
   report.label = run.timeline.label_of_plane(event.plane);
-  const bool seen = event.stage == planes::Stage::split_disconnected &&
-                    run.segment_options.split_disconnected.rule == planes::SplitRule::seen &&
-                    !run.subject->prepared.from_cloud;
   report.outcome =
-      fmt::format("{} split off {}: {}{}", plane_name(run, event.plane),
-                  plane_name(run, event.other), planes::refinement_of(event.stage)->why_parted,
-                  seen ? ", and the sensor looked through the gap" : "");
+      fmt::format("{} split off {}: {}", plane_name(run, event.plane), plane_name(run, event.other),
+                  planes::info_of(event.stage)->why_parted);
   return report;
 }
 
@@ -179,7 +111,7 @@ MergeReport explain_founded(const Run& run, std::int32_t step) {
           .outcome = "founded " + plane_name(run, event.plane)};
 }
 
-/// Of a depth image: two regions that touch, or that something hides from each other.
+/// Two regions that touch, or that something hides from each other.
 MergeReport explain_join(const Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   const planes::PlaneChange& plane = *run.timeline.plane_at(event.plane, step - 1);
@@ -203,61 +135,44 @@ MergeReport explain_join(const Run& run, std::int32_t step) {
   return report;
 }
 
-/// The last step before the assignment of leftovers that `step` belongs to. R2 makes a second one
-/// at the end.
-std::int32_t start_of_assignment(const Run& run, std::int32_t step) {
-  const auto assigns = [&](std::int32_t at) {
-    const planes::EventType type = run.event_at(at)->type;
-    return type == planes::EventType::assign || type == planes::EventType::drop;
-  };
-  while (step > 1 && assigns(step - 1)) --step;
-  return step - 1;
-}
-
-/// All planes that stand, with what the repeated choice says of them.
-template <typename Choose>
-std::vector<LeftoverPlane> planes_judged(const planes::SegmentState& state,
+/// The planes that stand, with how far they are from the point.
+std::vector<LeftoverPlane> planes_beside(const planes::SegmentState& state,
                                          std::uint32_t i,
-                                         const std::string& why_not_asked,
-                                         Choose choose) {
-  const planes::Reach reach = planes::reach_of(state, i, state.options.leftover_rule);
+                                         double limit_m,
+                                         const char* why_not) {
   std::vector<LeftoverPlane> rows;
-  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k) {
-    if (!state.planes[k].alive) continue;
-    const planes::PointTerms terms = planes::point_terms(state, k, i, reach);
-    rows.push_back(
-        {k, terms.distance_m, terms.limit_m, terms.penalty_m, false, false, why_not_asked});
-  }
-  const planes::PointVisitor visitor = [&](const planes::PointTerms& terms) {
-    const auto row = std::ranges::find(rows, terms.plane, &LeftoverPlane::plane);
-    row->considered = true;
-    row->why_not = terms.passes() ? "another is nearer" : "too far";
-  };
-  const planes::PlaneChoice choice = choose(&visitor);
-  for (LeftoverPlane& row : rows) {
-    row.chosen = row.plane == choice.plane;
-    if (row.chosen) row.why_not.clear();
-  }
+  for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
+    if (state.planes[k].alive)
+      rows.push_back({k, std::abs(state.planes[k].fit.distance_m(state.point(i))), limit_m, false,
+                      false, why_not});
   return rows;
 }
 
 std::vector<LeftoverPlane> planes_for(const Run& run, std::int32_t step, std::uint32_t i) {
   StateWalk walk(run);
-  if (run.segment_options.leftover_rule == planes::LeftoverRule::first) {
-    const planes::SegmentState& state = walk.advance_to(step - 1);
-    return planes_judged(state, i, "an earlier plane took it",
-                         [&](const planes::PointVisitor* visitor) {
-                           return planes::choose_first_plane(state, i, visitor);
-                         });
-  }
-  const planes::Neighbourhood around(walk.advance_to(start_of_assignment(run, step)));
-  const std::string cell = planes::cell_size_text(
-      run.octree(), run.octree().cube.max_depth - run.segment_options.noise.neighbour_levels);
   const planes::SegmentState& state = walk.advance_to(step - 1);
-  return planes_judged(state, i, "no points of it within " + cell,
-                       [&](const planes::PointVisitor* visitor) {
-                         return planes::choose_nearest_plane(state, around.near(i), i, visitor);
-                       });
+  if (run.segment_options.by_objective()) {  // of all in reach, the one that explains it best
+    const double limit_m = state.noise.tau(0);
+    std::vector<LeftoverPlane> rows =
+        planes_beside(state, i, limit_m, "another explains it better");
+    for (LeftoverPlane& row : rows) {
+      row.considered = true;
+      row.chosen = row.plane == run.event_at(step)->plane;
+      if (row.distance_m > limit_m) row.why_not = "too far";
+      if (row.chosen) row.why_not.clear();
+    }
+    return rows;
+  }
+  std::vector<LeftoverPlane> rows =
+      planes_beside(state, i, state.options.leftover_distance_m, "an earlier plane took it");
+  const planes::PointVisitor visitor = [&](const planes::PointTerms& terms) {
+    const auto row = std::ranges::find(rows, terms.plane, &LeftoverPlane::plane);
+    row->considered = true;
+    row->why_not = terms.passes() ? "" : "too far";
+  };
+  const planes::PlaneChoice choice = planes::choose_plane(state, i, &visitor);
+  for (LeftoverPlane& row : rows) row.chosen = row.plane == choice.plane;
+  return rows;
 }
 
 std::string outcome_of(const Run& run, const LeftoverReport& report) {
@@ -294,20 +209,14 @@ Check join_check(const Run& run, const planes::TraceEvent& event) {
 MergeReport explain_merge(const Run& run, std::int32_t step) {
   MergeReport report;
   if (const planes::TraceEvent* event = run.event_at(step)) {
-    const bool weak_left = event->type == planes::EventType::leave &&
-                           event->stage == planes::Stage::r3_weak_candidates;
     if (event->type == planes::EventType::found && event->node < 0)
       report = explain_split(run, step);
-    else if (event->type == planes::EventType::found && run.is_on_image())
+    else if (event->type == planes::EventType::found && run.segment_options.by_objective())
       report = explain_founded(run, step);
     else if (is_join(*event))
       report = explain_join(run, step);
-    else if (event->type == planes::EventType::found || event->type == planes::EventType::merge ||
-             weak_left)
+    else if (event->type == planes::EventType::found || event->type == planes::EventType::merge)
       report = explain_candidate(run, step);
-    else if (event->type == planes::EventType::refine &&
-             event->stage == planes::Stage::r7_second_merge)
-      report = explain_second_merge(run, step);
   }
   sort_for_reading(report.partners);
   report.step = step;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/debug/explain/explain.hpp"
 #include "core/planes/segment/criteria.hpp"
@@ -22,7 +21,7 @@ Check answered(Check check, double value, const char* op, double threshold, doub
   return check;
 }
 
-constexpr double kDeg = 180 / std::numbers::pi;
+constexpr const char* kByLabel = "By label";
 
 Check enough_points(const std::string& criterion,
                     const planes::Purity& purity,
@@ -55,22 +54,20 @@ class Questions {
   bool asking_ = true;
 };
 
-/// R4 asks Criteria 2 and 3 of an impure node again, of each label for itself.
+/// The objective asks Criteria 2 and 3 of an impure node again, of each label for itself.
 void ask_by_label(const Run& run, std::int32_t node, std::vector<Check>& checks) {
   const planes::SegmentOptions& options = run.segment_options;
   const NodeFacts& facts = run.facts[node];
   const planes::Purity& purity = facts.purity;
   Questions questions(checks);
-  questions.ask({enough_points("R4", purity, options)});
-  questions.ask({planarity_check("R4", options, facts.e_n, facts.theta_e_n)});
+  questions.ask({enough_points(kByLabel, purity, options)});
+  questions.ask({planarity_check(kByLabel, options, facts.e_n, facts.theta_e_n)});
   if (!planes::has_enough_inliers(purity.n_out, options)) return;  // too few to matter: left over
   const Label other = purity.inlier == Label::h ? Label::v : Label::h;
   const planes::Candidate outliers =
       planes::fit_label(run.octree(), node, other, options.use_labels);
-  const double range = (outliers.fit.centroid - run.subject->prepared.sensor()).norm();
-  const planes::Planarity planar =
-      planes::planarity(outliers.fit, run.segmentation.noise, range, options);
-  Check check = planarity_check("R4", options, planar.value, planar.threshold);
+  const planes::Planarity planar = planes::planarity(outliers.fit, run.segmentation.noise, options);
+  Check check = planarity_check(kByLabel, options, planar.value, planar.threshold);
   check.quantity += " of the outliers";
   questions.ask({check});
 }
@@ -129,12 +126,10 @@ std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
   for (const std::int32_t step : steps) {
     const planes::TraceEvent& event = *run.event_at(step);
     if (!text.empty()) text += ", ";
-    if (run.octree().nodes[event.node].impure_fit) text += event.label == Label::v ? "v " : "h ";
+    if (run.octree().nodes[event.node].by_label) text += event.label == Label::v ? "v " : "h ";
     if (event.type == planes::EventType::found) text += "founded " + plane_name(run, event.plane);
     if (event.type == planes::EventType::merge)
       text += "merged into " + plane_name(run, event.plane);
-    if (event.type == planes::EventType::wait) text += "waits for the sure ones (R3)";
-    if (event.type == planes::EventType::leave) text += "left over (R3)";
   }
   return text;
 }
@@ -142,7 +137,7 @@ std::string fate(const Run& run, const std::vector<std::int32_t>& steps) {
 std::string outcome_of(const Run& run, std::int32_t index, const std::vector<std::int32_t>& steps) {
   const planes::OctreeNode& node = run.octree().nodes[index];
   const std::string name = fmt::format("case {}", planes::to_string(node.decided));
-  if (node.impure_fit) return name + ", fitted label by label (R4): " + fate(run, steps);
+  if (node.by_label) return name + ", fitted label by label: " + fate(run, steps);
   if (node.decided == planes::Case::IV) {
     const std::uint32_t outliers = run.facts[index].purity.n_out;
     return name + ": candidate " + fate(run, steps) +
@@ -196,11 +191,10 @@ Check planarity_check(const std::string& criterion,
                       const planes::SegmentOptions& options,
                       double value,
                       double threshold) {
-  if (options.noise.rms_criterion3)
-    return at_most(
-        {criterion, "Eq. (5)", "RMS", "root mean square distance of the inliers from their plane",
-         "m", options.noise.estimate_sigma ? "" : "fixed_rms_m"},
-        value, threshold);
+  if (options.by_objective())
+    return at_most({criterion, "Eq. (5)", "RMS",
+                    "root mean square distance of the inliers from their plane", "m"},
+                   value, threshold);
   const bool mean = options.mse_normalization == planes::MseNormalization::mean;
   return at_most({criterion, "Eq. (5)", mean ? "e_n / N" : "e_n",
                   mean ? "mean square error along the normal"
@@ -231,26 +225,6 @@ std::vector<Check> coplanarity_checks(const planes::Coplanarity& terms,
   return checks;
 }
 
-std::vector<Check> distance_checks(const planes::DistanceTerms& terms) {
-  std::vector<Check> checks;
-  const auto ask = [&](const char* quantity, const char* meaning, const char* unit, double value,
-                       double most) {
-    checks.push_back(at_most({"R1", "refined", quantity, meaning, unit}, value, most));
-  };
-  if (!terms.any_angle)
-    ask("angle", "between the normals; more where they are not sure", "deg", terms.angle_deg,
-        terms.max_angle_deg);
-  ask("gap", "between the regions' boxes; as far as the normals can be trusted", "m", terms.gap_m,
-      terms.max_gap_m);
-  // Both below are squares in the rule; their roots are what one can picture.
-  const double bound = std::sqrt(terms.bound2_m2);
-  ask("offset", "distance of the less sure one's centroid from the surer plane", "m",
-      std::sqrt(terms.offset2_m2), bound);
-  ask("spread", "RMS of the less sure one's points across the surer plane", "m",
-      std::sqrt(std::max(0.0, terms.spread2_m2)), bound);
-  return checks;
-}
-
 std::string distance_text(double metres) {
   return metres < 0.01 ? fmt::format("{:.1f} mm", 1000 * metres)
                        : fmt::format("{:.1f} cm", 100 * metres);
@@ -278,12 +252,8 @@ NodeReport explain_node(const Run& run, std::int32_t node) {
   questions.ask({enough_points("Criterion 2", facts.purity, options)});
   questions.ask({pca(facts.fit)});
   questions.ask({planarity_check("Criterion 3", options, facts.e_n, facts.theta_e_n)});
-  if (options.r3_weak_candidates.on)
-    questions.ask({at_most({"R3", "refined", "σ_ang", "how well the normal is known; else it waits",
-                            "deg", "r3_sure_sigma_ang_deg"},
-                           kDeg * facts.sigma_ang, options.r3_weak_candidates.sure_sigma_ang_deg)});
   report.stopped = stopped_at(report);
-  if (!pure && options.r4_fit_impure_nodes.on) ask_by_label(run, node, report.checks);
+  if (!pure && options.by_objective()) ask_by_label(run, node, report.checks);
   append_outcome(run, report);
   return report;
 }

@@ -62,6 +62,9 @@ class Search {
   bool recovers(const std::string& value) {
     planes::PipelineOptions options = run_.options;
     info_.set(options, value);
+    const Subject& subject = *run_.subject;
+    if (planes::is_found_on_pixels(subject.frame, options) != subject.prepared.of_pixels)
+      return false;  // a profile that finds planes in another way changes no decision of this one
     planes_ = planes_with(run_, options);
     return iou_of(planes_, target_) >= kDetectedIou;
   }
@@ -200,10 +203,7 @@ std::vector<Fix> find_fixes(const Run& run,
   if (target.voxels.empty() || is_recovered(run, target)) return fixes;
   std::vector<const planes::OptionInfo*> options;  // those that steer the segmentation
   for (const planes::OptionInfo& info : planes::option_table())
-    // With or without the objective the frame is prepared otherwise.
-    if (info.steers_segmentation() && info.name != "objective" &&
-        !planes::is_idle(info, run.options))
-      options.push_back(&info);
+    if (info.steers_segmentation() && !planes::is_idle(info, run.options)) options.push_back(&info);
   for (std::size_t i = 0; i < options.size() && !stop.stop_requested(); ++i) {
     Search(run, target, *options[i], stop).append_to(fixes);
     if (progress) progress(static_cast<int>(i) + 1, static_cast<int>(options.size()));

@@ -109,10 +109,9 @@ void append_nodes(const Run& run, std::vector<Histogram>& histograms) {
       {"r_out", "r_out", "", "theta_r_out", options.theta_r_out, false, linear_bins(r_out, 0.5)});
   append_count("n_in", "N_in", "theta_n_in", options.theta_n_in, n_in);
 
-  const planes::NoiseModel& noise = run.segmentation.noise;
-  if (options.noise.rms_criterion3)
-    histograms.push_back({"rms", "RMS", "m", noise.estimated ? "" : "fixed_rms_m",
-                          noise.by_range ? kVaries : noise.theta_rms(1), false,
+  if (options.by_objective())
+    histograms.push_back({"rms", "RMS", "m", "",
+                          run.facts.empty() ? kVaries : run.facts[0].theta_e_n, false,
                           linear_bins(e_n, 0.05)});
   else
     histograms.push_back(
@@ -150,25 +149,25 @@ void append_image_terms(const Run& run, std::vector<Histogram>& histograms) {
          options.worth_px);
 }
 
-/// The pair to show for a candidate: with the plane it joined or, where it founded one, with the
+/// The terms to show for a candidate: with the plane it joined or, where it founded one, with the
 /// plane that it came nearest to joining.
-std::optional<planes::Pair> pair_of(const planes::SegmentState& state,
-                                    const planes::TraceEvent& event,
-                                    const planes::Candidate& candidate) {
-  const planes::MeasuredPlane measured = state.measured(candidate);
+std::optional<planes::Coplanarity> terms_of(const planes::SegmentState& state,
+                                            const planes::TraceEvent& event,
+                                            const planes::Candidate& candidate) {
   if (event.type == planes::EventType::merge)
-    return planes::compare(state, event.plane, candidate, measured);
+    return planes::coplanarity(state.planes[event.plane].fit, candidate.fit);
   std::vector<planes::Pair> pairs;
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(state.planes.size()); ++k)
-    if (const auto pair = planes::compare(state, k, candidate, measured)) pairs.push_back(*pair);
+    if (state.planes[k].alive)
+      pairs.push_back({k, planes::coplanarity(state.planes[k].fit, candidate.fit)});
   const planes::Pair* nearest = planes::nearest_pair(pairs, state.options);
-  return nearest ? std::optional(*nearest) : std::nullopt;
+  return nearest ? std::optional(nearest->terms) : std::nullopt;
 }
 
 /// The terms of merges, and how far from planes the leftovers were.
 void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   const planes::SegmentOptions& options = run.segment_options;
-  Samples offset, normals, n1_dmu, n2_dmu, angle, distance;
+  Samples offset, normals, n1_dmu, n2_dmu, distance;
   StateWalk walk(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
@@ -180,19 +179,14 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
         (event.type != planes::EventType::found && event.type != planes::EventType::merge))
       continue;
     const planes::SegmentState& state = walk.advance_to(step - 1);
-    const planes::Candidate candidate = planes::candidate_of(state, event.node, event.label);
-    const std::optional<planes::Pair> pair = pair_of(state, event, candidate);
-    if (!pair) continue;
-    if (const auto* by_distance = std::get_if<planes::DistanceTerms>(&pair->terms)) {
-      offset.push_back({std::sqrt(by_distance->offset2_m2), judgement});
-      angle.push_back({by_distance->angle_deg, judgement});
-    } else {
-      const auto& terms = std::get<planes::Coplanarity>(pair->terms);
-      offset.push_back({terms.offset_m, judgement});
-      normals.push_back({terms.normals, judgement});
-      n1_dmu.push_back({terms.n1_dmu, judgement});
-      n2_dmu.push_back({terms.n2_dmu, judgement});
-    }
+    const planes::Candidate candidate =
+        planes::fit_label(state.octree, event.node, event.label, options.use_labels);
+    const std::optional<planes::Coplanarity> terms = terms_of(state, event, candidate);
+    if (!terms) continue;
+    offset.push_back({terms->offset_m, judgement});
+    normals.push_back({terms->normals, judgement});
+    n1_dmu.push_back({terms->n1_dmu, judgement});
+    n2_dmu.push_back({terms->n2_dmu, judgement});
   }
 
   const auto append = [&](Histogram histogram, const Samples& samples, double most) {
@@ -202,15 +196,13 @@ void append_merges(const Run& run, std::vector<Histogram>& histograms) {
   append({"", "|n₁·n₂|", "", "theta_coplane", options.theta_coplane}, normals, 1);
   append({"", "|n₁·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane}, n1_dmu, 1);
   append({"", "|n₂·Δμ|/‖Δμ‖", "", "", 1 - options.theta_coplane}, n2_dmu, 1);
-  append({"", "angle", "deg", "", kVaries}, angle, 45);
-  const bool limited = !options.r1_merge_by_distance.on && options.merge_offset_m > 0;
+  const bool limited = options.merge_offset_m > 0;
   append({"offset", "offset", "m", limited ? "merge_offset_m" : "",
           limited ? options.merge_offset_m : kVaries},
          offset, 0.2);
-  const bool nearest = options.leftover_rule == planes::LeftoverRule::nearest;
-  append({"distance", "leftover's distance", "m", nearest ? "" : "leftover_distance_m",
-          nearest ? kVaries : options.leftover_distance_m},
-         distance, 0.05);
+  append(
+      {"distance", "leftover's distance", "m", "leftover_distance_m", options.leftover_distance_m},
+      distance, 0.05);
 }
 
 }  // namespace

@@ -63,14 +63,12 @@ std::string station_of(const planes::TraceEvent& event) {
   switch (event.type) {
     case planes::EventType::found:
     case planes::EventType::merge:
-    case planes::EventType::wait:
-      return event.node < 0 ? "refinement" : "merge";
+      return event.node < 0 ? planes::to_string(event.stage) : "merge";
     case planes::EventType::assign:
     case planes::EventType::drop:
-    case planes::EventType::leave:
       return "leftover";
     case planes::EventType::refine:
-      return planes::switch_of(event.stage) ? "refinement" : planes::to_string(event.stage);
+      return planes::to_string(event.stage);
     default:
       return "node";
   }
@@ -124,12 +122,6 @@ std::string rounded_down(double value) {
   return fmt::format("{:.6g}", std::floor(value / unit) * unit);
 }
 
-/// Of a stage that an option switches on.
-Remedy switched_off(const char* option, const std::string& effect) {
-  if (!option) return {};
-  return {fmt::format("{} = off would {}", option, effect), option, "off"};
-}
-
 Cause too_few(const Run& run, std::int32_t node) {
   const std::uint32_t n_in = run.facts[node].purity.n_in;
   Cause cause{fmt::format("node {} has {} inliers, fewer than {} (case II)", node, n_in,
@@ -147,7 +139,7 @@ Cause at_greatest_depth(const Run& run, std::int32_t node) {
                         facts.purity.n_in, facts.purity.n_out)};
   constexpr const char* kText =
       "node {} is not planar at the greatest depth (case III: {} {:.4g} {} > {:.4g})";
-  if (run.segment_options.noise.rms_criterion3)
+  if (run.segment_options.by_objective())
     return {fmt::format(kText, node, "RMS", facts.e_n, "m", facts.theta_e_n)};
   return {fmt::format(kText, node, "e_n", facts.e_n, "m²", facts.theta_e_n),
           {fmt::format("theta_e_n_m2 >= {:.3g} would take node {} for a plane", facts.e_n, node),
@@ -182,14 +174,14 @@ Cause left_on_image(const Run& run, std::int32_t node) {
 }
 
 Cause dropped(const Run& run, const planes::TraceEvent& event) {
-  const std::string why = filled_in(planes::refinement_of(event.stage)->why_dropped, run, event);
+  const std::string why = filled_in(planes::info_of(event.stage)->why_dropped, run, event);
   Cause cause{fmt::format("{} was dropped ({}){}{}", plane_name(run, event.plane),
-                          planes::to_string(event.stage), why.empty() ? "" : ": ", why),
-              switched_off(planes::switch_of(event.stage), "keep it")};
+                          planes::to_string(event.stage), why.empty() ? "" : ": ", why)};
   if (event.stage == planes::Stage::grow) cause.text += ", and no region in reach took the point";
-  if (event.stage == planes::Stage::list && run.is_on_image()) {
+  if (event.stage == planes::Stage::list) {
+    const char* option = run.is_on_image() ? "worth_px" : "plane_cost";
     const std::string worth = rounded_down(event.value);
-    cause.remedy = {fmt::format("worth_px <= {} would list it", worth), "worth_px", worth};
+    cause.remedy = {fmt::format("{} <= {} would list it", option, worth), option, worth};
   }
   return cause;
 }
@@ -203,15 +195,7 @@ Cause cause_of(const Run& run, const planes::TraceEvent& event, std::int32_t vox
     if (node.at_max_depth) return at_greatest_depth(run, event.node);
     return outlier(run, event.node, voxel);
   }
-  if (event.type == planes::EventType::refine) return dropped(run, event);
-  if (event.node < 0)
-    return {plane_name(run, event.plane) + ", split off for not touching, has too few points",
-            switched_off(planes::switch_of(event.stage), "keep it")};
-  return {fmt::format("the candidate of node {} waited (R3), found no partner, and its normal is "
-                      "known to {:.1f}° only",
-                      event.node, event.value * 180 / std::numbers::pi),
-          switched_off(planes::switch_of(event.stage),
-                       fmt::format("let node {} found a plane", event.node))};
+  return dropped(run, event);
 }
 
 WhyNot lost(const Run& run, std::int32_t voxel) {
@@ -235,10 +219,10 @@ WhyNot lost(const Run& run, std::int32_t voxel) {
   if (leftover.planes.empty()) return why;
   const LeftoverPlane& nearest = leftover.planes.front();
   why.plane = nearest.plane;
-  if (run.segment_options.leftover_rule == planes::LeftoverRule::first)
-    why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}",
-                              nearest.distance_m, plane_name(run, nearest.plane)),
-                  "leftover_distance_m", rounded_up(nearest.distance_m)};
+  if (run.segment_options.by_objective()) return why;
+  why.remedy = {fmt::format("leftover_distance_m >= {:.3g} would give it to {}", nearest.distance_m,
+                            plane_name(run, nearest.plane)),
+                "leftover_distance_m", rounded_up(nearest.distance_m)};
   return why;
 }
 
@@ -269,14 +253,14 @@ std::int32_t step_of_fusion(const Run& run, std::int32_t id, std::int32_t own, s
   return fused;
 }
 
-/// On a depth image: the join of a region of one true plane with one of the other by which the
+/// By the objective: the join of a region of one true plane with one of the other by which the
 /// voxel came to be in the same plane as both; 0 if there is none.
 std::int32_t step_of_join(const Run& run, std::int32_t voxel, std::int32_t own, std::int32_t most) {
   // Per plane, points of `own` less those of `most`, by the nodes that founded it.
   std::vector<double> surplus(static_cast<std::size_t>(run.timeline.plane_count()));
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const planes::TraceEvent& event = *run.event_at(step);
-    if (event.type == planes::EventType::found) {
+    if (event.type == planes::EventType::found && event.node >= 0) {
       const NodeFacts& facts = run.facts[event.node];
       if (facts.truth_plane == own) surplus[event.plane] = facts.truth_points;
       if (facts.truth_plane == most) surplus[event.plane] = -1.0 * facts.truth_points;
@@ -318,15 +302,16 @@ WhyNot in_a_plane(const Run& run, std::int32_t voxel) {
   why.answer += own > 0 ? fmt::format(", but it belongs to true plane {}", own)
                         : std::string(", but it belongs to no plane");
   why.answer += fmt::format(", and most of that plane to {}", most);
+  const bool by_objective = run.segment_options.by_objective();
   const std::int32_t merge =
-      run.is_on_image() ? step_of_join(run, voxel, own, most) : step_of_fusion(run, id, own, most);
+      by_objective ? step_of_join(run, voxel, own, most) : step_of_fusion(run, id, own, most);
   if (merge == 0) return why;
   why.step = merge;
   why.node = run.event_at(merge)->node;
   why.answer += fmt::format("; they were fused at step {}: {}", merge, describe_event(run, merge));
-  if (run.is_on_image())
+  if (by_objective)
     why.remedy = kept_apart(run, *run.event_at(merge));
-  else if (!run.segment_options.r1_merge_by_distance.on)
+  else
     why.remedy = {fmt::format("merge_offset_m < {:.3g} would have kept node {} apart",
                               run.event_at(merge)->value, why.node),
                   "merge_offset_m", fmt::format("{:.2g}", 0.95 * run.event_at(merge)->value)};
@@ -396,14 +381,8 @@ std::set<std::int32_t> steps_of_point(const Run& run, std::int32_t voxel) {
     steps.insert(run.timeline.decided_at()[node]);
   for (const planes::PointChange& change : run.timeline.changes_of_point(voxel))
     steps.insert(change.step);
-  const std::int32_t leaf = run.timeline.node_of_point(voxel, run.steps());
-  const Label label = run.subject->prepared.classification.labels[voxel];
-  for (std::int32_t step = 1; step <= run.steps(); ++step) {
-    const planes::TraceEvent& event = *run.event_at(step);
-    const bool of_candidate = event.type == planes::EventType::wait && event.node == leaf &&
-                              (!run.segment_options.use_labels || event.label == label);
-    if (of_candidate || event.point == voxel) steps.insert(step);
-  }
+  for (std::int32_t step = 1; step <= run.steps(); ++step)
+    if (run.event_at(step)->point == voxel) steps.insert(step);
   steps.erase(0);
   steps.erase(planes::kNever);
   return steps;

@@ -14,7 +14,7 @@ namespace planescope::debug {
 
 /// One station of a point's life. `step` -1: before the segmentation.
 struct LifeEvent {
-  std::string stage;  // "pixel", "voxel", "label", "node", "merge", "leftover", "refinement",
+  std::string stage;  // "pixel", "voxel", "label", "node", "merge", "leftover", "join",
                       // "result"; on a depth image also "join", "grow", "hidden", "list"
   std::string text;   // "case III at depth 5: e_n 0.0071 m² > 0.005"
   std::int32_t step = -1;

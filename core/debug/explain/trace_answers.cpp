@@ -60,9 +60,9 @@ void write_merge(const Run& run, const MergeReport& report, TraceLines& lines) {
 void write_leftover(const Run& run, const LeftoverReport& report, TraceLines& lines) {
   lines.add("step {}: point {}: {}", report.step, report.point, report.outcome);
   for (const LeftoverPlane& plane : report.planes)
-    lines.add("  {}: distance {}, limit {}, penalty {}{}{}; {}", plane_name(run, plane.plane),
-              exact(plane.distance_m), exact(plane.limit_m), exact(plane.penalty_m),
-              plane.considered ? " considered" : "", plane.chosen ? " chosen" : "", plane.why_not);
+    lines.add("  {}: distance {}, limit {}{}{}; {}", plane_name(run, plane.plane),
+              exact(plane.distance_m), exact(plane.limit_m), plane.considered ? " considered" : "",
+              plane.chosen ? " chosen" : "", plane.why_not);
 }
 
 std::vector<std::int32_t> steps_of_type(const Run& run, planes::EventType type) {
@@ -191,8 +191,6 @@ void write_merges(const Run& run, TraceLines& lines) {
   for_events_of(run,
                 {{planes::EventType::found, "found"},
                  {planes::EventType::merge, "merge"},
-                 {planes::EventType::wait, "wait"},
-                 {planes::EventType::leave, "leave"},
                  {planes::EventType::refine, "refine"}},
                 lines, [&](std::int32_t step) {
                   const MergeReport report = explain_merge(run, step);

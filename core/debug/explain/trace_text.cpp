@@ -16,24 +16,13 @@ constexpr const char* kTraceFilters[] = {
     "case==IV && theta_e_n_m2>0 && n_h>=n_v",
     "at_max_depth",
     "divided && !(n_out>0) && N_in>0",
-    "rms>0.5*theta_rms && rms<2*θ_rms",
-    "sigma_ang>5 || wait || leave",
+    "rms>0.001 && rms<1",
     "found && label==h",
     "merge && offset>0.005 && theta_coplane>0 && merge_offset_m>0",
-    "assign && distance<0.5*tau && leftover_distance_m>0",
-    "drop && distance<2*τ",
-    "refine && fixed_rms_m>=0 && fixed_tau_m>=0 && split_gap_m>=0",
-    "refinement==R1",
-    "refinement==R2",
-    "refinement==R3",
-    "refinement==R4",
-    "refinement==R5",
-    "refinement==R6",
-    "refinement==R7",
-    "refinement==split",
-    "refinement!=split",
+    "assign && distance<0.01 && leftover_distance_m>0",
+    "drop && distance<0.05",
     "stage==join && value>0.8*merge_cost",
-    "stage==grow || stage==hidden || stage==list && value<worth_px",
+    "refine || stage==parts || stage==grow || stage==hidden || stage==list && value<worth_px",
     "decide && value>flat && two_planes>0 && filled>0",
     "plane==P1 || plane!=2 && label!=v",
     "point==12 || point==1234",
@@ -48,15 +37,6 @@ std::vector<std::int32_t> matches_of(const Run& run, const std::string& text) {
   FilterProblem problem;
   const std::optional<Filter> filter = Filter::parse(text, problem);
   return filter ? filter->matching(run) : std::vector<std::int32_t>();
-}
-
-/// "R3", "split" or "-": what each event was decided by. [step - 1]
-std::vector<const char*> refinements_of(const Run& run) {
-  std::vector<const char*> names(static_cast<std::size_t>(run.steps()), "-");
-  for (std::int32_t step = 1; step <= run.steps(); ++step)
-    if (const planes::Stage stage = run.event_at(step)->stage; planes::refinement_of(stage))
-      names[static_cast<std::size_t>(step - 1)] = planes::to_string(stage);
-  return names;
 }
 
 std::string step_or_never(std::int32_t step) {
@@ -76,27 +56,24 @@ void write_result(const Run& run, TraceLines& lines) {
   for (const planes::PlaneRegion& plane : run.segmentation.planes) {
     lines.add("plane {} ({}, {}): {} points, {}", plane.id, plane_name(run, plane.founded),
               to_string(plane.label, "?"), plane.points, exact(plane.fit));
-    lines.add("  there theta_rms {}, tau {}", exact(run.theta_rms(plane.fit.centroid)),
-              exact(run.tau(plane.fit.centroid)));
   }
 }
 
 void write_events(const Run& run, TraceLines& lines) {
-  static constexpr const char* kTypes[] = {"visit", "decide", "found", "merge", "assign",
-                                           "drop",  "refine", "wait",  "leave"};
+  static constexpr const char* kTypes[] = {"visit",  "decide", "found", "merge",
+                                           "assign", "drop",   "refine"};
   lines.title("Events");
   lines.add("step 0: {}", describe_event(run, 0));
-  const std::vector<const char*> refinements = refinements_of(run);
   for (std::int32_t step = 1; step <= run.steps(); ++step) {
     const auto i = static_cast<std::size_t>(step - 1);
     const planes::TraceEvent& e = *run.event_at(step);
     lines.add(
         "step {}: {} | {} by {}, case {}, label {}, node {}, plane {}, other {}, point {}, "
         "value {:.9g}{}",
-        step, describe_event(run, step), kTypes[static_cast<std::size_t>(e.type)], refinements[i],
-        planes::to_string(static_cast<planes::Case>(e.node_case)), to_string(e.label, "?"), e.node,
-        plane_name(run, e.plane), plane_name(run, e.other), e.point, e.value,
-        !run.wrong.empty() && run.wrong[i] ? ", wrong" : "");
+        step, describe_event(run, step), kTypes[static_cast<std::size_t>(e.type)],
+        planes::to_string(e.stage), planes::to_string(static_cast<planes::Case>(e.node_case)),
+        to_string(e.label, "?"), e.node, plane_name(run, e.plane), plane_name(run, e.other),
+        e.point, e.value, !run.wrong.empty() && run.wrong[i] ? ", wrong" : "");
   }
 }
 

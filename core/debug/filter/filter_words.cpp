@@ -60,8 +60,6 @@ FilterToken token_at(std::string_view text, std::size_t at) {
               printable ? fmt::format("'{}' has no meaning here", c) : "a control character");
 }
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
-
 using View = const EventView&;
 using Node = const planes::OctreeNode&;
 using Facts = const NodeFacts&;
@@ -108,14 +106,6 @@ Vec3d position_of(View e) {
   return e.run.subject->prepared.voxels.points[e.event.point].cast<double>();
 }
 
-/// A threshold where it happens: at the node's fit, or the point, about the cloud's origin.
-template <double (Run::*threshold)(const Vec3d&) const>
-double at_place(View e) {
-  if (e.run.is_on_image()) return kAbsent;
-  if (const NodeFacts* facts = e.facts()) return (e.run.*threshold)(facts->fit.centroid);
-  return e.event.point >= 0 ? (e.run.*threshold)(position_of(e)) : kAbsent;
-}
-
 template <int axis>
 double coordinate(View e) {
   const double origin = e.run.subject->prepared.cloud.origin[axis];
@@ -148,15 +138,7 @@ double result_of(View e) {
   return timeline.result_of_plane(plane);
 }
 
-double sigma_ang_deg(View e) {
-  const bool stated =
-      e.event.type == planes::EventType::wait || e.event.type == planes::EventType::leave;
-  if (stated && e.event.node >= 0) return e.event.value * kDegreesPerRadian;
-  const NodeFacts* facts = fitted(e);
-  return facts && !e.run.is_on_image() ? facts->sigma_ang * kDegreesPerRadian : kAbsent;
-}
-
-/// Of a depth image: what decided, in the unit of the stage. Of a refinement: by what it did.
+/// Of a depth image: what decided, in the unit of the stage. Of a change: by what it did.
 double value_of_event(View e) {
   const bool decided = is_decide(e) && e.run.is_on_image();
   return decided || e.event.type == planes::EventType::refine ? e.event.value : kAbsent;
@@ -178,17 +160,11 @@ std::vector<FilterSymbol> fields_of_events() {
       {"merge", "a candidate joins a plane", boolean, is_kind<merge>},
       {"assign", "a leftover point is given to a plane", boolean, is_kind<assign>},
       {"drop", "a leftover point stays without a plane", boolean, is_kind<drop>},
-      {"refine", "a refinement changes a plane or a point", boolean, is_kind<refine>},
-      {"wait", "R3: a candidate waits for the sure ones", boolean, is_kind<wait>},
-      {"leave", "points of a candidate or a small part are left over", boolean, is_kind<leave>},
+      {"refine", "the objective joins, changes or drops a plane", boolean, is_kind<refine>},
       {"step", "number of the event, from 1", number,
        [](View e) { return static_cast<double>(e.step); }},
-      {"stage", "what decided: criteria, merge, assign, or a refinement", stage,
+      {"stage", "what decided: criteria, merge, assign, or a stage of the objective", stage,
        [](View e) { return static_cast<double>(e.event.stage); }},
-      {"refinement", "the refinement that decided", stage,
-       [](View e) {
-         return planes::refinement_of(e.event.stage) ? static_cast<double>(e.event.stage) : kAbsent;
-       }},
       {"label", "h or v: of the candidate, node, point or plane", label, label_of},
       {"plane", "planes that the event concerns, as P7 or 7", plane,
        [](View e) -> double { return e.event.plane >= 0; }},
@@ -197,7 +173,7 @@ std::vector<FilterSymbol> fields_of_events() {
       {"result", "id in the result of what its plane became, 0 none", number, result_of},
       {"offset", "merge: distance of the candidate from the plane [m]", number,
        [](View e) { return e.event.type == merge ? e.event.value : kAbsent; }},
-      {"distance", "assign, drop, R5: distance of the point from the plane [m]", number,
+      {"distance", "assign, drop: distance of the point from the plane [m]", number,
        [](View e) { return e.event.point >= 0 && e.event.value >= 0 ? e.event.value : kAbsent; }},
       {"value", "depth images: value that decided; refine: cost, or change or worth in px", number,
        value_of_event},
@@ -223,7 +199,6 @@ std::vector<FilterSymbol> fields_of_events() {
        }},
       {"rms", "RMS of the node's fit [m]", number,
        [](View e) { return fitted(e) ? fitted(e)->fit.rms_m() : kAbsent; }},
-      {"sigma_ang", "standard deviation of the normal's direction [deg]", number, sigma_ang_deg},
       {"x", "world x of the node's centre or the point [m]", number, coordinate<0>},
       {"y", "world y of the node's centre or the point [m]", number, coordinate<1>},
       {"z", "world z of the node's centre or the point [m]", number, coordinate<2>},
@@ -250,9 +225,6 @@ std::vector<FilterSymbol> fields_of_events() {
 
       {"theta_mse", "Criterion 3's threshold at the node, in the unit of mse", number,
        of_facts<[](Facts f) { return f.theta_e_n; }>},
-      {"theta_rms", "largest RMS of a plane at the place [m]", number, at_place<&Run::theta_rms>},
-      {"tau", "how far off its plane a point may lie at the place [m]", number,
-       at_place<&Run::tau>},
   };
 }
 
@@ -274,16 +246,18 @@ void append_values(std::vector<FilterSymbol>& all) {
   add("h", "level, like treads", FilterType::label, Label::h);
   add("v", "upright, like risers", FilterType::label, Label::v);
   for (const planes::Stage stage : planes::stages()) {
-    const planes::RefinementInfo* refinement = planes::refinement_of(stage);
-    add(planes::to_string(stage), refinement ? refinement->title : "a stage of the paper",
-        FilterType::stage, stage);
+    const planes::StageInfo* info = planes::info_of(stage);
+    add(planes::to_string(stage), info ? info->title : "a stage of the paper", FilterType::stage,
+        stage);
   }
 }
 
 /// Other names, the paper's among them; those of options stand in their table.
-constexpr std::pair<std::string_view, std::string_view> kAliases[] = {
-    {"N_in", "n_in"},      {"N_out", "n_out"},     {"e_n", "mse"}, {"theta_e_n", "theta_mse"},
-    {"θ_en", "theta_mse"}, {"θ_rms", "theta_rms"}, {"τ", "tau"}};
+constexpr std::pair<std::string_view, std::string_view> kAliases[] = {{"N_in", "n_in"},
+                                                                      {"N_out", "n_out"},
+                                                                      {"e_n", "mse"},
+                                                                      {"theta_e_n", "theta_mse"},
+                                                                      {"θ_en", "theta_mse"}};
 
 using Tokens = std::vector<FilterToken>;
 using Choices = std::vector<FilterName>;
@@ -385,7 +359,7 @@ const char* to_string(FilterType type) {
                                     "true or false",
                                     "a case (I, II, III or IV)",
                                     "a label (h or v)",
-                                    "a stage (criteria, merge, assign or a refinement, like R2)",
+                                    "a stage, like merge or join",
                                     "a plane",
                                     "a point",
                                     "a plane"};

@@ -57,7 +57,7 @@ const char* to_string(FilterType type);
 /// The value of a field that the event does not have: NaN.
 inline constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 
-/// A name: of a field of events, of an option of the run, or of a value (III, h, R1).
+/// A name: of a field of events, of an option of the run, or of a value (III, h, join).
 struct FilterSymbol {
   std::string name;
   std::string meaning;

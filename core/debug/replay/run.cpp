@@ -11,7 +11,6 @@ namespace planescope::debug {
 namespace {
 
 constexpr double kMm = 1e3;
-constexpr double kDegrees = 57.29577951308232;  // per radian
 
 std::string decision_on_image(const Run& run, std::int32_t node) {
   const NodeFacts& facts = run.facts[node];
@@ -53,7 +52,7 @@ std::string decision_in_space(const Run& run, std::int32_t node) {
     case planes::Case::III:
     case planes::Case::IV: {
       const char* op = decided == planes::Case::IV ? "≤" : ">";
-      if (options.noise.rms_criterion3)
+      if (options.by_objective())
         return fmt::format("case {}, RMS {:.2f} {} {:.2f} mm", planes::to_string(decided),
                            facts.e_n * kMm, op, facts.theta_e_n * kMm);
       return fmt::format("case {}, e_n {:.3g} {} {:.3g} m²", planes::to_string(decided), facts.e_n,
@@ -73,12 +72,13 @@ std::string candidate(const Run& run, const planes::TraceEvent& event) {
                      counted(event.label == Label::h ? h : node.size() - h, "point"));
 }
 
-std::string refinement(const Run& run, const planes::TraceEvent& event, std::int32_t step) {
-  const planes::RefinementInfo& info = *planes::refinement_of(event.stage);
+std::string change(const Run& run, const planes::TraceEvent& event, std::int32_t step) {
+  const planes::StageInfo& info = *planes::info_of(event.stage);
+  const char* stage = planes::to_string(event.stage);
   if (event.stage == planes::Stage::grow && !run.timeline.plane_at(event.plane, step)->alive)
-    return fmt::format("{}: {} ends: {}", info.name, plane_name(run, event.plane),
+    return fmt::format("{}: {} ends: {}", stage, plane_name(run, event.plane),
                        filled_in(info.why_dropped, run, event));
-  return fmt::format("{}: {}", info.name, filled_in(info.says, run, event));
+  return fmt::format("{}: {}", stage, filled_in(info.says, run, event));
 }
 
 /// Counts the true planes of one node after the other.
@@ -151,7 +151,8 @@ std::vector<NodeFacts> facts_on_image(const Run& run) {
   for (std::size_t n = octree.nodes.size(); n-- > 0;) {
     const planes::OctreeNode& node = octree.nodes[n];
     if (node.first_child < 0)
-      for (std::uint32_t i = node.begin; i < node.end; ++i) octree.add_point(moments[n], i);
+      for (std::uint32_t i = node.begin; i < node.end; ++i)
+        moments[n].add(octree.points[i].cast<double>());
     for (int k = 0; node.first_child >= 0 && k < node.child_count; ++k)
       moments[n] += moments[node.first_child + k];
     NodeFacts& facts = result[n];
@@ -168,7 +169,6 @@ std::vector<NodeFacts> facts_of(const Run& run) {
   if (run.is_on_image()) return facts_on_image(run);
   const planes::Octree& octree = run.octree();
   const planes::SegmentOptions& options = run.segment_options;
-  const planes::NoiseModel& noise = run.segmentation.noise;
   const VoxelTruth& truth = run.subject->voxel_truth;
   TruthCounter counter(octree, truth);
   std::vector<NodeFacts> result;
@@ -179,12 +179,9 @@ std::vector<NodeFacts> facts_of(const Run& run) {
     facts.fit = planes::fit_label(octree, static_cast<std::int32_t>(result.size()),
                                   facts.purity.inlier, options.use_labels)
                     .fit;
-    const double range = (facts.fit.centroid - run.subject->prepared.sensor()).norm();
-    const planes::Planarity planar = planes::planarity(facts.fit, noise, range, options);
+    const planes::Planarity planar = planes::planarity(facts.fit, run.segmentation.noise, options);
     facts.e_n = planar.value;
     facts.theta_e_n = planar.threshold;
-    facts.sigma_ang =
-        planes::normal_uncertainty(facts.fit, noise.sigma(range), options.noise.normal_sigma_share);
     if (truth.known()) counter.count(node, facts);
     result.push_back(facts);
   }
@@ -240,7 +237,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       if (event->node < 0)
         return fmt::format("{}: {} parts from {}: {}", planes::to_string(event->stage), plane,
                            plane_name(run, event->other),
-                           planes::refinement_of(event->stage)->why_parted);
+                           planes::info_of(event->stage)->why_parted);
       return fmt::format("{} founds {}", candidate(run, *event), plane);
     case planes::EventType::merge:
       return fmt::format("{} joins {}, {:.1f} mm off it", candidate(run, *event), plane,
@@ -254,16 +251,7 @@ std::string describe_event(const Run& run, std::int32_t step) {
       return fmt::format("point {} stays without a plane: the nearest is {:.1f} mm off",
                          event->point, event->value * kMm);
     case planes::EventType::refine:
-      return refinement(run, *event, step);
-    case planes::EventType::wait:
-      return fmt::format("{} waits: its normal is known to {:.1f}° only", candidate(run, *event),
-                         event->value * kDegrees);
-    case planes::EventType::leave:
-      if (event->node < 0)
-        return fmt::format("{}: {} has too few points, they are left over",
-                           planes::to_string(event->stage), plane);
-      return fmt::format("{} is left over: its normal is known to {:.1f}° only",
-                         candidate(run, *event), event->value * kDegrees);
+      return change(run, *event, step);
   }
   return {};
 }
@@ -292,14 +280,6 @@ std::shared_ptr<const Subject> make_subject(Frame frame,
   subject->frame = std::move(frame);
   subject->truth = std::move(truth);
   return subject;
-}
-
-double Run::theta_rms(const Vec3d& p) const {
-  return segmentation.noise.theta_rms((p - subject->prepared.sensor()).norm());
-}
-
-double Run::tau(const Vec3d& p) const {
-  return segmentation.noise.tau((p - subject->prepared.sensor()).norm());
 }
 
 std::shared_ptr<const Run> make_run(std::shared_ptr<const Subject> subject,

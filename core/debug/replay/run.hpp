@@ -52,8 +52,7 @@ struct NodeFacts {
   planes::Purity purity;
   PlaneFit fit;          // of the inliers
   double e_n = 0;        // Criterion 3's value, in the normalisation or as RMS, as the options ask
-  double theta_e_n = 0;  // and its threshold here: theta_e_n_m2, or theta_rms(range)
-  double sigma_ang = 0;  // [rad]
+  double theta_e_n = 0;  // and its threshold here
   // Ground truth of its points; 0 where unknown.
   std::int32_t truth_plane = 0;    // the plane most of them belong to
   std::uint32_t truth_points = 0;  // how many do
@@ -83,8 +82,6 @@ struct Run {
   const planes::TraceEvent* event_at(std::int32_t step) const {
     return step > 0 ? &trace.events[static_cast<std::size_t>(step - 1)] : nullptr;
   }
-  double theta_rms(const Vec3d& p) const;  // [m] thresholds in force at a place
-  double tau(const Vec3d& p) const;
 };
 
 /// Runs the method of the options; ours with a trace. A millisecond or two for a depth frame.
@@ -100,7 +97,7 @@ std::int32_t node_at_step(const Run& run, std::int32_t step);
 std::string plane_name(const Run& run, std::int32_t plane);
 /// "case III, variance 3.4 > 2 × the expected": how a node was settled.
 std::string decision_text(const Run& run, std::int32_t node);
-/// What a refinement says of its event, RefinementInfo::says or why_dropped, filled in.
+/// What a stage says of its event, StageInfo::says or why_dropped, filled in.
 std::string filled_in(const char* text, const Run& run, const planes::TraceEvent& event);
 /// One line for people: "node 41 (depth 5): case III, e_n 0.0071 > 0.005 m²".
 std::string describe_event(const Run& run, std::int32_t step);

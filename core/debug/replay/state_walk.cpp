@@ -1,14 +1,9 @@
 #include "core/debug/replay/state_walk.hpp"
 
 namespace planescope::debug {
-namespace {
-
-const planes::Measurements kNoMeasurements;
-
-}  // namespace
 
 StateWalk::StateWalk(const Run& run)
-    : run_(run), state_{run.segment_options, run.subject->prepared.sensor(), kNoMeasurements} {
+    : run_(run), state_{run.segment_options, run.subject->prepared.sensor()} {
   state_.octree = run.octree();
   state_.noise = run.segmentation.noise;
   state_.plane_of.assign(run.octree().order.size(), -1);

@@ -8,8 +8,8 @@
 namespace planescope::debug {
 
 /// Walks forward through the changes of a trace: planes, and the points in them. The octree is that
-/// of the run's end, with all nodes. What the state does not hold: Measurements (what the split
-/// saw), the leftovers in their order, waiting candidates, counts.
+/// of the run's end, with all nodes. What the state does not hold: the leftovers in their order,
+/// counts.
 class StateWalk {
  public:
   explicit StateWalk(const Run& run);

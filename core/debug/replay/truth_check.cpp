@@ -51,8 +51,8 @@ class TruthChecker {
       case planes::EventType::decide:
         return is_wrong_case(event);
       case planes::EventType::found:
-        // The cells of an image found regions that join later.
-        return event.node >= 0 && !run_.is_on_image() &&
+        // By the objective, cells found regions that join later.
+        return event.node >= 0 && !run_.segment_options.by_objective() &&
                stands_already(truth_of_candidate(event), step - 1);
       case planes::EventType::merge:
         return differ(truth_of_candidate(event), event.plane);

@@ -10,7 +10,7 @@ struct Duel {
 };
 
 std::vector<Duel> duels_of(const SpeedSubject& subject, std::size_t i, const SpeedTools& tools) {
-  const planes::PipelineOptions options = ours_with(subject, planes::Profile::refined);
+  const planes::PipelineOptions options = ours_with(subject, planes::Profile::paper);
   const auto prepared = std::make_shared<const planes::PreparedFrame>(
       planes::prepare_frame(subject.frames[i], options, tools.pca.get()));
   const double voxel_m = options.cloud.voxel_size_m;

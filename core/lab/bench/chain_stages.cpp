@@ -40,6 +40,8 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
   const planes::PipelineOptions paper = ours_with(subject, planes::Profile::paper);
   const planes::PipelineOptions refined = ours_with(subject, planes::Profile::refined);
   const auto prepared = std::make_shared<const planes::PreparedFrame>(
+      planes::prepare_frame(frame, paper, tools.gcn.get()));
+  const auto of_refined = std::make_shared<const planes::PreparedFrame>(
       planes::prepare_frame(frame, refined, tools.gcn.get()));
   const planes::Cloud& cloud = prepared->cloud;
   const planes::VoxelCloud& voxels = prepared->voxels;
@@ -73,14 +75,11 @@ std::vector<ChainStage> stages_of(const SpeedSubject& subject,
                       planes::build_octree(prepared->voxels.points, prepared->classification.labels,
                                            prepared->cloud.cube);
                     }});
-  const auto add_segmentation = [&](const char* name, const planes::PipelineOptions& options,
-                                    bool reads_pixels) {
-    stages.push_back({name, segment_work(n, measured, reads_pixels), [&frame, prepared, options] {
-                        planes::find_regions(frame, *prepared, options);
-                      }});
-  };
-  add_segmentation("segmentation paper", paper, false);
-  add_segmentation("segmentation refined", refined, true);
+  stages.push_back({"segmentation paper", segment_work(n, measured, false),
+                    [&frame, prepared, paper] { planes::find_regions(frame, *prepared, paper); }});
+  stages.push_back(
+      {"segmentation refined", segment_work(n, measured, true),
+       [&frame, of_refined, refined] { planes::find_regions(frame, *of_refined, refined); }});
   return stages;
 }
 

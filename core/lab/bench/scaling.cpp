@@ -101,11 +101,9 @@ struct ScalingCloud {
     down.direction = Vec3d(0, 0, -1);
     cloud = planes::make_cloud(frame, down, {});
   }
-  planes::Segmentation segmented(planes::Profile profile, const Vec3d& sensor, bool rays) const {
-    planes::Measurements more;
-    more.rays = rays;
+  planes::Segmentation segmented(planes::Profile profile, const Vec3d& sensor) const {
     return planes::segment(cloud.points, labels, cloud.cube, sensor,
-                           planes::profile_options(profile), nullptr, more);
+                           planes::profile_options(profile));
   }
 };
 
@@ -127,8 +125,8 @@ Scaling over_points(const SpeedTools& tools) {
         {"classifier gcn", [&] { tools.gcn->classify(cloud.points, 1); }},
         {"classifier pca", [&] { tools.pca->classify(cloud.points, 1); }},
         {"octree", [&] { planes::build_octree(cloud.points, made.labels, cloud.cube); }},
-        {"segmentation paper", [&] { made.segmented(planes::Profile::paper, origin, false); }},
-        {"segmentation refined", [&] { made.segmented(planes::Profile::refined, origin, false); }},
+        {"segmentation paper", [&] { made.segmented(planes::Profile::paper, origin); }},
+        {"segmentation refined", [&] { made.segmented(planes::Profile::refined, origin); }},
     };
     add_x(scaling, points / 1000.0, runs,
           rounds_for(static_cast<std::size_t>(points), tools.rounds), tools);
@@ -150,11 +148,11 @@ Scaling over_planes(const SpeedTools& tools) {
     tools.before("scaling, planes");
     const ScalingCloud made(tiles(side, points));
     const auto found =
-        static_cast<double>(made.segmented(planes::Profile::refined, above, true).planes.size());
+        static_cast<double>(made.segmented(planes::Profile::refined, above).planes.size());
     if (!scaling.x.empty() && found <= scaling.x.back()) continue;  // tiles have too few points
     const ScalingRuns runs = {
-        {"segmentation paper", [&] { made.segmented(planes::Profile::paper, above, true); }},
-        {"segmentation refined", [&] { made.segmented(planes::Profile::refined, above, true); }},
+        {"segmentation paper", [&] { made.segmented(planes::Profile::paper, above); }},
+        {"segmentation refined", [&] { made.segmented(planes::Profile::refined, above); }},
     };
     add_x(scaling, found, runs, tools.rounds, tools);
   }
@@ -167,12 +165,13 @@ Scaling over_voxels(const SpeedSubject& subject, const SpeedTools& tools) {
                   .x_name = "voxel edge [mm]",
                   .note =
                       "The first frame of the first recording. Whole frame: from depth to the "
-                      "planes of its pixels, classifier gcn, profile refined. One thread."};
+                      "planes of its pixels, classifier gcn, profile paper. One thread."};
   const Frame& frame = subject.frames[0];
-  const planes::PreparedFrame prepared =
-      planes::prepare_frame(frame, refined_of(subject, 1), tools.gcn.get());
+  planes::PipelineOptions paper = refined_of(subject, 1);
+  paper.segment = planes::profile_options(planes::Profile::paper);
+  const planes::PreparedFrame prepared = planes::prepare_frame(frame, paper, tools.gcn.get());
   for (const double edge_mm : {5.0, 10.0, 20.0, 40.0, 80.0}) {
-    planes::PipelineOptions options = refined_of(subject, 1);
+    planes::PipelineOptions options = paper;
     options.cloud.voxel_size_m = edge_mm / 1000;
     const ScalingRuns runs = {
         {"voxel grid", [&] { planes::voxelize(prepared.cloud, options.cloud.voxel_size_m); }},
@@ -233,7 +232,9 @@ Scaling over_threads(const SpeedSubject& subject, const SpeedTools& tools) {
                   .clock = Clock::wall};
   const Frame& frame = subject.frames[0];
   const planes::PipelineOptions one = refined_of(subject, 1);
-  const planes::PreparedFrame prepared = planes::prepare_frame(frame, one, tools.gcn.get());
+  planes::PipelineOptions of_voxels = one;
+  of_voxels.segment = planes::profile_options(planes::Profile::paper);
+  const planes::PreparedFrame prepared = planes::prepare_frame(frame, of_voxels, tools.gcn.get());
   const std::vector<Vec3f>& points = prepared.voxels.points;
   for (const int threads : thread_counts(tools.threads)) {
     const planes::PipelineOptions several = refined_of(subject, threads);

@@ -25,7 +25,7 @@ struct Labellers {
 /// Ground truth of a frame, from its labels or from the fields of its cloud.
 planes::SourceTruth truth_of(const EvaluationFrame& frame);
 
-/// One frame and all methods that find planes in it. Points are labelled once for all profiles.
+/// One frame and all methods that find planes in it. Points are labelled once for each profile.
 class Contest {
  public:
   /// `truth`: of the frame, for keys with true labels; may be null. `max_range_m`: another one than
@@ -37,7 +37,7 @@ class Contest {
 
   /// With cell_options(key); all methods but the oracle.
   planes::FrameResult run(const CellKey& key);
-  /// The frame with labels of "gcn", "pca", "truth" or "none", as profile refined takes it.
+  /// The frame with labels of "gcn", "pca", "truth" or "none", as the key's profile takes it.
   const planes::PreparedFrame& prepared(const std::string& labels, const CellKey& key);
 
  private:
@@ -47,7 +47,7 @@ class Contest {
   const Labellers& labellers_;
   planes::FrameTruth on_points_;
   std::optional<double> max_range_m_;
-  std::map<std::string, planes::PreparedFrame> prepared_;  // by the source of its labels
+  std::map<std::string, planes::PreparedFrame> prepared_;  // by source of labels and profile
 };
 
 /// measure(frame), a value for each method, of all frames; by method, then by frame. The same for

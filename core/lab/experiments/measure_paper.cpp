@@ -45,7 +45,8 @@ std::vector<planes::Metrics> score_frame_of(const EvaluationFrame& frame,
   Contest contest(frame.frame, tools, &truth);
   const auto run = [&](const CellKey& key) {
     if (key.method != "oracle") return contest.run(key);
-    const planes::PreparedFrame& prepared = contest.prepared("truth", key);
+    const planes::PreparedFrame& prepared =
+        contest.prepared("truth", with_ours(key, "paper", "truth"));
     return oracle_result(
         prepared, polygons_in_view(frame, truth, prepared, key.points > 0 ? 1 : kMinTruthVoxels));
   };

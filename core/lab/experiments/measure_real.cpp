@@ -11,11 +11,10 @@
 namespace planescope::lab {
 namespace {
 
-/// What decides on pixels, one at a time left out: the other refinements are of clouds, too.
+/// Terms of the objective that act on depth images, one at a time left out.
 std::vector<CellKey> and_ablation(std::vector<CellKey> methods) {
-  for (const char* refinement :
-       {"r9_join_sheets", "r10_minor", "r11_pixel_borders", "r12_part_corners"})
-    methods.push_back(with_ours({}, "refined", "gcn", without(refinement)));
+  for (const char* term : {"bow", "lateral_px", "hidden_share", "worth_px"})
+    methods.push_back(with_ours({}, "refined", "gcn", without(term)));
   return methods;
 }
 

@@ -48,8 +48,8 @@ class Plan {
     if (frames.seed != 0) add(with_rival(frames, "oracle"));
   }
   void add_ablation(const CellKey& frames) {
-    for (const std::string& refinement : refinements())
-      add(with_ours(frames, "refined", "gcn", without(refinement)));
+    for (const std::string& term : objective_terms())
+      add(with_ours(frames, "refined", "gcn", without(term)));
   }
   /// What a claim is made of, on the frames that were tuned on.
   void add_tuned(const CellKey& frames) {
@@ -127,17 +127,13 @@ const std::vector<std::string>& profiles_of_ours() {
   return names;
 }
 
-const std::vector<std::string>& refinements() {
-  static const std::vector<std::string> names = {
-      "estimate_sigma",     "r1_merge_by_distance", "r2_explain_away",
-      "r3_weak_candidates", "r4_fit_impure_nodes",  "r5_reassign_shared_cells",
-      "r6_refit",           "r7_second_merge",      "r9_join_sheets",
-      "r10_minor",          "r11_pixel_borders",    "r12_part_corners",
-      "split_disconnected"};
+const std::vector<std::string>& objective_terms() {
+  static const std::vector<std::string> names = {"bow",      "lateral_px",  "hidden_share",
+                                                 "worth_px", "label_sigma", "plane_cost"};
   return names;
 }
 
-std::string without(const std::string& refinement) { return kWithout + refinement; }
+std::string without(const std::string& term) { return kWithout + term; }
 
 std::string frames_name(const CellKey& key) {
   std::string name = key.set;
@@ -171,7 +167,7 @@ planes::PipelineOptions cell_options(const CellKey& key) {
   options.segment = planes::profile_options(planes::parse_profile(key.profile));
   options.segment.use_labels = key.classifier != "none";
   if (key.setting.starts_with(kWithout))
-    planes::set_option(options, key.setting.substr(std::string(kWithout).size()), "off");
+    planes::set_option(options, key.setting.substr(std::string(kWithout).size()), "0");
   return options;
 }
 

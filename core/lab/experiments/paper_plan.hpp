@@ -37,10 +37,10 @@ CellKey with_method_of(CellKey frames, const CellKey& other);
 /// Whether both are of the same frames.
 bool same_frames(const CellKey& a, const CellKey& b);
 
-/// The switches of profile `refined` that an ablation turns off, by their option names.
-const std::vector<std::string>& refinements();
+/// The terms of the objective that an ablation leaves out, by the options that are 0 then.
+const std::vector<std::string>& objective_terms();
 const std::vector<std::string>& profiles_of_ours();
-std::string without(const std::string& refinement);  // as a setting
+std::string without(const std::string& term);  // as a setting
 
 /// "stairs, 8192 points, 0.1 cm", "depth_boxes, d435"
 std::string frames_name(const CellKey& key);

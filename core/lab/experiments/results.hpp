@@ -26,7 +26,7 @@ struct CellKey {
   std::string method;      // "ours", "ransac", ... as --method has it, or "oracle"
   std::string profile;     // of ours: "paper", "paper-closest", "refined"
   std::string classifier;  // of ours: "truth", "gcn", "pca", "none" (all points one label)
-  std::string setting;     // what is not as usual: "theta_pf 0.02", "without r6_refit"
+  std::string setting;     // what is not as usual: "theta_pf 0.02", "without bow"
 
   bool operator==(const CellKey&) const = default;
 };

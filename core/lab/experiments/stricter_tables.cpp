@@ -169,7 +169,7 @@ std::optional<Table> ablation(const PaperResults& results,
                               const std::string& title,
                               const std::vector<CellKey>& frames) {
   Table table =
-      table_of_figures("Profile refined without each of its refinements, " + title, "without");
+      table_of_figures("Profile refined without terms of its objective, " + title, "without");
   table.note = "Labels by gcn.";
   const auto add = [&](const std::string& name, const CellKey& contestant) {
     std::optional<Cell> cell = joined_cell(results, each_with(frames, contestant));
@@ -178,8 +178,8 @@ std::optional<Table> ablation(const PaperResults& results,
     add_row(table, name, *cell);
   };
   add("nothing left out", with_ours({}, "refined", "gcn"));
-  for (const std::string& refinement : refinements())
-    add(refinement, with_ours({}, "refined", "gcn", without(refinement)));
+  for (const std::string& term : objective_terms())
+    add(term, with_ours({}, "refined", "gcn", without(term)));
   return table.rows.size() > 1 ? std::optional(std::move(table)) : std::nullopt;
 }
 

@@ -46,7 +46,7 @@ bool is_tunable(const planes::OptionInfo& info) {
   if (info.section == "rivals") return info.name != "ransac_seed";  // no seed is better
   if (info.name == "voxel_size_m") return true;
   if (info.section == "classifier") return info.is_number();
-  return info.steers_segmentation() && info.name != "profile" && info.name != "objective";
+  return info.steers_segmentation() && info.name != "profile";
 }
 
 std::vector<std::string> values_to_try(const planes::OptionInfo& info,

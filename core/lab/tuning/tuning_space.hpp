@@ -16,7 +16,7 @@ using Setting = std::map<std::string, std::string>;
 planes::PipelineOptions with_setting(planes::PipelineOptions options, const Setting& setting);
 
 /// Whether the option is one of the method's own: how points are labelled, the voxels, criteria,
-/// refinements, or the numbers of a rival. Not what decides which points are scored (range, cube),
+/// objective, or the numbers of a rival. Not what decides which points are scored (range, cube),
 /// what is a fact about the recording (gravity), or what is told of finished planes.
 bool is_tunable(const planes::OptionInfo& info);
 

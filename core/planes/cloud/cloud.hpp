@@ -67,9 +67,6 @@ Cloud make_cloud(const Frame& frame, const Gravity& gravity, const CloudOptions&
 /// Voxel grid anchored at the cube's corner. Sec. II-B: N_d points.
 VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m);
 
-/// How the points of each voxel spread about their mean.
-std::vector<Spread> voxel_spreads(const Cloud& cloud, const VoxelCloud& voxels);
-
 /// Members of each voxel as CSR: members[first[v] .. first[v+1]) are cloud point indices,
 /// ascending.
 struct VoxelMembers {

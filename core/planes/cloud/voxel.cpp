@@ -239,24 +239,6 @@ VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
   return result;
 }
 
-std::vector<Spread> voxel_spreads(const Cloud& cloud, const VoxelCloud& voxels) {
-  std::vector<Spread> spreads(voxels.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const std::uint32_t v = voxels.voxel_of[i];
-    if (v == kNoVoxel) continue;
-    const Vec3f d = cloud.points[i] - voxels.points[v];
-    const float share = 1.0f / static_cast<float>(voxels.count[v]);
-    Spread& s = spreads[v];
-    s.xx += share * d.x() * d.x();
-    s.xy += share * d.x() * d.y();
-    s.xz += share * d.x() * d.z();
-    s.yy += share * d.y() * d.y();
-    s.yz += share * d.y() * d.z();
-    s.zz += share * d.z() * d.z();
-  }
-  return spreads;
-}
-
 // Which points a voxel holds, and what they say about it.
 
 VoxelMembers voxel_members(const VoxelCloud& voxels) {

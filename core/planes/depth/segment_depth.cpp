@@ -212,9 +212,9 @@ Segmentation segment_depth(const DepthInput& input, const SegmentOptions& option
   }
   conclude(s, input, result);
   // An error of rho is one of z by z squared.
-  result.noise.options = options.noise;
   result.noise.estimated = result.noise.by_range = s.noise.white > 0;
   result.noise.growth_per_m = s.noise.wide;
+  result.noise.reach_sigma = options.objective.reach_sigma;
   result.counts = s.counts;
   result.timings.traverse_ms = elapsed_ms(built);
   return result;

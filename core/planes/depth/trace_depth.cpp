@@ -25,7 +25,6 @@ void log_founded(DepthSegmentation& s,
   for (std::uint32_t i = octree.nodes[node].begin; i < octree.nodes[node].end; ++i) {
     const Vec3d at = octree.points[i].cast<double>();
     plane.moments.add(at);
-    plane.bounds.add(at);
   }
   refit(plane);
   plane.label = traced.label_of(plane.fit);
@@ -48,7 +47,6 @@ void log_join(
                                   .value = static_cast<float>(cost)});
   GrowingPlane &gone = traced.planes[from], &grown = traced.planes[into];
   grown.moments += gone.moments;
-  grown.bounds += gone.bounds;
   refit(grown);
   gone.alive = false;
   gone.into = into;  // its points follow: Timeline looks there
@@ -63,13 +61,11 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
   std::vector<std::vector<std::uint32_t>> taken(s.regions.size()), freed(s.regions.size());
   std::vector<std::uint32_t> lost(s.regions.size(), 0);
   std::vector<Moments> moments(s.regions.size());
-  std::vector<Bounds> bounds(s.regions.size());
   for (const std::uint32_t pixel : s.cells.pixels) {
     const std::int32_t was = before[pixel], is = s.region_of[pixel];
     if (is >= 0) {
       const Vec3d at = traced.points[traced.position[pixel]].cast<double>();
       moments[is].add(at);
-      bounds[is].add(at);
     }
     if (was == is) continue;
     if (was >= 0) ++lost[was];
@@ -89,7 +85,6 @@ void log_growth(DepthSegmentation& s, const std::vector<std::int32_t>& before) {
                                                   : static_cast<float>(taken[region].size()) -
                                                         static_cast<float>(lost[region])});
     plane.moments = moments[region];
-    plane.bounds = bounds[region];
     refit(plane);
     plane.alive = !ends;
     write_plane(traced, region);

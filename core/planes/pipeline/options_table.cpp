@@ -48,10 +48,11 @@ std::string gravity_text(const GravityOptions& gravity) {
 
 /// The paper's symbols, for whoever shows an option beside its equation.
 void name_symbols(std::vector<OptionInfo>& table) {
-  const std::pair<const char*, const char*> symbols[] = {
-      {"theta_n_out", "θ_Nout"}, {"theta_r_out", "θ_rout"},      {"theta_n_in", "θ_Nin"},
-      {"theta_e_n_m2", "θ_en"},  {"theta_coplane", "θ_coplane"}, {"fixed_rms_m", "θ_rms"},
-      {"fixed_tau_m", "τ"}};
+  const std::pair<const char*, const char*> symbols[] = {{"theta_n_out", "θ_Nout"},
+                                                         {"theta_r_out", "θ_rout"},
+                                                         {"theta_n_in", "θ_Nin"},
+                                                         {"theta_e_n_m2", "θ_en"},
+                                                         {"theta_coplane", "θ_coplane"}};
   for (const auto& [name, symbol] : symbols)
     for (OptionInfo& info : table)
       if (info.name == name) info.symbol = symbol;
@@ -173,26 +174,24 @@ void append_criteria(std::vector<OptionInfo>& table) {
   table.push_back(number(s, "leftover_distance_m", "m",
                          "a leftover point joins a plane at most this far away",
                          in_segment(&SegmentOptions::leftover_distance_m)));
-  table.push_back(choice(s, "leftover_rule", {"first", "nearest"},
-                         "which plane a leftover point joins",
-                         in_segment(&SegmentOptions::leftover_rule)));
   table.push_back(flag(s, "use_labels", "off: all points carry one label, the paper's \"w/o PC\"",
                        in_segment(&SegmentOptions::use_labels)));
   table.push_back(choice(s, "cube_anchor", {"center", "min_corner"},
                          "the cube is centred as the cloud stage says, or starts at the points' "
                          "minimum corner",
                          in_segment(&SegmentOptions::cube_anchor)));
+  for (const char* name : {"theta_e_n_m2", "mse_normalization", "theta_coplane", "criterion4_n2",
+                           "merge_offset_m", "merge_partner", "leftover_distance_m"})
+    std::ranges::find(table, name, &OptionInfo::name)->objective = false;
 }
 
 /// Takes the rows that a stage's options describe; `stage` finds these in PipelineOptions.
 template <typename Stage>
 class Rows {
  public:
-  Rows(std::vector<OptionInfo>& table, Stage stage, std::string section, std::string group = {})
-      : table_(table), stage_(stage), section_(std::move(section)), group_(std::move(group)) {}
+  Rows(std::vector<OptionInfo>& table, Stage stage, std::string section)
+      : table_(table), stage_(stage), section_(std::move(section)) {}
 
-  /// The numbers that follow mean nothing while this switch is off.
-  void only_with(const char* option) { needs_ = option; }
   template <typename Options, typename T>
   void number(const char* name,
               const char* unit,
@@ -219,33 +218,14 @@ class Rows {
     return [ stage = stage_, field ](auto& o) -> auto& { return stage(o).*field; };
   }
   void add(OptionInfo row) {
-    row.group = group_;
-    if (row.is_number()) row.needs = needs_;
+    if (section_ == "objective") row.objective = true;
     table_.push_back(std::move(row));
   }
 
   std::vector<OptionInfo>& table_;
   Stage stage_;
-  std::string section_, group_, needs_;
+  std::string section_;
 };
-
-void append_refinements(std::vector<OptionInfo>& table) {
-  constexpr const char* kSection = "refinements";
-  Rows noise(
-      table, [](auto& o) -> auto& { return o.segment.noise; }, kSection,
-      "Noise, and what follows from it");
-  NoiseOptions::describe(noise);
-#define PLANESCOPE_ROWS(name)                                             \
-  {                                                                       \
-    Rows rows(                                                            \
-        table, [](auto& o) -> auto& { return o.segment.name; }, kSection, \
-        heading_of(name::kInfo));                                         \
-    rows.only_with(#name);                                                \
-    name::Options::describe(rows);                                        \
-  }
-  PLANESCOPE_REFINEMENTS(PLANESCOPE_ROWS)
-#undef PLANESCOPE_ROWS
-}
 
 void append_objective(std::vector<OptionInfo>& table) {
   Rows rows(
@@ -277,7 +257,7 @@ void check_option_range(double value, const OptionRange& range, const std::strin
 }
 
 bool is_idle(const OptionInfo& info, const PipelineOptions& options) {
-  return !info.needs.empty() && find_option(info.needs).get(options) == "off";
+  return info.objective && *info.objective != options.segment.by_objective();
 }
 
 const std::vector<OptionInfo>& option_table() {
@@ -289,7 +269,6 @@ const std::vector<OptionInfo>& option_table() {
     append_method(rows);
     append_criteria(rows);
     append_objective(rows);
-    append_refinements(rows);
     for (OptionInfo& row : rows)
       if (row.section == "classifier" || row.steers_segmentation()) row.method = Method::ours;
     append_rivals(rows);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,11 +17,18 @@ namespace planescope::planes {
 enum class OptionKind : std::uint8_t { number, whole, on_off, choice, text };
 
 /// One option by its name, as `--set`, `planescope options`, the sliders and the report know it.
+/// The values that a number may take.
+struct OptionRange {
+  double min = 0;
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+};
+
 struct OptionInfo {
   std::string name;     // e.g. "theta_n_out"
   std::string unit;     // "m", "m2", "deg", "points", "" ...
   std::string meaning;  // one phrase
-  std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "refinements",
+  std::string section;  // "cloud", "gravity", "classifier", "method", "criteria", "objective",
                         // "rivals", "foot", "stairs"
   std::function<std::string(const PipelineOptions&)> get;
   std::function<void(PipelineOptions&, const std::string&)> set;  // throws Error on a bad value
@@ -28,13 +36,10 @@ struct OptionInfo {
   OptionRange range = {};                 // of number and whole
   std::vector<std::string> choices = {};  // of choice
   std::string symbol = {};                // the paper's (UTF-8), "θ_Nout"; empty where it has none
-  std::string group = {};                 // within its section: "R2: explain away"; may be empty
-  std::string needs = {};                 // the switch without which it means nothing; may be empty
+  std::optional<bool> objective = {};     // only `refined` reads it, or only the paper's profiles
   std::optional<Method> method = {};      // whose option it is; nothing: every method's
 
-  bool steers_segmentation() const {
-    return section == "criteria" || section == "objective" || section == "refinements";
-  }
+  bool steers_segmentation() const { return section == "criteria" || section == "objective"; }
   bool is_number() const { return kind == OptionKind::number || kind == OptionKind::whole; }
   /// Whether a run with these options reads it: rivals have their own options, options about h and
   /// v do nothing without gravity, and those of a foot nothing without one.
@@ -46,7 +51,7 @@ struct OptionInfo {
   }
 };
 
-/// Whether the switch that the option needs is off.
+/// Whether the profile of `options` does not read it.
 bool is_idle(const OptionInfo& info, const PipelineOptions& options);
 
 /// Every option there is, in the order of the pipeline. Setting `profile` sets the segment options

@@ -143,28 +143,6 @@ Classification classify(const VoxelCloud& voxels,
   return known;
 }
 
-/// Cropped points, thinned out: the rays of neighbouring pixels carry the same information.
-std::vector<Vec3f> points_beyond(const Cloud& cloud) {
-  constexpr std::size_t kStride = 8;
-  std::vector<Vec3f> beyond;
-  for (std::size_t i = 0; i < cloud.points.size(); i += kStride)
-    if (!cloud.kept[i]) beyond.push_back(cloud.points[i]);
-  return beyond;
-}
-
-PixelGrid pixel_grid(const Cloud& cloud, const VoxelCloud& voxels) {
-  PixelGrid grid{cloud.width, cloud.height, cloud.focal_px, {}, {}};
-  const std::size_t pixels = static_cast<std::size_t>(cloud.width) * cloud.height;
-  grid.measured.resize(pixels);
-  grid.point.assign(pixels, PixelGrid::kNoPoint);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    if (voxels.voxel_of[i] != kNoVoxel) {
-      grid.measured[cloud.source[i]] = cloud.points[i];
-      grid.point[cloud.source[i]] = voxels.voxel_of[i];
-    }
-  return grid;
-}
-
 Classification unclassified(const VoxelCloud& voxels) {
   const std::size_t n = voxels.points.size();
   return {std::vector<Label>(n, Label::unknown), std::vector<float>(n, 0.0f)};
@@ -178,7 +156,6 @@ PreparedFrame prepare_frame(const Frame& frame,
                             const FrameTruth* truth) {
   PreparedFrame prepared;
   prepared.from_cloud = frame.is_cloud();
-  prepared.noise_growth_per_m = frame.noise_growth_per_m;
   prepared.gravity = resolve_gravity(frame, options.gravity);
 
   Stopwatch watch;
@@ -196,30 +173,16 @@ PreparedFrame prepare_frame(const Frame& frame,
 }
 
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options) {
-  return options.method == Method::ours && options.segment.objective.on && !frame.is_cloud();
+  return options.method == Method::ours && options.segment.by_objective() && !frame.is_cloud();
 }
 
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options) {
   SegmentOptions result = options.segment;
-  if (prepared.from_cloud) result.noise.sigma_by_range = false;
-  result.noise.known_growth_per_m = prepared.noise_growth_per_m;
   if (!prepared.gravity.known()) {
     result.use_labels = false;
     result.one_label = Label::unknown;
   }
   return result;
-}
-
-Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptions& options) {
-  Measurements more;
-  more.rays = !prepared.from_cloud;
-  if (options.r8_voxel_spread.on && prepared.voxels.size_m > 0)
-    more.spreads = voxel_spreads(prepared.cloud, prepared.voxels);
-  if (options.split_disconnected.rule == SplitRule::seen && more.rays)
-    more.beyond = points_beyond(prepared.cloud);
-  if (needs_pixels(options) && prepared.cloud.width > 0)
-    more.pixels = pixel_grid(prepared.cloud, prepared.voxels);
-  return more;
 }
 
 namespace {
@@ -262,7 +225,7 @@ FoundRegions find_regions(const Frame& frame,
                           Trace* trace) {
   FoundRegions found;
   if (is_found_on_pixels(frame, options) != prepared.of_pixels)
-    throw Error("the frame was prepared with another objective, expected that of the options");
+    throw Error("the frame was prepared for another profile, expected that of the options");
   if (prepared.of_pixels) {
     Stopwatch watch;
     const DepthInput input = depth_input(frame, prepared);
@@ -270,19 +233,9 @@ FoundRegions find_regions(const Frame& frame,
     found.segmentation = segment_depth(input, segment_options(prepared, options), trace);
     found.segmentation.timings.build_ms += input_ms;
   } else if (options.method == Method::ours) {
-    Stopwatch watch;
-    const Measurements more = more_measurements(prepared, options.segment);
-    const double more_ms = watch.lap_ms();
-    found.segmentation = segment(prepared.voxels.points, prepared.classification.labels,
-                                 prepared.cloud.cube, prepared.sensor(),
-                                 segment_options(prepared, options), trace, more, options.threads);
-    const std::vector<std::int32_t>& of_pixel = found.segmentation.plane_of_pixel;
-    if (!of_pixel.empty()) {
-      found.plane_of.resize(prepared.cloud.source.size());
-      std::ranges::transform(prepared.cloud.source, found.plane_of.begin(),
-                             [&](std::uint32_t pixel) { return of_pixel[pixel]; });
-    }
-    found.segmentation.timings.traverse_ms += more_ms;
+    found.segmentation =
+        segment(prepared.voxels.points, prepared.classification.labels, prepared.cloud.cube,
+                prepared.sensor(), segment_options(prepared, options), trace);
   } else {
     found = find_rival_regions(frame, prepared, options);
   }

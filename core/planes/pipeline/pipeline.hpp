@@ -39,7 +39,7 @@ struct FrameTimings {
   double t_d_ms = 0;    // voxel grid
   double t_c_ms = 0;    // classification
   double t_b_ms = 0;    // octree
-  double t_s_ms = 0;    // traversal, merge, assignment, refinement
+  double t_s_ms = 0;    // all that follows
 };
 
 /// Truth of a frame on its cloud's points, from label files or from a cloud's own fields.
@@ -57,7 +57,6 @@ struct PreparedFrame {
                                   // with margins of 0
   bool from_cloud = false;        // the frame is a cloud: nobody knows where its sensor stood
   bool of_pixels = false;         // is_found_on_pixels() of the options: voxels are pixels
-  double noise_growth_per_m = 0;  // as the frame knows it
   FrameTimings timings;
 
   Vec3d sensor() const { return cloud.T_world_sensor.translation() - cloud.origin; }
@@ -80,12 +79,8 @@ PreparedFrame prepare_frame(const Frame& frame,
 /// pixels then.
 bool is_found_on_pixels(const Frame& frame, const PipelineOptions& options);
 
-/// The segment options as they hold for this frame: noise is modelled by range only where the
-/// sensor's position is known, and labels are used only where gravity is.
+/// The segment options as they hold for this frame: labels are used only where gravity is known.
 SegmentOptions segment_options(const PreparedFrame& prepared, const PipelineOptions& options);
-
-/// What these options need beside points and labels.
-Measurements more_measurements(const PreparedFrame& prepared, const SegmentOptions& options);
 
 /// Finds the planes of a prepared frame with the method of the options. Of a rival, the
 /// segmentation has planes and points alone: no octree, no counts but `unassigned`, an empty trace;
@@ -95,6 +90,7 @@ struct FoundRegions {
   Segmentation segmentation;           // per voxel
   std::vector<std::int32_t> plane_of;  // per cloud point: plane id, 0 none
 };
+/// The options find planes where those of prepare_frame() do, on pixels or not.
 FoundRegions find_regions(const Frame& frame,
                           const PreparedFrame& prepared,
                           const PipelineOptions& options,

@@ -33,6 +33,11 @@ DenseTruth dense_truth(const Cloud& cloud, const SourceTruth& truth) {
   return dense;
 }
 
+/// The voxels of the result; of the default size where the planes were found on pixels.
+VoxelCloud scored_voxels(const FrameResult& result) {
+  return result.of_pixels ? voxelize(result.cloud, CloudOptions().voxel_size_m) : result.voxels;
+}
+
 /// Planes of fewer voxels become points that are not scored.
 void leave_out_small(DenseTruth& dense, const VoxelCloud& cloud, int least_voxels) {
   std::vector<int> voxels(dense.normals.size() + 1, 0);
@@ -81,9 +86,10 @@ void add_normals(Scored& scored, const FrameResult& result, const DenseTruth& tr
   scored.true_normals = turned(truth.normals, result.cloud.T_world_sensor);
 }
 
-/// Without gravity no point has a label, so label accuracy is not measured.
+/// Where no point has a label, without gravity or by refined on pixels, label accuracy is not
+/// measured.
 Metrics without_open_labels(Metrics metrics, const FrameResult& result) {
-  if (!result.gravity.known())
+  if (!result.gravity.known() || result.of_pixels)
     metrics.label_accuracy_edge = metrics.label_accuracy_inner = std::nan("");
   return metrics;
 }
@@ -103,7 +109,7 @@ Metrics score_frame(const FrameResult& result,
                     const LeastTruePlane& least) {
   const Cloud& cloud = result.cloud;
   DenseTruth dense = dense_truth(cloud, truth);
-  if (least.voxels > 0) leave_out_small(dense, result.voxels, least.voxels);
+  if (least.voxels > 0) leave_out_small(dense, scored_voxels(result), least.voxels);
   Scored scored;
   scored.min_truth_points = least.points;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -118,12 +124,15 @@ Metrics score_frame(const FrameResult& result,
 
 Metrics score_voxels(const FrameResult& result, const SourceTruth& truth, int min_truth_voxels) {
   const DenseTruth dense = dense_truth(result.cloud, truth);
-  const FrameTruth of_voxels{vote_labels(result.voxels, dense.on_points.label),
-                             vote_instances(result.voxels, dense.on_points.instance)};
+  const VoxelCloud voxels = scored_voxels(result);
+  const FrameTruth of_voxels{vote_labels(voxels, dense.on_points.label),
+                             vote_instances(voxels, dense.on_points.instance)};
+  const std::vector<std::int32_t> planes =
+      result.of_pixels ? vote_instances(voxels, result.plane_of) : result.segmentation.plane_of;
   Scored scored;
-  for (std::size_t v = 0; v < result.voxels.points.size(); ++v)
-    scored.add(result.voxels.points[v], of_voxels, v, result.segmentation.plane_of[v],
-               result.classification.labels[v]);
+  for (std::size_t v = 0; v < voxels.points.size(); ++v)
+    scored.add(voxels.points[v], of_voxels, v, planes[v],
+               result.of_pixels ? Label::unknown : result.classification.labels[v]);
   add_normals(scored, result, dense);
   scored.min_truth_points = min_truth_voxels;
   return without_open_labels(scored.metrics(), result);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Cells some levels above the octree's leaves: what "neighbouring" means in the refinements. Points
-// are in Morton order, so a cell is a range of them.
+// Cells some levels above the octree's leaves: what "near" means in a cloud. Points are
+// in Morton order, so a cell is a range of them.
 
 #include <cstdint>
 #include <span>

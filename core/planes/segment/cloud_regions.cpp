@@ -13,10 +13,12 @@
 namespace planescope::planes {
 namespace {
 
-constexpr double kCalmCells = 0.5;  // quantile of the cells' RMS that is the noise
-constexpr int kRounds = 4;          // of moving points, fitting and merging, at most
-constexpr int kPatchLevels = 3;     // the scales are measured in cells this far above the leaves
-constexpr int kLeastPoints = 8;     // a patch with fewer is ignored
+constexpr double kCalmCells = 0.5;   // quantile of the cells' RMS that is the noise
+constexpr int kRounds = 4;           // of moving points, fitting and merging, at most
+constexpr int kPatchLevels = 3;      // the scales are measured in cells this far above the leaves
+constexpr int kLeastPoints = 8;      // a patch with fewer is ignored
+constexpr double kNoisePoints = 50;  // the measured noise counts as that of so many points
+constexpr double kLeastGap_m = 0.05, kGapSpacings = 2;  // nearer points touch
 
 /// The characteristic polynomial x^3 - a x^2 + b x - c of points' scatter: its least root is the
 /// sum of squared distances to the least-squares plane [m^2].
@@ -50,6 +52,12 @@ struct Cubic {
   /// Of the other two roots, where the least is small [m^4].
   double product_of_others() const { return std::max(0.0, b); }
 };
+
+/// The variance around a plane of `count` points with this sum of squares: that of the cloud, or
+/// its own where that is larger. A ray's error leaves a surface that it meets head-on the farther.
+double variance_around(double cloud_m2, double squares_m2, double count) {
+  return std::max(cloud_m2, (kNoisePoints * cloud_m2 + squares_m2) / (kNoisePoints + count));
+}
 
 double quantile(std::vector<double>& values, double share) {
   const auto nth =
@@ -111,7 +119,8 @@ class Merger {
     };
     const double weight = p.moments.count * q.moments.count / both.count;
     const double apart_m2 = squares(p) + squares(q);
-    const double explained_m2 = 3 * white2 + scales_.bow_m * scales_.bow_m * weight;
+    const double explained_m2 =
+        3 * variance_around(white2, apart_m2, both.count) + scales_.bow_m * scales_.bow_m * weight;
     const Cubic cubic(both);
     if (cubic.least_root_is_beyond(apart_m2 + options_.merge_cost * explained_m2)) return {};
     const double cost = std::max(0.0, cubic.least_root() - apart_m2) / explained_m2;
@@ -251,7 +260,8 @@ class PointMover {
       if (!plane.alive) continue;
       const double off_m =
           std::abs(plane.fit.distance_m(p)) + (state_.has_label(i, plane.label) ? 0 : label_m_);
-      const double cost = off_m * off_m / variance_m2_;
+      const double cost =
+          off_m * off_m / variance_around(variance_m2_, plane.fit.eigenvalues[0], plane.fit.count);
       if (cost < least) {
         next = least;
         second = best;
@@ -316,9 +326,9 @@ void fit_planes(SegmentState& state, std::span<const std::uint8_t> changed) {
   }
 }
 
-/// Drops planes that cost more than they are worth, and those no wider than the noise, those worth
-/// least first. A plane stays while a
-/// neighbor of it has just been dropped: it may be worth more now.
+/// Drops planes that cost more than they are worth, and those no wider than the noise; those worth
+/// least first. A plane stays while a neighbor of it has just been dropped: it may be worth more
+/// now.
 int drop_worthless(SegmentState& state,
                    const PointMover& mover,
                    const CloudScales& scales,
@@ -479,21 +489,15 @@ CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& op
 }
 
 NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options) {
-  NoiseModel model;
-  model.estimated = true;
-  model.constant_m = std::sqrt(scales.variance_m2());
-  model.options.theta_rms_sigmas = std::sqrt(options.flat);
-  model.options.tau_sigmas = options.point_reach_sigma;
-  model.options.theta_rms_min_m = model.options.tau_min_m = 0;
-  model.options.theta_rms_max_m = model.options.tau_max_m = INFINITY;
-  return model;
+  return {.estimated = true,
+          .constant_m = std::sqrt(scales.variance_m2()),
+          .reach_sigma = options.point_reach_sigma};
 }
 
 void find_cloud_regions(SegmentState& state,
                         const CloudScales& scales,
                         const ObjectiveOptions& options) {
-  const double gap_m = std::max(state.options.split_disconnected.gap_m,
-                                state.options.split_disconnected.gap_spacings * scales.spacing_m);
+  const double gap_m = std::max(kLeastGap_m, kGapSpacings * scales.spacing_m);
   const int levels = levels_of_gap(state.octree.cube, gap_m);
   const CellGrid grid = make_cell_grid(state.octree, levels);
   state.counts.leftovers = static_cast<std::uint32_t>(state.leftovers.size());

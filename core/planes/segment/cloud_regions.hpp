@@ -18,7 +18,7 @@ struct CloudScales {
 };
 CloudScales measure_scales(const SegmentState& state, const ObjectiveOptions& options);
 
-/// The same as a model for Criterion 3 and for what shows theta_rms and tau.
+/// The same for Criterion 3 and for what judges distances to planes afterwards.
 NoiseModel noise_of(const CloudScales& scales, const ObjectiveOptions& options);
 
 /// From the traversal's planes, one for each case IV node, and its leftovers to the final planes.

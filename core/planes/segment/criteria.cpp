@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace planescope::planes {
 
@@ -50,13 +49,6 @@ bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options) {
          (options.merge_offset_m <= 0 || terms.offset_m <= options.merge_offset_m);
 }
 
-double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share) {
-  const double least = least_share * sigma_m;
-  const double noise = std::max(fit.eigenvalues[0] / std::max(1.0, fit.count - 3), least * least);
-  if (fit.eigenvalues[1] <= 0) return std::numbers::pi / 2;
-  return std::min(std::numbers::pi / 2, std::sqrt(noise / fit.eigenvalues[1]));
-}
-
 double area_per_point(const PlaneFit& fit) {
   // A rectangle's variances are its squared sides over 12.
   return 12 * std::sqrt(fit.eigenvalues[1] * fit.eigenvalues[2]) / (fit.count * fit.count);
@@ -76,15 +68,6 @@ PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options) {
   return strain;
 }
 
-PairStrain strain_of(const DistanceTerms& terms) {
-  PairStrain strain;
-  strain.angle = terms.angle_deg / terms.max_angle_deg;
-  strain.distance = std::sqrt(terms.offset2_m2 / terms.bound2_m2);
-  strain.worst = std::max({strain.angle, terms.gap_m / terms.max_gap_m, strain.distance,
-                           std::sqrt(std::max(0.0, terms.spread2_m2) / terms.bound2_m2)});
-  return strain;
-}
-
 // Sun et al. 2023, Sec. IV-B: PCA of a node's inliers and Criterion 3.
 
 Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool use_labels) {
@@ -94,19 +77,15 @@ Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool u
   const OctreeNode& range = octree.nodes[node];
   for (std::uint32_t i = range.begin; i < range.end; ++i) {
     if (use_labels && octree.labels[i] != label) continue;
-    octree.add_point(candidate.moments, i);
-    candidate.bounds.add(octree.points[i].cast<double>());
+    candidate.moments.add(octree.points[i].cast<double>());
   }
   candidate.fit = fit_plane(candidate.moments);
   return candidate;
 }
 
-Planarity planarity(const PlaneFit& fit,
-                    const NoiseModel& noise,
-                    double range_m,
-                    const SegmentOptions& options) {
-  if (options.noise.rms_criterion3) {
-    const double theta = noise.theta_rms(range_m);
+Planarity planarity(const PlaneFit& fit, const NoiseModel& noise, const SegmentOptions& options) {
+  if (options.by_objective()) {
+    const double theta = std::sqrt(options.objective.flat) * noise.constant_m;
     return {fit.rms_m(), theta, is_planar(fit, theta * theta, MseNormalization::mean)};
   }
   return {normal_error(fit, options.mse_normalization), options.theta_e_n_m2,

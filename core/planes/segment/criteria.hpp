@@ -45,10 +45,6 @@ struct Coplanarity {
 Coplanarity coplanarity(const PlaneFit& plane, const PlaneFit& candidate);
 bool is_coplanar(const Coplanarity& terms, const SegmentOptions& options);
 
-/// Standard deviation of a fit's normal direction [rad], from its residuals and its middle extent;
-/// never better than `least_share` of the noise sigma_m would allow.
-double normal_uncertainty(const PlaneFit& fit, double sigma_m, double least_share);
-
 /// Area of the rectangle with the fit's second moments, per point [m^2]: how thinly points are
 /// spread.
 double area_per_point(const PlaneFit& fit);
@@ -56,35 +52,30 @@ double area_per_point(const PlaneFit& fit);
 /// How far a pair is from passing for one plane: each value over its limit, 1 passes.
 struct PairStrain {
   double angle = 0;     // between the normals
-  double distance = 0;  // of the other's centroid: its direction in Criterion 4, in R1 its offset
+  double distance = 0;  // of the other's centroid: its direction
   double worst = 0;     // of all terms
 };
 PairStrain strain_of(const Coplanarity& terms, const SegmentOptions& options);
-PairStrain strain_of(const DistanceTerms& terms);
 
-/// A plane candidate: a node's inliers (or, by R4, one label's points of an impure node).
+/// A plane candidate: a node's inliers or, by the objective, one label's points of an impure node.
 struct Candidate {
   std::int32_t node = -1;
   Label label = Label::h;
   Moments moments;
   PlaneFit fit;
-  double sigma_ang = 0;  // [rad]
-  Bounds bounds;
 };
 
 /// PCA of the points of one label in a node, of all where labels are not used. Sums run over the
-/// node's own range of points. Leaves sigma_ang open.
+/// node's own range of points.
 Candidate fit_label(const Octree& octree, std::int32_t node, Label label, bool use_labels);
 
-/// Criterion 3 with the threshold in force: of e_n, or of the RMS [m] where the options ask so.
+/// Criterion 3 with the threshold in force: of e_n or, by the objective, of the RMS [m], within the
+/// noise.
 struct Planarity {
   double value = 0;
   double threshold = 0;
   bool passes = false;
 };
-Planarity planarity(const PlaneFit& fit,
-                    const NoiseModel& noise,
-                    double range_m,
-                    const SegmentOptions& options);
+Planarity planarity(const PlaneFit& fit, const NoiseModel& noise, const SegmentOptions& options);
 
 }  // namespace planescope::planes

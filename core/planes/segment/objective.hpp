@@ -4,13 +4,9 @@
 // a cost for each plane, and one for each unexplained pixel or point. None depends on the camera or
 // is a length: what differs between sensors is measured in the frame.
 
-#include "core/planes/segment/refinement.hpp"
-
 namespace planescope::planes {
 
 struct ObjectiveOptions {
-  bool on = false;  // instead of all refinements
-
   // Of depth images (core/planes/depth) and of clouds (cloud_regions.hpp).
   double flat = 3;         // Criterion 3: largest variance of a cell, relative to the expected
   double bow = 2.5;        // the low-frequency error, in units of what it is measured by
@@ -34,8 +30,6 @@ struct ObjectiveOptions {
   template <typename Rows>
   static void describe(Rows& rows) {
     using O = ObjectiveOptions;
-    rows.flag("objective", "find planes by one objective in place of all refinements", &O::on);
-    rows.only_with("objective");
     rows.number("flat", "1", "Criterion 3: largest variance of a cell, relative to the expected",
                 &O::flat, {0, 1e6, true});
     rows.number("bow", "1", "low-frequency error, in units of what it is measured by", &O::bow,

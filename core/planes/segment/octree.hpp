@@ -34,7 +34,7 @@ struct OctreeNode {
   std::uint8_t depth = 0;
   Case decided = Case::none;
   bool at_max_depth = false;  // I or III here: its points went to the leftovers (drawn hatched)
-  bool impure_fit = false;    // R4 fitted each label's subset here
+  bool by_label = false;      // I: the points of each label were fitted by themselves here
 
   std::uint32_t size() const { return end - begin; }
 };
@@ -46,17 +46,8 @@ struct Octree {
   std::vector<std::uint32_t> order;     // order[i]: index in the input of the i-th point
   std::vector<Vec3f> points;            // the points and ...
   std::vector<Label> labels;            // ... their labels in Morton order
-  std::vector<Spread> spreads;          // likewise; empty where points are taken as they are
   std::vector<std::uint32_t> h_before;  // points labelled h among the first i; size n + 1
   std::vector<OctreeNode> nodes;        // breadth-first; nodes[0] is the root
-
-  /// Adds the i-th point, with its spread where it has one.
-  void add_point(Moments& moments, std::uint32_t i) const {
-    if (spreads.empty())
-      moments.add(points[i].cast<double>());
-    else
-      moments.add(points[i].cast<double>(), spreads[i]);
-  }
 
   // Of a cell of the cube; cell_corners() is for both spaces.
   Vec3d node_min(const OctreeNode& node) const;      // lower corner, local coordinates [m]

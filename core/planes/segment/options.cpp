@@ -37,28 +37,9 @@ SegmentOptions profile_options(Profile profile) {
       o.leftover_distance_m = 0.01;
       break;
     case Profile::refined:
-      o.merge_partner = MergePartner::best;
-      o.leftover_rule = LeftoverRule::nearest;
-      o.noise.rms_criterion3 = true;
-      o.noise.estimate_sigma = true;
-      o.noise.sigma_by_range = true;
-#define PLANESCOPE_REFINED(name) o.name = name::kRefined;
-      PLANESCOPE_REFINEMENTS(PLANESCOPE_REFINED)
-#undef PLANESCOPE_REFINED
       break;
   }
   return o;
-}
-
-bool needs_pixels(const SegmentOptions& options) {
-  bool needed = false;
-  const auto look = [&](const RefinementInfo& info, const auto& refinement) {
-    if constexpr (requires { refinement.on; }) needed |= info.on_pixels && refinement.on;
-  };
-#define PLANESCOPE_LOOK(name) look(name::kInfo, options.name);
-  PLANESCOPE_REFINEMENTS(PLANESCOPE_LOOK)
-#undef PLANESCOPE_LOOK
-  return needed;
 }
 
 }  // namespace planescope::planes

@@ -18,30 +18,6 @@ double elapsed_ms(Clock::time_point since) {
   return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
 }
 
-/// The refinements that follow a stage of the paper, in their turn.
-void refine(SegmentState& state, After stage) {
-  struct Step {
-    RefinementInfo info;
-    void (*run)(SegmentState&);
-  };
-  static const std::vector<Step> steps = [] {
-    std::vector<Step> all;
-    // run() is found by the options' namespace.
-#define PLANESCOPE_STEP(name)                                                             \
-  all.push_back({name::kInfo, [](auto& s) {                                               \
-                   constexpr bool acts = requires { run(s, s.options.name); };            \
-                   static_assert(acts == (name::kInfo.after != After::within), "run()?"); \
-                   if constexpr (acts) run(s, s.options.name);                            \
-                 }});
-    PLANESCOPE_REFINEMENTS(PLANESCOPE_STEP)
-#undef PLANESCOPE_STEP
-    std::ranges::stable_sort(all, {}, [](const Step& step) { return step.info.turn; });
-    return all;
-  }();
-  for (const Step& step : steps)
-    if (step.info.after == stage) step.run(state);
-}
-
 /// Numbers the planes that are left by size and hands them over with their points.
 void conclude(SegmentState& state, Segmentation& result) {
   std::vector<std::uint32_t> points(state.planes.size(), 0);
@@ -68,23 +44,12 @@ void conclude(SegmentState& state, Segmentation& result) {
     result.planes.push_back(region_of(k));
     id[k] = result.planes.back().id = static_cast<int>(result.planes.size());
   }
-  for (const std::int32_t k : state.minor) {
-    result.minor.push_back(region_of(k));
-    result.minor.back().points = static_cast<std::uint32_t>(state.planes[k].moments.count);
-  }
-  for (const std::vector<std::uint32_t>& positions : state.minor_points) {
-    std::vector<std::uint32_t>& of_minor = result.minor_points.emplace_back();
-    for (const std::uint32_t at : positions) of_minor.push_back(state.octree.order[at]);
-  }
   result.plane_of.assign(state.plane_of.size(), 0);
   for (std::size_t i = 0; i < state.plane_of.size(); ++i) {
     const std::int32_t plane = state.plane_of[i];
     if (plane >= 0) result.plane_of[state.octree.order[i]] = id[plane];
     if (plane < 0 || id[plane] == 0) ++state.counts.unassigned;
   }
-  result.plane_of_pixel.reserve(state.plane_of_pixel.size());
-  for (const std::int32_t plane : state.plane_of_pixel)
-    result.plane_of_pixel.push_back(plane >= 0 ? id[plane] : 0);
   result.octree = std::move(state.octree);
   result.noise = state.noise;
   result.counts = state.counts;
@@ -97,27 +62,21 @@ Segmentation segment(std::span<const Vec3f> points,
                      const Cube& cube,
                      const Vec3d& sensor,
                      const SegmentOptions& options,
-                     Trace* trace,
-                     const Measurements& more,
-                     int threads) {
+                     Trace* trace) {
   Segmentation result;
   const auto start = Clock::now();
-  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace, more);
-  state.threads = threads;
+  SegmentState state = start_segmentation(points, labels, cube, sensor, options, trace);
   result.timings.build_ms = elapsed_ms(start);
 
   const auto built = Clock::now();
-  if (options.objective.on) {
+  if (options.by_objective()) {
     const CloudScales scales = measure_scales(state, options.objective);
     state.noise = noise_of(scales, options.objective);
     traverse(state);
     find_cloud_regions(state, scales, options.objective);
   } else {
-    state.noise = measure_noise(state.octree, state.sensor, options);
     traverse(state);  // Sec. IV-C, merging (IV-D) as it goes
-    refine(state, After::merging);
     assign_leftovers(state);
-    refine(state, After::assignment);
   }
   conclude(state, result);
   result.timings.traverse_ms = elapsed_ms(built);

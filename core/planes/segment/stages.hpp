@@ -1,34 +1,41 @@
 #pragma once
 
-// What the stages of the objective say of themselves, wherever a decision is shown.
+// Who decides: the stages of the paper, and those of the objective that `refined` minimizes.
 
-#include "core/planes/segment/refinement.hpp"
+#include <cstdint>
+#include <vector>
 
 namespace planescope::planes {
 
-inline constexpr RefinementInfo kJoinInfo{
-    .name = "join",
-    .title = "join neighbors",
-    .says = "{plane} joins {other}: their misfit costs {value:.3g}, less than a plane"};
-inline constexpr RefinementInfo kGrowInfo{
-    .name = "grow",
-    .title = "grow over pixels",
-    .says = "{plane} changes by {value:+.0f} px at its border",
-    .why_dropped = "it has {value:.0f} px, too few to grow",
-    .on_pixels = true};
-inline constexpr RefinementInfo kHiddenInfo{
-    .name = "hidden",
-    .title = "join hidden parts",
-    .says =
-        "{plane} joins {other} behind what hides them from each other: their misfit costs "
-        "{value:.3g}",
-    .on_pixels = true};
-inline constexpr RefinementInfo kPartsInfo{
-    .name = "parts", .title = "part planes", .why_parted = "they do not touch"};
-inline constexpr RefinementInfo kListInfo{
-    .name = "list",
-    .title = "list planes",
-    .says = "{plane} is not listed: it is worth {value:.0f}, less than it costs",
-    .why_dropped = "it is worth {value:.0f}, less than it costs"};
+enum class Stage : std::uint8_t {
+  criteria,  // Criteria 1-3, in the traversal
+  merge,     // Criterion 4
+  assign,    // of the leftovers
+  join,      // by the objective: two regions that touch
+  grow,      // pixels or points change hands
+  hidden,    // two parts that something hides from each other
+  parts,     // of a plane that do not touch
+  list,      // what is worth being a plane
+};
+
+/// What a stage of the objective says of itself, wherever a decision is shown.
+struct StageInfo {
+  const char* title;  // "join neighbors"
+  /// What its `refine` event means, with {plane}, {other}, {point}, and the event's {value}, or as
+  /// a length in {mm}, filled in (fmt).
+  const char* says = "{plane} changes";
+  /// Why a plane that it drops is none, where that needs saying; filled in likewise.
+  const char* why_dropped = "";
+  /// Of a part that it founds as a plane of its own: what the two are to each other.
+  const char* why_parted = "";
+  bool on_pixels = false;  // does nothing where there is no depth image
+};
+
+/// "criteria", "merge", "assign", "join" ... "list".
+const char* to_string(Stage stage);
+/// Null for a stage of the paper.
+const StageInfo* info_of(Stage stage);
+/// All of them, in their order.
+const std::vector<Stage>& stages();
 
 }  // namespace planescope::planes

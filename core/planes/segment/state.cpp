@@ -36,25 +36,13 @@ SegmentState start_segmentation(std::span<const Vec3f> points,
                                 const Cube& cube,
                                 const Vec3d& sensor,
                                 const SegmentOptions& options,
-                                Trace* trace,
-                                const Measurements& more) {
+                                Trace* trace) {
   assert(points.size() == labels.size());
-  SegmentState state{options, sensor, more, trace};
+  SegmentState state{options, sensor, trace};
   state.octree = build_octree(points, labels, placed(cube, points, options.cube_anchor));
-  if (!more.spreads.empty())
-    for (const std::uint32_t i : state.octree.order)
-      state.octree.spreads.push_back(more.spreads[i]);
   state.plane_of.assign(points.size(), -1);
   trace_queued(state);
   return state;
-}
-
-void SegmentState::measure_reaches() const {
-  reaches.reserve(octree.points.size());
-  for (std::uint32_t i = 0; i < octree.points.size(); ++i) {
-    const double range_m = range(point(i));
-    reaches.push_back({noise.tau(range_m), noise.other_label_penalty(range_m)});
-  }
 }
 
 void visit_node(SegmentState& state, std::int32_t node) {
@@ -81,7 +69,6 @@ void divide_node(SegmentState& state, std::int32_t node) {
 std::int32_t found_plane(SegmentState& state, const GrowingPlane& plane) {
   const auto number = static_cast<std::int32_t>(state.planes.size());
   state.planes.push_back(plane);
-  state.planes.back().tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
   return number;
 }
@@ -90,8 +77,6 @@ void fit_again(SegmentState& state, std::int32_t number, const Moments& moments)
   GrowingPlane& plane = state.planes[number];
   plane.moments = moments;
   plane.fit = fit_plane(moments);
-  plane.sigma_ang = state.sigma_ang(plane.fit);
-  plane.tau_m = state.tau(plane.fit.centroid);
   trace_plane(state, number);
 }
 
@@ -117,7 +102,7 @@ void drop_plane(SegmentState& state, std::int32_t plane, std::span<const std::ui
 
 Moments moments_of(const SegmentState& state, std::span<const std::uint32_t> points) {
   Moments moments;
-  for (const std::uint32_t i : points) state.octree.add_point(moments, i);
+  for (const std::uint32_t i : points) moments.add(state.point(i));
   return moments;
 }
 
@@ -129,8 +114,6 @@ std::int32_t found_part(SegmentState& state,
   part.label = state.planes[plane].label;
   part.moments = moments_of(state, points);
   part.fit = fit_plane(part.moments);
-  part.sigma_ang = state.sigma_ang(part.fit);
-  for (const std::uint32_t i : points) part.bounds.add(state.point(i));
   log(state, {.type = EventType::found,
               .stage = stage,
               .label = part.label,
@@ -152,37 +135,6 @@ PlanePoints points_by_plane(const SegmentState& state) {
   for (std::uint32_t i = 0; i < state.plane_of.size(); ++i)
     if (state.plane_of[i] >= 0) result.points[next[state.plane_of[i]]++] = i;
   return result;
-}
-
-std::span<const std::int32_t> planes_of_pixels(const SegmentState& state) {
-  // Runs are short. Each is written in pieces of one length, whatever follows it: the next run is
-  // written over that.
-  constexpr std::size_t kPiece = 8;
-  const std::size_t count = state.more.pixels.point.size();
-  std::vector<std::int32_t>& planes = state.pixel_planes;
-  planes.resize(count + kPiece);
-  const std::span<const MeasuredRun> runs = state.pixel_runs();
-  for (std::size_t r = 0; r + 1 < runs.size(); ++r) {
-    const std::int32_t plane = runs[r].is_measured() ? state.plane_of[runs[r].point] : -1;
-    for (std::size_t p = runs[r].begin; p < runs[r + 1].begin; p += kPiece)
-      std::fill_n(planes.data() + p, kPiece, plane);
-  }
-  return std::span(planes).first(count);
-}
-
-double typical_area_per_point(const SegmentState& state) {
-  std::vector<std::pair<double, double>> planes;  // area per point, points
-  double points = 0;
-  for (const GrowingPlane& plane : state.planes)
-    if (plane.alive) {
-      planes.emplace_back(area_per_point(plane.fit), plane.fit.count);
-      points += plane.fit.count;
-    }
-  std::sort(planes.begin(), planes.end());
-  double below = 0;
-  for (const auto& [area, count] : planes)
-    if ((below += count) >= points / 2) return area;
-  return 0;
 }
 
 }  // namespace planescope::planes

@@ -8,7 +8,7 @@
 
 #include "core/model/plane.hpp"
 #include "core/planes/classify/classifier.hpp"
-#include "core/planes/segment/refinements.hpp"
+#include "core/planes/segment/stages.hpp"
 
 namespace planescope::planes {
 
@@ -19,41 +19,8 @@ enum class EventType : std::uint8_t {
   merge,   // node's candidate joins `plane`; value = |n . dmu| [m]
   assign,  // leftover `point` goes to `plane`; value = distance [m]
   drop,    // leftover `point` stays without a plane
-  refine,  // a refinement changed `plane` (`other`: the plane it went into) or `point`
-  wait,    // R3: node's candidate waits for the sure ones; value = sigma_ang [rad]
-  leave,   // points go back to the leftovers: R3's, node's candidate with value = sigma_ang [rad],
-           // or all that are left of `plane`, a part too small after the split
+  refine,  // a stage of the objective changed `plane` (`other`: the plane it went into)
 };
-
-/// What decided: a stage of the paper, or a refinement, by the name of its file.
-enum class Stage : std::uint8_t {
-  criteria,  // Criteria 1-3, in the traversal
-  merge,     // Criterion 4
-  assign,    // of the leftovers
-  join,      // by the objective: two regions that touch
-  grow,      // pixels or points change hands
-  hidden,    // two parts that something hides from each other
-  parts,     // of a plane that do not touch
-  list,      // what is worth being a plane
-#define PLANESCOPE_STAGE(name) name,
-  PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE)
-#undef PLANESCOPE_STAGE
-};
-/// "criteria", "merge", "assign", "join" ... "list", or what the refinement calls itself: "R1" ...
-/// "split".
-const char* to_string(Stage stage);
-/// Null for a stage of the paper.
-const RefinementInfo* refinement_of(Stage stage);
-/// The option that switches the refinement on, which is the name of its file; null where there is
-/// none.
-const char* switch_of(Stage stage);
-/// All of them, in their order.
-const std::vector<Stage>& stages();
-/// Of the refinement that has these options.
-#define PLANESCOPE_STAGE_OF(name) \
-  constexpr Stage stage_of(const name::Options&) { return Stage::name; }
-PLANESCOPE_REFINEMENTS(PLANESCOPE_STAGE_OF)
-#undef PLANESCOPE_STAGE_OF
 
 /// One decision, fixed size, logged before anything that follows from it. Features are recomputed
 /// by whoever shows them; -1 where not applicable.
@@ -61,7 +28,7 @@ struct TraceEvent {
   EventType type = EventType::visit;
   std::uint8_t node_case = 0;  // Case for `decide`
   Stage stage = Stage::criteria;
-  Label label = Label::unknown;  // of the candidate: R4 makes two of one node
+  Label label = Label::unknown;  // of the candidate: an impure node can have two
   std::int32_t node = -1;
   std::int32_t plane = -1;  // index of the candidate plane, in order of founding
   std::int32_t other = -1;
@@ -74,9 +41,6 @@ struct GrowingPlane {
   Label label = Label::h;
   Moments moments;  // of what it was fitted to
   PlaneFit fit;
-  double sigma_ang = 0;  // [rad]
-  double tau_m = 0;      // at its centroid
-  Bounds bounds;
   bool alive = true;       // false: merged into another or pruned
   std::int32_t into = -1;  // where not alive: the plane that it was merged into, -1 if dropped
 };
@@ -100,8 +64,8 @@ struct PlaneChange : GrowingPlane {
 /// Values over their limits: up to 1 they pass. For histograms.
 struct Strains {
   std::vector<float> planarity;  // Criterion 3, each time it was asked
-  /// Criterion 4, or R1 in its place: of a candidate and the plane that it joined or, where it
-  /// founded one, that it came nearest to joining.
+  /// Criterion 4: of a candidate and the plane that it joined or, where it founded one, that it
+  /// came nearest to joining.
   std::vector<float> angle, distance;
 };
 

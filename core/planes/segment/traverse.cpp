@@ -9,8 +9,7 @@ namespace {
 
 /// Criterion 3.
 bool planar(const SegmentState& state, const Candidate& candidate) {
-  const double range = state.range(candidate.fit.centroid);
-  const Planarity asked = planarity(candidate.fit, state.noise, range, state.options);
+  const Planarity asked = planarity(candidate.fit, state.noise, state.options);
   if (state.trace)
     state.trace->strains.planarity.push_back(static_cast<float>(asked.value / asked.threshold));
   return asked.passes;
@@ -42,23 +41,19 @@ void divide_or_leave(SegmentState& state, std::int32_t index) {
 
 void accept(SegmentState& state, const Candidate& candidate) {
   ++state.counts.candidates;
-  if (state.options.objective.on) {  // each node is a region; cloud_regions.cpp merges them
+  if (state.options.by_objective())
     found(state, candidate, Stage::criteria);
-  } else if (r3_weak_candidates::is_weak(candidate.sigma_ang, state.options.r3_weak_candidates)) {
-    log(state, {.type = EventType::wait,
-                .stage = Stage::r3_weak_candidates,
-                .label = candidate.label,
-                .node = candidate.node,
-                .value = static_cast<float>(candidate.sigma_ang)});
-    state.weak.push_back(candidate);
-  } else {
+  else
     conquer(state, candidate);
-  }
 }
 
-/// R4: an impure node whose labels are each planar (or too few to matter) is conquered label by
-/// label instead of being divided down to where the labels part.
-bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
+Candidate candidate_of(const SegmentState& state, std::int32_t node, Label label) {
+  return fit_label(state.octree, node, label, state.options.use_labels);
+}
+
+/// By the objective, an impure node whose labels are each planar (or too few to matter) is accepted
+/// label by label instead of being divided down to where the labels part.
+bool accept_by_label(SegmentState& state, std::int32_t index, const Purity& purity) {
   if (!has_enough_inliers(purity.n_in, state.options)) return false;
   Candidate inliers = candidate_of(state, index, purity.inlier);
   if (!planar(state, inliers)) return false;
@@ -69,7 +64,7 @@ bool conquer_by_label(SegmentState& state, std::int32_t index, const Purity& pur
     outliers = candidate_of(state, index, outlier);
     if (!planar(state, outliers)) return false;
   }
-  state.octree.nodes[index].impure_fit = true;
+  state.octree.nodes[index].by_label = true;
   if (!both) leave_over(state, index, purity.inlier);
   accept(state, inliers);
   if (both) accept(state, outliers);
@@ -83,8 +78,7 @@ void visit(SegmentState& state, std::int32_t index) {
 
   if (!is_pure(purity, state.options)) {  // Case I
     settle(state, index, Case::I, 0);
-    const bool by_label = state.options.r4_fit_impure_nodes.on || state.options.objective.on;
-    if (by_label && conquer_by_label(state, index, purity)) return;
+    if (state.options.by_objective() && accept_by_label(state, index, purity)) return;
     divide_or_leave(state, index);
     return;
   }
@@ -93,7 +87,7 @@ void visit(SegmentState& state, std::int32_t index) {
     leave_over(state, index);
     return;
   }
-  Candidate candidate = candidate_of(state, index, purity.inlier);
+  const Candidate candidate = candidate_of(state, index, purity.inlier);
   const bool is_plane = planar(state, candidate);
   settle(state, index, is_plane ? Case::IV : Case::III, candidate.fit.eigenvalues[0]);
   if (!is_plane) {  // Case III

@@ -9,6 +9,7 @@ namespace {
 constexpr double kStraightM = 0.03;     // a border is on a line within this
 constexpr double kStraightShare = 0.6;  // ... this much of it
 constexpr double kReachM = 0.3;         // heights are taken so far before and behind a nosing
+constexpr double kGoesOn = 0.5;         // least share of a step's width that the next one has
 constexpr int kStages = 4;              // of Miss, before a step is there
 
 double median(std::vector<double> values) {
@@ -221,7 +222,8 @@ std::optional<StepDecision> misfit(const SingleStep& last,
     return no_step(levels, next.lower, next.upper, why, value, limit);
   };
   const double shared = std::min(last.left, next.left) - std::max(last.right, next.right);
-  if (shared < options.width_min_m) return no(NoStep::narrow, shared, options.width_min_m);
+  const double least = std::max(options.width_min_m, kGoesOn * (last.left - last.right));
+  if (shared < least) return no(NoStep::narrow, shared, least);
   const double going = going_between(last, next);
   if (going < options.going_min_m || going > options.going_max_m)
     return no(NoStep::going, going, beyond(going, options.going_min_m, options.going_max_m));

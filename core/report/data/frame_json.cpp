@@ -71,9 +71,7 @@ void segmentation_fields(auto& fields, auto& frame) {
   fields.object("noise", kPlain, [&](auto& noise) {
     noise("estimated", frame.noise.estimated);
     noise("by_range", frame.noise.by_range);
-    noise("of_spreads", frame.noise.of_spreads);
     noise("sigma_at_1m_m", frame.noise.sigma_m, kRounded);
-    noise("theta_rms_at_1m_m", frame.noise.theta_rms_m, kRounded);
     noise("tau_at_1m_m", frame.noise.tau_m, kRounded);
   });
 }

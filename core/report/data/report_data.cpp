@@ -135,8 +135,7 @@ ReportFrame make_report_frame(const Frame& frame,
   report.voxels = result.voxels.points.size();
   report.segment = result.segmentation.counts;
   const planes::NoiseModel& noise = result.segmentation.noise;
-  report.noise = {noise.estimated, noise.by_range,     noise.of_spreads,
-                  noise.sigma(1),  noise.theta_rms(1), noise.tau(1)};
+  report.noise = {noise.estimated, noise.by_range, noise.sigma(1), noise.tau(1)};
   report.timings = result.timings;
   report.regions = sample_regions(frame, result);
   for (PlaneSummary plane : found.summaries) {

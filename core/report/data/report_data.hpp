@@ -54,10 +54,11 @@ struct ReportPicture {
 std::string copy_of(const ReportPicture& picture);
 std::string thumbnail_of(const ReportPicture& picture);
 
-/// The noise that was measured, and the thresholds that follow, one metre from the sensor [m].
+/// The noise that was measured, and how far off a plane points may lie, one meter from the sensor
+/// [m].
 struct ReportNoise {
-  bool estimated = false, by_range = false, of_spreads = false;
-  double sigma_m = 0, theta_rms_m = 0, tau_m = 0;
+  bool estimated = false, by_range = false;
+  double sigma_m = 0, tau_m = 0;
 };
 
 /// How near to their thresholds a frame's decisions fell: counts that add up over frames.

@@ -141,13 +141,12 @@ Json foot_json(const planes::Foothold& foothold, const planes::Outline& outline)
   return json;
 }
 
-// The noise that was measured, and the thresholds that follow from it, one metre from the sensor.
+// The noise that was measured, and how far off a plane points may lie, one meter from the sensor.
 Json noise_json(const planes::NoiseModel& noise) {
   Json json;
   json["estimated"] = noise.estimated;
   json["by_range"] = noise.by_range;
   json["sigma_at_1m_m"] = rounded(noise.sigma(1));
-  json["theta_rms_at_1m_m"] = rounded(noise.theta_rms(1));
   json["tau_at_1m_m"] = rounded(noise.tau(1));
   return json;
 }

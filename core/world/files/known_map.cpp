@@ -55,10 +55,6 @@ void take_map(const Json& json,
     shared.samples = whole_int(gravity.at("frames"), "frames");
     shared.strays = whole_int(gravity.at("strays"), "strays");
   }
-  map.noise.growth_per_m = json.at("noise").at("growth_per_m").get<double>();
-  if (!(map.noise.growth_per_m >= 0 && map.noise.growth_per_m < 1))
-    throw Error(
-        fmt::format("its noise grows by {} per m, expected 0 to 1", map.noise.growth_per_m));
 }
 
 void take_tracks(const Json& json, KnownMap& map) {

@@ -198,9 +198,6 @@ std::string map_json(const WorldMap& map, const std::string& recording, const Ma
                                {"frames", g.samples},
                                {"strays", g.strays}});
   }
-  json["noise"] = {{"growth_per_m", map.noise.growth_per_m},
-                   {"spread_per_m", map.noise.spread_per_m},
-                   {"frames", map.noise.samples}};
   const TrackOptions& o = map.tracker.options();
   json["options"] = {{"cell_m", o.cell_m},
                      {"max_angle_deg", o.max_angle_deg},

@@ -145,7 +145,6 @@ std::string observed_key(const planes::PipelineOptions& options, const UprightPo
   std::string text = tum_text(upright.poses);
   for (const SharedGravity& gravity : upright.gravity)
     text += Json{gravity.known, vector_bits(gravity.direction)}.dump();
-  text += Json{upright.noise.growth_per_m}.dump();
   text += pipeline_key(options);
   return sha256_hex(text);
 }

@@ -29,17 +29,6 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-SharedNoise shared_noise(std::span<const double> growths_per_m) {
-  SharedNoise shared;
-  shared.samples = static_cast<int>(growths_per_m.size());
-  if (growths_per_m.empty()) return shared;
-  std::vector<double> values(growths_per_m.begin(), growths_per_m.end());
-  shared.growth_per_m = median(values);
-  for (double& value : values) value = std::abs(value - shared.growth_per_m);
-  shared.spread_per_m = median(std::move(values));
-  return shared;
-}
-
 SharedGravity shared_gravity(std::span<const GravitySample> samples) {
   SharedGravity shared;
   struct Vote {

@@ -26,15 +26,6 @@ struct SharedGravity {
   GravitySource source = GravitySource::none;  // the worst of those that count
 };
 
-/// How noise grows with the square of range, of a whole recording: what a single frame tells of it
-/// depends on what is in sight.
-struct SharedNoise {
-  double growth_per_m = 0;  // the median of the samples'; 0: not known
-  double spread_per_m = 0;  // about it: their median distance
-  int samples = 0;
-};
-SharedNoise shared_noise(std::span<const double> growths_per_m);
-
 /// Those whose gravity is not known do not count.
 SharedGravity shared_gravity(std::span<const GravitySample> samples);
 

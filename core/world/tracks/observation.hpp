@@ -18,7 +18,7 @@ inline double squared(double x) { return x * x; }
 
 struct ObservedPlane {
   int id = 0;          // in its frame, from 1
-  bool minor = false;  // R10: found, and too poor to be listed
+  bool minor = false;  // found, and worth too little to be listed
   Label label = Label::unknown;
   // World [m]:
   Vec3d normal = Vec3d::UnitZ();  // unit; of an h upwards, else to the camera's side

@@ -1,6 +1,8 @@
 #include "core/world/tracks/stability.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <set>
 #include <unordered_map>
@@ -74,9 +76,16 @@ void add_sightings(const Track& track, Frames& frames) {
   }
 }
 
+/// Whether its plane was decided when it was last seen before the frame.
+bool was_decided(const Track& track, int frame) {
+  const auto after = std::ranges::lower_bound(track.sightings, frame, {}, &Sighting::frame);
+  return after == track.sightings.begin() || !std::prev(after)->undecided;
+}
+
 void add_gaps(const Track& track, const Tracker& tracker, Frames& frames) {
   for (const Gap& gap : track.gaps) {
     if (gap.why != Absence::not_detected && gap.why != Absence::not_matched) continue;
+    if (!was_decided(track, gap.first)) continue;
     const std::size_t* at = frames.find(gap.first);
     if (!at) continue;
     ++frames.all[*at].breaks;

@@ -280,9 +280,7 @@ enum class EventType : std::uint8_t {
   merge,   // a node's candidate joins `plane`; value: |n . dmu| [m]
   assign,  // a leftover point goes to `plane`; value: distance [m]
   drop,    // a leftover point stays without a plane
-  refine,  // a refinement changed `plane` or `point`
-  wait,    // a candidate waits for surer ones; value: sigma of its normal [rad]
-  leave,   // points go back to the leftovers
+  refine,  // the objective joined, changed or dropped `plane`
 };
 
 /// One decision. -1: does not apply.
@@ -317,7 +315,7 @@ class PLANESCOPE_API Trace {
   int steps() const { return static_cast<int>(events().size()); }
   View<Event> events() const&;
   View<Event> events() && = delete;
-  /// "criteria", "merge", "assign", then the refinements.
+  /// "criteria", "merge" or "assign"; "join" to "list" by the objective.
   static std::vector<std::string> stages();
   /// What the event that led to step k did, in one line; 1 <= k <= steps().
   std::string describe(int step) const;

@@ -27,7 +27,6 @@ struct Run {
   Frame frame;
   planes::PipelineOptions options;
   const planes::Classifier* classifier;
-  std::unique_ptr<planes::Classifier> own_classifier;
 };
 
 struct Fault {
@@ -43,74 +42,30 @@ void tilt_gravity(Run& run) {
       Eigen::AngleAxisd(5 * std::numbers::pi / 180, Vec3d::UnitZ()) * gravity.direction;
 }
 
-/// Takes h for v and v for h wherever the other label is near.
-class FlippedAtEdges : public planes::Classifier {
- public:
-  explicit FlippedAtEdges(const planes::Classifier& classifier) : classifier_(classifier) {}
-  std::string name() const override { return classifier_.name(); }
-  planes::Classification classify(std::span<const Vec3f> points, int threads) const override {
-    planes::Classification result = classifier_.classify(points, threads);
-    const std::vector<Label> labels = result.labels;
-    constexpr float kNear = 0.045F;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t j = 0; j < points.size() && result.labels[i] == labels[i]; ++j)
-        if (labels[j] != labels[i] && (points[i] - points[j]).norm() < kNear)
-          result.labels[i] = labels[j];
-    return result;
-  }
-
- private:
-  const planes::Classifier& classifier_;
-};
-
-void flip_labels(Run& run) {
-  run.own_classifier = std::make_unique<FlippedAtEdges>(*run.classifier);
-  run.classifier = run.own_classifier.get();
-}
-
-/// The shipped weights, but for a stretch of them, as a file half written over would hold them.
-const planes::Classifier& stale_classifier() {
-  static const planes::ChosenClassifier stale = [] {
-    auto bytes = read_file_bytes(PLANESCOPE_SOURCE_DIR "/assets/classifier.safetensors");
-    for (std::size_t at = bytes.size() / 2 / 4 * 4; at < bytes.size() * 3 / 4; at += 4) {
-      float weight;
-      std::memcpy(&weight, &bytes[at], 4);
-      weight = -weight;
-      std::memcpy(&bytes[at], &weight, 4);
-    }
-    const fs::path file = temp_dir() / "stale.safetensors";
-    write_file_bytes(file, bytes);
-    planes::PipelineOptions options;
-    options.classifier = file.string();
-    return planes::make_classifier(options, {});
-  }();
-  return *stale.classifier;
-}
-
 const Fault kFaults[] = {
     {"thresholds off by 2x",
      [](Run& run) {
-       run.options.segment.noise.estimate_sigma = false;
-       run.options.segment.noise.fixed_rms_m *= 2;
-       run.options.segment.noise.fixed_tau_m *= 2;
+       run.options.segment.objective.flat *= 2;
+       run.options.segment.objective.merge_cost *= 2;
      }},
     {"gravity tilted 5 degrees", tilt_gravity},
     {"depth scale 1.01", [](Run& run) { run.frame.depth_unit_m *= 1.01; }},
-    {"labels flipped at edges", flip_labels},
-    {"merge by first instead of best",
+    {"only large planes listed", [](Run& run) { run.options.segment.objective.worth_px *= 20; }},
+    {"planes cheap to join", [](Run& run) { run.options.segment.objective.merge_cost *= 8; }},
+    {"a bow that excuses steps", [](Run& run) { run.options.segment.objective.bow *= 8; }},
+    {"a third of the columns missing",
      [](Run& run) {
-       run.options.segment.r1_merge_by_distance.on = false;
-       run.options.segment.merge_partner = planes::MergePartner::first;
+       auto& depth = run.frame.depth;
+       for (std::size_t i = 0; i < depth.pixels(); ++i)
+         if (static_cast<int>(i) % depth.width < depth.width / 3) depth.data[i] = 0;
      }},
-    {"stale weights", [](Run& run) { run.classifier = &stale_classifier(); }},
-    {"voxel grid doubled", [](Run& run) { run.options.cloud.voxel_size_m *= 2; }},
     {"points beyond 1.2 m cropped", [](Run& run) { run.options.cloud.max_range_m = 1.2; }},
     {"focal lengths of another resolution",
      [](Run& run) {
        run.frame.intrinsics.fx *= 1.05;
        run.frame.intrinsics.fy *= 1.05;
      }},
-    {"labels not used", [](Run& run) { run.options.segment.use_labels = false; }},
+    {"principal point of another crop", [](Run& run) { run.frame.intrinsics.cx += 40; }},
 };
 
 FrameRunner runner_with(const Fault* fault, int only_frame) {
@@ -118,7 +73,7 @@ FrameRunner runner_with(const Fault* fault, int only_frame) {
              const planes::Classifier* classifier) {
     if (!fault || (only_frame >= 0 && index != only_frame))
       return run_report_frame(input, index, options, classifier);
-    Run run{input.recording->frame(index), options, classifier, nullptr};
+    Run run{input.recording->frame(index), options, classifier};
     fault->apply(run);
     LoadedFrame loaded;
     loaded.truth =

@@ -14,7 +14,8 @@ namespace planescope::render {
 namespace {
 
 /// A depth frame of two steps, run with a trace.
-std::shared_ptr<const debug::Run> stairs_run(planes::Profile profile = planes::Profile::refined) {
+std::shared_ptr<const debug::Run> stairs_run(
+    planes::Profile profile = planes::Profile::paper_closest) {
   std::vector<test::Parallelogram> scene = {{{-1, -2, 0}, {4, 0, 0}, {0, 4, 0}}};
   test::add_box(scene, {0.7, -0.3, 0}, {0.8, 0.6, 0.17});
   test::add_box(scene, {1.0, -0.3, 0.17}, {0.5, 0.6, 0.17});
@@ -42,7 +43,7 @@ debug::Run stopped_at(const debug::Run& run, std::int32_t step) {
   nodes.resize(trace.queued_at.size());
   for (std::size_t n = trace.decided_at.size(); n < nodes.size(); ++n) {
     nodes[n].decided = planes::Case::none;
-    nodes[n].at_max_depth = nodes[n].impure_fit = false;
+    nodes[n].at_max_depth = nodes[n].by_label = false;
     nodes[n].first_child = -1;
     nodes[n].child_count = 0;
   }
@@ -313,7 +314,7 @@ TEST(StepScene, MarkedVoxelsStandOut) {
 TEST(StepScene, TheNodeOfEveryKindOfStepIsLit) {
   const auto run = stairs_run();
   int kinds = 0;
-  for (int type = 0; type <= static_cast<int>(planes::EventType::leave); ++type) {
+  for (int type = 0; type <= static_cast<int>(planes::EventType::refine); ++type) {
     const std::int32_t step = first_step(*run, static_cast<planes::EventType>(type));
     const std::int32_t node = step > 0 ? debug::node_at_step(*run, step) : -1;
     if (node <= 0) continue;
@@ -414,12 +415,17 @@ TEST(StepImage, SelectedNodeIsSeenWithoutAnyOverlay) {
   const planes::OctreeNode& node = run->octree().nodes[static_cast<std::size_t>(look.node)];
   std::set<std::uint32_t> inside(run->octree().order.begin() + node.begin,
                                  run->octree().order.begin() + node.end);
+  std::size_t changed = 0, kept = 0;  // of the pixels inside
   for (std::size_t i = 0; i < before.pixels(); ++i) {
     const std::uint32_t voxel = run->subject->voxel_of_source(i);
     if (voxel == planes::kNoVoxel) continue;
-    const bool changed = differs(before, after, i);
-    ASSERT_EQ(changed, inside.count(voxel) == 1) << i;
+    if (inside.count(voxel) == 0)
+      ASSERT_FALSE(differs(before, after, i)) << i;
+    else
+      ++(differs(before, after, i) ? changed : kept);
   }
+  EXPECT_GT(changed, 100u);
+  EXPECT_LE(kept, changed / 100) << "a pixel may have the color that marks it";
 }
 
 struct StepPicking : GlTest {};

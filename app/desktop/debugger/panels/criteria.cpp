@@ -166,7 +166,6 @@ void draw_other(const Ui& ui, const Row& row) {
 const char* title_of(const std::string& section) {
   if (section == "criteria") return "Criteria 1-4, and what goes with them";
   if (section == "objective") return "Objective";
-  if (section == "refinements") return "Refinements";
   if (section == "classifier") return "Classifier";
   if (section == "gravity") return "Gravity";
   if (section == "method") return "Method";
@@ -179,8 +178,7 @@ const char* title_of(const std::string& section) {
 /// What can be set comes first; the method last where it is ours, as it is nearly always.
 std::vector<const char*> sections_of(planes::Method method) {
   if (method == planes::Method::ours)
-    return {"criteria", "objective", "refinements", "classifier", "cloud",
-            "gravity",  "foot",      "stairs",      "method"};
+    return {"criteria", "objective", "classifier", "cloud", "gravity", "foot", "stairs", "method"};
   return {"method", "rivals", "cloud", "gravity", "foot", "stairs"};
 }
 
@@ -194,23 +192,6 @@ void draw_row(const Ui& ui, const Row& row) {
   ImGui::PopID();
 }
 
-/// A group shows its switches and what is not its default; its other numbers unfold.
-void draw_group(const Ui& ui, const std::string& name, const std::vector<Row>& rows) {
-  for (const Row& row : rows)
-    if (!row.info.is_number()) draw_row(ui, row);
-  const bool numbers =
-      std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.info.is_number(); });
-  if (!numbers) return;
-  const bool unfolded = ui.state.view.unfolded.contains(name);
-  ImGui::SetNextItemOpen(unfolded);
-  const bool open = ImGui::TreeNodeEx(name.c_str(), ImGuiTreeNodeFlags_NoTreePushOnOpen,
-                                      "%s, in numbers", name.c_str());
-  ui.name("criteria.group." + rows.front().info.name);
-  if (open != unfolded) ui.emit("option.unfold", name);
-  for (const Row& row : rows)
-    if (row.info.is_number() && !is_folded(ui.state, row.info)) draw_row(ui, row);
-}
-
 }  // namespace
 
 void draw_criteria(const Ui& ui) {
@@ -222,28 +203,18 @@ void draw_criteria(const Ui& ui) {
     const bool sought = focused.starts_with("criteria.") &&
                         planes::find_option(focused.substr(9)).section == section;
     if (sought) ImGui::SetNextItemOpen(true);
-    const bool open =
-        ImGui::CollapsingHeader(title_of(section), section == std::string("criteria") ||
-                                                           options.method != planes::Method::ours
-                                                       ? ImGuiTreeNodeFlags_DefaultOpen
-                                                       : 0);
+    const bool steers = section == std::string("criteria") || section == std::string("objective");
+    const bool open = ImGui::CollapsingHeader(
+        title_of(section),
+        steers || options.method != planes::Method::ours ? ImGuiTreeNodeFlags_DefaultOpen : 0);
     ui.name(std::string("criteria.section.") + section);
     if (!open) continue;
     if (section == std::string("gravity")) draw_gravity(ui);
-    std::vector<std::pair<std::string, std::vector<Row>>> groups;
     for (const planes::OptionInfo& info : planes::option_table()) {
       // With its radius a foot begins.
-      if (info.section != section || !(info.matters(options) || info.name == "foot_radius_m"))
-        continue;
-      if (groups.empty() || groups.back().first != info.group) groups.push_back({info.group, {}});
-      groups.back().second.push_back(
-          {info, info.get(options), info.get(defaults), "criteria." + info.name});
-    }
-    for (const auto& [group, rows] : groups) {
-      if (!group.empty())
-        draw_group(ui, group, rows);
-      else
-        for (const Row& row : rows) draw_row(ui, row);
+      const bool matters = info.matters(options) || info.name == "foot_radius_m";
+      if (info.section == section && matters && !planes::is_idle(info, options))
+        draw_row(ui, {info, info.get(options), info.get(defaults), "criteria." + info.name});
     }
   }
 }

@@ -222,15 +222,9 @@ std::string sign_of(const planes::TraceEvent& event) {
           return "±";
         case planes::Stage::list:
           return "✗";
-        case planes::Stage::split_disconnected:
-          return "÷";
         default:
           return planes::to_string(event.stage);
       }
-    case planes::EventType::wait:
-      return "…";
-    case planes::EventType::leave:
-      return "↩";
   }
   return {};
 }
@@ -247,7 +241,7 @@ void draw_sign(const Ui& ui, const planes::TraceEvent& event, ImVec2 at, ImU32 c
                                       sign.c_str());
 }
 
-/// The event in words, without the refinement's name where that is the row's sign.
+/// The event in words, without the stage's name where that is the row's sign.
 std::string words_of(const debug::Run& run, std::int32_t step) {
   const planes::TraceEvent& event = *run.event_at(step);
   std::string text = debug::describe_event(run, step);

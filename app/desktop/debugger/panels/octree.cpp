@@ -25,7 +25,7 @@ struct NodeShape {
   debug::NodeState state = debug::NodeState::queued;
   planes::Case decided = planes::Case::none;  // where settled
   bool at_max_depth = false;                  // hatched: its points went to the leftovers
-  bool impure_fit = false;                    // R4: a dot, conquered label by label
+  bool by_label = false;                      // a dot: fitted label by label
 };
 
 /// Corners of a regular polygon, the first at `turn` of a full turn from the right.
@@ -75,7 +75,7 @@ void draw_node_shape(const Ui& ui, ImVec2 centre, float radius, const NodeShape&
   } else if (shape.state == debug::NodeState::settled) {
     fill_case(draw, centre, radius, shape.decided, to_imgui(render::case_color(shape.decided)));
     if (shape.at_max_depth) hatch(ui, draw, centre, radius);
-    if (shape.impure_fit) draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.panel, 10);
+    if (shape.by_label) draw->AddCircleFilled(centre, radius * 0.4f, ui.colors.panel, 10);
   }
 }
 
@@ -102,8 +102,8 @@ void draw_shape_key(const Ui& ui, bool on_image) {
       {{settled, planes::Case::IV}, "IV", "case IV: a plane candidate"},
       {{settled, planes::Case::III, true}, "deepest", "I or III at the deepest level: left over"},
       {{settled, planes::Case::I, false, true},
-       "R4",
-       "R4 fitted each label's points instead of dividing"},
+       "labels",
+       "each label's points were fitted instead of dividing"},
   };
   if (on_image) entries.pop_back();
   const float line = ImGui::GetTextLineHeight();
@@ -161,8 +161,8 @@ std::string reason_of(const debug::Run& run, std::int32_t node) {
       return fmt::format("N_in {}", facts.purity.n_in);
     case planes::Case::III:
     case planes::Case::IV:
-      return run.segment_options.noise.rms_criterion3 ? "RMS " + length_text(facts.e_n)
-                                                      : fmt::format("e_n {:.2g}", facts.e_n);
+      return run.segment_options.by_objective() ? "RMS " + length_text(facts.e_n)
+                                                : fmt::format("e_n {:.2g}", facts.e_n);
   }
   return {};
 }
@@ -242,7 +242,7 @@ void draw_row(const Ui& ui, const debug::Run& run, const OctreeRow& row) {
   const debug::NodeState state = run.timeline.node_state(row.node, step);
   const bool settled = state == debug::NodeState::settled;
   draw_node_shape(ui, ImVec2(fold_end + line * 0.45f, at.y + line * 0.5f), line * 0.38f,
-                  {state, node.decided, node.at_max_depth, node.impure_fit});
+                  {state, node.decided, node.at_max_depth, node.by_label});
   ImDrawList* draw = ImGui::GetWindowDrawList();
   float x = fold_end + line * 1.15f;
   const auto write = [&](const std::string& text, ImU32 color, float room) {

@@ -102,7 +102,7 @@ void draw_cases(const Ui& ui,
   }
 }
 
-/// Planes founded stand tallest; merges, assignments and refinements less so.
+/// Planes founded stand tallest; merges, assignments and changes less so.
 void draw_plane_events(const Ui& ui,
                        const Rows& rows,
                        const std::vector<TimelineColumn>& columns,

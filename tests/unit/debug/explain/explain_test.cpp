@@ -66,38 +66,40 @@ TEST_P(Explained, NodesFailWhereTheirCaseSaysSo) {
   });
 }
 
-TEST_P(Explained, RefinementFourHoldsExactlyWhereItWasUsed) {
-  on_every_event([](const planescope::debug::Run& run, std::int32_t,
-                    const planes::TraceEvent& event) {
-    if (event.type != planes::EventType::decide) return;
-    const std::vector<Check> checks = explain_node(run, event.node).checks;
-    const bool asked = std::any_of(checks.begin(), checks.end(),
-                                   [](const Check& check) { return check.criterion == "R4"; });
-    ASSERT_EQ(asked && all(checks, "R4", Verdict::pass), run.octree().nodes[event.node].impure_fit);
-  });
+TEST_P(Explained, LabelsAreFittedExactlyWhereTheRunFittedThem) {
+  on_every_event(
+      [](const planescope::debug::Run& run, std::int32_t, const planes::TraceEvent& event) {
+        if (event.type != planes::EventType::decide) return;
+        const std::vector<Check> checks = explain_node(run, event.node).checks;
+        const bool asked = std::any_of(checks.begin(), checks.end(), [](const Check& check) {
+          return check.criterion == "By label";
+        });
+        ASSERT_EQ(asked && all(checks, "By label", Verdict::pass),
+                  run.octree().nodes[event.node].by_label);
+      });
 }
 
 TEST_P(Explained, TheChosenPartnerIsTheOneOfTheRun) {
-  on_every_event([](const planescope::debug::Run& run, std::int32_t step,
-                    const planes::TraceEvent& event) {
-    const MergeReport report = explain_merge(run, step);
-    std::int32_t chosen = -1;
-    for (const PartnerReport& partner : report.partners) {
-      if (partner.chosen) chosen = partner.plane;
-      if (partner.never_asked) continue;
-      // What is coplanar passes every check that is shown, and nothing else does.
-      ASSERT_EQ(partner.coplanar,
-                std::all_of(partner.checks.begin(), partner.checks.end(),
-                            [](const Check& check) { return check.verdict == Verdict::pass; }));
-    }
-    std::int32_t expected = -1;
-    if (event.type == planes::EventType::merge) expected = event.plane;
-    if (event.type == planes::EventType::refine && event.stage == planes::Stage::r7_second_merge)
-      expected = event.other;
-    ASSERT_EQ(chosen, expected);
-    ASSERT_TRUE(chosen < 0 || report.partners.front().chosen);
-    ASSERT_EQ(report.outcome.empty(), report.label == Label::unknown);
-  });
+  on_every_event(
+      [](const planescope::debug::Run& run, std::int32_t step, const planes::TraceEvent& event) {
+        const MergeReport report = explain_merge(run, step);
+        std::int32_t chosen = -1;
+        for (const PartnerReport& partner : report.partners) {
+          if (partner.chosen) chosen = partner.plane;
+          if (partner.never_asked) continue;
+          // What is coplanar passes every check that is shown, and nothing else does.
+          ASSERT_EQ(partner.coplanar,
+                    std::all_of(partner.checks.begin(), partner.checks.end(),
+                                [](const Check& check) { return check.verdict == Verdict::pass; }));
+        }
+        std::int32_t expected = -1;
+        if (event.type == planes::EventType::merge) expected = event.plane;
+        if (event.type == planes::EventType::refine && event.stage == planes::Stage::join)
+          expected = event.other;
+        ASSERT_EQ(chosen, expected);
+        ASSERT_TRUE(chosen < 0 || report.partners.front().chosen);
+        ASSERT_EQ(report.outcome.empty(), report.label == Label::unknown);
+      });
 }
 
 TEST_P(Explained, ALeftoverGoesWhereTheRunPutIt) {
@@ -130,22 +132,13 @@ INSTANTIATE_TEST_SUITE_P(
         NamedOptions{"paper_best_partner", with(planes::Profile::paper,
                                                 [](planes::SegmentOptions& o) {
                                                   o.merge_partner = planes::MergePartner::best;
-                                                  o.leftover_rule = planes::LeftoverRule::nearest;
                                                 })},
         NamedOptions{"paper_mean_without_labels", with(planes::Profile::paper,
                                                        [](planes::SegmentOptions& o) {
                                                          o.mse_normalization =
                                                              planes::MseNormalization::mean;
                                                          o.use_labels = false;
-                                                       })},
-        NamedOptions{"refined_first_partner", with(planes::Profile::refined,
-                                                   [](planes::SegmentOptions& o) {
-                                                     o.merge_partner = planes::MergePartner::first;
-                                                   })},
-        NamedOptions{"refined_split", with(planes::Profile::refined,
-                                           [](planes::SegmentOptions& o) {
-                                             o.split_disconnected.rule = planes::SplitRule::on;
-                                           })}),
+                                                       })}),
     [](const auto& param) { return param.param.name; });
 
 TEST(Explain, AStopIsSaidInWords) {

@@ -12,20 +12,13 @@
 namespace planescope::debug {
 namespace {
 
-planes::SegmentOptions split_options() {
-  planes::SegmentOptions options = planes::profile_options(planes::Profile::refined);
-  options.split_disconnected.rule = planes::SplitRule::on;
-  options.split_disconnected.gap_m = 0.025;
-  return options;
-}
-
 /// Every point of a few clouds under every profile.
 template <typename Check>
 void on_every_point(Check check) {
   for (const planes::SegmentOptions& options :
        {planes::profile_options(planes::Profile::paper),
         planes::profile_options(planes::Profile::paper_closest),
-        planes::profile_options(planes::Profile::refined), split_options()})
+        planes::profile_options(planes::Profile::refined)})
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       const auto run = test::run_of_cloud(seed, options);
       for (std::size_t i = 0; i < run->subject->voxel_count(); i += 5) check(*run, i);

@@ -41,8 +41,8 @@ TEST(FilterText, IsAcceptedAsTheManualShows) {
                            "!depth>5",
                            "-offset < -1.5e-2",
                            "(depth+1)*2 - 3/4 >= .5",
-                           "label==h && refinement==R3",
-                           "refinement!=split",
+                           "label==h && stage==grow",
+                           "stage!=parts",
                            "N_out>θ_Nout",
                            "mse<=theta_e_n",
                            "((case==I))",
@@ -225,8 +225,7 @@ TEST(Filter, AnEmptyTextMatchesEveryEvent) {
 TEST(Filter, KindsOfEventsPartTheTrace) {
   const auto run = run_of(planes::Profile::refined);
   std::size_t sum = 0;
-  for (const char* kind :
-       {"visit", "decide", "found", "merge", "assign", "drop", "refine", "wait", "leave"})
+  for (const char* kind : {"visit", "decide", "found", "merge", "assign", "drop", "refine"})
     sum += steps_of(*run, kind).size();
   EXPECT_EQ(sum, run->trace.events.size());
 }

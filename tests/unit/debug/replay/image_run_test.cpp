@@ -179,13 +179,12 @@ TEST(ImageRun, FiltersKnowItsStagesAndValues) {
   const auto& run = *test::box_run();
   EXPECT_FALSE(steps_matching(run, "stage==list").empty());
   EXPECT_EQ(steps_matching(run, "stage==list && value<worth_px"),
-            steps_matching(run, "refinement==list"));
+            steps_matching(run, "stage==list && refine"));
   EXPECT_EQ(steps_matching(run, "stage==join && value<merge_cost"),
             steps_matching(run, "stage==join"));
   EXPECT_EQ(steps_matching(run, "case==IV && value<=flat"), steps_matching(run, "case==IV"));
   EXPECT_EQ(steps_matching(run, "case==II && value<filled"), steps_matching(run, "case==II"));
-  for (const char* word : {"n_in", "n_out", "r_out", "n_h", "n_v", "mse", "sigma_ang", "theta_mse",
-                           "theta_rms", "tau"})
+  for (const char* word : {"n_in", "n_out", "r_out", "n_h", "n_v", "mse", "theta_mse"})
     EXPECT_TRUE(steps_matching(run, std::string(word) + ">=0").empty()) << word;
   EXPECT_TRUE(steps_matching(run, "decide && (label==h || label==v)").empty());
 }

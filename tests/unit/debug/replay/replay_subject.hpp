@@ -15,6 +15,7 @@ inline std::shared_ptr<debug::Subject> subject_of(const LabelledCloud& cloud) {
   prepared.cloud.T_world_sensor.translation() = Vec3d(-1.5, 0, 1);
   prepared.cloud.cube = cloud.cube;
   prepared.voxels.points = cloud.points;
+  subject->frame.cloud = PointSet{};
   prepared.classification.labels = cloud.labels;
   prepared.classification.margins.assign(cloud.labels.size(), 1.0f);
   return subject;

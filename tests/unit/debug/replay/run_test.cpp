@@ -87,9 +87,7 @@ TEST(Run, FactsCountTheTruePlanesOfEachNode) {
 }
 
 TEST(Run, EveryEventHasASentenceOfItsOwn) {
-  planes::PipelineOptions options = test::options_of(planes::Profile::refined);
-  options.segment.split_disconnected.rule = planes::SplitRule::on;
-  options.segment.split_disconnected.gap_m = 0.025;
+  const planes::PipelineOptions options = test::options_of(planes::Profile::refined);
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   for (std::int32_t step = 0; step <= run->steps(); ++step) {
     const std::string text = describe_event(*run, step);
@@ -102,9 +100,7 @@ TEST(Run, EveryEventHasASentenceOfItsOwn) {
 }
 
 TEST(Run, APlaneIsCalledByItsIdInTheResultAndOneThatDoesNotStayByANumberBeyond) {
-  planes::PipelineOptions options = test::options_of(planes::Profile::refined);
-  options.segment.split_disconnected.rule = planes::SplitRule::on;
-  options.segment.split_disconnected.gap_m = 0.025;
+  const planes::PipelineOptions options = test::options_of(planes::Profile::refined);
   const auto run = make_run(test::subject_of(test::random_cloud(4)), options);
   const Timeline& timeline = run->timeline;
   const auto listed = static_cast<std::int32_t>(run->segmentation.planes.size());
@@ -126,7 +122,7 @@ TEST(Run, APlaneIsCalledByItsIdInTheResultAndOneThatDoesNotStayByANumberBeyond) 
 
 TEST(Run, ASceneWithoutPointsHasNoSteps) {
   auto subject = std::make_shared<Subject>();
-  const auto run = make_run(subject, test::options_of(planes::Profile::refined));
+  const auto run = make_run(subject, test::options_of(planes::Profile::paper));
   EXPECT_EQ(run->steps(), 0);
   EXPECT_EQ(run->timeline.plane_count(), 0);
 }

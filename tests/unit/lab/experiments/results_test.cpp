@@ -32,7 +32,7 @@ std::string text_of(const fs::path& file) {
 TEST(PaperResults, ComeBackFromTheirFileToTheSameBytes) {
   PaperResults results = made_up_results();
   results.cells[0].metrics.alpha_deg = 1.0 / 3;
-  results.cells[0].key.setting = "without r6_refit";
+  results.cells[0].key.setting = "without bow";
   const fs::path once = fresh_dir(), again = once / "again";
   fs::create_directories(again);
   write_results(once, results);

@@ -7,12 +7,12 @@ namespace {
 
 TuningAnswer answer_with(const std::vector<double>& held_base,
                          const std::vector<double>& held_tuned) {
-  const Setting setting = {{"r10_pixels", "800"}};
+  const Setting setting = {{"worth_px", "800"}};
   TuningAnswer answer;
   answer.frames = {"a 0", "a 1"};
   answer.tuned.base = {{}, {50, 60}};
   answer.tuned.best = {setting, {55, 66}};
-  answer.tuned.changes = {{"r10_pixels", answer.tuned.base}};
+  answer.tuned.changes = {{"worth_px", answer.tuned.base}};
   answer.held.assign(held_base.size(), "b 0");
   answer.held_base = {{}, held_base};
   answer.held_tuned = {setting, held_tuned};
@@ -36,10 +36,10 @@ TEST(TuningAnswer, SaysWhetherWhatWasHeldOutGains) {
 
 TEST(TuningAnswer, NamesEachOptionWithWhatItWasIsAndIsWorth) {
   const std::string text = tuning_text(answer_with({50, 60}, {55, 66}));
-  EXPECT_NE(text.find("r10_pixels         400         800  5.50"), std::string::npos) << text;
+  EXPECT_NE(text.find("worth_px        1000         800  5.50"), std::string::npos) << text;
   EXPECT_EQ(tuned_profile(answer_with({50, 60}, {55, 66})),
             "{\n  \"schema\": \"planescope.profile/1\",\n  \"base\": \"refined\",\n"
-            "  \"options\": {\n    \"r10_pixels\": 800\n  }\n}\n");
+            "  \"options\": {\n    \"worth_px\": 800\n  }\n}\n");
 }
 
 TEST(TuningAnswer, TheProfileHasWhatTheSearchBeganWithButNothingOfTheRecording) {
@@ -52,7 +52,7 @@ TEST(TuningAnswer, TheProfileHasWhatTheSearchBeganWithButNothingOfTheRecording) 
   EXPECT_EQ(
       tuned_profile(answer),
       "{\n  \"schema\": \"planescope.profile/1\",\n  \"base\": \"paper\",\n  \"options\": {\n"
-      "    \"classifier\": \"pca\",\n    \"theta_n_in\": 9,\n    \"r10_pixels\": 800\n  }\n}\n");
+      "    \"classifier\": \"pca\",\n    \"theta_n_in\": 9,\n    \"worth_px\": 800\n  }\n}\n");
 }
 
 TEST(TuningAnswer, ThePictureStandsAloneAndFollowsTheReadersColours) {

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 const TuningPurpose kPurpose = {{"frames or labels", "abc"}, {"weights", "def"}};
 const Trial kFirst{{}, {1.0 / 3, 95.76322775203958}};
-const Trial kSecond{{{"theta_coplane", "0.9"}, {"r7_second_merge", "off"}}, {50, 0}};
+const Trial kSecond{{{"theta_coplane", "0.9"}, {"criterion4_n2", "off"}}, {50, 0}};
 
 std::string text_of(const fs::path& file) {
   const auto bytes = read_file_bytes(file);

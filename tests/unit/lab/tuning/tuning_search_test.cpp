@@ -10,17 +10,17 @@
 namespace planescope::lab {
 namespace {
 
-/// Scores known options: best at theta_coplane 0.9, r10_pixels 800 and r7_second_merge off. All
+/// Scores known options: best at two_planes 0.6, worth_px 2000 and use_labels off. All
 /// else does nothing, but for theta_n_in, which is good for the first frame alone.
 std::vector<double> known_scores(const planes::PipelineOptions& options, int frames) {
   const auto number = [&](const char* name) {
     return planes::number_of(planes::find_option(name), options);
   };
-  const double coplane = 100 * std::pow(number("theta_coplane") - 0.9, 2);
-  const double pixels = 5 * std::abs(std::log2(number("r10_pixels") / 800));
-  const double merge = planes::find_option("r7_second_merge").get(options) == "on" ? 3 : 0;
+  const double two = 25 * std::pow(number("two_planes") - 0.6, 2);
+  const double pixels = 5 * std::abs(std::log2(number("worth_px") / 2000));
+  const double merge = planes::find_option("use_labels").get(options) == "on" ? 3 : 0;
   std::vector<double> scores;
-  for (int i = 0; i < frames; ++i) scores.push_back(90 - i - coplane - pixels - merge);
+  for (int i = 0; i < frames; ++i) scores.push_back(90 - i - two - pixels - merge);
   scores[0] += std::min(10.0, number("theta_n_in"));
   return scores;
 }
@@ -58,10 +58,10 @@ TEST(TuningSearch, FindsTheBestOfAKnownScoreAndChangesNothingElse) {
   EXPECT_TRUE(tuned.complete);
   std::set<std::string> changed;
   for (const auto& [name, value] : tuned.best.setting) changed.insert(name);
-  EXPECT_EQ(changed, (std::set<std::string>{"r10_pixels", "r7_second_merge", "theta_coplane"}))
+  EXPECT_EQ(changed, (std::set<std::string>{"worth_px", "use_labels", "two_planes"}))
       << "theta_n_in gains on one frame alone: that is no reason to change it";
-  EXPECT_NEAR(value_of(tuned, "theta_coplane"), 0.9, 0.03);
-  EXPECT_NEAR(value_of(tuned, "r10_pixels"), 800, 1);
+  EXPECT_NEAR(value_of(tuned, "two_planes"), 0.6, 0.03);
+  EXPECT_NEAR(value_of(tuned, "worth_px"), 2000, 1);
   EXPECT_GT(mean_score(tuned.best), mean_score(tuned.base) + 7);
 }
 
@@ -69,14 +69,14 @@ TEST(TuningSearch, TellsWhatEachChangeIsWorthTheMostFirst) {
   Known known;
   const Tuned tuned = search_options(known.search());
   ASSERT_EQ(tuned.changes.size(), 3u);
-  EXPECT_EQ(tuned.changes[0].option, "r10_pixels");
-  EXPECT_EQ(tuned.changes[1].option, "r7_second_merge");
+  EXPECT_EQ(tuned.changes[0].option, "worth_px");
+  EXPECT_EQ(tuned.changes[1].option, "use_labels");
   EXPECT_NEAR(gain_of(tuned.best, tuned.changes[0].without).mean, 5, 1e-9);
   EXPECT_NEAR(gain_of(tuned.best, tuned.changes[1].without).mean, 3, 1e-9);
 }
 
 TEST(TuningSearch, EndsWithTheTrialsItMayMake) {
-  for (const int most : {1, 2, 30, 150, 200}) {
+  for (const int most : {1, 2, 30, 150}) {
     Known known;
     const Tuned tuned = search_options(known.search(most));
     EXPECT_EQ(tuned.asked, most);
@@ -93,7 +93,7 @@ TEST(TuningSearch, WhoeverEvaluatesMayEndItAndKeepsWhatWasFound) {
   TuningSearch search = known.search();
   const auto evaluate = search.evaluate;
   search.evaluate = [&](std::span<const Setting> settings, bool may_end) {
-    if (may_end && known.asked.size() > 220) throw TuningSpent();
+    if (may_end && known.asked.size() > 60) throw TuningSpent();
     return evaluate(settings, may_end);
   };
   const Tuned tuned = search_options(search);
@@ -126,12 +126,12 @@ TEST(TuningSpace, ValuesStayInTheirRangeAndComeNearerStepByStep) {
   const auto of = [](const char* name, double factor) {
     return values_to_try(planes::find_option(name), {}, factor);
   };
-  EXPECT_EQ(of("theta_coplane", 2), (std::vector<std::string>{"0.925", "0.7"}));
-  EXPECT_EQ(of("r10_pixels", 2), (std::vector<std::string>{"200", "800"}));
-  EXPECT_EQ(of("r7_second_merge", 2), (std::vector<std::string>{"off"}));
-  EXPECT_TRUE(of("r7_second_merge", kTuningFactors[1]).empty());
+  EXPECT_EQ(of("two_planes", 2), (std::vector<std::string>{"0.15", "0.6"}));
+  EXPECT_EQ(of("worth_px", 2), (std::vector<std::string>{"500", "2000"}));
+  EXPECT_EQ(of("use_labels", 2), (std::vector<std::string>{"off"}));
+  EXPECT_TRUE(of("use_labels", kTuningFactors[1]).empty());
   EXPECT_TRUE(of("pca_neighbours", 2).empty()) << "gcn does not read it";
-  EXPECT_TRUE(of("r8_tau_sigmas", 2).empty()) << "R8 is off";
+  EXPECT_TRUE(of("theta_e_n_m2", 2).empty()) << "the profile is refined";
   EXPECT_TRUE(of("region_patch_px", 2).empty()) << "the method is ours";
 }
 

@@ -32,25 +32,6 @@ Cloud random_cloud(std::uint64_t seed, int count) {
   return cloud;
 }
 
-TEST(Voxels, WithTheirSpreadsHaveTheMomentsOfAllTheirPoints) {
-  const Cloud cloud = random_cloud(3, 5000);
-  const VoxelCloud voxels = voxelize(cloud, 0.4);
-  const std::vector<Spread> spreads = voxel_spreads(cloud, voxels);
-  std::vector<Moments> of_points(voxels.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    if (voxels.voxel_of[i] != kNoVoxel)
-      of_points[voxels.voxel_of[i]].add(cloud.points[i].cast<double>());
-  for (std::size_t v = 0; v < voxels.points.size(); ++v) {
-    Moments one;
-    one.add(voxels.points[v].cast<double>(), spreads[v]);
-    const Moments& all = of_points[v];
-    EXPECT_NEAR(one.xx, all.xx / all.count, 1e-5);
-    EXPECT_NEAR(one.xy, all.xy / all.count, 1e-5);
-    EXPECT_NEAR(one.yz, all.yz / all.count, 1e-5);
-    EXPECT_NEAR(one.zz, all.zz / all.count, 1e-5);
-  }
-}
-
 TEST(Voxels, EqualAPlainMapOfCells) {  // 300000 points: the hash grows on the way
   for (const double size_m : {0.02, 0.05, 0.4, 5.0}) {
     const Cloud cloud = random_cloud(7, 300000);

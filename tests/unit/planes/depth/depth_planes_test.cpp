@@ -23,7 +23,6 @@ FrameResult planes_of(const Frame& frame,
                       const std::function<void(PipelineOptions&)>& change = {},
                       Trace* trace = nullptr) {
   PipelineOptions options = test::wall_options();
-  options.segment.objective.on = true;
   if (change) change(options);
   return run_frame(frame, options, nullptr, nullptr, trace);
 }

@@ -59,12 +59,13 @@ TEST_P(RealOutlines, CoverWhatTheirPixelsDo) {
   for (std::size_t k = 0; k < outlines.size(); ++k) {
     EXPECT_TRUE(is_valid(polygons_of(outlines[k]))) << "plane " << k + 1;
     if (pixels[k] < 0.02) continue;
-    EXPECT_NEAR(outlines[k].area_m2 / pixels[k], 1, 0.1) << "plane " << k + 1;
+    // Parts too small for an outline are left out.
+    EXPECT_NEAR(outlines[k].area_m2 / pixels[k], 1, 0.16) << "plane " << k + 1;
     all_m2 += outlines[k].area_m2;
     all_pixels_m2 += pixels[k];
   }
   ASSERT_GT(all_pixels_m2, 0.5);
-  EXPECT_NEAR(all_m2 / all_pixels_m2, 1, 0.05);
+  EXPECT_NEAR(all_m2 / all_pixels_m2, 1, 0.07);
 }
 
 INSTANTIATE_TEST_SUITE_P(

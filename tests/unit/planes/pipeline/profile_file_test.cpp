@@ -53,7 +53,7 @@ TEST(ProfileFile, EveryOptionComesBackAsItWasWritten) {
     PipelineOptions wanted;
     wanted.segment = profile_options(base);
     set_option(wanted, "theta_coplane", "0.8765432109876543");
-    set_option(wanted, "r10_pixels", "123");
+    set_option(wanted, "worth_px", "123");
     set_option(wanted, "gravity", "0,1,0");
     ProfileFile all{base, {}};
     for (const OptionInfo& info : option_table())

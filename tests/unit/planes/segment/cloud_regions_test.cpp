@@ -28,12 +28,9 @@ LabeledSet make(const std::string& set, int index, double noise_m) {
   return result;
 }
 
-Segmentation planes_of(const LabeledSet& set, Trace* trace = nullptr, int threads = 1) {
-  SegmentOptions options = profile_options(Profile::refined);
-  options.noise.sigma_by_range = false;
-  options.objective.on = true;
+Segmentation planes_of(const LabeledSet& set, Trace* trace = nullptr) {
   return segment(set.cloud.points, set.labels, test::cube_around(set.cloud.points), Vec3d::Zero(),
-                 options, trace, {}, threads);
+                 profile_options(Profile::refined), trace);
 }
 
 Metrics score(const std::string& set, double noise_m, int count) {
@@ -70,11 +67,11 @@ TEST(Objective, FindsTreadsThatAreThinSlabs) {
   EXPECT_GE(score("open_risers", 0.001, 4).mean_iou, 88);
 }
 
-TEST(Objective, IsTheSameTracedOrNotAndForAnyThreads) {
+TEST(Objective, IsTheSameTracedOrNot) {
   for (const char* set : {"stairs", "equal_boxes", "spiral"}) {
     const LabeledSet scene = make(set, 1, 0.002);
     Trace trace;
-    const Segmentation traced = planes_of(scene, &trace), plain = planes_of(scene, nullptr, 3);
+    const Segmentation traced = planes_of(scene, &trace), plain = planes_of(scene);
     EXPECT_EQ(traced.plane_of, plain.plane_of);
     // The trace tells where every point ended.
     std::vector<std::int32_t> last(scene.cloud.points.size(), -1);

@@ -92,62 +92,6 @@ TEST(Criterion4, CoincidentCentroidsHaveNoDirectionToCompare) {
   EXPECT_TRUE(is_coplanar(terms, profile_options(Profile::paper)));
 }
 
-Moments patch(const Vec3d& centre, double edge) {
-  Moments m;
-  for (const double u : {-0.5, 0.0, 0.5})
-    for (const double v : {-0.5, 0.0, 0.5}) m.add(centre + edge * Vec3d(u, v, 0));
-  return m;
-}
-
-DistanceTerms terms_of(const MeasuredPlane& a, const MeasuredPlane& b) {
-  return distance_terms(a, b, r1_merge_by_distance::kRefined);
-}
-
-TEST(DistanceMerge, KeepsAKerbApartHoweverFarTheCentroids) {
-  const Moments floor = patch({0, 0, 0}, 0.5), kerb = patch({3, 0, 0.12}, 0.5),
-                flat = patch({3, 0, 0}, 0.5);
-  const Bounds anywhere;
-  const auto measured = [&](const Moments& m, PlaneFit& fit) {
-    fit = fit_plane(m);
-    return MeasuredPlane{fit, m, 0.001, 0.01, anywhere};
-  };
-  PlaneFit a, b, c;
-  const MeasuredPlane f = measured(floor, a), k = measured(kerb, b), g = measured(flat, c);
-  EXPECT_FALSE(terms_of(f, k).passes());
-  EXPECT_TRUE(terms_of(f, g).passes());
-  EXPECT_NEAR(terms_of(f, k).offset2_m2, 0.12 * 0.12, 1e-12);
-  // Which of the two comes first does not matter.
-  EXPECT_DOUBLE_EQ(terms_of(f, k).offset2_m2, terms_of(k, f).offset2_m2);
-}
-
-TEST(DistanceMerge, AnUnsureNormalWidensTheBoundWithDistanceUpToHalfAMetre) {
-  const Moments near = patch({0.2, 0, 0}, 0.05), far = patch({0.5, 0, 0}, 0.05),
-                farther = patch({2, 0, 0}, 0.05);
-  const Moments own = patch({0, 0, 0}, 0.05);
-  const auto bound = [&](const Moments& other) {
-    const PlaneFit a = fit_plane(own), b = fit_plane(other);
-    return terms_of({a, own, 0.02, 0.01, {}}, {b, other, 0.05, 0.01, {}}).bound2_m2;
-  };
-  EXPECT_NEAR(bound(near), 1e-4 + 9 * 4e-4 * 0.04, 1e-9);
-  EXPECT_LT(bound(near), bound(far));
-  EXPECT_NEAR(bound(far), bound(farther), 1e-12);
-}
-
-TEST(DistanceMerge, ReachesOverAGapOnlyAsFarAsTheNormalIsKnown) {
-  // Two treads' noses lie on one slope, 30 cm apart: nothing but chance makes them coplanar.
-  const Moments a = patch({0, 0, 0}, 0.05), b = patch({0.3, 0, 0}, 0.05);
-  const PlaneFit fit_a = fit_plane(a), fit_b = fit_plane(b);
-  const auto terms = [&](double sigma_ang, double gap) {
-    Bounds here, there;
-    here.add({0, 0, 0});
-    there.add({gap, 0, 0});
-    return terms_of({fit_a, a, 0.001, 0.01, here}, {fit_b, b, sigma_ang, 0.01, there});
-  };
-  EXPECT_TRUE(terms(0.05, 0.05).passes()) << "neighbours may be unsure";
-  EXPECT_FALSE(terms(0.05, 0.25).passes()) << "3 * 0.05 * 0.25 m = 37 mm, more than tau";
-  EXPECT_TRUE(terms(0.005, 0.25).passes()) << "3 * 0.005 * 0.25 m = 4 mm, within tau";
-}
-
 TEST(Profiles, AreNamedAndUnknownNamesRefused) {
   for (const Profile p : {Profile::paper, Profile::paper_closest, Profile::refined}) {
     EXPECT_EQ(parse_profile(to_string(p)), p);
@@ -164,10 +108,6 @@ TEST(Profiles, PaperHasThePapersParameters) {
   EXPECT_EQ(o.theta_e_n_m2, 0.005);
   EXPECT_EQ(o.theta_coplane, 0.85);
   EXPECT_EQ(o.leftover_distance_m, 0.005);
-  for (const OptionInfo& info : option_table())
-    if (info.section == "refinements" && info.kind == OptionKind::on_off) {
-      EXPECT_EQ(default_value(info, Profile::paper), "off") << info.name;
-    }
 }
 
 }  // namespace

@@ -157,18 +157,6 @@ test::LabelledCloud two_tables() {
   return cloud;
 }
 
-TEST(Segment, PartsThatDoNotTouchAreSplitOnDemand) {
-  const test::LabelledCloud cloud = two_tables();
-  SegmentOptions options = profile_options(Profile::refined);
-  options.split_disconnected.rule = SplitRule::off;
-  EXPECT_EQ(run(cloud, options).planes.size(), 1u);
-  options.split_disconnected.rule = SplitRule::on;
-  const Segmentation s = run(cloud, options);
-  ASSERT_EQ(s.planes.size(), 2u);
-  EXPECT_NEAR(s.planes[0].fit.centroid.x(), 1.4, 1e-6);
-  EXPECT_NEAR(s.planes[1].fit.centroid.x(), 0.25, 1e-6);
-}
-
 TEST(Segment, OfACloudAllPartsAreSplit) {
   test::LabelledCloud cloud = two_tables();
   EXPECT_EQ(run(cloud, profile_options(Profile::refined)).planes.size(), 2u);
@@ -200,32 +188,6 @@ TEST(Segment, WithoutLabelsNoLabelIsLookedAt) {
       std::fill(cloud.labels.begin(), cloud.labels.end(), Label::h);
       EXPECT_EQ(run(cloud, options).plane_of, labelled.plane_of) << to_string(profile) << seed;
     }
-}
-
-TEST(Segment, OfSeenPartsThoseAreSplitThatTheSensorLookedBetween) {
-  const test::LabelledCloud cloud = two_tables();
-  const Vec3d sensor(0.7, 0.5, 1);
-  const auto planes_with = [&](const std::vector<Vec3d>& measured_beyond) {
-    Measurements more;
-    more.rays = true;
-    for (const Vec3d& p : measured_beyond) more.beyond.push_back(p.cast<float>());
-    return segment(cloud.points, cloud.labels, cloud.cube, sensor,
-                   profile_options(Profile::refined), nullptr, more)
-        .planes.size();
-  };
-  // The floor 70 cm below the gap, and what the sensor would see instead of it.
-  std::vector<Vec3d> floor, box, rim;
-  for (double x = 0.5; x < 1; x += 0.01)
-    for (double y = 0; y < 1; y += 0.01) {
-      const Vec3d ray = Vec3d(x, y, 0) - sensor;
-      floor.push_back(sensor + 1.7 * ray);
-      box.push_back(sensor + 0.8 * ray);
-      if (x < 0.6) rim.push_back(floor.back());
-    }
-  EXPECT_EQ(planes_with(floor), 2u);
-  EXPECT_EQ(planes_with(box), 1u) << "hidden: the tables may be one";
-  EXPECT_EQ(planes_with(rim), 1u) << "seen through for a fifth of the gap";
-  EXPECT_EQ(planes_with({}), 1u) << "no measurement in the gap";
 }
 
 TEST(Segment, DegenerateInputsAreAnswered) {

@@ -22,7 +22,6 @@ Metrics score(Profile profile, double noise_m, int count = 6) {
     std::vector<Label> labels;
     for (const std::uint8_t l : cloud.label) labels.push_back(static_cast<Label>(l));
     SegmentOptions options = profile_options(profile);
-    options.noise.sigma_by_range = false;
     const Segmentation s =
         segment(cloud.points, labels, test::cube_around(cloud.points), Vec3d::Zero(), options);
     std::vector<Vec3d> normals;
