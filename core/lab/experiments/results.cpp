@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "core/lab/bench/result_json.hpp"
 #include "core/model/error.hpp"
@@ -57,8 +59,8 @@ void visit_fields(Is<Cell> auto& cell, auto&& fields) {
   fields.nested("key", cell.key);
   fields("frames", cell.frames);
   planes::visit_values(cell.metrics, [&](const char* name, auto& value) {
-    if (planes::is_late_value(name))
-      fields.optional(name, value, true);
+    if (planes::is_late_value(name) || std::string_view(name).starts_with("label_accuracy"))
+      fields.optional(name, value, !std::isnan(static_cast<double>(value)));  // nan: no labels
     else
       fields(name, value);
   });

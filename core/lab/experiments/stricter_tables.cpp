@@ -65,7 +65,7 @@ std::vector<std::string> figures(const Cell& cell) {
   const bool labels =
       cell.key.method == "ours" && cell.key.classifier != "none" && cell.key.classifier != "truth";
   for (const double value : {m.label_accuracy_edge, m.label_accuracy_inner})
-    texts.push_back(labels ? fixed(value, 2) : "-");
+    texts.push_back(labels && value > 0 ? fixed(value, 2) : "-");
   return texts;
 }
 
