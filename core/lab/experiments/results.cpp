@@ -59,8 +59,11 @@ void visit_fields(Is<Cell> auto& cell, auto&& fields) {
   fields.nested("key", cell.key);
   fields("frames", cell.frames);
   planes::visit_values(cell.metrics, [&](const char* name, auto& value) {
-    if (planes::is_late_value(name) || std::string_view(name).starts_with("label_accuracy"))
-      fields.optional(name, value, !std::isnan(static_cast<double>(value)));  // nan: no labels
+    if constexpr (std::floating_point<std::remove_cvref_t<decltype(value)>>)
+      if (std::string_view(name).starts_with("label_accuracy"))
+        return fields.optional(name, value, !std::isnan(value), std::nan(""));  // without labels
+    if (planes::is_late_value(name))
+      fields.optional(name, value, true);
     else
       fields(name, value);
   });
@@ -109,7 +112,8 @@ struct Writer {
   Json json;
 
   void operator()(const char* name, const auto& value) { json[name] = value; }
-  void optional(const char* name, const auto& value, bool is_written) {
+  template <typename Value>
+  void optional(const char* name, const Value& value, bool is_written, const Value& = {}) {
     if (is_written) json[name] = value;
   }
   void nested(const char* name, const auto& document) {
@@ -125,8 +129,8 @@ struct Reader {
 
   void operator()(const char* name, auto& value) const { json.at(name).get_to(value); }
   template <typename Value>
-  void optional(const char* name, Value& value, bool) const {
-    value = json.value(name, Value{});
+  void optional(const char* name, Value& value, bool, const Value& missing = {}) const {
+    value = json.value(name, missing);
   }
   void nested(const char* name, auto& document) const {
     visit_fields(document, Reader{json.at(name)});
