@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.hpp"
@@ -59,6 +60,27 @@ TEST(BenchSteady, AStillCameraBeforeAFloorAndAWallKeepsBoth) {
   EXPECT_EQ(rounded["report_errors"]["mean"], 0.0);
   EXPECT_EQ(row_of(json, "dither of 5 %", "ours refined")["n"], 3);
   EXPECT_EQ(json["frames"].size(), json["rows"].size());
+}
+
+TEST(BenchSteady, ARealPanKeepsItsPlanes) {
+  const char* data = std::getenv("PLANESCOPE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "PLANESCOPE_DATA is not set";
+  const Ran ran =
+      bench_steady(fs::path(data) / "aims_slam_realsense_640x480",
+                   {"--only", "gravity,focal,dither", "--turns", "5", "--method", "ours",
+                    "--profile", "refined", "--intrinsics", "383.8,383.8,321.7,236.8", "--gravity",
+                    "0.168,0.925,0.341", "--max-range", "4", "--json"});
+  ASSERT_EQ(ran.code, 0) << ran.err;
+  const Json json = Json::parse(ran.out);
+  for (const char* change :
+       {"gravity turned", "fx x (1 + 1e-7)", "fx x (1 + 1e-5)", "fx, fy x (1 + 1e-6)"}) {
+    const Json& row = row_of(json, change, "ours refined");
+    EXPECT_EQ(row["n"], 5);
+    EXPECT_EQ(row["changed"]["mean"], 0.0) << change;
+    EXPECT_EQ(row["report_errors"]["mean"], 0.0) << change;
+    EXPECT_EQ(row["self_pq"]["mean"], 1.0) << change;
+  }
+  EXPECT_GE(row_of(json, "dither of 5 %", "ours refined")["self_pq"]["mean"], 0.8);
 }
 
 TEST(BenchSteady, IsTheSameForAnyNumberOfThreads) {
